@@ -47,11 +47,11 @@ LEGAL: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     **dict.fromkeys(QUIET, ((*CALLING, *QUIET), QUIET)),
     **{f"{kind}_ended": (QUIET, (*CALLING, *QUIET)) for kind in QUIET},
 }
-"""From which states to which an event of a kind may lead."""
+"""Legal transitions of each kind of event: states before and states after."""
 
 
 def step(session: Session, identification_id: int, rng: random.Random) -> None:
-    """Something happens to an alert. Raises Forbidden."""
+    """Apply an event to an alert. Raises Forbidden."""
     element = rng.choice(ELEMENTS)
     row = alerts.open_alert(session, MACHINE, rule=RULE, element=element)
 

@@ -42,9 +42,9 @@ AT_MOST_TWICE = 2.0
 
 @dataclass(frozen=True)
 class Figure:
-    """What is asked of addresses, one after the other: p99 of their latency [s], with all clients at once.
+    """A measured figure: requests of addresses, one after the other, with the p99 of their latency [s], all clients at once.
 
-    asked_s: None where nothing is asked: harder questions, of which no answer can be kept.
+    asked_s: required latency; None without a requirement: harder requests, whose responses cannot be cached.
     """
 
     name: str
@@ -53,17 +53,18 @@ class Figure:
 
 
 def several(count: int) -> str:
+    """Return the query parameters for the first `count` parameters."""
     return "&".join(f"parameter={name}" for name in PARAMETERS[:count])
 
 
 def starts(count: int) -> list[str]:
-    """Questions of which each is asked once: whatever is kept in memory, none was asked before."""
+    """Return requests that are each sent once, so that none can be answered from a cache."""
     begin = datetime.fromtimestamp(START / SECOND, UTC)
     return [f"&from={(begin + timedelta(seconds=second)).strftime('%Y-%m-%dT%H:%M:%SZ')}" for second in range(count)]
 
 
 def figures(requests: int) -> tuple[Figure, ...]:
-    """What is measured."""
+    """Return the figures that are measured."""
     weekly, long = f"/machines/weekly/trends?{several(4)}", f"/machines/{KEY.machine}/trends?{several(1)}"
     limits = [f"/alerts?limit={number}" for number in range(50, 151)]
     return (
@@ -81,7 +82,7 @@ def figures(requests: int) -> tuple[Figure, ...]:
 
 
 def fill(file: Path, *, seed: int) -> None:
-    """A store as a plant has it after years."""
+    """Fill a store as a plant has it after years."""
     rng = np.random.default_rng(seed)
     database = Database(sqlite_url(file))
     with database.transaction() as session:
@@ -126,16 +127,16 @@ class Round:
 
     @property
     def p99(self) -> np.ndarray:
-        """Of each figure."""
+        """Return the p99 of each figure."""
         return np.asarray(np.percentile(self.at_once, 99, axis=1))
 
     def together(self, asked: list[bool]) -> float:
-        """p99 of all questions of these figures."""
+        """Return the p99 of all requests of these figures."""
         return float(np.percentile(self.at_once[asked], 99))
 
 
 def one_round(base: str, options: argparse.Namespace) -> Round:
-    """Each figure once."""
+    """Measure each figure once."""
     firsts, at_once = [], []
     for figure in figures(options.requests):
         firsts.append(latencies(base, figure.paths, clients=1, requests=1)[0])

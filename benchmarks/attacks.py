@@ -1,4 +1,4 @@
-"""How long `/alive` takes while the service is attacked: each attack that the tests make on a service of its own.
+"""Latency of `/alive` while the service is attacked: each attack that the tests make on a service of its own.
 
 Attacks whose tests need no running service (a revoked key restored, rows without bound, a damaged page) are held by those
 tests; here are the ones beside which a supervisor asks whether the service is alive. One line each: whether the attack was

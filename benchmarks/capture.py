@@ -37,14 +37,14 @@ class Outcome:
 
 
 def picked(run: Measurement, times: Floats, count: int) -> Measurement:
-    """Some samples as they are."""
+    """Return some samples unchanged."""
     which = np.zeros(run.speed.size, dtype=bool)
     which[thinned(time=(1e9 * times).astype(np.int64), speed=run.speed, count=count)] = True
     return run.pick(which)
 
 
 def averaged(machine: Machine, run: Measurement, count: int) -> Measurement:
-    """Means over bands of speed of equal width; the error of a mean is the document's over the root of the number."""
+    """Return means over bands of speed of equal width; the error of a mean is the document's over the root of the number."""
     edges = np.linspace(run.speed.min(), run.speed.max(), count + 1)
     band = np.clip(np.searchsorted(edges, run.speed, side="right") - 1, 0, count - 1)
     inside = [np.flatnonzero(band == i) for i in range(count)]
@@ -58,6 +58,7 @@ def averaged(machine: Machine, run: Measurement, count: int) -> Measurement:
 
 
 def outcome(machine: Machine, truth: Truth, run: Measurement) -> Outcome:
+    """Identify a run; return time, verdict and errors of the direct terms."""
     began = time.perf_counter()
     result = identify(machine, run)
     seconds = time.perf_counter() - began
@@ -72,6 +73,7 @@ def outcome(machine: Machine, truth: Truth, run: Measurement) -> Outcome:
 
 
 def main(given: list[str] | None = None) -> None:
+    """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--samples", type=int, default=12_000)
     parser.add_argument("--seeds", type=int, default=3)

@@ -26,7 +26,7 @@ LINGER_S = 3600.0
 
 
 def publishing_process(options: argparse.Namespace) -> None:
-    """All sources on one session, their logs filled before anybody listens."""
+    """Publish from all sources on one session, their logs filled before anybody listens."""
     with session(listen=[], connect=[options.connect]) as stream:
         start = time.time_ns() - options.batches * options.size * STEP_NS
         sources = [Source(stream, Key(PLANT, name), name="edge") for name in options.publish.split(",")]
@@ -76,7 +76,7 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
 
 
 def received(service: Service) -> int:
-    """Samples that the service has stored."""
+    """Return the number of samples that the service has stored."""
     return sum(row["received"] for row in service.get("/sources", limit=1000))
 
 

@@ -63,7 +63,7 @@ class Ledger:
 
 @dataclass(frozen=True)
 class Journal:
-    """What the store holds of each machine: its sequence numbers and times in order, and each sample's latency [s]."""
+    """The stored samples of each machine: their sequence numbers and times in order, and each sample's latency [s]."""
 
     numbers: dict[str, np.ndarray]
     times: dict[str, np.ndarray]
@@ -71,7 +71,7 @@ class Journal:
 
     @classmethod
     def read(cls, database: str, ledger: Ledger | None = None) -> "Journal":
-        """All of it, from the service's database."""
+        """Read all samples from the service's database."""
         numbers: dict[str, list[np.ndarray]] = {}
         times: dict[str, list[np.ndarray]] = {}
         latency: list[np.ndarray] = []
@@ -95,7 +95,7 @@ class Journal:
         )
 
     def faults(self, machines: list[str], *, samples: int) -> tuple[int, int]:
-        """How many of each machine's `samples` are missing, and how many are stored more than once or out of order."""
+        """Return how many of each machine's `samples` are missing, and how many are stored more than once or out of order."""
         lost = twice = 0
         for machine in machines:
             found = self.numbers.get(machine, np.empty(0, int))
@@ -106,7 +106,7 @@ class Journal:
 
 
 def create_machines(service: Service, count: int, *, channels: int = 8) -> list[str]:
-    """So many machines of 8 or 16 channels, alike but for their ids."""
+    """Create machines of 8 or 16 channels, alike except for their ids; return the ids."""
     names = [f"m{number:03d}" for number in range(count)]
     document = example(MACHINE)
     turned = [probe | {"id": further(probe["id"]), "angle_deg": probe["angle_deg"] + 45} for probe in document["probes"]]
@@ -118,13 +118,13 @@ def create_machines(service: Service, count: int, *, channels: int = 8) -> list[
 
 
 def further(channel: str) -> str:
-    """The second probe beside one of the example's."""
+    """Return the second probe beside one of the example's."""
     return f"{channel}2"
 
 
 @contextlib.contextmanager
 def router(folder: Path, endpoint: str) -> Iterator["subprocess.Popen[bytes]"]:
-    """A zenoh router as a process of its own, ready."""
+    """Yield a zenoh router in a process of its own, once it is ready."""
     log = folder / "router.log"
     with process(log, "router", "--listen", endpoint) as started:
         until(lambda: "routing on" in log.read_text(), within_s=20, what="the router listens")
@@ -133,7 +133,7 @@ def router(folder: Path, endpoint: str) -> Iterator["subprocess.Popen[bytes]"]:
 
 @contextlib.contextmanager
 def publishing(*arguments: str) -> Iterator["subprocess.Popen[bytes]"]:
-    """A benchmark's own publishing process."""
+    """Yield a benchmark's own publishing process."""
     started = subprocess.Popen([sys.executable, *arguments])
     try:
         yield started
@@ -152,12 +152,12 @@ class Usage:
     _began: float = 0.0
 
     def begin(self) -> None:
-        """From here on."""
+        """Begin the measurement."""
         self._before = {name: _processor_s(one) for name, one in self.processes.items()}
         self._began = time.perf_counter()
 
     def text(self) -> str:
-        """Until now, a line a process."""
+        """Return the usage until now, a line per process."""
         elapsed = time.perf_counter() - self._began
         lines = []
         for name, one in self.processes.items():
@@ -178,6 +178,6 @@ def patiently(seconds: float) -> bool:
 
 
 def percentiles(seconds: np.ndarray) -> str:
-    """p50, p95, p99 and the largest, in words."""
+    """Return p50, p95, p99 and the largest value as text."""
     p50, p95, p99 = np.percentile(seconds, [50, 95, 99])
     return f"p50 {p50:.3f} s   p95 {p95:.3f} s   p99 {p99:.3f} s   max {seconds.max():.3f} s"

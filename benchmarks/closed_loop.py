@@ -44,7 +44,10 @@ class _Client:
 
 
 def latencies(base: str, paths: list[str], *, clients: int, requests: int) -> np.ndarray:
-    """Latencies [s] of so many GETs, `clients` at once, going round the paths. Raises ValueError on any answer but 200."""
+    """Return the latencies [s] of so many GETs from `clients` concurrent clients, cycling through the paths.
+
+    Raises ValueError on any answer but 200.
+    """
     place = urlsplit(base)
     asked = cycle([_request(place.netloc, place.path + path) for path in paths])
     found: list[float] = []

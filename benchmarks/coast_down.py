@@ -55,7 +55,7 @@ BLOCK_S = 0.5
 SAMPLES = 300
 """Phasors that a run keeps, evenly over its time: as many as there are blocks at most."""
 STEP_S = 0.002
-"""Of the integration at 20 rpm/s, with the root of the rate."""
+"""Time step of the integration at 20 rpm/s; it scales with the root of the rate."""
 TIMED_SAMPLES = 150
 NOISE = 0.01
 COEFFICIENT_SPREAD, UNBALANCE_SPREAD = 0.1, 0.2
@@ -88,7 +88,7 @@ class Score:
 
 
 def true_document(example: str = "thesis-chapter-3", damping: float = DAMPING) -> Document:
-    """An example with its damping scaled."""
+    """Return an example with its damping scaled."""
     document: Document = yaml.safe_load((EXAMPLES / f"{example}.yaml").read_text(encoding="utf-8"))
     for part in (*document["bearings"], *document["couplings"]):
         for name in ("cxx", "cxy", "cyx", "cyy"):
@@ -98,7 +98,7 @@ def true_document(example: str = "thesis-chapter-3", damping: float = DAMPING) -
 
 
 def nominal_document(true: Document, rng: np.random.Generator) -> Document:
-    """What somebody believes of it."""
+    """Return the document with wrong nominal values that the fit starts from."""
     document = copy.deepcopy(true)
     for part in (*document["bearings"], *document["couplings"]):
         for name in part:
@@ -110,7 +110,7 @@ def nominal_document(true: Document, rng: np.random.Generator) -> Document:
 
 
 def swept(machine: Machine, rate_rpm_per_s: float, from_rpm: float = FROM_RPM) -> Swept:
-    """A coast-down through the whole chain: integrated, sampled, keyphasor, order tracking."""
+    """Return a coast-down through the whole chain: integrated, sampled, keyphasor, order tracking."""
     duration = (from_rpm - TO_RPM) / rate_rpm_per_s
     law = SpeedLaw.through(np.array([0.0, duration]), np.array([rpm_to_rad_per_s(from_rpm), rpm_to_rad_per_s(TO_RPM)]))
     moved = coast_down(machine, law, step=STEP_S * math.sqrt(20.0 / rate_rpm_per_s))
@@ -130,7 +130,7 @@ def swept(machine: Machine, rate_rpm_per_s: float, from_rpm: float = FROM_RPM) -
 
 
 def recorded(machine: Machine, run: Swept, rng: np.random.Generator) -> tuple[RecordedRun, Measurement]:
-    """The run with its noise."""
+    """Return the run with its noise."""
     noise = rng.standard_normal(run.phasor.shape) + 1j * rng.standard_normal(run.phasor.shape)
     phasor = run.phasor + NOISE / math.sqrt(2) * np.abs(run.phasor) * noise
     status = np.full(phasor.shape, ChannelStatus.GOOD, np.uint8)
@@ -139,7 +139,7 @@ def recorded(machine: Machine, run: Swept, rng: np.random.Generator) -> tuple[Re
 
 
 def score(found: Identification, true: Document) -> Score:
-    """The estimates against the truth."""
+    """Return the estimates compared with the truth."""
     errors: list[float] = []
     held: list[bool] = []
     for one in found.estimates:

@@ -44,7 +44,7 @@ Row = dict[str, Any]
 
 
 def build(url: str, *, count: int, identified: int, weeks: int) -> None:
-    """Machines, and for some of them a run, a job, an identification and its estimates a week."""
+    """Store machines, and for some of them a run, a job, an identification and its estimates per week."""
     database = Database(url)
     with database.transaction() as session:
         machines.create(session, machine())

@@ -1,4 +1,4 @@
-"""Whether the API keeps to its own OpenAPI document, whatever it is asked: schemathesis against a service process with data.
+"""Conformance of the API to its own OpenAPI document for any request: schemathesis against a service process with data.
 
 Each operation is asked with the limits of its schema and with generated values, right ones and wrong ones; then operations
 follow one another, each with what earlier answers held, along the links that schemathesis infers from the document.
@@ -46,9 +46,9 @@ ASKED = 500
 RUNS = 7
 RUN_SAMPLES = 40
 LONGEST_WORDS = 1500
-"""What is printed of one failure [characters]."""
+"""Largest part of a failure that is printed [characters]."""
 STREAM_S = 0.3
-"""How long a stream that never ends is read [s]."""
+"""Time for which an endless stream is read [s]."""
 CHECKS = (
     "not_a_server_error",
     "status_code_conformance",
@@ -62,7 +62,7 @@ CHECKS = (
 )
 """Left out is positive_data_acceptance: that ends come in order or a cursor is one of this list, no schema says."""
 ANSWERS: dict[str, dict[str, Any]] = {"missing_required_header": {"expected-statuses": ["400", "415", "422", "428"]}}
-"""What a check takes for right: a change without If-Match is answered 428 (RFC 6585)."""
+"""Configuration of the checks: a change without If-Match is answered 428 (RFC 6585)."""
 KNOWN: dict[str, list[Any]] = {
     "path.machine_id": [KEY.machine, "fan-2"],
     "path.alert_id": [1, 2],
@@ -83,22 +83,22 @@ KNOWN: dict[str, list[Any]] = {
 
 @dataclass
 class Outcome:
-    """What was asked, and what was not as the document says. asked: requests by phase and operation."""
+    """Counts of requests, and the deviations from the document. asked: requests by phase and operation."""
 
     asked: dict[str, Counter[str]] = field(default_factory=dict)
     answered: Counter[int] = field(default_factory=Counter)
     failures: dict[tuple[str, str, str], str] = field(default_factory=dict)
-    """By operation, check and title: what came, and how to ask for it again."""
+    """Response and reproduction by operation, check and title."""
     errors: list[str] = field(default_factory=list)
-    """What schemathesis could not do."""
+    """Errors of schemathesis itself."""
 
     def generated(self, operation: str) -> int:
-        """Requests with generated values."""
+        """Return the number of requests with generated values."""
         return self.asked.get("fuzzing", Counter())[operation]
 
 
 def fill(file: Path) -> None:
-    """A store in which every operation finds something."""
+    """Fill a store in which every operation finds something."""
     database = Database(sqlite_url(file))
     anna = Person("anna", "looked at it")
     with database.transaction() as session:
@@ -135,7 +135,8 @@ def _sweep(begin: int) -> Samples:
 
 
 def configuration(*, examples: int, sequences: int, seed: int, limits: bool, only: Sequence[str] = ()) -> dict[str, Any]:
-    """What schemathesis is told. limits: whether each schema's limits are asked for one by one. only: these operations."""
+    """Return schemathesis's configuration. limits: whether each schema's limits are tested one by one. only: these
+    operations."""
     names = {name: name.replace(".", "_").replace("-", "_") for name in KNOWN}
     return {
         "seed": seed,

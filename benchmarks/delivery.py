@@ -34,7 +34,7 @@ from storage.machines import machines
 from tests.plant import START, identification, machine, store_identification
 
 KINDS = {"hang": 30, "error": 30, "gone": 10, "ok": 30}
-"""How many of the hundred receivers do what."""
+"""Number of the hundred receivers with each behaviour."""
 TRANSITIONS = 400
 RATE = 4.0
 """Transitions in a second."""
@@ -54,7 +54,7 @@ class Times:
 
 @contextmanager
 def receivers(times: Times) -> Iterator[int]:
-    """One HTTP server that plays all receivers, by path; its port."""
+    """Yield the port of an HTTP server that plays all receivers."""
     over = threading.Event()
 
     class Handler(BaseHTTPRequestHandler):
@@ -109,7 +109,7 @@ def listen(url: str, times: Times, wanted: int) -> None:
 
 
 def transition(session: Session, rng: random.Random, identification_id: int, number: int) -> str | None:
-    """A random transition of one of forty elements; the event's id."""
+    """Apply a random transition to one of forty elements; return the event's id."""
     element = f"coupling.C{rng.randrange(40)}"
     row = alerts.open_alert(session, "pump-7", rule="misalignment", element=element)
     if row is None:
@@ -123,13 +123,13 @@ def transition(session: Session, rng: random.Random, identification_id: int, num
 
 
 def quantiles(values: Sequence[float]) -> tuple[float, float, float]:
-    """Median, 99th percentile and largest."""
+    """Return median, 99th percentile and largest value."""
     ordered = sorted(values)
     return statistics.median(ordered), ordered[min(len(ordered) - 1, int(0.99 * len(ordered)))], ordered[-1]
 
 
 def run(folder: Path, transitions: int, seed: int) -> str:
-    """One run as text."""
+    """Run the benchmark once; return its result as text."""
     logging.disable(logging.WARNING)
     rng, times = random.Random(seed), Times()
     database = Database(f"sqlite:///{folder}/alerts.db")

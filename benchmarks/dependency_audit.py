@@ -18,7 +18,7 @@ OWN = "rundown"
 
 @dataclass(frozen=True)
 class Judged:
-    """What an audit found. looked_up: packages that advisories are known of; others: those that nothing is known of."""
+    """The result of an audit. looked_up: packages covered by advisories; others: those that are not."""
 
     found: list[str] = field(default_factory=list)
     looked_up: int = 0
@@ -26,7 +26,7 @@ class Judged:
 
     @property
     def words(self) -> str:
-        """For people."""
+        """Return the result as text."""
         if self.found:
             return "\n".join(["VULNERABLE:", *self.found])
         if not self.looked_up:
@@ -36,7 +36,7 @@ class Judged:
 
 
 def judged(report: Mapping[str, Any]) -> Judged:
-    """What a report of pip-audit says."""
+    """Return the result in a report of pip-audit."""
     found, looked_up, others = [], 0, []
     for one in report["dependencies"]:
         if "skip_reason" in one:

@@ -38,7 +38,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def report(machine: Machine, runs: int) -> str:
-    """Coverage by kind of quantity, and the ratio of costs, of one machine."""
+    """Return coverage by kind of quantity, and the ratio of costs, of one machine."""
     inside: dict[str, list[bool]] = defaultdict(list)
     missing: dict[str, int] = defaultdict(int)
     ratios, accepted = [], 0
@@ -66,7 +66,7 @@ def report(machine: Machine, runs: int) -> str:
 
 
 def identified(machine: Machine, seed: int) -> tuple[Truth, Identification, float]:
-    """A drawn machine, its identification, and what that took [s of processor]. E and density are as documented."""
+    """Return a drawn machine, its identification, and the time that took [s of processor]. E and density are as documented."""
     rng = np.random.default_rng(seed)
     drawn = draw_truth(machine, rng)
     truth = replace(drawn, factors=dict.fromkeys(drawn.factors, 1.0))
@@ -78,13 +78,13 @@ def identified(machine: Machine, seed: int) -> tuple[Truth, Identification, floa
 
 
 def true_model(machine: Machine, truth: Truth) -> UpdatedModel:
-    """The model of the true parameters, exactly known."""
+    """Return the model of the true parameters, exactly known."""
     none = np.zeros_like(expected_model(machine).covariance)
     return UpdatedModel.of(machine, coefficients=truth.coefficients, unbalances=truth.unbalances, covariance=none)
 
 
 def kind(one: Derived) -> str:
-    """What sort of quantity it is, such as `amplification_factor`."""
+    """Return the kind of a quantity, such as `amplification_factor`."""
     parts = one.name.split(".")
     return parts[2] if len(parts) > 2 else parts[0]
 

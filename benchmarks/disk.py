@@ -1,4 +1,4 @@
-"""What a run takes on the disk: 10,000 samples of 16 channels with noise on every number, its blocks and the run itself.
+"""Disk space of a run: 10,000 samples of 16 channels with noise on every number, as blocks and as the run itself.
 
 The phasors cross a resonance, with noise of 0.1 µm rms; each case is stored in a new SQLite file, and read back to the bit.
 
@@ -29,7 +29,7 @@ ASKED_MB = 3.0
 
 
 def noisy(count: int = COUNT, channels: int = CHANNELS) -> Samples:
-    """A run-down as it comes through the door: 1×, 2×, and the scatter that the source states."""
+    """Return a run-down as it arrives: 1×, 2×, and the scatter that the source states."""
     rng = np.random.default_rng(1)
     speed = np.linspace(314.0, 31.0, count)
     table = (count, channels)
@@ -51,7 +51,7 @@ def noisy(count: int = COUNT, channels: int = CHANNELS) -> Samples:
 
 
 def bytes_in_file(folder: Path, held: Samples, *, size: int | None) -> float:
-    """What an SQLite file grows by [MB] with the samples as blocks of a size, or as a run."""
+    """Return how much an SQLite file grows [MB] with the samples in blocks of a size, or as a run."""
     probes = [{"id": f"P{i}", "shaft": "S1", "station": 0.6, "angle_deg": 10 * i} for i in range(CHANNELS)]
     database = Database(f"sqlite:///{folder / f'{size}.db'}")
     file = folder / f"{size}.db"

@@ -40,7 +40,7 @@ COMPRESSED = {
     "RUNDOWN_GATHERED_INTERVAL_S": "150",
     "RUNDOWN_BASELINE_RUNS": "5",
 }
-"""What happens in a day's time, in an hour's."""
+"""Settings that compress a day's events into an hour."""
 LOOKED_AT = (
     "/fleet",
     "/health",
@@ -70,7 +70,7 @@ class Readings:
     happened: dict[str, int] = field(default_factory=dict)
 
     def read(self, process: psutil.Process, database: Path) -> None:
-        """One more."""
+        """Add one reading."""
         self.at.append(time.monotonic())
         self.memory.append(process.memory_info().rss / 1e6)
         self.workers.append(sum(_memory(child) for child in process.children(recursive=True)) / 1e6)
@@ -79,7 +79,7 @@ class Readings:
         self.database.append(_size(database))
 
     def slope(self) -> tuple[float, float]:
-        """Of the memory after the warm-up, and its standard error [MB/h]."""
+        """Return the slope of the memory after the warm-up, and its standard error [MB/h]."""
         first = round(WARM_UP * len(self.at))
         hours = (np.array(self.at[first:]) - self.at[first]) / 3600.0
         memory = np.array(self.memory[first:])
@@ -99,7 +99,7 @@ def _size(file: Path) -> float:
 
 
 def measured(folder: Path, options: argparse.Namespace) -> Readings:
-    """What was read while the service worked."""
+    """Return the readings taken while the service worked."""
     service = Service(folder, **(COMPRESSED if options.starts else {}))
     readings = Readings()
     with service.running() as serving, living(service, folder, options), looking(service, wanted=options.starts):
@@ -116,7 +116,7 @@ def measured(folder: Path, options: argparse.Namespace) -> Readings:
 
 
 def living(service: Service, folder: Path, options: argparse.Namespace) -> AbstractContextManager[Any]:
-    """Sources of so many machines, as another process."""
+    """Return a context in which another process publishes from sources of so many machines."""
     machines = create_machines(service, options.machines)
     if not options.starts:
         arguments = ["-m", "benchmarks.throughput", "--publish", ",".join(machines), "--connect", service.endpoint]
@@ -135,7 +135,7 @@ def living(service: Service, folder: Path, options: argparse.Namespace) -> Abstr
 
 @contextlib.contextmanager
 def looking(service: Service, *, wanted: bool) -> Iterator[None]:
-    """Somebody asks for what the pages show and for the metrics, once a second until the end; a refusal is raised there."""
+    """Request what the pages show, and the metrics, once a second until the end of the block, where a refusal is raised."""
     ended = threading.Event()
     refused: list[str] = []
 
@@ -161,7 +161,7 @@ def looking(service: Service, *, wanted: bool) -> Iterator[None]:
 
 
 def happened(service: Service) -> dict[str, int]:
-    """How many runs, identifications and alert events there were of all machines."""
+    """Return the number of runs, identifications and alert events of all machines."""
     machines = service.get("/fleet", since="2000-01-01T00:00:00Z")["machines"]
     return {kind: sum(one["happened"][kind] for one in machines) for kind in ("runs", "identifications", "alert_events")}
 
@@ -190,7 +190,7 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
 
 
 def received(service: Service) -> int:
-    """Samples that the service has stored."""
+    """Return the number of samples that the service has stored."""
     return sum(source["received"] for source in service.get("/sources"))
 
 

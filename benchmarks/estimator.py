@@ -32,19 +32,19 @@ MEMORY_SPEEDS = 5000
 
 
 def converged(found: Identification) -> bool:
-    """Whether χ²/dof is within five standard deviations of 1."""
+    """Return whether χ²/dof is within five standard deviations of 1."""
     return abs(found.chi_square / found.degrees_of_freedom - 1) <= 5 * math.sqrt(2 / found.degrees_of_freedom)
 
 
 def model() -> list[str]:
-    """The model's response beside the one that ROSS computed on the same mesh."""
+    """Return the row on the model's response against the one that ROSS computed on the same mesh."""
     train = two_shafts()
     deviation = np.abs(modelled(train.machine, train.speed) - train.clean) / np.abs(train.clean)
     return [_row("model against ROSS, same mesh, relative", "<= 1e-9", f"{deviation.max():.1e}")]
 
 
 def efficiency(seeds: int) -> list[str]:
-    """Errors over their bound, and coverage of the intervals, over noise seeds."""
+    """Return the rows on errors over their bound, and coverage of the intervals, over noise seeds."""
     lines = []
     for relative in (0.01, 0.05):
         train = two_shafts().stating(relative)
@@ -67,7 +67,7 @@ def efficiency(seeds: int) -> list[str]:
 
 
 def convergence(trials: int) -> list[str]:
-    """Identifications from documents that are wrong by up to ±50 %."""
+    """Return the rows on identifications from documents that are wrong by up to ±50 %."""
     lines = []
     for name, train, asked in (("two shafts", two_shafts(), "99.5 %"), ("three shafts", three_shafts(), "98 %")):
         rng = np.random.default_rng(2024)
@@ -87,7 +87,7 @@ def convergence(trials: int) -> list[str]:
 
 
 def silence() -> list[str]:
-    """Documents that say nothing about some of their elements."""
+    """Return the rows on documents without nominal values of some elements."""
     train = two_shafts()
     lines = []
     for kinds in (("discs", "bearings"), ("discs", "bearings", "couplings")):
@@ -102,7 +102,7 @@ def silence() -> list[str]:
 
 
 def model_bias(seeds: int) -> list[str]:
-    """E and density of the document 5 % off, with a stated spread of 5 %."""
+    """Return the rows on E and density of the document 5 % off, with a stated spread of 5 %."""
     train = two_shafts()
     errors, deviations = [], []
     for elastic in (0.95, 1.05):
@@ -123,7 +123,7 @@ def model_bias(seeds: int) -> list[str]:
 
 
 def outlying(seeds: int) -> list[str]:
-    """A twentieth of the points off: by 30 % with random phase, or of wholly random phase."""
+    """Return the rows on a twentieth of the points off: by 30 % with random phase, or of wholly random phase."""
     train = two_shafts()
     lines = []
     for whole in (False, True):
@@ -180,14 +180,15 @@ def speed(repeats: int) -> list[str]:
 
 
 def dense_speeds(count: int) -> Train:
-    """The Chapter 3 train at many speeds."""
+    """Return the Chapter 3 train at many speeds."""
     train = two_shafts()
     speeds = np.linspace(train.speed[0], train.speed[-1], count)
     return Train(train.document, speeds, modelled(train.machine, speeds), train.truth)
 
 
 def own_script() -> list[str]:
-    """What a user would write: dense finite elements, least_squares, finite differences; same data, start and answer."""
+    """Return the rows on a user's own script: dense finite elements, least_squares, finite differences; same data, start and
+    answer."""
     train = two_shafts()
     # Near the truth, for from 10 % off the script ends elsewhere.
     machine = parse_machine({**off(train.document, np.random.default_rng(3), 0.02), "discs": train.document["discs"]})
@@ -272,7 +273,7 @@ def _median_time(call: Callable[[], object], repeats: int) -> float:
 
 
 def _size(truth: Floats) -> Floats:
-    """What a bound is compared with: the value; of an unbalance's parts, the unbalance."""
+    """Return the size that a bound is relative to: the value or, for the parts of an unbalance, the unbalance."""
     size = np.abs(truth)
     size[-8:] = np.repeat(np.hypot(truth[-8::2], truth[-7::2]), 2)
     return size

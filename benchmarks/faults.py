@@ -27,7 +27,7 @@ PARTITIONS, PARTITION_S = 5, 30.0
 
 
 def every_scenario(rounds: int, kills: int) -> Iterator[tuple[str, Callable[[Path], object]]]:
-    """Their names, and what to call."""
+    """Yield the name of each scenario, and the function that runs it."""
     for order in every_order():
         name = "killed " + ", ".join(order)
         yield name, partial(scenarios.killed_in_turn, order=order, samples=1000)
@@ -96,7 +96,7 @@ def _alone_on_sqlite(folder: Path, *, seed: int, kills: int) -> roles.Killed:
 
 
 def roles_on_postgresql(folder: Path, *, seed: int, kills: int) -> roles.Killed:
-    """On a server of its own."""
+    """Run the scenario of roles on a PostgreSQL server of its own."""
     with postgresql.server() as server:
         return roles.killed_at_random(folder, database=server.url, names=roles.ROLES, seed=seed, kills=kills)
 

@@ -1,4 +1,4 @@
-"""How many identifications a service computes in an hour while it ingests a thousand samples a second, and what takes time.
+"""Identifications that a service computes in an hour while it ingests a thousand samples a second, and where the time goes.
 
 The jobs are there at the start: run-downs of 100 samples of 8 channels of the thesis's Chapter 3 train, 40 parameters each.
 The service, its SQLite file, its two worker processes and the source share this machine's processors.
@@ -69,7 +69,7 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
 
 
 def received(service: Service) -> int:
-    """Samples that the service has stored."""
+    """Return the number of samples that the service has stored."""
     return sum(source["received"] for source in service.get("/sources"))
 
 

@@ -7,7 +7,7 @@ from estimator.machine.document import DocumentError
 from estimator.machine.document_size import accepted_machine
 
 LENGTH = 3.0
-"""Of each shaft [m]."""
+"""Length of each shaft [m]."""
 
 
 _BEARING = {"kxx": 2e7, "kxy": 4e6, "kyx": -6e6, "kyy": 3e7, "cxx": 3e4, "cxy": -4e3, "cyx": -4e3, "cyy": 5e4}
@@ -125,13 +125,13 @@ KINDS: Mapping[str, Callable[[int], dict[str, Any]]] = {
         shafts=min(20, 1 + n // 10), sections=4 * n, bearings=n, discs=n, seals=n // 2, probes=2 * n, spread=True, loads=True
     ),
 }
-"""By name: a document that grows with a number."""
+"""Documents that grow with a number, by name."""
 LARGEST = 600
-"""Of these numbers."""
+"""Largest of these numbers."""
 
 
 def largest(kind: str) -> dict[str, Any]:
-    """The largest document of a kind that the door lets in."""
+    """Return the largest document of a kind that is accepted."""
     low, high = 2, LARGEST
     while low < high:
         middle = (low + high + 1) // 2

@@ -45,7 +45,7 @@ T = TypeVar("T")
 
 
 def large_train(sections: int, *, seed: int) -> Document:
-    """The document of a train with so many shaft sections."""
+    """Return the document of a train with so many shaft sections."""
     rng = np.random.default_rng(seed)
     shafts = max(1, round(sections / SECTIONS_PER_SHAFT))
     whole: Document = {
@@ -107,7 +107,7 @@ def _add_rotor(whole: Document, number: int, sections: int, rng: np.random.Gener
 
 
 def off(document: Document, *, seed: int) -> Document:
-    """The document with every coefficient wrong and no nominal unbalance."""
+    """Return the document with every coefficient wrong and no nominal unbalance."""
     rng = np.random.default_rng(seed)
 
     def changed(part: Document) -> Document:
@@ -120,7 +120,7 @@ def off(document: Document, *, seed: int) -> Document:
 
 
 def measured(machine: Machine, *, samples: int, seed: int) -> Measurement:
-    """A run over the speed range of a machine as its document has it, with noise."""
+    """Return a run over the speed range of a machine as its document has it, with noise."""
     limits = machine.speed_range
     speed = np.linspace(rpm_to_rad_per_s(limits.minimum_rpm), rpm_to_rad_per_s(limits.maximum_rpm), samples)
     train = condense(machine, speed=speed, direction=np.ones(samples))
@@ -143,7 +143,7 @@ class Costs:
 
 
 def costs(sections: int, *, seed: int) -> Costs:
-    """Of a train of so many sections."""
+    """Return the costs of a train of so many sections."""
     document = large_train(sections, seed=seed)
     machine = accepted_machine(off(document, seed=seed))
     run = measured(accepted_machine(document), samples=SAMPLES, seed=seed)
@@ -169,7 +169,7 @@ def _identified(machine: Machine, run: Measurement) -> Identification:
 
 
 def timed(work: Callable[[], T]) -> tuple[float, T]:
-    """Processor time [s] of some work, and what it gives."""
+    """Return the processor time [s] of some work, and its result."""
     began = time.process_time()
     found = work()
     return time.process_time() - began, found

@@ -48,7 +48,7 @@ def publish(source: Source, *, rate: float, count: int, published: dict[int, int
 
 
 def measure(service: Service, *, seconds: float, rate: float) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """Latency of every sample [s]."""
+    """Return the latency of every sample [s]."""
     count = int(seconds * rate)
     published: dict[int, int] = {}
     seen: dict[int, int] = {}

@@ -33,7 +33,7 @@ LINGER_S = 30.0
 
 
 def publishing_process(options: argparse.Namespace) -> None:
-    """All sources on one session, each with a log, one thread for all; every machine runs down over the whole time."""
+    """Publish from all sources on one session, each with a log, in one thread; every machine runs down over the whole time."""
     names = [f"m{number:05d}" for number in range(options.running)]
     count = round(options.seconds * options.rate) // SIZE * SIZE
     speeds = np.linspace(5900.0, 200.0, count)
@@ -107,7 +107,7 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
 
 
 def received(service: Service) -> int:
-    """Samples that the service has stored."""
+    """Return the number of samples that the service has stored."""
     return sum(row["received"] for row in service.get("/sources", limit=1000))
 
 

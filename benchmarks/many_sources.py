@@ -35,7 +35,7 @@ PATIENCE_S = 240.0
 
 
 def publishing_process(options: argparse.Namespace) -> None:
-    """Some of the sources, each with a session of its own; one thread publishes for all of them in turn."""
+    """Publish from some of the sources, each with a session of its own, in one thread that takes them in turn."""
     machines = options.publish.split(",")
     sessions = [session(listen=[], connect=[options.connect]) for _ in machines]
     streams = [one.__enter__() for one in sessions]
@@ -113,7 +113,7 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
 
 
 def received(service: Service) -> int:
-    """Samples that the service has stored."""
+    """Return the number of samples that the service has stored."""
     return sum(source["received"] for source in service.get("/sources"))
 
 

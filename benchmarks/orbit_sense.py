@@ -1,4 +1,4 @@
-"""How often swapped channels and a wrong sense of rotation are found from orbits, on the example trains.
+"""Detection of swapped channels and of a wrong sense of rotation from orbits, on the example trains.
 
 Run-downs of simulated machines near their documents (every coefficient off by some per cent, unbalances drawn), with the
 document's noise and a run-out on each channel. Three kinds of unbalance: near the document's, drawn anew with a balance grade
@@ -31,20 +31,20 @@ RUNS = 6
 FIRST_SEED = 1000
 """The limits were chosen on smaller seeds."""
 RUN_OUTS = (0.0, 1e-5, 5e-5)
-"""Of each channel, 0-to-peak [m], at random angles."""
+"""Run-out of each channel, 0-to-peak [m], at random angles."""
 UNBALANCES = ("near the document's", "drawn anew", "in one disc")
 ASKED = 100.0
 """A statement about a machine must be true: right where it speaks [%]."""
 
 
 def examined(name: str, rotation: str) -> Machine:
-    """An example that turns in a sense of rotation."""
+    """Return an example that turns in a sense of rotation."""
     document = yaml.safe_load((EXAMPLES / f"{name}.yaml").read_text(encoding="utf-8"))
     return parse_machine({**document, "rotation": rotation})
 
 
 def with_unbalance(truth: Truth, machine: Machine, kind: str, rng: np.random.Generator) -> Truth:
-    """A truth with another distribution of unbalance, of the same size."""
+    """Return a truth with another distribution of unbalance, of the same size."""
     size = float(np.sqrt(np.sum(np.abs(truth.unbalances) ** 2)))
     drawn = rng.standard_normal(truth.unbalances.size) + 1j * rng.standard_normal(truth.unbalances.size)
     drawn *= np.array([disc.mass for disc in machine.discs])
@@ -56,7 +56,7 @@ def with_unbalance(truth: Truth, machine: Machine, kind: str, rng: np.random.Gen
 
 
 def run_down(machine: Machine, kind: str, run_out: float, seed: int) -> tuple[Floats, Complexes]:
-    """Speeds and phasors of one run-down."""
+    """Return the speeds and phasors of one run-down."""
     rng = np.random.default_rng(seed)
     truth = with_unbalance(scattered(draw_truth(machine, rng), rng), machine, kind, rng)
     _, speed = speed_law(machine, "run-down", duration=600.0, samples=200)
@@ -65,7 +65,8 @@ def run_down(machine: Machine, kind: str, run_out: float, seed: int) -> tuple[Fl
 
 
 def judged(machine: Machine, speed: Floats, phasor: Complexes, guilty: tuple[tuple[str, ...], ...]) -> Counter[str]:
-    """Per pair of probes: found and guilty or silent and innocent (right), unseen, missed, or wrongly accused (wrong)."""
+    """Return counts per pair of probes: found and guilty or silent and innocent (right), unseen, missed, or wrongly accused
+    (wrong)."""
     findings = orbit_findings(machine, Measurement.of(speed=speed, phasor=phasor))
     blind = {one.channels for one in findings if one.code == "orbit_sense_undetectable"}
     accused = [one.channels for one in findings if one.code != "orbit_sense_undetectable"]
@@ -82,7 +83,7 @@ def judged(machine: Machine, speed: Floats, phasor: Complexes, guilty: tuple[tup
 
 
 def tallied(name: str, kind: str, run_out: float, runs: int) -> dict[str, Counter[str]]:
-    """Outcomes per case, summed over pairs and seeds."""
+    """Return outcomes per case, summed over pairs and seeds."""
     machine, other = examined(name, "positive"), examined(name, "negative")
     places = probe_stations(machine)
     found: dict[str, Counter[str]] = {"nothing wrong": Counter(), "a pair swapped": Counter(), "sense reversed": Counter()}
@@ -99,7 +100,7 @@ def tallied(name: str, kind: str, run_out: float, runs: int) -> dict[str, Counte
 
 
 def report(runs: int) -> str:
-    """A line per train, unbalance and case; then the whole, and each kind of unbalance."""
+    """Return a line per train, unbalance and case; then the whole, and each kind of unbalance."""
     lines = [
         f"orbit sense on the example trains, {runs} run-downs of each, seeds from {FIRST_SEED}",
         "of all pairs of probes: judged at all; of those judged: right, wrongly accused, missed; asked: right 100 %",

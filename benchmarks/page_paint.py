@@ -1,4 +1,4 @@
-"""How soon a machine's page says something, with an empty cache, and how many bytes that takes.
+"""Time until a machine's page shows something, with an empty cache, and the bytes that takes.
 
 A real service with real runs and a real headless Chromium on loopback. *First contentful paint* and *largest contentful paint*
 are the browser's own; *meaningful* is the frame after the one in which the machine's name, its train and its alerts are there.
@@ -21,7 +21,7 @@ from tests.end_to_end.processes import Service, until
 PAINT_ASKED_S = 1.0
 BYTES_ASKED = 400_000
 SETTLE_MS = 700
-"""What the page still asks for behind its first paint is counted, too."""
+"""Time after the first paint in which further requests are still counted."""
 
 WATCH = """
 window.painted = {};
@@ -38,7 +38,7 @@ requestAnimationFrame(look);
 
 
 def measure(browser: Browser, address: str) -> dict[str, float]:
-    """Times [s] and bytes of one visit with an empty cache."""
+    """Return times [s] and bytes of one visit with an empty cache."""
     context = browser.new_context(viewport={"width": 1440, "height": 900})
     page = context.new_page()
     page.add_init_script(WATCH)

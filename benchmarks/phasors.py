@@ -64,7 +64,7 @@ ASKED_CLAIM = (0.7, 1.5)
 
 @dataclass(frozen=True)
 class Case:
-    """What a probe sees. Amplitudes are parts of the 1× amplitude, which grows as the square of the speed.
+    """A simulated probe signal. Amplitudes are parts of the 1× amplitude, which grows as the square of the speed.
 
     rpm: at the middle of the record. ramp: [rpm/s]. snr: of the 1× against white noise [dB]. second: 2×. hum: at hum_frequency
     [Hz]. step: of the converter. probe_rate, keyphasor_rate: [Hz]. flank: of the keyphasor, part of a turn.
@@ -84,7 +84,7 @@ class Case:
 
     @property
     def noise(self) -> float:
-        """Standard deviation of the white noise."""
+        """Return the standard deviation of the white noise."""
         return 0.0 if self.snr is None else math.sqrt(0.5) * math.pow(10.0, -self.snr / 20.0)
 
 
@@ -119,7 +119,7 @@ class Errors:
 
     @classmethod
     def of(cls, ratios: Sequence[complex]) -> "Errors":
-        """From phasors found, each over the true one."""
+        """Return the errors of phasors, each over the true one."""
         found = np.array(ratios)
         return cls(
             float(np.sqrt(np.mean(np.abs(found - 1.0) ** 2))),
@@ -150,18 +150,18 @@ class Record:
     acceleration: float
 
     def phasor(self, at: float) -> complex:
-        """The true 1× phasor at an instant [s]."""
+        """Return the true 1× phasor at an instant [s]."""
         return self.phase * (1.0 + self.acceleration * (at - SECONDS / 2.0) / self.speed_middle) ** 2
 
 
 def keyphasor_pulses(angle: Floats, flank: float) -> Floats:
-    """Height 0 to 1 at shaft angles [rad]; the middle of the rising flank is at angle 0."""
+    """Return the pulse height, 0 to 1, at shaft angles [rad]; the middle of the rising flank is at angle 0."""
     part = (angle / (2.0 * math.pi) + 0.5) % 1.0 - 0.5
     return np.asarray(np.clip(part / flank + 0.5, 0.0, 1.0) - np.clip((part - PULSE) / flank + 0.5, 0.0, 1.0))
 
 
 def drawn(case: Case, seed: int) -> Record:
-    """One record of a case."""
+    """Return one record of a case."""
     rng = np.random.default_rng(seed)
     speed, acceleration = rpm_to_rad_per_s(case.rpm), rpm_to_rad_per_s(case.ramp)
     mark, phase, second_phase, hum_phase = rng.uniform(0.0, 2.0 * math.pi, 4)
@@ -184,7 +184,7 @@ def drawn(case: Case, seed: int) -> Record:
 
 
 def thesis_reading(record: Record, probe_rate: float, angle: ShaftAngle, middle: float) -> tuple[complex, float]:
-    """The phasor of the thesis's chain and the instant of the pulse it was read at [s]."""
+    """Return the phasor of the thesis's chain and the instant of the pulse it was read at [s]."""
     at = np.arange(record.probe.size) / probe_rate
     pulse = float(angle.edge_time[np.searchsorted(angle.edge_time, middle)])
     frequency = float(angle.speed(np.array(pulse))) / (2.0 * math.pi)
@@ -193,7 +193,7 @@ def thesis_reading(record: Record, probe_rate: float, angle: ShaftAngle, middle:
 
 
 def outcome(case: Case, runs: int) -> Outcome:
-    """Both chains over seeds 0 to runs - 1."""
+    """Return the results of both chains over seeds 0 to runs - 1."""
     own, thesis, scatter = [], [], []
     samples = 0
     for seed in range(runs):
@@ -210,7 +210,7 @@ def outcome(case: Case, runs: int) -> Outcome:
 
 
 def timed_waveforms() -> Floats:
-    """A keyphasor and 16 channels at 25.6 kHz (17, N)."""
+    """Return a keyphasor and 16 channels at 25.6 kHz (17, N)."""
     at = np.arange(round(TIMED_SECONDS * TIMED_RATE)) / TIMED_RATE
     angle = rpm_to_rad_per_s(2963.7) * at
     rng = np.random.default_rng(0)
@@ -220,7 +220,8 @@ def timed_waveforms() -> Floats:
 
 
 def functions_times_real_time(waveforms: Floats) -> float:
-    """Seconds of waveforms that the estimator's functions work off in a second of processor time, in blocks of 1 s."""
+    """Return the seconds of waveforms that the estimator's functions process per second of processor time, in blocks of 1
+    s."""
     begin = time.process_time()
     found = read_keyphasor(waveforms[0], sampling_rate=TIMED_RATE)
     track_orders(waveforms[1:], sampling_rate=TIMED_RATE, angle=found, seconds=BLOCK)
@@ -228,7 +229,8 @@ def functions_times_real_time(waveforms: Floats) -> float:
 
 
 def agent_times_real_time(waveforms: Floats) -> float:
-    """The same of the whole agent, all its threads together."""
+    """Return the seconds of waveforms that the whole agent, all its threads together, processes per second of processor
+    time."""
     names = ["K", *(f"P{number}" for number in range(CHANNELS))]
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "run.npz"
@@ -260,7 +262,7 @@ def agent_times_real_time(waveforms: Floats) -> float:
 
 
 def report(runs: int) -> str:
-    """All cases, then what was asked for."""
+    """Return all cases, then the required figures."""
     lines = [f"phasors from waveforms, {runs} runs of each case, seeds 0 to {runs - 1}", ""]
     lines.append(f"  {'':<49}{'least squares over 1 s':^56}{'band-pass, one maximum, one minimum':^40}")
     heads = ("rms error", "of bound", "claimed", "of error", "ampl.", "phase", "rms error", "ampl.", "phase", "ratio")

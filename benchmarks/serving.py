@@ -22,7 +22,7 @@ from storage.database.engine import Database
 
 @contextmanager
 def served(database: Database) -> Iterator[str]:
-    """URL of the API, until the block ends."""
+    """Yield the URL of the API, until the block ends."""
     with serving(application(database, dict, secrets=SigningSecrets(Sealing([os.urandom(KEY_BYTES)])))) as url:
         yield url
 
@@ -35,9 +35,8 @@ def serving(
     connections_per_address: int = DEFAULT_CONNECTIONS_PER_ADDRESS,
     port: int = 0,
 ) -> Iterator[str]:
-    """URL of the API of an application, until the block ends. patience_s: with clients that take nothing; port: 0 takes a
-    free one.
-    """
+    """Yield the URL of an application's API, until the block ends. patience_s: with clients that read nothing; port: 0 takes a
+    free one."""
     listener = socket.create_server(("127.0.0.1", port))
     end_stuck_connections(listener, after_s=patience_s)
     configuration = uvicorn.Config(app, http=HttpProtocol, log_config=None, access_log=False, timeout_graceful_shutdown=1)

@@ -17,7 +17,7 @@ from estimator.runs.segmentation import RunEnded, SweepLimits
 from estimator.units import rpm_to_rad_per_s
 
 LOWEST, HIGHEST, TOP = 300.0, 3000.0, 2900.0
-"""Of the speed range, and the speed of the hold [r/min]."""
+"""Limits of the speed range, and the speed of the hold [r/min]."""
 STATES = ["stopped", "slow roll", "run-up", "at speed", "run-down", "slow roll", "stopped"]
 NOISES = (0.0, 0.002, 0.005, 0.01, 0.015, 0.02)
 STEPS = (0.2, 1.0, 5.0)
@@ -36,7 +36,7 @@ class Tally:
 
 
 def cycle(step: float) -> Iterator[tuple[float, float]]:
-    """Seconds and speeds [r/min]."""
+    """Yield seconds and speeds [r/min]."""
     knots = np.cumsum([0.0, 60.0, 20.0, 60.0, UP, 400.0, DOWN, 120.0])
     speeds = [0.0, 0.0, 100.0, 100.0, TOP, TOP, 0.0, 0.0]
     for second in np.arange(0.0, knots[-1], step).tolist():
@@ -44,12 +44,14 @@ def cycle(step: float) -> Iterator[tuple[float, float]]:
 
 
 def limits() -> OperatingLimits:
+    """Return the limits of the simulated machine."""
     return OperatingLimits(
         SweepLimits.of(SpeedRange(minimum_rpm=LOWEST, maximum_rpm=HIGHEST)), rpm_to_rad_per_s(0.01 * HIGHEST), None
     )
 
 
 def follow(step: float, noise: float, *, of_reading: bool, seed: int) -> list[Event]:
+    """Return the events of one cycle with noisy speed readings."""
     rng = np.random.default_rng(seed)
     state = OperatingState()
     events: list[Event] = []
@@ -64,6 +66,7 @@ def follow(step: float, noise: float, *, of_reading: bool, seed: int) -> list[Ev
 
 
 def tally(step: float, noise: float, *, of_reading: bool, seeds: int) -> Tally:
+    """Count the cycles with the right states and runs, with the errors of the runs' times."""
     up = 1.0 + 140.0 + UP * (LOWEST - 100.0) / (TOP - 100.0)
     down = 1.0 + 140.0 + UP + 400.0
     true = {"run-up": (up, 141.0 + UP), "run-down": (down, down + DOWN * (TOP - LOWEST) / TOP)}
@@ -81,7 +84,7 @@ def tally(step: float, noise: float, *, of_reading: bool, seeds: int) -> Tally:
 
 
 def cost() -> float:
-    """Seconds of this process per sample, at speed with 1 % of noise."""
+    """Return the seconds of this process per sample, at constant speed with 1 % of noise."""
     rng = np.random.default_rng(0)
     speeds = (300.0 + 3.0 * rng.standard_normal(20_000)).tolist()
     state, told = OperatingState(), limits()
@@ -92,6 +95,7 @@ def cost() -> float:
 
 
 def main(given: list[str] | None = None) -> None:
+    """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seeds", type=int, default=10)
     seeds = parser.parse_args(given).seeds

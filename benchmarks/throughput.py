@@ -45,7 +45,7 @@ LONGEST_BATCH_MS = 100.0
 
 
 def template(machine: str, size: int, channels: int) -> SampleBatch:
-    """A batch of so many samples near one speed, in the units that monitors speak, to be given its times."""
+    """Return a batch of so many samples near one speed, in the units that monitors use, still without its times."""
     one = ross_batch(seed=0, start_s=0)
     rows = np.arange(size) % 300
     return msgspec.structs.replace(
@@ -65,7 +65,8 @@ def template(machine: str, size: int, channels: int) -> SampleBatch:
 def publish(
     source: Source, machine: str, *, rate: float, size: int, channels: int, batches: int, start: float, seed: int
 ) -> None:
-    """Batches of `size` samples, each when its last sample was taken; the sources' phases are spread over a batch's time."""
+    """Publish batches of `size` samples, each when its last sample was taken; the sources' phases are spread over a batch's
+    time."""
     batch = template(machine, size, channels)
     begin = start + np.random.default_rng(seed).uniform(0.0, size / rate)
     for number in range(batches):
@@ -76,7 +77,7 @@ def publish(
 
 
 def publishing_process(options: argparse.Namespace) -> None:
-    """The sources, one thread each, in a process of their own."""
+    """Publish from the sources, one thread each, in a process of their own."""
     with session(listen=[], connect=[options.connect]) as stream:
         wait_connected(stream, [options.connect], give_up=patiently)
         machines = options.publish.split(",")

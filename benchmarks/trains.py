@@ -42,29 +42,29 @@ class Train:
 
     @property
     def machine(self) -> Machine:
-        """The machine of the document as it stands."""
+        """Return the machine of the document as it stands."""
         return parse_machine(self.document)
 
     def measured(self, seed: int, relative: float = 0.01) -> Measurement:
-        """The response with noise."""
+        """Return the response with noise."""
         rng = np.random.default_rng(seed)
         noise = rng.standard_normal(self.clean.shape) + 1j * rng.standard_normal(self.clean.shape)
         return Measurement.of(speed=self.speed, phasor=self.clean + relative / math.sqrt(2) * np.abs(self.clean) * noise)
 
     def stating(self, relative: float) -> "Train":
-        """The train whose document states this relative noise and no floor."""
+        """Return the train whose document states this relative noise and no floor."""
         return Train({**self.document, "noise": {"relative": relative, "floor": 0.0}}, self.speed, self.clean, self.truth)
 
 
 def two_shafts() -> Train:
-    """The Chapter 3 train with the reference response."""
+    """Return the Chapter 3 train with the reference response."""
     document = yaml.safe_load((EXAMPLES / "thesis-chapter-3.yaml").read_text(encoding="utf-8"))
     with np.load(REFERENCE) as data:
         return Train(document, data["speed"][1::2], data["response"][1::2], _truth(parse_machine(document)))
 
 
 def three_shafts(speeds: int = 290) -> Train:
-    """The turbine, compressor and generator over their speed range, with the response of the model itself."""
+    """Return the turbine, compressor and generator over their speed range, with the response of the model itself."""
     document = yaml.safe_load((EXAMPLES / "turbine-compressor-generator.yaml").read_text(encoding="utf-8"))
     document["noise"] = {"relative": 0.01, "floor": 0.0}
     document["materials"]["steel"].update(young_modulus_spread=0.0, density_spread=0.0)  # known: 78 unknowns, not 80
@@ -75,7 +75,7 @@ def three_shafts(speeds: int = 290) -> Train:
 
 
 def modelled(machine: Machine, speed: Floats) -> Complexes:
-    """Response of a machine at its document's values."""
+    """Return the response of a machine at its document's values."""
     train = condense(machine, speed=speed, direction=np.ones_like(speed))
     coefficients = np.array([one.nominal for one in train.unknowns.coefficients], dtype=float)
     excitations = np.array([one.nominal for one in train.unknowns.excitations], dtype=complex)
@@ -83,7 +83,8 @@ def modelled(machine: Machine, speed: Floats) -> Complexes:
 
 
 def off(document: Document, rng: np.random.Generator, span: float) -> Document:
-    """The document with every nominal coefficient off by a factor uniform between 1 ± span, and no nominal unbalance."""
+    """Return the document with every nominal coefficient off by a factor uniform between 1 ± span, and no nominal
+    unbalance."""
     changed = copy.deepcopy(document)
     for part in (*changed["bearings"], *changed["couplings"]):
         for name in COEFFICIENTS:
@@ -95,7 +96,7 @@ def off(document: Document, rng: np.random.Generator, span: float) -> Document:
 
 
 def silent(document: Document, kinds: tuple[str, ...]) -> Document:
-    """The document without nominal values of its bearings, or couplings, or discs' unbalances."""
+    """Return the document without nominal values of its bearings, or couplings, or discs' unbalances."""
     left_out = {*COEFFICIENTS, "unbalance"}
     return {
         **document,
@@ -104,7 +105,7 @@ def silent(document: Document, kinds: tuple[str, ...]) -> Document:
 
 
 def cramer_rao(train: Train, relative: float) -> Floats:
-    """Smallest standard error (N,) that an unbiased estimate of each real unknown can have."""
+    """Return the smallest standard error (N,) that an unbiased estimate of each real unknown can have."""
     machine = train.machine
     condensed = condense(machine, speed=train.speed, direction=np.ones_like(train.speed))
     count = len(condensed.unknowns.coefficients)
@@ -118,7 +119,7 @@ def cramer_rao(train: Train, relative: float) -> Floats:
 
 
 def values(found: Identification) -> tuple[Floats, Floats, Floats]:
-    """Estimates (N,), and lower and upper end of their 95 % intervals; NaN where not estimable."""
+    """Return estimates (N,), and lower and upper end of their 95 % intervals; NaN where not estimable."""
     rows: list[tuple[float, float, float]] = []
     for one in found.estimates:
         if one.quantity in ("scale factor", "gain", "run-out"):

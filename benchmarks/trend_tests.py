@@ -1,4 +1,4 @@
-"""How often deviations, charts and rates cry wolf with a small baseline, beside what they state, and how soon they see.
+"""False alarms of deviations, charts and rates with a small baseline, against those they state, and their detection delay.
 
 Machines are drawn: their scatter from run to run from what is believed of it, their runs from that scatter and the fits'
 errors. Everything behind that is the estimator's own.
@@ -35,7 +35,7 @@ YEAR = 52
 WEEKS = 104
 LONGEST_DELAY = 60
 DRIFTS = (0.0025, 0.005, 0.0075, 0.01, 0.03)
-"""Of a stiffness, per week."""
+"""Drifts of a stiffness, per week."""
 
 
 class Drawn:
@@ -50,7 +50,7 @@ class Drawn:
         self.root = np.linalg.cholesky(self.errors)
 
     def run(self, moved: Floats | float = 0.0) -> Point:
-        """One identification, changed by parts of the parameters' sizes."""
+        """Return one identification, changed by parts of the parameters' sizes."""
         by_chance = self.scatter * self.rng.standard_normal(self.size.size)
         by_chance += self.root @ self.rng.standard_normal(self.size.size)
         covariance = np.asarray(self.errors * np.outer(self.size, self.size), dtype=float)
@@ -58,7 +58,7 @@ class Drawn:
 
 
 def chances(draws: int, seed: int) -> None:
-    """Probabilities of deviations, stated and met with."""
+    """Print the probabilities of deviations, stated and observed."""
     print(f"probability of a deviation: how often it comes over how often it should, {draws} machines each, seed {seed}")
     heads = " ".join(f"{chance:>7g}" for chance in CHANCES)
     print(f"   baseline  own error   of parameters: {heads}   of elements: {heads}")
@@ -108,7 +108,7 @@ def _standardised(white: Whitening, point: Point) -> float:
 
 
 def _alarms(deviation: Floats, limit: float, chart: Callable[[Floats], Floats]) -> int:
-    """How often a chart passes its limit, begun anew each time."""
+    """Return how often a chart passes its limit, restarted each time."""
     count = 0
     while deviation.size and np.any(passed := chart(deviation) > limit):
         count += 1
@@ -117,12 +117,12 @@ def _alarms(deviation: Floats, limit: float, chart: Callable[[Floats], Floats]) 
 
 
 def _first(change: float) -> Floats:
-    """A change of the first parameter alone."""
+    """Return a change of the first parameter alone."""
     return np.where(np.arange(len(NAMES)) == 0, change, 0.0)
 
 
 def rates(years: int, seed: int) -> None:
-    """The rate of change: false alarms on healthy machines with seasons, and drifts that are seen."""
+    """Print the rate of change: false alarms on healthy machines with seasons, and drifts that are detected."""
     rng = np.random.default_rng(seed)
     stiffness = np.array([term[0] == "k" for term in TERMS] * 4)
     alarms = 0

@@ -1,4 +1,4 @@
-"""How often the bands of the updated model's results hold the truth, on the Chapter 3 train measured at the bearings only.
+"""Coverage of the bands of the updated model's results, on the Chapter 3 train measured at the bearings only.
 
 Data as in `benchmarks.trains`: 150 speeds, 2 to 300 rad/s, 1 % complex noise. Each run draws its own noise, identifies
 the train and predicts; the truth is the nominal train itself.
@@ -37,7 +37,7 @@ SPRINGS = ("k_phix", "k_phiy")
 
 
 def true_model(train: Train) -> UpdatedModel:
-    """The nominal train."""
+    """Return the nominal train."""
     count = train.truth.size - 2 * len(train.machine.discs)
     parts = train.truth[count:].reshape(-1, 2)
     nothing = np.zeros((train.truth.size, train.truth.size))
@@ -46,7 +46,7 @@ def true_model(train: Train) -> UpdatedModel:
 
 
 def relative_error(band: PhasorBand) -> float:
-    """Median standard error of an amplitude, part of it."""
+    """Return the median standard error of an amplitude, relative to it."""
     return float(np.median((band.upper - band.amplitude) / band.amplitude)) / CONFIDENCE_95
 
 
@@ -62,7 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 
 def report(train: Train, runs: int) -> str:
-    """Coverage of each result, and what is left after balancing the true train with an identified model."""
+    """Return the coverage of each result, and the residual after balancing the true train with an identified model."""
     truth = true_model(train)
     (true_force,) = coupling_forces(truth, speed=SPEED)
     true_response = station_response(truth, speed=SPEED, places=PLACES).response.amplitude

@@ -152,7 +152,7 @@ def send_all(url: str, documents: list[dict[str, Any]], *, seed: int, **how: Any
 
 
 def closed(service: Service) -> int:
-    """How many machines have a run that is closed."""
+    """Return the number of machines with a closed run."""
     found = 0
     for machine in service.get("/machines", limit=1000):
         states = [run["state"] for run in service.get(f"/machines/{machine['id']}/runs")]

@@ -1,4 +1,4 @@
-"""How long something took at the longest, in the last minute or two: an average would hide what holds others up."""
+"""The longest recent duration: an average would hide what delays others."""
 
 import threading
 import time
@@ -9,7 +9,7 @@ PERIOD_S = 60.0
 
 
 class Longest:
-    """The longest of the durations [s] that were noted in this period and in the one before."""
+    """The longest duration [s] noted in this period or the one before."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -18,7 +18,7 @@ class Longest:
 
     @property
     def seconds(self) -> float:
-        """The longest so far [s]; 0 where nothing was noted."""
+        """Return the longest duration [s]; 0 when none was noted."""
         with self._lock:
             self._turn()
             return max(self._now, self._before)
@@ -31,7 +31,7 @@ class Longest:
 
     @contextmanager
     def measured(self) -> Iterator[None]:
-        """Note how long what happens within takes."""
+        """Note the duration of the block."""
         began = time.monotonic()
         try:
             yield

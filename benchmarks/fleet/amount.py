@@ -31,17 +31,17 @@ LARGEST_GROWTH = 2.0
 
 @cache
 def example(name: str) -> Machine:
-    """A machine of `examples/`."""
+    """Return a machine of `examples/`."""
     return parse_machine(yaml.safe_load((EXAMPLES / f"{name}.yaml").read_text(encoding="utf-8")))
 
 
 def misaligned_elements(machine: Machine, coupling: Coupling) -> tuple[str, ...]:
-    """What a misalignment stiffens: the coupling and the bearings on either side of it."""
+    """Return the elements that a misalignment stiffens: the coupling and the bearings on either side of it."""
     return (f"coupling.{coupling.id}", *(f"bearing.{one}" for one in neighbouring_bearings(machine, coupling)))
 
 
 def rises(machine: Machine, coupling: Coupling, growth: float) -> Floats:
-    """Relative rise (3,) of the first three natural frequencies at standstill, each the mean of its two planes.
+    """Return the relative rise (3,) of the first three natural frequencies at standstill, each the mean of its two planes.
 
     growth: of all coefficients of the coupling and of its neighbouring bearings.
     """
@@ -57,13 +57,13 @@ def rises(machine: Machine, coupling: Coupling, growth: float) -> Floats:
 
 @cache
 def case_a1() -> float:
-    """The growth with which the rig's three natural frequencies rise by what the thesis prints, on average."""
+    """Return the growth with which the rig's three natural frequencies rise by what the thesis prints, on average."""
     return _solved(lambda rise: float(np.mean(rise - PRINTED_RISE)))
 
 
 @cache
 def case_a1_least_squares() -> float:
-    """The growth with the smallest sum of squared differences from the three printed rises."""
+    """Return the growth with the smallest sum of squared differences from the three printed rises."""
     rig = example(RIG)
 
     def misfit(growth: float) -> float:
@@ -73,7 +73,7 @@ def case_a1_least_squares() -> float:
 
 
 def growth_for(mode: int) -> float:
-    """The growth with which one of the three rises as printed. Raises ValueError where none does."""
+    """Return the growth with which one of the three rises as printed. Raises ValueError when there is none."""
     return _solved(lambda rise: float(rise[mode] - PRINTED_RISE[mode]))
 
 

@@ -1,4 +1,4 @@
-"""What a simulated machine is really like, week after week: scatter from run to run, seasons, and the changes that befall it.
+"""The true state of a simulated machine, week after week: scatter from run to run, seasons, and the changes that happen to it.
 
 Every week each stiffness is off by 1 % and each damping by 5 %, independent and lognormal, and each unbalance by 1 %. Over the
 year the stiffnesses rise and fall by up to 2 %, all elements together, or each by its own amount at its own time.
@@ -56,17 +56,17 @@ class Change(ABC):
     ramp: int
 
     kind = ""
-    """What a diagnosis should call it."""
+    """Kind of finding that a diagnosis should report."""
 
     def progress(self, week: int) -> float:
-        """The part of its full size that it has, 0 to 1."""
+        """Return the part of its full size that the change has reached, 0 to 1."""
         if week < self.onset:
             return 0.0
         return 1.0 if self.ramp == 0 else min(1.0, (week - self.onset + 1) / self.ramp)
 
     @abstractmethod
     def on(self, state: State, part: float) -> State:
-        """The state with this part of the change."""
+        """Return the state with this part of the change."""
 
 
 @dataclass(frozen=True)
@@ -78,17 +78,19 @@ class Misaligned(Change):
     kind = "misalignment"
 
     def on(self, state: State, part: float) -> State:
+        """Return the state with this part of the change."""
         return _grown(state, self.stiffened, self.growth * part)
 
 
 @dataclass(frozen=True)
 class BearingChanged(Change):
-    """All coefficients of one bearing grow, or shrink where the growth is negative."""
+    """Growth of all coefficients of one bearing, or shrinkage where the growth is negative."""
 
     growth: float
     kind = "bearing"
 
     def on(self, state: State, part: float) -> State:
+        """Return the state with this part of the change."""
         return _grown(state, (self.element,), self.growth * part)
 
 
@@ -100,6 +102,7 @@ class UnbalanceChanged(Change):
     kind = "unbalance"
 
     def on(self, state: State, part: float) -> State:
+        """Return the state with this part of the change."""
         truth = state.truth
         here = np.array([one.element == self.element for one in truth.unknowns.unbalances])
         return replace(state, truth=replace(truth, unbalances=truth.unbalances * (1.0 + here * self.by * part)))
@@ -114,6 +117,7 @@ class GainDrifted(Change):
     kind = "sensor"
 
     def on(self, state: State, part: float) -> State:
+        """Return the state with this part of the change."""
         gain = state.gain.copy()
         gain[self.channel] *= 1.0 + self.by * part
         return replace(state, gain=gain)
@@ -127,6 +131,7 @@ class ProbeLost(Change):
     kind = "sensor"
 
     def on(self, state: State, part: float) -> State:
+        """Return the state with this part of the change."""
         lost = state.lost.copy()
         lost[self.channel] |= part > 0.0
         return replace(state, lost=lost)
@@ -141,6 +146,7 @@ class RunOutChanged(Change):
     kind = "run_out"
 
     def on(self, state: State, part: float) -> State:
+        """Return the state with this part of the change."""
         run_out = state.run_out.copy()
         run_out[self.channel] += self.by * part
         return replace(state, run_out=run_out)
@@ -154,6 +160,7 @@ class OutliersBegan(Change):
     kind = "outliers"
 
     def on(self, state: State, part: float) -> State:
+        """Return the state with this part of the change."""
         return replace(state, outlier_part=self.of * part)
 
 
@@ -166,7 +173,8 @@ class Season:
 
     @classmethod
     def draw(cls, coefficients: Sequence[Coefficient], how: Seasonality, rng: np.random.Generator) -> "Season":
-        """A season of one machine: the same for all elements, or for each its own amplitude up to SEASON and its own phase."""
+        """Draw a season of one machine: the same for all elements, or for each its own amplitude up to SEASON and its own
+        phase."""
         names = list(dict.fromkeys(one.element for one in coefficients))
         place = np.array([names.index(one.element) for one in coefficients])
         if how == "apart":
@@ -178,7 +186,7 @@ class Season:
         return cls(SEASON * share[place] * stiff, phase[place])
 
     def at(self, week: int) -> Floats:
-        """Factors (K,) on the coefficients."""
+        """Return the factors (K,) on the coefficients."""
         return np.asarray(np.exp(self.amplitude * np.sin(2.0 * math.pi * week / WEEKS_A_YEAR + self.phase)))
 
 
@@ -201,7 +209,7 @@ def history(
     seasonality: Seasonality,
     rng: np.random.Generator,
 ) -> History:
-    """Weekly truths of a machine near its document."""
+    """Return weekly truths of a machine near its document."""
     usual = draw_truth(machine, rng)
     season = Season.draw(usual.unknowns.coefficients, seasonality, rng)
     channels = len(machine.probes)

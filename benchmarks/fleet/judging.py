@@ -1,4 +1,4 @@
-"""What a rule says week after week about a machine, and how that compares with what befell it."""
+"""Findings of a rule about a machine, week after week, compared with what happened to it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -30,7 +30,7 @@ class Opened:
 
 
 def opened(standing: Standing) -> list[Opened]:
-    """Every opening, in order of time; one that closed and opened again counts twice."""
+    """Return every opening, in order of time; one that closed and opened again counts twice."""
     before: frozenset[Named] = frozenset()
     found = []
     for week, now in enumerate(standing):
@@ -41,11 +41,11 @@ def opened(standing: Standing) -> list[Opened]:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a rule made of one machine's history.
+    """Result of a rule on one machine's history.
 
-    years: watched behind the baseline. false_misalignments: openings at a coupling that was well. wrong: all openings that
-    name something that had not happened. Per change, named: what the first alert after it said, None for none; right: whether
-    the right alert came at all; runs: how many runs that took, the first one with the change counted; part: of the change's
+    years: watched after the baseline. false_misalignments: openings at a healthy coupling. wrong: all openings that name
+    something that had not happened. Per change, named: the finding of the first alert after it, None for none; right: whether
+    the right alert came at all; runs: how many runs that took, the first one with the change included; part: of the change's
     full size that had been reached by then.
     """
 
@@ -59,7 +59,7 @@ class Outcome:
 
 
 def judged(history: History, standing: Standing) -> Outcome:
-    """The openings of a history beside its changes."""
+    """Return the openings of a history compared with its changes."""
     found = opened(standing)
     true = [one for one in found if _is_true(history, one)]
     wrong = tuple(one for one in found if not _is_true(history, one))
@@ -110,7 +110,7 @@ def _updated(
     limits: Limits,
     amplitude: dict[str, float],
 ) -> dict[tuple[str, str], Severity]:
-    """The severities of what stands after the newest run, by kind and element."""
+    """Return the severities of the alerts that are open after the newest run, by kind and element."""
     diagnosis = watch.found(after, on_delay=lambda kind, element: delays(limits, kind, element)[0])
     seen = {(cause.kind, cause.element) for cause in diagnosis.causes}
     now: dict[tuple[str, str], Severity] = {}

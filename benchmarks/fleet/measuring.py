@@ -1,4 +1,4 @@
-"""What the service would have of a simulated machine: each week's phasors, and the real estimator's fit of them."""
+"""A simulated machine as the service sees it: each week's phasors, and the real estimator's fit of them."""
 
 import math
 import pickle
@@ -42,7 +42,7 @@ class Ordered:
 
     @property
     def seeds(self) -> tuple[int, ...]:
-        """Of this machine's own random numbers; another scenario's machines are others."""
+        """Return the seeds of this machine's own random numbers; another scenario's machines have others."""
         return (self.seed, self.number, *(ord(letter) for letter in f"{self.machine} {self.scenario} {self.seasonality}"))
 
 
@@ -70,7 +70,7 @@ def watched(ordered: Ordered) -> Watched:
 
 
 def kept(ordered: Ordered, folder: Path) -> Watched:
-    """The same from a folder, where it is put when it is not there: judging can be repeated without the fits."""
+    """Return the watched history from a folder, computing and storing it first when missing: judging needs no new fits."""
     words = (ordered.scenario, ordered.machine, ordered.seasonality, ordered.seed, ordered.number, ordered.watched)
     path = folder / ("_".join(map(str, words)).replace(" ", "-") + ".pickle")
     if not path.exists():
@@ -84,7 +84,8 @@ def kept(ordered: Ordered, folder: Path) -> Watched:
 
 
 def each(function: Callable[[Ordered], Outcome], orders: Sequence[Ordered], *, processes: int = PROCESSES) -> list[Outcome]:
-    """A function of each order, in their order, computed in processes of one BLAS thread each; 1: in this one."""
+    """Return the results of a function for each order, in order, computed in processes of one BLAS thread each; 1: in this
+    one."""
     if processes == 1:
         with threadpoolctl.threadpool_limits(1):
             return [function(order) for order in orders]
@@ -93,7 +94,7 @@ def each(function: Callable[[Ordered], Outcome], orders: Sequence[Ordered], *, p
 
 
 def measured(machine: Machine, state: State, rng: np.random.Generator) -> Measurement:
-    """One week's run-down through the channels as they are, with the document's noise and the outliers."""
+    """Return one week's run-down through the channels as they are, with the document's noise and the outliers."""
     _, speed = speed_law(machine, "run-down", duration=1.0, samples=SAMPLES)
     speed = speed * np.exp(SPEED_SCATTER * rng.standard_normal(SAMPLES))
     shown = state.gain * true_phasors(machine, state.truth, speed) + _turned(state.run_out, machine)

@@ -41,21 +41,21 @@ STEPS = ("misalignment step", "smaller misalignment step")
 
 @dataclass(frozen=True)
 class Fleet:
-    """How many machines of each example live through a scenario, and for how many weeks behind the baseline."""
+    """A scenario's fleet: how many machines of each example, and for how many weeks after the baseline."""
 
     scenario: str
     machines: dict[str, int]
     watched: int = WEEKS_A_YEAR
 
     def orders(self, seed: int) -> Iterator[Ordered]:
-        """Every machine, half of them in each kind of season."""
+        """Yield every machine, half of them in each kind of season."""
         for machine, count in self.machines.items():
             for number in range(count):
                 yield Ordered(machine, self.scenario, SEASONS[number % 2], seed, number, self.watched)
 
 
 def fleets(scale: float) -> tuple[Fleet, ...]:
-    """What is simulated; scale: how many times as many machines."""
+    """Return the simulated fleets. scale: factor on the number of machines."""
 
     def of(small: int, middle: int, large: int) -> dict[str, int]:
         counts = {SMALL: small, MIDDLE: middle, LARGE: large}
@@ -105,12 +105,12 @@ def result(ordered: Ordered, *, keep: Path | None = None) -> Result:
 
 
 def rate_bound(count: int, years: float) -> float:
-    """Upper end of the 95 % interval, two-sided, of a rate of rare events: Garwood, Biometrika 28 (1936) 437."""
+    """Return the upper end of the 95 % interval, two-sided, of a rate of rare events: Garwood, Biometrika 28 (1936) 437."""
     return float(scipy.stats.chi2.ppf(0.975, 2 * count + 2)) / 2.0 / years
 
 
 def part_interval(count: int, of: int) -> tuple[float, float]:
-    """95 % interval of a part: Clopper and Pearson, Biometrika 26 (1934) 404."""
+    """Return the 95 % interval of a part: Clopper and Pearson, Biometrika 26 (1934) 404."""
     if of == 0:
         return 0.0, 1.0
     found = scipy.stats.binomtest(count, of).proportion_ci(0.95, method="exact")
@@ -118,7 +118,7 @@ def part_interval(count: int, of: int) -> tuple[float, float]:
 
 
 def report(found: Sequence[Result]) -> str:
-    """All figures."""
+    """Return all figures."""
     parts = (_amount(), _false_alarms(found), _power(found), _drift(found), _names(found), _matrix(found))
     return "\n\n".join(_table(rows) for rows in parts)
 
@@ -212,7 +212,7 @@ def _wrong(group: Sequence[Result]) -> str:
 
 
 def _matrix(found: Sequence[Result]) -> list[list[str]]:
-    """What the first alert after a change called it, in the scenarios with one change."""
+    """Return the findings of the first alert after a change, in the scenarios with one change."""
     groups = _grouped(found, NAMED, lambda one: (one.scenario,), ())
     counts = {key[0]: Counter(_called(one) for one in group) for key, group in groups.items()}
     called = sorted({name for one in counts.values() for name in one})
@@ -221,7 +221,7 @@ def _matrix(found: Sequence[Result]) -> list[list[str]]:
 
 
 def _called(one: Result) -> str:
-    """The kind, and whether it was at another element."""
+    """Return the kind, and whether it was at another element."""
     named, change = one.outcome.named[0], one.changes[0]
     if named is None:
         return "nothing"
@@ -231,7 +231,7 @@ def _called(one: Result) -> str:
 def _grouped(
     found: Sequence[Result], scenarios: Sequence[str], key: Callable[[Ordered], tuple[str, ...]], whole: tuple[str, ...]
 ) -> dict[tuple[str, ...], list[Result]]:
-    """The results of some scenarios by key, and all of them together at the end, where that has a name."""
+    """Return the results of some scenarios by key, and all of them together at the end, if that has a name."""
     groups: dict[tuple[str, ...], list[Result]] = defaultdict(list)
     chosen = [one for one in found if one.ordered.scenario in scenarios]
     for one in chosen:

@@ -1,4 +1,4 @@
-"""What befalls the machines of the simulated fleets, drawn from a seed: one function per scenario."""
+"""Changes of the machines of the simulated fleets, drawn from a seed: one function per scenario."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -38,7 +38,7 @@ OUTLIER_PART = 0.05
 BEARING_GROWTH = (0.15, 0.30)
 """Least and largest change of a bearing, up or down."""
 RUN_OUT = 0.2
-"""Of a scratched shaft, part of the machine's largest amplitude at that probe at the document's values."""
+"""Run-out of a scratched shaft, part of the machine's largest amplitude at that probe at the document's values."""
 SAMPLES = 60
 """Phasors of a run."""
 LATEST_ONSET = 0.5
@@ -59,7 +59,7 @@ class Scenario:
     def history(
         self, machine: Machine, *, seed: Sequence[int], seasonality: Seasonality, watched: int = WEEKS_A_YEAR
     ) -> History:
-        """One machine's history of so many weeks behind the baseline."""
+        """Return one machine's history of so many weeks after the baseline."""
         rng = np.random.default_rng(seed)
         first = self.baseline + 2
         changes = self.draw(machine, first, first + max(1, round(LATEST_ONSET * watched)), rng)

@@ -47,7 +47,7 @@ that the same numbers come again.
 
 
 def page() -> str:
-    """The whole page."""
+    """Return the whole page."""
     return "\n".join([INTRODUCTION, *(chapter.section() for chapter in CHAPTERS.values())])
 
 

@@ -28,7 +28,7 @@ from estimator.thesis.tikhonov import Rule
 
 
 def section() -> str:
-    """The chapter's part of the evidence page."""
+    """Return the chapter's part of the evidence page."""
     subjects = {one: experiment(one) for one in CASES}
     best = subjects[case("II", "C")]
     parts = [
@@ -57,7 +57,7 @@ def section() -> str:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of `python -m benchmarks.thesis chapter-2`."""
+    """Add the options of `python -m benchmarks.thesis chapter-2`."""
     parser.add_argument("--method", choices=("I", "II"), default="II", help="one or both senses of rotation, default II")
     parser.add_argument("--case", choices=("A", "B", "C"), default="C", help="speeds of the thesis, default C")
     parser.add_argument("--noise", type=float, default=1.0, help="N of Eq. 2.20 [%%], default 1")
@@ -69,7 +69,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> str:
-    """One regression, parameter by parameter."""
+    """Return one regression, parameter by parameter."""
     subject = experiment(case(arguments.method, arguments.case))
     phasor = subject.noisy(arguments.noise, arguments.seed, arguments.sharing)
     found = regression(subject, phasor, scaling=arguments.scaling, method=arguments.solver, tikhonov=arguments.tikhonov)

@@ -136,7 +136,7 @@ def against_the_bound_section(subjects: dict[Case, Experiment]) -> str:
 
 
 def likelihood_errors(subject: Experiment, phasors: Sequence[Complexes], rms: float) -> tuple[Floats, float]:
-    """Relative errors (seeds, 50), NaN where not estimable, and how many of the 50 are not, on average."""
+    """Return the relative errors (seeds, 50), NaN where not estimable, and how many of the 50 are not, on average."""
     outcomes = [likelihood(subject, phasor, rms=rms, seed=seed) for seed, phasor in enumerate(phasors)]
     errors = np.array([subject.error(likelihood_values(outcome)) for outcome in outcomes])
     return errors, float(np.isnan(errors).sum() / len(phasors))

@@ -19,7 +19,7 @@ from estimator.thesis.noise import Sharing, multiplicative_noise, multiplicative
 
 
 def section() -> str:
-    """The chapter's part of the evidence page."""
+    """Return the chapter's part of the evidence page."""
     subject = load()
     parts = [
         "## Chapter 3: flexible shafts, all interface degrees of freedom measured",
@@ -42,7 +42,7 @@ def section() -> str:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of `python -m benchmarks.thesis chapter-3`."""
+    """Add the options of `python -m benchmarks.thesis chapter-3`."""
     parser.add_argument("--method", choices=("I", "II"), default="II", help="one or both senses of rotation, default II")
     parser.add_argument("--case", choices=("A", "B", "C"), default="C", help="speeds of the thesis, default C")
     parser.add_argument("--noise", type=float, default=1.0, help="N of Eq. 2.20 [%%], default 1")
@@ -53,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> str:
-    """One experiment, parameter by parameter."""
+    """Return one experiment, parameter by parameter."""
     subject = damped(load(), arguments.damping)
     case = next(c for c in CASES if (c.method, c.name) == (arguments.method, arguments.case))
     model, clean = measured(subject, case)

@@ -28,7 +28,7 @@ DAMPING_FREQUENCIES = (122.0, 432.0)
 
 
 def damped(subject: Subject, ratio: float) -> Subject:
-    """The same train with shafts damped by a ratio [-] at two natural frequencies (Appendix B)."""
+    """Return the train with its shafts damped by a ratio [-] at two natural frequencies (Appendix B)."""
     if ratio == 0.0:
         return subject
     lower, upper = DAMPING_FREQUENCIES

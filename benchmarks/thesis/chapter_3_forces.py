@@ -49,13 +49,13 @@ def forces_section(subject: Subject) -> str:
 
 
 def curve_errors(curves: dict[str, Complexes], column: int) -> list[float]:
-    """Rms error of each curve's column but the first's, over the rms of the first, which is the true one."""
+    """Return the rms error of each curve's column but the first's, over the rms of the first, which is the true one."""
     true, *others = [curve[:, column] for curve in curves.values()]
     return [float(np.linalg.norm(other - true) / np.linalg.norm(true)) for other in others]
 
 
 def transmitted(subject: Subject, case: Case, unknowns: Floats) -> Complexes:
-    """Forces and moments (S, 4) that the coupling transmits, for real unknowns (K + 2P,)."""
+    """Return forces and moments (S, 4) that the coupling transmits, for real unknowns (K + 2P,)."""
     count = subject.coefficients.size
     coefficients, planes = unknowns[:count], unknowns[count:]
     displacement = full_response(

@@ -23,7 +23,7 @@ from estimator.thesis.reduction import high_frequency_condensed
 
 
 def section() -> str:
-    """The chapter's part of the evidence page."""
+    """Return the chapter's part of the evidence page."""
     subject = load()
     parts_of_page = [
         "## Chapter 4: measured at the bearings only",
@@ -48,7 +48,7 @@ def section() -> str:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of `python -m benchmarks.thesis chapter-4`."""
+    """Add the options of `python -m benchmarks.thesis chapter-4`."""
     parser.add_argument("--method", choices=("I", "II"), default="II", help="one or both senses of rotation, default II")
     parser.add_argument("--case", choices=("A", "B", "C_fb1", "C_fb2", "C_fb3"), default="C_fb3", help="default C_fb3")
     parser.add_argument("--noise", type=float, default=1.0, help="N of Eq. 2.20 [%%], default 1")
@@ -65,7 +65,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> str:
-    """One experiment, parameter by parameter, or a part of the page. Raises SystemExit for a case that is not there."""
+    """Return one experiment, parameter by parameter, or a part of the page. Raises SystemExit for an unknown case."""
     subject = load()
     if arguments.part is not None:
         return PARTS[arguments.part](subject)

@@ -33,7 +33,7 @@ DATA: tuple[Data, Data] = ("own", "full")
 
 
 def clean_phasors(subject: Subject, case: Case, model: ReducedModel, data: Data) -> Complexes:
-    """Noiseless phasors (S, 8) at the bearings."""
+    """Return noiseless phasors (S, 8) at the bearings."""
     if data == "own":
         return reduced_response(model, coefficients=subject.coefficients, unbalances=subject.unbalances)
     return subject.response(case)[:, subject.train.bearing]

@@ -20,7 +20,7 @@ from estimator.thesis.rig import CASES
 
 
 def section() -> str:
-    """The chapter's part of the evidence page."""
+    """Return the chapter's part of the evidence page."""
     rig = load()
     parts_of_page = [
         "## Chapter 5: the laboratory rig",
@@ -45,7 +45,7 @@ def section() -> str:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of `python -m benchmarks.thesis chapter-5`."""
+    """Add the options of `python -m benchmarks.thesis chapter-5`."""
     parser.add_argument("--speeds", choices=sorted(CAMPAIGNS), default="run-up", help="where to measure, default run-up")
     cases = [plain(case) for case in CASES]
     parser.add_argument("--case", choices=cases, default=None, help="misalignment of Table 5.4, default none")
@@ -53,7 +53,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> str:
-    """One maximum-likelihood fit of the rig, parameter by parameter."""
+    """Return one maximum-likelihood fit of the rig, parameter by parameter."""
     rig = load()
     campaign = CAMPAIGNS[arguments.speeds]
     chosen = [case for case in CASES if plain(case) == arguments.case]

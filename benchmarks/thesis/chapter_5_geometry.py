@@ -14,7 +14,7 @@ from estimator.thesis.rig import nominal_values, plane_frequencies
 
 
 def geometry_section(rig: Rig) -> str:
-    """Appendix C: which diameters and which span give Table C.1."""
+    """Return the section on Appendix C: which diameters and which span give Table C.1."""
     steel = rig.machine.materials["steel"]
     rows = []
     for number, printed_hz, printed_diameter, other_diameter, measured_hz in (

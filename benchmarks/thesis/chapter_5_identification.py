@@ -37,7 +37,7 @@ LIKELIHOOD_SETS = 20
 
 
 def directions_section(rig: Rig) -> str:
-    """What the speeds determine, by the Fisher information at the truth."""
+    """Return the section on what the speeds determine, by the Fisher information at the truth."""
     rows = []
     for campaign in (PRINTED, PRINTED_WITH_FLOOR, DENSE, BOTH_WAYS, BELOW, RESONANCES, RUN_UP):
         found = bounds(rig, campaign)
@@ -115,7 +115,7 @@ def _members(rig: Rig, start: str, ends: tuple[str, ...]) -> list[int]:
 
 
 def fits_section(rig: Rig) -> str:
-    """Three sets of data, by regression and by maximum likelihood."""
+    """Return the section on three sets of data, by regression and by maximum likelihood."""
     truth = np.concatenate([rig.coefficients, parts(rig.unbalances)])
     exact = regression(rig, PRINTED, seed=None, own_model=True)
     thesis_scaled, norm_scaled = solve(exact, scaling="thesis"), solve(exact, scaling="norm")
@@ -216,7 +216,7 @@ def _range(counts: Sequence[int]) -> str:
 
 
 def _coverage(rig: Rig, outcome: Identification) -> tuple[int, int]:
-    """How many of the estimated coefficients have the truth inside their interval, and how many there are."""
+    """Return how many of the estimated coefficients have the truth inside their interval, and how many there are."""
     given = [
         (one.lower, true, one.upper)
         for one, true in zip(outcome.estimates[: len(rig.names)], rig.coefficients, strict=True)
@@ -226,7 +226,7 @@ def _coverage(rig: Rig, outcome: Identification) -> tuple[int, int]:
 
 
 def _stiffness_errors(rig: Rig, outcomes: Sequence[Identification], names: Sequence[str]) -> list[str]:
-    """How many are given; rms of ln(estimate/truth); rms over parameters of its standard deviation over the sets."""
+    """Return how many are given; rms of ln(estimate/truth); rms over parameters of its standard deviation over the sets."""
     true = dict(zip(rig.names, rig.coefficients, strict=True))
     found = np.array([[outcome.estimate(name).value or math.nan for name in names] for outcome in outcomes])
     error = np.log(found / [true[name] for name in names])

@@ -33,7 +33,7 @@ _COLUMNS = (
 
 
 def plain(case: MisalignmentCase) -> str:
-    """A case's name without subscripts: `A1`."""
+    """Return a case's name without subscripts: `A1`."""
     return case.name.translate(str.maketrans("₁₂", "12"))
 
 
@@ -57,7 +57,7 @@ class _Baseline:
 
 
 def misalignment_section(rig: Rig) -> str:
-    """Before and after: changes imposed, what the diagnosis says of them, and how surely."""
+    """Return the section before and after: imposed changes, their diagnosis, and its certainty."""
     names = stiffnesses(rig)
     baseline = _Baseline.of(rig)
     low = fitted(rig, PRINTED, seed=0, factors=printed_factors(rig, CASES[-1]))
@@ -117,14 +117,14 @@ def _state_cells(rig: Rig, baseline: _Baseline, factors: Floats, *, first_seed: 
 
 
 def stiffnesses(rig: Rig) -> tuple[str, ...]:
-    """Direct stiffnesses of the coupling and of the bearings beside it."""
+    """Return the direct stiffnesses of the coupling and of the bearings beside it."""
     coupling = rig.machine.couplings[0]
     beside = [f"bearing.{bearing}" for bearing in neighbouring_bearings(rig.machine, coupling)]
     return tuple(f"{element}.{name}" for element in (f"coupling.{coupling.id}", *beside) for name in ("kxx", "kyy"))
 
 
 def diagnosed(rig: Rig, watch: Watch, runs: Sequence[Identification]) -> tuple[Cause, ...]:
-    """What a diagnosis of some runs, all of which must agree, says."""
+    """Return the diagnosis of some runs, all of which must agree."""
     said = [observed(run, rig.machine.channels) for run in runs]
     return watch.found(said, on_delay=lambda _kind, _element: len(said)).causes
 
@@ -134,7 +134,7 @@ def _beyond(change: tuple[float, float]) -> bool:
 
 
 def imposed_factors(rig: Rig, case: MisalignmentCase) -> list[tuple[str, Floats]]:
-    """Readings of what a case changed, each with its factors (K,)."""
+    """Return the readings of what a case changed, each with its factors (K,)."""
     readings = [("print", printed_factors(rig, case))]
     if case.frequencies_hz is not None:
         growth = bearing_growth(rig, case.frequencies_hz)

@@ -15,7 +15,7 @@ from estimator.thesis.rig import ALIGNED_HZ, CASES, MisalignmentCase, plane_freq
 
 
 def natural_frequencies_section(rig: Rig) -> str:
-    """Tables 5.5 and 5.6."""
+    """Return the section on Tables 5.5 and 5.6."""
     rows = [
         [
             "aligned",
@@ -88,7 +88,7 @@ def _energy_share(rig: Rig) -> float:
 
 
 def _splitting(rig: Rig) -> str:
-    """The additional peak at 307 Hz that the thesis explains by anisotropy."""
+    """Return the part on the additional peak at 307 Hz that the thesis explains by anisotropy."""
     bearings = np.array([name.startswith(("bearing.B1", "bearing.B2")) and name.endswith("kxx") for name in rig.names])
 
     def lower_third(factor: float) -> Floats:
@@ -108,7 +108,7 @@ def _splitting(rig: Rig) -> str:
 
 
 def impact_tests_section(rig: Rig) -> str:
-    """Figure 5.25: which blows bring out which mode."""
+    """Return the section on Figure 5.25: which blows excite which mode."""
     frequency = np.arange(100.0, 450.0, 0.5)
     first, second, opposite = Place("S1", 0.135), Place("S2", 0.135), Place("S2", 0.135, size=-1.0)
     against = Place("S1", 0.27, size=-1.0)

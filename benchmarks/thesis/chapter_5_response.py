@@ -19,7 +19,7 @@ from estimator.thesis.rig import H1, SPEEDS_HZ, nominal_values
 
 
 def half_power_section(rig: Rig) -> str:
-    """Which of the thesis's speeds lie outside the half-power points."""
+    """Return the section on which of the thesis's speeds lie outside the half-power points."""
     speed = 2 * math.pi * np.linspace(10.0, 260.0, 2501)
     curve = _amplitudes(rig.machine, speed)
     rows = []
@@ -106,7 +106,7 @@ def _inside(chosen: Floats, speed: Floats, curves: Floats) -> NDArray[np.intp]:
 
 
 def printed_response_section(rig: Rig) -> str:
-    """Table 5.3 beside the response to unbalance."""
+    """Return the section on Table 5.3 beside the response to unbalance."""
     model = response(rig.train(PRINTED), coefficients=rig.coefficients, excitations=rig.unbalances)[:, 0]
     rows = []
     for hertz, printed, own in zip(SPEEDS_HZ, H1, model, strict=True):

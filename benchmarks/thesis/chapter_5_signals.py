@@ -16,7 +16,7 @@ RECORD = 2.0
 
 
 def signals_section() -> str:
-    """Appendix E, and what the thesis's way of reading a phasor costs."""
+    """Return the section on Appendix E, and on the cost of the thesis's way of reading a phasor."""
     table_e = [
         [f"{one:g} %", printed, f"{decibels(one):.2f}"]
         for one, printed in ((1, "40.00"), (2, "33.98"), (5, "26.02"), (100, "0"))

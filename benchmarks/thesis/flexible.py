@@ -27,7 +27,7 @@ Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]
 Document = dict[str, Any]
 Placement = Literal["everywhere", "matrix only"]
-"""Where noise enters a regression: matrix and right-hand side, as measured phasors do, or the matrix alone."""
+"""Place of the noise in a regression: matrix and right-hand side, as with measured phasors, or the matrix alone."""
 
 ROOT = Path(__file__).parents[2]
 NOISE = (1, 5)
@@ -52,7 +52,7 @@ class Case:
 
     @property
     def title(self) -> str:
-        """As the tables call it."""
+        """Return the case's name in the tables."""
         return f"{self.method}, {self.name}"
 
 
@@ -68,16 +68,16 @@ class Subject:
 
     @property
     def truth(self) -> Floats:
-        """The true K + 2P real unknowns."""
+        """Return the true K + 2P real unknowns."""
         return np.concatenate([self.coefficients, parts(self.unbalances)])
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Short names of the real unknowns: `B1 cxy`, `D2 U real`."""
+        """Return the short names of the real unknowns: `B1 cxy`, `D2 U real`."""
         return tuple(short_name(name) for name in real_names(self.train.unknowns))
 
     def response(self, case: Case) -> Complexes:
-        """Phasors (S, N) of the full model without noise."""
+        """Return phasors (S, N) of the full model without noise."""
         return full_response(
             self.train,
             coefficients=self.coefficients,
@@ -88,7 +88,7 @@ class Subject:
 
 
 def load(change: Callable[[Document], None] | None = None) -> Subject:
-    """The train of `examples/thesis-chapter-3.yaml`, its document changed first where asked."""
+    """Load the train of `examples/thesis-chapter-3.yaml`, its document changed first where asked."""
     document = yaml.safe_load((ROOT / "examples" / "thesis-chapter-3.yaml").read_text(encoding="utf-8"))
     if change is not None:
         change(document)
@@ -104,18 +104,18 @@ def load(change: Callable[[Document], None] | None = None) -> Subject:
 
 
 def one_way(name: str, speed: Sequence[float] | Floats) -> Case:
-    """Method I."""
+    """Return the case of Method I."""
     return Case("I", name, np.asarray(speed, dtype=float), np.ones(len(speed)))
 
 
 def both_ways(name: str, speed: Sequence[float] | Floats) -> Case:
-    """Method II."""
+    """Return the case of Method II."""
     count = len(speed)
     return Case("II", name, np.tile(np.asarray(speed, dtype=float), 2), np.repeat([1.0, -1.0], count))
 
 
 def scaled_matrix(subject: Subject, model: ReducedModel, phasor: Complexes) -> Floats:
-    """The regression matrix with columns of unit length."""
+    """Return the regression matrix with columns of unit length."""
     problem = speed_independent_regression(
         response_equations(model, phasor), subject.train.unknowns, mean_speed=1.0, damping_scaled=False
     )
@@ -123,7 +123,7 @@ def scaled_matrix(subject: Subject, model: ReducedModel, phasor: Complexes) -> F
 
 
 def rank(matrix: Floats) -> int:
-    """Number of unknowns that a matrix with columns of unit length determines in floating point."""
+    """Return the number of unknowns that a matrix with columns of unit length determines in floating point."""
     values = np.linalg.svd(matrix, compute_uv=False)
     return int(np.count_nonzero(values > SINGULAR * values[0]))
 
@@ -138,7 +138,8 @@ def regression(
     method: Method = "orthogonal",
     damping_scaled: bool = True,
 ) -> Solution:
-    """The thesis's regression on measured phasors (S, n); the right-hand side from `exact` ones where these are given."""
+    """Return the thesis's regression on measured phasors (S, n); the right-hand side from `exact` ones where these are
+    given."""
     equations = response_equations(model, measured)
     if exact is not None:
         equations = ResponseEquations(equations.coefficient, equations.unbalance, response_equations(model, exact).target)
@@ -161,7 +162,7 @@ def regression_errors(
     method: Method = "orthogonal",
     damping_scaled: bool = True,
 ) -> Floats:
-    """Relative errors (seeds, K + 2P) of the regression under the thesis's noise."""
+    """Return the relative errors (seeds, K + 2P) of the regression under the thesis's noise."""
     found = []
     for seed in seeds:
         noisy = multiplicative_noise(clean, percent=percent, rng=np.random.default_rng(seed), sharing=sharing)
@@ -174,7 +175,7 @@ def regression_errors(
 
 
 def bound(train: CondensedTrain, subject: Subject, *, rms: float) -> Floats | None:
-    """Cramér-Rao bound (K + 2P,), relative to the truth, for circular complex noise; None where it is infinite."""
+    """Return the Cramér-Rao bound (K + 2P,), relative to the truth, for circular complex noise; None where it is infinite."""
     found = sensitivity(train, coefficients=subject.coefficients, excitations=subject.unbalances)
     phasor, slope = found.phasor, found.by_parameter
     weighted = (slope / (rms / math.sqrt(2) * np.abs(phasor))[..., None]).reshape(-1, slope.shape[-1])
@@ -188,12 +189,12 @@ def bound(train: CondensedTrain, subject: Subject, *, rms: float) -> Floats | No
 
 
 def bearings_only(subject: Subject, case: Case) -> CondensedTrain:
-    """The train as measured at the bearings' translations, exactly condensed."""
+    """Return the train as measured at the bearings' translations, exactly condensed."""
     return condense(subject.machine, speed=case.speed, direction=case.direction)
 
 
 def all_interfaces(subject: Subject, case: Case) -> CondensedTrain:
-    """The same measured at every degree of freedom of bearings and couplings, rotations included."""
+    """Return the train as measured at every degree of freedom of bearings and couplings, rotations included."""
     return _measured_everywhere(bearings_only(subject, case))
 
 
@@ -207,7 +208,7 @@ def _measured_everywhere(train: CondensedTrain) -> CondensedTrain:
 def likelihood(
     subject: Subject, case: Case, phasor: Complexes, *, rms: float, seed: int, model_spread: float = 0.0
 ) -> Identification:
-    """Maximum-likelihood fit of phasors (S, 8) at the bearings, from a document whose coefficients are off by ± 50 %.
+    """Fit phasors (S, 8) at the bearings by maximum likelihood, from a document whose coefficients are off by ± 50 %.
 
     model_spread: how far E and density may be off, relative rms; they are then estimated too.
     """
@@ -217,7 +218,7 @@ def likelihood(
 
 
 def likelihood_of_all(subject: Subject, case: Case, phasor: Complexes, *, rms: float, seed: int) -> Identification:
-    """The same from phasors (S, 16) of everything that `all_interfaces` measures."""
+    """Fit phasors (S, 16) of everything that `all_interfaces` measures by maximum likelihood."""
     machine = parse_machine(wrong_document(subject.document, rms=rms, seed=seed))
     train = _measured_everywhere(condense(machine, speed=case.speed, direction=case.direction))
     return identify_train(train, _measurement(case, phasor), noise=machine.noise)
@@ -228,7 +229,7 @@ def _measurement(case: Case, phasor: Complexes) -> Measurement:
 
 
 def wrong_document(document: Document, *, rms: float, seed: int) -> Document:
-    """The document with coefficients off by up to ± 50 %, without unbalances, with the noise's rms."""
+    """Return the document with coefficients off by up to ± 50 %, without unbalances, with the noise's rms."""
     rng = np.random.default_rng(7000 + seed)
     changed = copy.deepcopy(document)
     for part in (*changed["bearings"], *changed["couplings"]):
@@ -242,7 +243,7 @@ def wrong_document(document: Document, *, rms: float, seed: int) -> Document:
 
 
 def estimated(subject: Subject, outcome: Identification) -> Floats:
-    """The real unknowns (K + 2P,) of a fit, NaN where it says that the data do not determine a parameter."""
+    """Return the real unknowns (K + 2P,) of a fit, NaN where it says that the data do not determine a parameter."""
     by_name = {one.name: one for one in outcome.estimates}
     coefficients = [by_name[item.name].value for item in subject.train.unknowns.coefficients]
     planes = [by_name[plane.name] for plane in subject.train.unknowns.unbalances]
@@ -251,12 +252,12 @@ def estimated(subject: Subject, outcome: Identification) -> Floats:
 
 
 def likelihood_errors(subject: Subject, outcome: Identification) -> Floats:
-    """Relative errors (K + 2P,), NaN where not estimable."""
+    """Return the relative errors (K + 2P,), NaN where not estimable."""
     return np.abs(estimated(subject, outcome) / subject.truth - 1.0)
 
 
 def experiment(subject: Subject, regressed: Solution, outcome: Identification | None) -> str:
-    """One experiment parameter by parameter: the regression's estimates and, where there is a fit, the fit's."""
+    """Return one experiment parameter by parameter: the regression's estimates and, where there is a fit, the fit's."""
     header = ["parameter [SI]", "true", "regression", "error"]
     rows = [
         [name, f"{true:.5g}", f"{found:.5g}", percent(abs(found / true - 1))]
@@ -274,10 +275,11 @@ def experiment(subject: Subject, regressed: Solution, outcome: Identification | 
 
 
 def median_and_range(errors: Floats) -> str:
-    """Of errors (seeds, parameters): median over all, then each seed's largest error as `worst_of_seeds` shows it."""
+    """Return, of errors (seeds, parameters), the median over all, then each seed's largest error as `worst_of_seeds` shows
+    it."""
     return f"{percent(float(np.nanmedian(errors)))} / {worst_of_seeds(errors)}"
 
 
 def bound_text(found: Floats | None) -> str:
-    """Median and largest bound over parameters."""
+    """Return median and largest bound over parameters."""
     return "infinite" if found is None else f"{percent(float(np.median(found)))} / {percent(float(found.max()))}"

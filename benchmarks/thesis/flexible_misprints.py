@@ -12,7 +12,8 @@ from estimator.rotor.shaft_element import NODE_DOFS, shear_coefficient
 
 
 def with_printed_rotary_inertia(subject: Subject) -> Subject:
-    """The train whose elements have the rotary inertia of Eq. A.5-A.8: ρAl where ρI belongs, 10⁴ times too much here."""
+    """Return the train whose elements have the rotary inertia of Eq. A.5-A.8: ρAl where ρI belongs, 10⁴ times too much
+    here."""
     rotor = assemble_rotor(subject.machine)
     mass = subject.train.mass.copy()
     for shaft in subject.machine.shafts:
@@ -27,7 +28,7 @@ def with_printed_rotary_inertia(subject: Subject) -> Subject:
 
 
 def natural_frequencies(subject: Subject) -> Floats:
-    """Natural frequencies [rad/s] at rest without damping, ascending."""
+    """Return the natural frequencies [rad/s] at rest without damping, ascending."""
     train = subject.train
     elastic = ~train.viscous
     unknown = (train.left[:, elastic] * subject.coefficients[elastic]) @ train.right[:, elastic].T
@@ -36,7 +37,7 @@ def natural_frequencies(subject: Subject) -> Floats:
 
 
 def _excess(section: Section, material: Material, length: float) -> Floats:
-    """What the printed prefix adds to the mass matrix (8, 8) of an element of solid shaft."""
+    """Return the excess that the printed prefix adds to the mass matrix (8, 8) of an element of solid shaft."""
     area = math.pi / 4 * section.outer_diameter**2
     second_moment = math.pi / 64 * section.outer_diameter**4
     shear_modulus = material.young_modulus / (2 * (1 + material.poisson_ratio))

@@ -1,4 +1,4 @@
-"""What the thesis prints in its Tables 3.3-3.10 and 4.2-4.3, digit for digit, misprints included."""
+"""The values printed in the thesis's Tables 3.3-3.10 and 4.2-4.3, digit for digit, misprints included."""
 
 from collections.abc import Mapping
 
@@ -117,7 +117,7 @@ TABLE_4_2: Mapping[str, tuple[float, float, float, float]] = {
     "II, B": (3.75e26, 4.03e26, 1.31e8, 2.18e8),
     "II, C_fb3": (1.10e26, 2.71e26, 0.71e5, 1.41e5),
 }
-"""As TABLE_3_7."""
+"""Printed values, in the form of TABLE_3_7."""
 
 TABLE_4_3: Mapping[str, tuple[float, float, float, float, float, float]] = {
     "I, A": (1683.00, 2530.50, 545.69, 1342.2, 215.18, 500.35),
@@ -127,4 +127,4 @@ TABLE_4_3: Mapping[str, tuple[float, float, float, float, float, float]] = {
     "II, B": (550.84, 853.87, 34.15, 62.03, 46.87, 96.01),
     "II, C_fb3": (169.85, 231.63, 7.00, 11.50, 11.06, 32.97),
 }
-"""As TABLE_3_8, then the largest errors with 5 % bias in E and density at 1 % and 5 %."""
+"""Printed values, in the form of TABLE_3_8, then the largest errors with 5 % bias in E and density at 1 % and 5 %."""

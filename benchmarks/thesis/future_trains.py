@@ -15,7 +15,7 @@ Document = dict[str, Any]
 RMS = 0.01
 """Rms of the complex noise, part of each amplitude."""
 NOMINAL_ERROR = 1.25
-"""What a document says of the coefficients of a seal or of a coupling's further terms, over the truth."""
+"""Ratio of the document's coefficients of a seal, or of a coupling's further terms, to the truth."""
 KNOTS_RPM = (300.0, 2000.0, 4500.0)
 INTERNAL_DAMPING = 5e-5
 """[s]"""
@@ -37,7 +37,8 @@ LOAD: dict[str, complex] = {
 
 
 def plain_document() -> Document:
-    """Two short shafts, each with a disc and two bearings, a coupling that is soft in bending, probes at all of them."""
+    """Return two short shafts, each with a disc and two bearings, a coupling that is soft in bending, probes at all of
+    them."""
     section = {"length": 0.8, "outer_diameter": 0.02, "material": "steel"}
     places = (("B1", "S1", 0.1), ("B2", "S1", 0.65), ("B3", "S2", 0.15), ("B4", "S2", 0.7))
     stiffness = ((2.5e5, 3.1e5), (2.8e5, 3.6e5), (2.3e5, 3.0e5), (2.1e5, 2.9e5))
@@ -90,14 +91,14 @@ class Feature:
     element: str | None = None
 
     def machine(self, *, factor: float = 1.0) -> Machine:
-        """The train with the feature, its own coefficients off by a factor."""
+        """Return the train with the feature, its own coefficients off by a factor."""
         document = plain_document()
         self.extend(document, factor)
         return parse_machine(document)
 
 
 def plain() -> Machine:
-    """The train with nothing that the thesis's model does not have."""
+    """Return the train with nothing that the thesis's model does not have."""
     return parse_machine(plain_document())
 
 
@@ -161,7 +162,7 @@ FEATURES = {
 
 
 def true_point(machine: Machine, names: tuple[str, ...], truth: Mapping[str, complex]) -> dict[str, float]:
-    """True values by the names of fit coordinates, positive ones as logarithms: `truth`, else the document's."""
+    """Return true values by the names of fit coordinates, positive ones as logarithms: `truth`, else the document's."""
     values: dict[str, complex] = dict(truth)
     for kind, parts in (("bearing", machine.bearings), ("seal", machine.seals), ("coupling", machine.couplings)):
         for part in parts:

@@ -25,7 +25,7 @@ SPEED: Floats = np.arange(20.0, 500.0, 3.0)
 """[rad/s]"""
 SEED = 0
 SEEDS = range(5)
-"""Of the summary."""
+"""Seeds of the summary."""
 PROFILE = (0.5, 1.0, 1.5)
 """Internal damping that documents state, over the true one."""
 STEP = 1e-3
@@ -48,14 +48,14 @@ class Run:
     internal_damping_bound: float
 
     def measured(self, *, seed: int) -> Measurement:
-        """The phasors with circular noise."""
+        """Return the phasors with circular noise."""
         rng = np.random.default_rng(seed)
         noise = rng.standard_normal(self.phasor.shape) + 1j * rng.standard_normal(self.phasor.shape)
         return Measurement.of(speed=SPEED, phasor=self.phasor * (1.0 + RMS / math.sqrt(2.0) * noise), direction=1)
 
 
 def simulated(feature: Feature) -> Run:
-    """The train with a feature, at its true parameters, with the bound of the information matrix there."""
+    """Return the train with a feature, at its true parameters, with the bound of the information matrix there."""
     machine = feature.machine()
     clean, slope, names, truth = _response(machine, feature.truth)
     if machine.materials["steel"].internal_damping > 0.0:
@@ -90,20 +90,21 @@ def _response(machine: Machine, truth: Mapping[str, complex]) -> tuple[Complexes
 
 
 def identified(feature: Feature, measurement: Measurement) -> Identification:
-    """By a document that has the feature, and states its own coefficients wrongly."""
+    """Identify with a document that has the feature, and states its own coefficients wrongly."""
     factor = 1.0 if feature is FEATURES["internal-damping"] else NOMINAL_ERROR
     return identify(feature.machine(factor=factor), measurement)
 
 
 def without_feature(measurement: Measurement) -> Identification:
-    """By the document that has no such feature; channels that this one does not have are left out."""
+    """Identify with the document that has no such feature; channels that it does not have are left out."""
     machine = plain()
     phasor = measurement.phasor[:, : len(machine.probes)]
     return identify(machine, Measurement.of(speed=SPEED, phasor=phasor, direction=1), Options(starts=1))
 
 
 def bearing_errors(found: Identification, simulation: Run, feature: Feature) -> tuple[float, float]:
-    """Largest relative error of kxx and kyy, and largest error of any coefficient over its Cramér-Rao bound, of bearings.
+    """Return the largest relative error of kxx and kyy, and largest error of any coefficient over its Cramér-Rao bound, of
+    bearings.
 
     Those of the feature's own element are left out.
     """
@@ -128,7 +129,7 @@ def internal_damping(measurement: Measurement) -> tuple[float, float]:
 
 
 def section() -> str:
-    """The last part of the evidence page."""
+    """Return the last part of the evidence page."""
     return (
         paragraphs(
             "## §6.5: what the thesis leaves to future work",
@@ -159,7 +160,7 @@ def section() -> str:
 
 
 def summary() -> str:
-    """All unknowns of each train over some seeds: χ²/dof and errors over their bounds."""
+    """Return all unknowns of each train over some seeds: χ²/dof and errors over their bounds."""
     rows = []
     for feature in FEATURES.values():
         simulation = simulated(feature)
@@ -186,7 +187,7 @@ def summary() -> str:
 
 
 def part(name: str, *, seed: int) -> str:
-    """One feature: table, test of fit, and what happens without it."""
+    """Return the part on one feature: table, test of fit, and the results without it."""
     feature = FEATURES[name]
     simulation = simulated(feature)
     measurement = simulation.measured(seed=seed)
@@ -255,12 +256,12 @@ def _internal_damping_row(simulation: Run, measurement: Measurement) -> list[str
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Options of `python -m benchmarks.thesis future-work`."""
+    """Add the options of `python -m benchmarks.thesis future-work`."""
     parser.add_argument("--feature", choices=tuple(FEATURES), help="one of them, by default all")
     parser.add_argument("--seed", type=int, default=SEED, help=f"of the noise, default {SEED}")
 
 
 def run(arguments: argparse.Namespace) -> str:
-    """One feature, or all."""
+    """Return the part on one feature, or on all."""
     names = [arguments.feature] if arguments.feature else list(FEATURES)
     return paragraphs(*(part(name, seed=arguments.seed) for name in names))

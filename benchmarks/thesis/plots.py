@@ -31,14 +31,15 @@ class _Axis:
     ticks: tuple[float, ...]
 
     def part(self, value: float) -> float:
-        """Where a value lies, from 0 to 1."""
+        """Return the position of a value, from 0 to 1."""
         if self.logarithmic:
             return math.log(value / self.low) / math.log(self.high / self.low)
         return (value - self.low) / (self.high - self.low)
 
 
 def chart(*, title: str, x_label: str, y_label: str, series: Sequence[Series], logarithmic: bool = False) -> str:
-    """A chart of curves and points as SVG. logarithmic: of the y axis; values that are not positive are then left out."""
+    """Return a chart of curves and points as SVG. logarithmic: of the y axis; values that are not positive are then left
+    out."""
     horizontal = _linear_axis([value for one in series for value in one.x])
     vertical = _axis([value for one in series for value in one.y], logarithmic)
     parts = [

@@ -64,12 +64,12 @@ class Campaign:
 
     @property
     def speed(self) -> Floats:
-        """[rad/s]."""
+        """Return the speeds [rad/s]."""
         return 2.0 * math.pi * self.speed_hz
 
 
 def one_way(title: str, speed_hz: Sequence[float] | Floats, *, floor: float) -> Campaign:
-    """Forward rotation only."""
+    """Return the campaign with forward rotation only."""
     return Campaign(title, np.asarray(speed_hz, dtype=float), np.ones(len(speed_hz)), floor)
 
 
@@ -102,11 +102,11 @@ class Rig:
     names: tuple[str, ...]
 
     def train(self, campaign: Campaign) -> CondensedTrain:
-        """Condensed at the campaign's speeds."""
+        """Return the train condensed at the campaign's speeds."""
         return condense(self.machine, speed=campaign.speed, direction=campaign.direction)
 
     def measured(self, campaign: Campaign, *, seed: int, factors: Floats | None = None) -> Measurement:
-        """One noisy data set, of a rig whose coefficients are multiplied by factors (K,)."""
+        """Return one noisy data set, of a rig whose coefficients are multiplied by factors (K,)."""
         coefficients = self.coefficients * (1.0 if factors is None else factors)
         clean = response(self.train(campaign), coefficients=coefficients, excitations=self.unbalances)
         model = self.machine.noise.model_copy(update={"relative": RELATIVE_NOISE, "floor": campaign.floor})
@@ -116,7 +116,7 @@ class Rig:
 
 
 def load() -> Rig:
-    """The rig of `examples/thesis-chapter-5-rig.yaml`."""
+    """Load the rig of `examples/thesis-chapter-5-rig.yaml`."""
     document = yaml.safe_load((ROOT / "examples" / "thesis-chapter-5-rig.yaml").read_text(encoding="utf-8"))
     machine = parse_machine(document)
     coefficients, unbalances = nominal_values(machine)
@@ -125,7 +125,7 @@ def load() -> Rig:
 
 
 def wrong_machine(rig: Rig, *, floor: float, seed: int) -> Machine:
-    """A machine that knows the rig's coefficients within ± 50 % and no unbalance."""
+    """Return a machine that knows the rig's coefficients within ± 50 % and no unbalance."""
     rng = np.random.default_rng(START_SEED + seed)
     changed = copy.deepcopy(rig.document)
     for part in (*changed["bearings"], *changed["couplings"]):
@@ -139,13 +139,13 @@ def wrong_machine(rig: Rig, *, floor: float, seed: int) -> Machine:
 
 
 def fitted(rig: Rig, campaign: Campaign, *, seed: int, factors: Floats | None = None) -> Identification:
-    """Maximum likelihood on one data set; the document is the same wrong one for all sets."""
+    """Fit one data set by maximum likelihood; the document is the same wrong one for all sets."""
     machine = wrong_machine(rig, floor=campaign.floor, seed=0)
     return identify(machine, rig.measured(campaign, seed=seed, factors=factors), Options())
 
 
 def regression(rig: Rig, campaign: Campaign, *, seed: int | None, own_model: bool) -> Regression:
-    """Chapter 4's regression (Eq. 4.71, 5.3) on one data set with 1 % circular noise, or with none.
+    """Return Chapter 4's regression (Eq. 4.71, 5.3) on one data set with 1 % circular noise, or with none.
 
     own_model: the data come from the regression's own high-frequency reduction instead of the full model.
     """
@@ -170,12 +170,12 @@ def regression(rig: Rig, campaign: Campaign, *, seed: int | None, own_model: boo
 
 
 def regressed(rig: Rig, campaign: Campaign, *, seed: int | None, own_model: bool) -> Floats:
-    """Values (K + 2P,) that the regression finds, its columns scaled to equal norm."""
+    """Return values (K + 2P,) that the regression finds, its columns scaled to equal norm."""
     return solve(regression(rig, campaign, seed=seed, own_model=own_model), scaling="norm").values
 
 
 def information_root(rig: Rig, campaign: Campaign) -> Floats:
-    """Rows (2Sm, K + 2P) whose product with themselves is the Fisher information at the truth.
+    """Return rows (2Sm, K + 2P) whose product with themselves is the Fisher information at the truth.
 
     Direct terms count by their logarithm, cross-coupled ones in units of their element's direct terms, unbalances of the
     larger one.
@@ -202,13 +202,13 @@ class Bounds:
 
 
 def bounds(rig: Rig, campaign: Campaign) -> Bounds:
-    """What a campaign determines at best, without any prior; in the units of `information_root`."""
+    """Return the best that a campaign determines, without any prior; in the units of `information_root`."""
     _, values, right = np.linalg.svd(information_root(rig, campaign), full_matrices=False)
     return Bounds(np.sqrt(np.sum((right / values[:, None]) ** 2, axis=0)), 1.0 / values)
 
 
 def logarithmic_point(outcome: Identification) -> Point:
-    """The direct terms that a fit determined, as logarithms, with their covariance."""
+    """Return the direct terms that a fit determined, as logarithms, with their covariance."""
     values = {one.name: one.value for one in outcome.estimates if one.value is not None and is_direct(one.name)}
     names = [name for name in outcome.coordinates if name in values]
     index = [outcome.coordinates.index(name) for name in names]

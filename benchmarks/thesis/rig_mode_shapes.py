@@ -15,7 +15,7 @@ HIGHEST_HZ = 450.0
 
 
 def section(rig: Rig) -> str:
-    """The first three modes of the x-z plane at standstill, in words and as a figure."""
+    """Return the first three modes of the x-z plane at standstill, in words and as a figure."""
     modes = plane_modes(rig)
     rows = [
         [f"{mode.frequency / (2 * math.pi):.1f}", str(number), str(nodes(mode)), *_largest(mode), _joint(mode)]
@@ -36,13 +36,13 @@ def section(rig: Rig) -> str:
 
 
 def nodes(mode: ModeShape) -> int:
-    """Times the displacement along the train changes its sign; bearings hold the shafts softly, so ends count."""
+    """Return how often the displacement along the train changes its sign; bearings hold the shafts softly, so ends count."""
     shape = _along(mode)
     return int(np.count_nonzero(np.diff(np.sign(shape[np.abs(shape) > 1e-6])) != 0))
 
 
 def plane_modes(rig: Rig) -> list[ModeShape]:
-    """The first three modes at standstill that move mainly in the x-z plane."""
+    """Return the first three modes at standstill that move mainly in the x-z plane."""
     found = mode_shapes(rig.machine, spin=0.0, highest_frequency=2 * math.pi * HIGHEST_HZ, coefficients=rig.coefficients)
     return [mode for mode in found if _size(mode, "x") > _size(mode, "y")][:3]
 

@@ -41,7 +41,7 @@ class Case:
 
     @property
     def title(self) -> str:
-        """As the tables call it."""
+        """Return the case's name in the tables."""
         return f"{self.method}, {self.name}"
 
 
@@ -71,22 +71,22 @@ class Experiment:
     clean: Complexes
 
     def noisy(self, percent: float, seed: int, sharing: Sharing = "none") -> Complexes:
-        """The response with the thesis's noise."""
+        """Return the response with the thesis's noise."""
         return multiplicative_noise(self.clean, percent=percent, rng=np.random.default_rng(seed), sharing=sharing)
 
     def error(self, values: Floats) -> Floats:
-        """Relative error (50,) of estimates."""
+        """Return the relative error (50,) of estimates."""
         return np.asarray(np.abs(values / self.rigid.values - 1.0))
 
 
 @cache
 def case(method: str, name: str) -> Case:
-    """The case of that name. Raises StopIteration for one that the thesis does not have."""
+    """Return the case of that name. Raises StopIteration for one that the thesis does not have."""
     return next(one for one in CASES if (one.method, one.name) == (method, name))
 
 
 def experiment(which: Case, rigid: RigidTrain | None = None) -> Experiment:
-    """A case with the printed train, or another."""
+    """Return a case with the printed train, or another."""
     rigid = printed_train() if rigid is None else rigid
     train = condensed(rigid, speed=which.speed, direction=which.direction)
     return Experiment(rigid, train, response(train, coefficients=rigid.coefficients, excitations=rigid.unbalances))
@@ -101,19 +101,19 @@ def regression(
     tikhonov: Rule | None = None,
     expected: Floats | None = None,
 ) -> Solution:
-    """The thesis's regression of phasors (S, 8)."""
+    """Return the thesis's regression of phasors (S, 8)."""
     return solve(rigid_regression(subject.train, phasor), scaling=scaling, method=method, tikhonov=tikhonov, expected=expected)
 
 
 def regression_errors(subject: Experiment, percent: float, *, seeds: int = SEEDS, sharing: Sharing = "none") -> Floats:
-    """Relative errors (seeds, 50) of the regression with the thesis's noise."""
+    """Return the relative errors (seeds, 50) of the regression with the thesis's noise."""
     return np.array(
         [subject.error(regression(subject, subject.noisy(percent, seed, sharing)).values) for seed in range(seeds)]
     )
 
 
 def likelihood(subject: Experiment, phasor: Complexes, *, rms: float, seed: int) -> Identification:
-    """Maximum-likelihood fit of phasors (S, 8), from coefficients that are off by up to ± 50 %.
+    """Fit phasors (S, 8) by maximum likelihood, from coefficients that are off by up to ± 50 %.
 
     rms: relative error of the phasors, taken as circular and Gaussian, which the thesis's noise is not.
     """
@@ -130,7 +130,7 @@ def likelihood(subject: Experiment, phasor: Complexes, *, rms: float, seed: int)
 
 
 def likelihood_values(outcome: Identification) -> Floats:
-    """Estimates (50,) in the order of Table 2.1, NaN where the fit says that the data do not determine a parameter."""
+    """Return estimates (50,) in the order of Table 2.1, NaN where the fit says that the data do not determine a parameter."""
     values: list[float] = []
     for one in outcome.estimates:
         values.append(math.nan if one.value is None else one.value)
@@ -140,13 +140,13 @@ def likelihood_values(outcome: Identification) -> Floats:
 
 
 def bound(subject: Experiment, *, rms: float) -> Floats:
-    """Cramér-Rao bound (50,), relative, for circular complex noise of that rms."""
+    """Return the Cramér-Rao bound (50,), relative, for circular complex noise of that rms."""
     radial, tangential = _relative_slopes(subject)
     return _standard_errors(np.concatenate([radial, tangential]) / (rms / math.sqrt(2.0)))
 
 
 def exact_phase_bound(subject: Experiment, *, rms: float) -> tuple[Floats, int]:
-    """The same (50,) for real noise that leaves every phase exact, and how many combinations the phases fix.
+    """Return the bound (50,) for real noise that leaves every phase exact, and how many combinations the phases fix.
 
     Exact phases are constraints; within what they leave open, the amplitudes' noise counts.
     """
@@ -164,7 +164,7 @@ def exact_phase_bound(subject: Experiment, *, rms: float) -> tuple[Floats, int]:
 
 
 def in_phase(rigid: RigidTrain) -> RigidTrain:
-    """The train with the unbalances that Table 2.7 assumes: all at 36°."""
+    """Return the train with the unbalances that Table 2.7 assumes: all at 36°."""
     return replace(rigid, unbalances=np.array([9.4e-3, 5.6e-3, 7.8e-3, 11.1e-3]) * np.exp(1j * np.deg2rad(36.0)))
 
 

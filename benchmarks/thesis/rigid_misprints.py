@@ -25,7 +25,7 @@ class Misprint:
 
 
 def shifts(subject: Experiment, misprint: Misprint) -> Floats:
-    """Relative shift of each of the 50 unknowns."""
+    """Return the relative shift of each of the 50 unknowns."""
     return np.asarray(solve(misprint.regression(subject)).values / subject.rigid.values - 1.0)
 
 

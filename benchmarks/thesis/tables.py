@@ -11,23 +11,23 @@ Floats = NDArray[np.float64]
 
 
 def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A markdown table."""
+    """Return a markdown table."""
     lines = [header, ["---"] * len(header), *rows]
     return "\n".join("| " + " | ".join(line) + " |" for line in lines)
 
 
 def prose(text: str) -> str:
-    """Paragraphs for the page from an indented text."""
+    """Return paragraphs for the page from an indented text."""
     return textwrap.dedent(text).strip()
 
 
 def paragraphs(*parts: str) -> str:
-    """Parts of the page with an empty line between them."""
+    """Return parts of the page with an empty line between them."""
     return "\n\n".join(parts)
 
 
 def percent(value: float) -> str:
-    """A relative error for a table: two digits, in per cent."""
+    """Return a relative error for a table: two digits, in per cent."""
     shown = 100.0 * value
     if not math.isfinite(shown):
         return "-"
@@ -41,34 +41,34 @@ def percent(value: float) -> str:
 
 
 def shift(value: float) -> str:
-    """A relative shift with its sign, in per cent to two decimals."""
+    """Return a relative shift with its sign, in per cent to two decimals."""
     shown = round(100.0 * value, 2)
     return f"{shown:+.2f} %" if shown else "0 %"
 
 
 def decade(value: float) -> str:
-    """A relative error that is rounding only: the power of ten that it stays below, in per cent."""
+    """Return, for a relative error that is rounding only, the power of ten that it stays below, in per cent."""
     return f"< 1e{math.ceil(math.log10(100.0 * value)):+03d} %"
 
 
 def power(value: float) -> str:
-    """A condition number: two digits and the power of ten."""
+    """Return a condition number with two digits and the power of ten."""
     return f"{value:.1e}" if math.isfinite(value) else "infinite"
 
 
 def median_and_worst(errors: Floats) -> str:
-    """Of errors (seeds, parameters): median over all, and the median over seeds of each seed's largest error."""
+    """Return, of errors (seeds, parameters), the median over all, and the median over seeds of each seed's largest error."""
     worst = np.nanmax(errors, axis=1)
     return f"{percent(float(np.nanmedian(errors)))} / {percent(float(np.median(worst)))}"
 
 
 def worst_of_seeds(errors: Floats) -> str:
-    """Of errors (seeds, parameters): each seed's largest error, as median over seeds (smallest to largest)."""
+    """Return, of errors (seeds, parameters), each seed's largest error, as median over seeds (smallest to largest)."""
     worst = np.nanmax(errors, axis=1)
     return f"{percent(float(np.median(worst)))} ({percent(float(worst.min()))} to {percent(float(worst.max()))})"
 
 
 def short_name(name: str) -> str:
-    """A parameter's name without its kind of element: `B1 kxx`, `C k_phix`, `D2 U real`."""
+    """Return a parameter's name without its kind of element: `B1 kxx`, `C k_phix`, `D2 U real`."""
     _, element, rest = name.split(".", 2)
     return f"{element} {rest.replace('unbalance.', 'U ')}"

@@ -6,6 +6,7 @@ from service.client import Rundown
 
 
 def main() -> None:
+    """Print the overview of all machines."""
     with Rundown(*sys.argv[1:2]) as rundown:
         for machine in rundown.fleet():
             last = machine.last_identification

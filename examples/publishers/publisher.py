@@ -1,4 +1,4 @@
-"""The smallest source: publishes phasors over zenoh and keeps no log, so what the network loses is counted, not healed.
+"""The smallest source: publishes phasors over zenoh and keeps no log; samples lost by the network are counted, not recovered.
 
 python publisher.py tcp/127.0.0.1:7447 examples motor-pump B1L,B1R 600     # endpoint, plant, machine, channels, samples
 """
@@ -20,7 +20,7 @@ units |= {"phase_convention": "lag", "phase_unit": "deg", "direction": "positive
 
 
 def measure() -> tuple[int, float, list[float], list[float]]:
-    """Here the instrument would be read: time [ns], speed, amplitude and phase of each channel."""
+    """Return the instrument's reading: time [ns], speed, amplitude and phase of each channel; read your instrument here."""
     time.sleep(0.02)
     return time.time_ns(), 1480.0, [25.0 for _ in names], [120.0 for _ in names]
 

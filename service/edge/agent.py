@@ -1,4 +1,4 @@
-"""The agent: waveforms → blocks → samples → log → network, and how it is doing."""
+"""The agent: waveforms → blocks → samples → log → network, with a report of its status."""
 
 import logging
 import threading
@@ -29,18 +29,18 @@ from storage.clock import is_ahead
 logger = logging.getLogger(__name__)
 
 BATCH_SAMPLES = 20
-"""Samples in one message, …"""
+"""Samples in one message."""
 BATCH_S = 0.2
-"""… or what has come in so long."""
+"""Longest time for which samples are collected into one message."""
 LOG_RETRY_S = 0.5
 """Pause after the log refused a batch."""
 
 
 class Progress(msgspec.Struct, kw_only=True):
-    """How far the agent has come: the position that its log keeps with each batch.
+    """Progress of the agent: the position that its log stores with each batch.
 
-    time_ns: of the last sample; nothing that is not later is ever published again. file: that is being read, as configured;
-    place: where in it, None when it is done with. mark in place: see `blocks.Position`.
+    time_ns: of the last sample; only later samples are published. file: the file being read, as configured; place: position in
+    it, None when it is finished. mark in place: see `blocks.Position`.
     """
 
     time_ns: int = 0
@@ -49,7 +49,7 @@ class Progress(msgspec.Struct, kw_only=True):
 
 
 class Agent:
-    """Works off the configured input and publishes what comes of it. The source's log tells where it was."""
+    """The agent: it processes the configured input and publishes the samples. The source's log holds its progress."""
 
     def __init__(self, configuration: EdgeConfiguration, source: Source) -> None:
         self.conditions = Conditions()
@@ -67,14 +67,15 @@ class Agent:
         self._blocks = 0
 
     def read_files(self, stop: threading.Event, *, speedup: float | None = None) -> None:
-        """Read all files of the configuration from where it was, or until `stop`. speedup: over real time, if paced."""
+        """Read all configured files from where it stopped, or until `stop`. speedup: pace relative to real time; None:
+        unpaced."""
         files = self._configuration.waveforms.files
         names = [str(file.path) for file in files]
         at = names.index(self._progress.file) if self._progress.file in names else 0
         for file in files[at:]:
             place = self._progress.place if self._progress.file == str(file.path) else None
             if self._progress.file == str(file.path) and place is None:
-                continue  # done with
+                continue  # finished
             logger.info("reading %s", file.path)
             self._read(file, place, stop, speedup)
             if stop.is_set():
@@ -96,7 +97,7 @@ class Agent:
         self._publish(stop)
 
     def status(self) -> dict[str, Any]:
-        """Tell how it is doing."""
+        """Return the status of the agent."""
         log = self._source.log.status()
         return {
             "source": self._source.name,
@@ -133,7 +134,7 @@ class Agent:
         return Progress(time_ns=self._progress.time_ns, file=None if file is None else str(file), place=place)
 
     def _paced(self, time_ns: int, stop: threading.Event, speedup: float | None) -> bool:
-        """Wait until it is a block's turn; False when the agent is to stop."""
+        """Wait until a block is due; return False when the agent is to stop."""
         if speedup is not None:
             if self._pace_began is None:
                 self._pace_began = time.monotonic(), time_ns
@@ -144,12 +145,12 @@ class Agent:
         return not stop.is_set()
 
     def _take(self, outcome: BlockOutcome, progress: Progress, stop: threading.Event) -> None:
-        """Take one outcome, in order."""
+        """Process one outcome, in order."""
         self._blocks += 1
         found = list(outcome.found)
         if outcome.block is not None:
             time_ns = outcome.time_ns
-            # What a wrong clock once said is taken by no service, and must not shut out all that comes after it.
+            # A time from a wrong clock is accepted by no service, and must not shut out all later samples.
             if time_ns > self._progress.time_ns or is_ahead(self._progress.time_ns):
                 progress.time_ns = time_ns
                 self._add(outcome.block, time_ns, bad=any(one.name == "phase_reference_lost" for one in found))
@@ -184,7 +185,7 @@ class Agent:
         batch.status.append([status.label for status in channel_statuses(block, bad=bad)])
 
     def _publish(self, stop: threading.Event) -> None:
-        """Hand over what is gathered; while the log takes nothing, try again."""
+        """Publish the collected samples, retrying while the log refuses them."""
         batch, self._batch = self._batch, None
         if batch is None:
             return
@@ -193,12 +194,12 @@ class Agent:
             self._samples += len(batch.time_ns)
 
     def _settle(self, stop: threading.Event) -> None:
-        """Wait until all is in the log."""
+        """Wait until all samples are in the log."""
         if self._insist(self._source.log.flush, stop):
             self.conditions.block([])
 
     def _insist(self, action: Callable[[], None], stop: threading.Event) -> bool:
-        """Do something with the log, again and again while it cannot be used; False when stopped before it was done."""
+        """Retry an action while the log cannot be used; return False when stopped before it succeeded."""
         while True:
             try:
                 action()
@@ -238,7 +239,7 @@ class Agent:
 
 
 def channel_statuses(block: Block, *, bad: bool) -> list[ChannelStatus]:
-    """Return the status of each channel; bad: whether all of them are."""
+    """Return the status of each channel. bad: whether all channels are bad."""
     return [
         ChannelStatus.BAD
         if bad or fault in UNUSABLE
@@ -250,7 +251,7 @@ def channel_statuses(block: Block, *, bad: bool) -> list[ChannelStatus]:
 
 
 def block_settings(configuration: EdgeConfiguration) -> BlockSettings:
-    """Return the part of the configuration that decides what comes of a waveform."""
+    """Return the part of the configuration that determines how waveforms become samples."""
     keyphasor = configuration.keyphasor
     threshold = None
     if keyphasor.threshold is not None and keyphasor.hysteresis is not None:

@@ -1,8 +1,8 @@
-"""Waveforms as they come, cut into blocks that become phasors: bounded memory, and nothing depends on how they come.
+"""Cutting a stream of waveforms into blocks that become phasors, in bounded memory and independent of the chunks.
 
-Blocks follow each other without a gap, from the first sample on. Each is worked out from a window of samples around it and
-from nothing else (with several marks per turn: and from the count of the marks), so that the same samples give the same
-phasors however they are cut into chunks, and wherever reading begins again after the agent was killed.
+Blocks follow each other without a gap, from the first sample on. Each is computed from a window of samples around it and
+nothing else (with several marks per turn: and from the count of the marks), so that the same samples give the same phasors
+however they are cut into chunks, and wherever reading resumes after the agent was killed.
 """
 
 import math
@@ -27,11 +27,11 @@ from service.edge.sample_window import Chunk, SampleWindow
 from service.wire import OVERSPEED
 
 MARGIN = 0.5
-"""Waveform on each side of a block of some seconds from which its shaft angle is read, part of the block's length."""
+"""Waveform on each side of a block of some seconds from which its shaft angle is read, as a part of the block's length."""
 MARGIN_TURNS = 3.0
-"""The same of a block of some turns, at the machine's lowest speed."""
+"""Waveform on each side of a block of some turns from which its shaft angle is read, in turns at the lowest speed."""
 STOPPING = 1.5
-"""Below this multiple of the machine's lowest speed a keyphasor that falls silent means standstill; above, a broken one."""
+"""Below this multiple of the machine's lowest speed a silent keyphasor means standstill; above, a broken keyphasor."""
 
 KEYPHASOR_CONDITIONS: dict[type[KeyphasorError], str] = {
     NoPulses: "no_pulses",
@@ -42,7 +42,7 @@ KEYPHASOR_CONDITIONS: dict[type[KeyphasorError], str] = {
 
 @dataclass(frozen=True)
 class BlockSettings:
-    """How blocks are made. seconds or turns: of a block. lowest, highest: of the machine [rpm]. rails: of each channel."""
+    """Settings of the blocks. seconds or turns: of a block. lowest, highest: of the machine [rpm]. rails: of each channel."""
 
     channels: tuple[str, ...]
     lowest_rpm: float
@@ -57,11 +57,11 @@ class BlockSettings:
 
 @dataclass(frozen=True)
 class Position:
-    """Where the next block begins, and all else that it depends on.
+    """Begin of the next block, and all else that the block depends on.
 
     segment: number of the sample with which the unbroken waveform began. begin: of the block, behind that sample [s]. mark:
-    instant [s] and number of a mark before it, None where the count begins anew. lost: whether the count was lost while
-    turning. rpm: speed of the last block.
+    time [s] and number of a mark before it, None when the count starts anew. lost: whether the count was lost while turning.
+    rpm: speed of the last block.
     """
 
     segment: int
@@ -74,21 +74,21 @@ class Position:
     rpm: float = 0.0
 
     def index(self, instant: float) -> int:
-        """Return the number, in the segment, of the first sample needed from an instant [s] on."""
+        """Return the number, in the segment, of the first sample needed from a time [s] on."""
         return max(0, math.floor(instant * self.sampling_rate))
 
     def seconds_to(self, number: int) -> float:
-        """Return the instant of a sample, by its number in the input, behind the segment's first one [s]."""
+        """Return the time of a sample, by its number in the input, behind the segment's first one [s]."""
         return float(number - self.segment) / self.sampling_rate
 
     def time_ns(self, instant: float) -> int:
-        """Return the time of an instant behind the segment's first sample [ns, UTC]."""
+        """Return the absolute time [ns, UTC] of a time [s] behind the segment's first sample."""
         return self.anchor_ns + round((instant - (self.anchor - self.segment) / self.sampling_rate) * 1e9)
 
 
 @dataclass(frozen=True)
 class BlockOutcome:
-    """A stretch of waveform that was worked off: its block, None if it gave none; its time [ns]; what was wrong with it."""
+    """A processed stretch of waveform: its block, None without one; its time [ns]; the conditions found in it."""
 
     block: Block | None
     time_ns: int
@@ -97,7 +97,7 @@ class BlockOutcome:
 
 
 class BlockStream:
-    """Takes chunks, gives outcomes. position: where to go on."""
+    """Converter of chunks into block outcomes. position: where to resume."""
 
     def __init__(self, settings: BlockSettings, position: Position | None = None) -> None:
         self._settings = settings
@@ -111,12 +111,12 @@ class BlockStream:
         return MARGIN_TURNS * 60.0 / self._settings.lowest_rpm
 
     def first_needed(self) -> int:
-        """Return the number of the first sample that must be read to go on."""
+        """Return the number of the first sample that must be read to resume."""
         at = self._position
         return 0 if at is None else at.segment + at.index(at.begin - self.margin())
 
     def feed(self, chunk: Chunk) -> Iterator[BlockOutcome]:
-        """Work off everything that can be with this chunk."""
+        """Yield the outcomes of all blocks that this chunk completes."""
         at = self._position
         goes_on = at is not None and chunk.sampling_rate == at.sampling_rate
         if at is not None and self._window is None:
@@ -125,7 +125,7 @@ class BlockStream:
             goes_on = goes_on and chunk.follows and chunk.first == self._window.end
         if at is None or not goes_on:
             yield from self.finish()
-            # Behind a gap nobody knows how many marks have passed.
+            # After a gap the number of passed marks is unknown.
             lost = at is not None and self._settings.pulses_per_turn > 1
             self._position = Position(chunk.first, 0.0, chunk.sampling_rate, chunk.anchor, chunk.anchor_ns, lost=lost)
             self._window = None
@@ -138,7 +138,7 @@ class BlockStream:
         yield from self._work(ended=False)
 
     def finish(self) -> Iterator[BlockOutcome]:
-        """Work off what is left over, as far as it makes blocks: nothing follows any more."""
+        """Yield the outcomes of the remaining samples, as far as they form blocks, at the end of the waveform."""
         if self._window is not None:
             yield from self._work(ended=True)
         self._position = self._window = None
@@ -152,7 +152,7 @@ class BlockStream:
 
     def _by_seconds(self, ended: bool) -> BlockOutcome | None:
         at, length = self._at, self._settings.seconds or 0.0
-        # A multiple of the length, not a sum of many.
+        # A multiple of the length: a sum would accumulate rounding errors.
         end = (round(at.begin / length) + 1) * length
         if end + (0.0 if ended else self.margin()) > self._at.seconds_to(self._samples.end) + ROUNDING:
             return None
@@ -165,13 +165,13 @@ class BlockStream:
             return self._without(at.begin, end, WaveformFinding("keyphasor_gap", None, "the angle is not known in the block"))
         notes = []
         missing = (end - at.begin) - (until - begin)
-        # The first block holds the first pulse; nothing is wrong with that.
+        # The first block begins before the first pulse, which is no fault.
         if at.begin > 0.0 and missing > ROUNDING and not (ended and until < end):
             notes.append(WaveformFinding("keyphasor_gap", None, f"the angle is not known for {missing:.3g} s of the block"))
         return self._with(angle, start, begin, until, end, notes)
 
     def _by_turns(self, ended: bool) -> BlockOutcome | None:
-        """Make a block from edge to edge; the window grows until the block's last edge is in it."""
+        """Return a block from edge to edge, enlarging the window until it holds the block's last edge; None when it cannot."""
         begin, settings, known = self._at.begin, self._settings, self._at.seconds_to(self._samples.end)
         turns = settings.turns or 0
         shortest, longest = turns * 60.0 / settings.highest_rpm, turns * 60.0 / settings.lowest_rpm
@@ -200,7 +200,7 @@ class BlockStream:
         first, last = next((piece for piece in angle.pieces if piece[1] > at.begin + ROUNDING), (math.inf, math.inf))
         if first > end:
             return gap
-        if first > at.begin + ROUNDING:  # up to the first pulse nothing is wrong
+        if first > at.begin + ROUNDING:  # before the first pulse nothing is wrong
             return self._without(at.begin, first, *([gap] if at.begin > 0.0 else []))
         inside = (angle.edge_time >= at.begin - ROUNDING) & (angle.edge_time <= last + ROUNDING)
         time, turned = angle.edge_time[inside], angle.edge_angle[inside] / (2.0 * math.pi)
@@ -214,7 +214,7 @@ class BlockStream:
     def _with(
         self, angle: ShaftAngle, start: float, begin: float, until: float, end: float, found: list[WaveformFinding]
     ) -> BlockOutcome:
-        """Make the block from `begin` to `until`; the next one begins at `end`."""
+        """Return the outcome with the block from `begin` to `until`; the next block begins at `end`."""
         at, settings = self._at, self._settings
         values = self._samples.since(at.segment + round(start * at.sampling_rate))
         block = track_block(
@@ -253,7 +253,7 @@ class BlockStream:
         return BlockOutcome(None, at.time_ns((begin + end) / 2.0), found, replace(at, begin=end))
 
     def _angle(self, begin: float, end: float) -> tuple[ShaftAngle | WaveformFinding, float]:
-        """Return the shaft's angle in a window, or why there is none; and the instant of the window's first sample [s]."""
+        """Return the shaft's angle in a window, or why there is none; and the time of the window's first sample [s]."""
         at, settings = self._at, self._settings
         first = max(at.index(begin), self._samples.first - at.segment)
         start = first / at.sampling_rate
@@ -272,7 +272,7 @@ class BlockStream:
         return self._counted(angle), start
 
     def _counted(self, angle: ShaftAngle) -> ShaftAngle:
-        """Return the angle counted from the same mark as before; where that is not found, the count begins anew."""
+        """Return the angle counted from the same mark as before; when that is not found, the count starts anew."""
         at, per_turn = self._at, self._settings.pulses_per_turn
         if per_turn == 1 or at.mark is None:
             return angle

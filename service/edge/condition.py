@@ -1,6 +1,6 @@
-"""Conditions of the edge agent's input: their names, and which hold right now.
+"""Conditions of the edge agent's input: their names, and those that hold now.
 
-A condition begins, lasts and ends; its beginning and end go to the log output, and all that hold are in the agent's status.
+A condition begins, lasts and ends; its beginning and end are logged, and the agent's status lists all that hold.
 """
 
 import logging
@@ -41,12 +41,12 @@ CONDITIONS = {
     "no_waveforms": "nothing comes on the topic",
     "log_unusable": "the log takes nothing, such as on a full disk; the agent tries again and loses nothing of a file",
 }
-"""Each name and what it means for the samples."""
+"""Each condition's name and its meaning for the samples."""
 
 
 @dataclass(frozen=True)
 class WaveformFinding:
-    """A condition that was found: its name, in which channel or file (None: in all of it), the particulars in words."""
+    """A condition that was found: its name, its channel or file (None: the whole input), the details in words."""
 
     name: str
     subject: str | None
@@ -54,7 +54,7 @@ class WaveformFinding:
 
 
 class Conditions:
-    """What holds now, and how often each condition was found. May be read from another thread."""
+    """The conditions that hold now, and how often each was found. May be read from another thread."""
 
     def __init__(self) -> None:
         self._holds: dict[tuple[str, str | None], tuple[WaveformFinding, int]] = {}
@@ -62,7 +62,7 @@ class Conditions:
         self._lock = threading.Lock()
 
     def block(self, found: Iterable[WaveformFinding]) -> None:
-        """Set what holds in the newest block; what held in the one before and is not among it has ended."""
+        """Set the conditions of the newest block; those of the block before that are not among them have ended."""
         fresh = {(one.name, one.subject): one for one in found}
         with self._lock:
             for key in [key for key in self._holds if key not in fresh]:
@@ -71,28 +71,28 @@ class Conditions:
                 self._hold(one)
 
     def begin(self, name: str, subject: str | None, detail: str) -> None:
-        """Begin a condition, besides those of the newest block."""
+        """Begin a condition, in addition to those of the newest block."""
         with self._lock:
             self._hold(WaveformFinding(name, subject, detail))
 
     def happened(self, name: str, subject: str | None, detail: str) -> None:
-        """Note that something was wrong once."""
+        """Count and log a single event."""
         with self._lock:
             self._counts[name] += 1
         logger.warning("%s", _text(WaveformFinding(name, subject, detail)))
 
     def holds(self, name: str) -> bool:
-        """Tell whether a condition of this name holds."""
+        """Return whether a condition of this name holds."""
         with self._lock:
             return any(key[0] == name for key in self._holds)
 
     def counts(self) -> dict[str, int]:
-        """Tell how many blocks, files or messages each was found in."""
+        """Return the number of blocks, files or messages in which each condition was found."""
         with self._lock:
             return dict(self._counts)
 
     def report(self) -> dict[str, Any]:
-        """Report for the status: what holds since when, and the counts."""
+        """Return the part of the status on conditions: those that hold and since when, and the counts."""
         with self._lock:
             lasting = [
                 {"name": one.name, "subject": one.subject, "detail": one.detail, "since_ns": since}

@@ -37,7 +37,7 @@ class ProbeChannel(_ConfigurationPart):
 
 
 class KeyphasorChannel(_ConfigurationPart):
-    """The once-per-turn mark and how its edge is found."""
+    """The once-per-turn mark and how its edge is detected."""
 
     column: str
     edge: Edge = "rising"
@@ -53,7 +53,7 @@ class KeyphasorChannel(_ConfigurationPart):
 
 
 class BlockLength(_ConfigurationPart):
-    """How much of the waveform makes one sample: some seconds, or some turns."""
+    """Length of the waveform that makes one sample: some seconds, or some turns."""
 
     seconds: Annotated[float, Field(gt=0, le=60)] | None = None
     turns: Annotated[int, Field(ge=3, le=1000)] | None = None
@@ -87,7 +87,7 @@ class InputFile(_ConfigurationPart):
 
 
 class Waveforms(_ConfigurationPart):
-    """Where the waveforms come from: files, one after the other, or a zenoh topic."""
+    """Origin of the waveforms: files, one after the other, or a zenoh topic."""
 
     files: list[InputFile] = Field(default_factory=list)
     topic: Annotated[str, Field(min_length=1, max_length=400)] | None = Field(default=None, description="a zenoh key")
@@ -104,7 +104,7 @@ class Waveforms(_ConfigurationPart):
 
 
 class LogFileSettings(_ConfigurationPart):
-    """Where the samples are kept for replay, and how many."""
+    """The file in which samples are kept for replay, and how many."""
 
     path: Path
     samples: Annotated[int, Field(ge=1)] = LOG_SAMPLES
@@ -112,7 +112,7 @@ class LogFileSettings(_ConfigurationPart):
 
 
 class EdgeConfiguration(_ConfigurationPart):
-    """One agent: one machine, one keyphasor."""
+    """Configuration of one agent: one machine, one keyphasor."""
 
     plant: Identifier
     machine: Identifier
@@ -175,7 +175,7 @@ def read_configuration(path: Path) -> EdgeConfiguration:
     except ValidationError as error:
         problems = "\n".join(f"  {field_path(item['loc'])}: {item['msg']}" for item in error.errors())
         raise UnreadableFile(f"{path} is not an edge agent's configuration:\n{problems}") from error
-    # The log remembers files by their path: the same one wherever the agent is started from.
+    # The log identifies files by their path, which must not depend on where the agent is started.
     folder = path.resolve().parent
     files = [one.model_copy(update={"path": folder / one.path}) for one in read.waveforms.files]
     return read.model_copy(

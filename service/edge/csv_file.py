@@ -13,7 +13,7 @@ from service.edge.file_trouble import FileTrouble, require_columns
 
 
 class CsvFile:
-    """A CSV file; a cell that is blank or no number is not a number. Raises FileTrouble."""
+    """A CSV file; blank and non-numeric cells read as NaN. Raises FileTrouble."""
 
     start_ns: int | None = None
     sampling_rate: float | None = None
@@ -28,11 +28,11 @@ class CsvFile:
         self._columns = [names.index(column) for column in columns]
 
     def read(self, first: int, size: int) -> Iterator[Floats]:
-        """Yield columns (K, n) from row `first` on, `size` rows at a time. Raises FileTrouble for a last row cut short."""
+        """Yield columns (K, n) from row `first` on, `size` rows at a time. Raises FileTrouble for a truncated last row."""
         with self._path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
             rows = itertools.islice(file, first + 1, None)
             while lines := list(itertools.islice(rows, size)):
-                # A last line without its end may lack digits, even where it has all its cells.
+                # A last line without a line end may lack digits, even when it has all its cells.
                 cut = lines.pop() if not lines[-1].endswith(("\n", "\r")) else None
                 if lines:
                     yield self._values(lines)
@@ -45,8 +45,8 @@ class CsvFile:
             if len(table) == len(lines):
                 return np.asarray(table.T, dtype=float)
         except ValueError:
-            pass  # a cell that is no number: cell by cell below
-        # A quote that is never closed must not swallow the rows behind it.
+            pass  # a cell is not a number: parsed cell by cell below
+        # Line by line: an unclosed quote must not swallow the rows after it.
         return np.array([self._row(line) for line in lines], dtype=float).T
 
     def _row(self, line: str) -> list[float]:

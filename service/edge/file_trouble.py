@@ -1,8 +1,8 @@
-"""The error of a file of waveforms that cannot be read, wholly or from some place on."""
+"""The error of a file of waveforms that cannot be read, completely or from some place on."""
 
 
 class FileTrouble(Exception):
-    """name: a condition. What was delivered before it was raised is good."""
+    """A file cannot be read further; samples delivered before are good. name: the condition, see `service.edge.condition`."""
 
     def __init__(self, name: str, detail: str) -> None:
         super().__init__(detail)
@@ -11,7 +11,7 @@ class FileTrouble(Exception):
 
 
 def require_columns(wanted: list[str], there: list[str]) -> None:
-    """Raise FileTrouble for columns that are not there."""
+    """Raise FileTrouble unless all columns exist."""
     missing = [column for column in wanted if column not in there]
     if missing:
         raise FileTrouble("missing_column", f"no {', '.join(missing)}; there are {', '.join(there[:50]) or 'none'}")

@@ -1,7 +1,7 @@
 """Waveforms in an HDF5 file, a dataset (N,) for each channel, read piece by piece.
 
-Attributes of the file or of the first channel's group may say more: `sampling_rate` [Hz], `start_ns` (UTC, since 1970).
-h5py is an extra of the installation (`pip install rundown[hdf5]`).
+Attributes of the file or of the first channel's group may add `sampling_rate` [Hz] and `start_ns` (UTC, since 1970). h5py is
+an optional dependency (`pip install rundown[hdf5]`).
 """
 
 from collections.abc import Iterator
@@ -35,7 +35,7 @@ class Hdf5File:
         self.start_ns = int(_number(said["start_ns"], "start_ns")) if "start_ns" in said else None
 
     def read(self, first: int, size: int) -> Iterator[Floats]:
-        """Yield columns (K, n) from sample `first` on, `size` samples at a time. Raises FileTrouble where it is damaged."""
+        """Yield columns (K, n) from sample `first` on, `size` samples at a time. Raises FileTrouble when it is damaged."""
         with self._opened() as file:
             datasets = [file[column] for column in self._columns]
             lengths = [dataset.shape[0] for dataset in datasets]

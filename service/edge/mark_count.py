@@ -1,4 +1,4 @@
-"""With several marks per turn: the count of the marks, which says from which of them the phase is counted."""
+"""Counting marks, with several per turn: the count determines the mark from which the phase is measured."""
 
 import math
 from dataclasses import replace
@@ -8,16 +8,16 @@ import numpy as np
 from estimator.signal.keyphasor import ShaftAngle
 
 Mark = tuple[float, int]
-"""Instant [s] and number in the turn of a mark."""
+"""Time [s] and number within the turn of a mark."""
 
 SAME_MARK = 0.2
-"""How far from its time a mark is still the same [part of the interval between marks]."""
+"""Largest deviation in time of a recognised mark [part of the interval between marks]."""
 ROUNDING = 1e-9
-"""Of instants [s]."""
+"""Rounding tolerance of times [s]."""
 
 
 def counted_from(angle: ShaftAngle, mark: Mark, *, per_turn: int) -> ShaftAngle | None:
-    """Return the angle counted from the same mark as before; None where that mark is not found again."""
+    """Return the angle counted from the same mark as before; None when that mark is not found again."""
     time, number = mark
     nearest = int(np.argmin(np.abs(angle.edge_time - time)))
     spacing = 2.0 * math.pi / per_turn
@@ -29,7 +29,7 @@ def counted_from(angle: ShaftAngle, mark: Mark, *, per_turn: int) -> ShaftAngle 
 
 
 def last_mark(angle: ShaftAngle, before: float, *, per_turn: int) -> Mark | None:
-    """Return the last mark up to an instant [s]; None where there is none, or only one per turn."""
+    """Return the last mark up to a time [s]; None when there is none, or only one per turn."""
     known = np.flatnonzero(angle.edge_time <= before + ROUNDING)
     if per_turn == 1 or not known.size:
         return None

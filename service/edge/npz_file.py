@@ -1,6 +1,6 @@
 """Waveforms in an NPZ file, an array (N,) for each channel, read piece by piece.
 
-Arrays of one value may say more: `sampling_rate` [Hz], `start_ns` (UTC, since 1970).
+Arrays of one value may add `sampling_rate` [Hz] and `start_ns` (UTC, since 1970).
 """
 
 import zipfile
@@ -16,9 +16,9 @@ from estimator.arrays import Floats
 from service.edge.file_trouble import FileTrouble, require_columns
 
 CHECKED_AT_ONCE = 1 << 20
-"""Bytes."""
+"""Bytes read at a time for the check of the checksums."""
 NUMBERS = "fiu"
-"""Kinds of arrays that are taken: floats and integers."""
+"""Kinds of arrays that are accepted: floats and integers."""
 
 
 class NpzFile:
@@ -28,7 +28,7 @@ class NpzFile:
         self._path = path
         self._columns = columns
         try:
-            # Wrong numbers show only by the checksum at an array's end: before any of them is used.
+            # The checksum at an array's end is the only sign of wrong numbers: check it before any is used.
             with zipfile.ZipFile(path) as archive:
                 names = [name.removesuffix(".npy") for name in archive.namelist() if name.endswith(".npy")]
                 require_columns(columns, names)
@@ -38,13 +38,18 @@ class NpzFile:
                             pass
                 rate = self._scalar(archive, "sampling_rate") if "sampling_rate" in names else None
                 start = self._scalar(archive, "start_ns") if "start_ns" in names else None
-        except (zipfile.BadZipFile, EOFError, zlib.error, RuntimeError) as error:  # the last: a password, a new compression
+        except (
+            zipfile.BadZipFile,
+            EOFError,
+            zlib.error,
+            RuntimeError,
+        ) as error:  # RuntimeError: encrypted, or an unknown compression
             raise FileTrouble("damaged_file", f"not a whole NPZ file: {error}") from error
         self.sampling_rate = None if rate is None else float(rate)
         self.start_ns = None if start is None else int(start)
 
     def read(self, first: int, size: int) -> Iterator[Floats]:
-        """Yield columns (K, n) from sample `first` on, `size` samples at a time. Raises FileTrouble where it is damaged."""
+        """Yield columns (K, n) from sample `first` on, `size` samples at a time. Raises FileTrouble when it is damaged."""
         with ExitStack() as stack:
             archive = stack.enter_context(zipfile.ZipFile(self._path))
             members = [stack.enter_context(archive.open(f"{column}.npy")) for column in self._columns]

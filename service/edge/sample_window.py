@@ -1,4 +1,4 @@
-"""The samples of the waveforms that are at hand, from which blocks are worked out."""
+"""The window of waveform samples from which blocks are computed."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ class Chunk:
     """Consecutive samples of the keyphasor and the channels.
 
     first: number of the first one in its input. values: (1 + C, N), the keyphasor's first. sampling_rate: [Hz]. Sample
-    `anchor` was taken at `anchor_ns` [ns, UTC]. follows: whether it goes on where the chunk before ended, if the numbers do.
+    `anchor` was taken at `anchor_ns` [ns, UTC]. follows: whether it continues the chunk before, provided that the numbers do.
     """
 
     first: int
@@ -32,11 +32,11 @@ class SampleWindow:
 
     @property
     def end(self) -> int:
-        """Number of the sample behind the last one."""
+        """Return the number of the sample behind the last one."""
         return self.first + int(self.values.shape[1])
 
     def append(self, chunk: Chunk) -> None:
-        """Add the samples that follow."""
+        """Append the samples that follow."""
         self.values = np.concatenate([self.values, np.ascontiguousarray(chunk.values)], axis=1)
 
     def since(self, number: int) -> Floats:
@@ -44,6 +44,6 @@ class SampleWindow:
         return self.values[:, number - self.first :]
 
     def drop_before(self, number: int) -> None:
-        """Forget the samples before a number."""
+        """Drop the samples before a number."""
         if number > self.first:
             self.values, self.first = self.since(number).copy(), number

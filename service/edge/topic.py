@@ -16,15 +16,15 @@ from service.edge.waveform_message import BadMessage, WaveformMessage, decode_wa
 from storage.clock import is_ahead
 
 QUEUE_BYTES = 64 << 20
-"""Messages that wait to be worked off; more are left out and counted."""
+"""Largest size of queued messages; further ones are dropped and counted."""
 SILENCE_S = 5.0
-"""Without a message for so long the topic is called silent."""
+"""Time without a message after which the topic counts as silent."""
 PAUSE_S = 0.05
-"""Between looks into an empty queue."""
+"""Pause between looks into an empty queue."""
 
 
 class Topic:
-    """Subscribes to a topic of waveforms. sampling_rate: [Hz] configured, None takes what the messages say."""
+    """A subscription to a topic of waveforms. sampling_rate: [Hz] configured, None accepts that of the messages."""
 
     def __init__(
         self,
@@ -47,7 +47,7 @@ class Topic:
         self._subscriber: zenoh.Subscriber[None] | None = session.declare_subscriber(key, self._enqueue)
 
     def chunks(self, stop: threading.Event) -> Iterator[Chunk | None]:
-        """Yield all that has come until `stop`; None when nothing has come for a moment."""
+        """Yield all that arrives until `stop`; None when nothing has arrived for a moment."""
         heard = time.monotonic()
         silent = False
         while True:
@@ -73,7 +73,7 @@ class Topic:
                 yield chunk
 
     def close(self) -> None:
-        """Hear no more."""
+        """Undeclare the subscription."""
         if self._subscriber is not None:
             self._subscriber.undeclare()
             self._subscriber = None
@@ -101,7 +101,7 @@ class Topic:
         return payload, left_out
 
     def _chunk(self, payload: bytes) -> Chunk | None:
-        """Tell what is to be worked off of a message; None where it is left out."""
+        """Return the chunk in a message; None when the message is left out."""
         try:
             message = decode_waveforms(payload)
         except BadMessage as error:

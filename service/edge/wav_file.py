@@ -1,7 +1,7 @@
 """Waveforms in a WAV file, read piece by piece: integers of 8 to 32 bits, floats of 32 or 64; channels are numbered from 1.
 
-The RIFF chunks are read here because a recording that was cut short is to be used as far as it goes, and because files may be
-larger than memory (https://www.mmsp.ece.mcgill.ca/Documents/AudioFormats/WAVE/WAVE.html describes them).
+The RIFF chunks are parsed here because a truncated recording is to be used as far as it goes, and because files may be larger
+than memory (https://www.mmsp.ece.mcgill.ca/Documents/AudioFormats/WAVE/WAVE.html describes them).
 """
 
 import struct
@@ -16,7 +16,7 @@ from service.edge.file_trouble import FileTrouble, require_columns
 
 PCM, FLOAT, EXTENSIBLE = 1, 3, 0xFFFE
 UNKNOWN_SIZE = 0xFFFFFFFF
-"""Size of the data where the writer did not know it; a writer that was killed leaves 0."""
+"""Size of the data when the writer did not know it; a writer that was killed leaves 0."""
 
 
 class WavFile:
@@ -40,7 +40,7 @@ class WavFile:
         self._columns = [int(column) - 1 for column in columns]
 
     def read(self, first: int, size: int) -> Iterator[Floats]:
-        """Yield columns (K, n) from sample `first` on, `size` samples at a time. Raises FileTrouble where it ends early."""
+        """Yield columns (K, n) from sample `first` on, `size` samples at a time. Raises FileTrouble when it ends early."""
         frame = self._channels * self._width
         promised = self._bytes // frame if self._bytes not in (0, UNKNOWN_SIZE) else self._available // frame
         there = min(promised, self._available // frame)
@@ -60,9 +60,9 @@ class WavFile:
     def _values(self, raw: bytes) -> Floats:
         if self._kind == FLOAT:
             return np.frombuffer(raw, f"<f{self._width}").astype(float) * self._full_scale
-        if self._width == 1:  # the only unsigned ones
+        if self._width == 1:  # the only unsigned format
             return (np.frombuffer(raw, "u1").astype(float) - 128.0) * (self._full_scale / 128.0)
-        # The bytes become the upper ones of 32 bits; what is left of them is zero.
+        # The bytes become the upper ones of 32 bits; the lower ones are zero.
         bytes_ = np.frombuffer(raw, "u1").reshape(-1, self._width)
         wide = np.zeros((len(bytes_), 4), "u1")
         wide[:, 4 - self._width :] = bytes_

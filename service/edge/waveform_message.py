@@ -34,7 +34,7 @@ from estimator.arrays import Floats
 MAGIC = b"RDWF"
 VERSION = 1
 LARGEST_WAVEFORM_MESSAGE = 8 << 20
-"""Bytes of one message."""
+"""Largest size of one message [bytes]."""
 TYPES = ("<f8", "<f4", "<i2")
 ValueType = Literal["<f8", "<f4", "<i2"]
 
@@ -43,12 +43,12 @@ _FROM_CHECKSUM_ON = 16
 
 
 class BadMessage(ValueError):
-    """The bytes are not a message of waveforms, for the reason in words."""
+    """The bytes are not a message of waveforms; the message states the reason."""
 
 
 @dataclass(frozen=True)
 class WaveformMessage:
-    """first: number of the first sample. time_ns: its time. sampling_rate: [Hz]. values: (C, N)."""
+    """A message of waveforms. first: number of the first sample; time_ns: its time; sampling_rate: [Hz]; values: (C, N)."""
 
     first: int
     time_ns: int
@@ -67,7 +67,7 @@ def encode_waveforms(
     kind: ValueType = "<f4",
     unit: float = 1.0,
 ) -> bytes:
-    """Return the message of waveforms (C, N). unit: what 1 in the message stands for; with int16 the step of the converter."""
+    """Return the message of waveforms (C, N). unit: value of 1 in the message; for int16 the step of the converter."""
     names = "\n".join(channels).encode()
     numbers = values / unit if kind != "<i2" else np.clip(np.rint(values / unit), -32768, 32767)
     body = names + np.ascontiguousarray(numbers, dtype=kind).tobytes()
@@ -78,7 +78,7 @@ def encode_waveforms(
 
 
 def decode_waveforms(payload: bytes) -> WaveformMessage:
-    """Take a message apart. Raises BadMessage."""
+    """Return the waveforms in a message. Raises BadMessage."""
     if len(payload) > LARGEST_WAVEFORM_MESSAGE:
         raise BadMessage(f"{len(payload)} bytes; at most {LARGEST_WAVEFORM_MESSAGE} are taken")
     if len(payload) < _HEADER.size or payload[:4] != MAGIC:

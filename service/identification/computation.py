@@ -1,4 +1,4 @@
-"""Computing an identification in a worker process: arrays in, quality and identification out. No database, no network."""
+"""Computing an identification in a worker process, from arrays to quality and identification, without database or network."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -24,9 +24,9 @@ from storage.encoding.sample_blocks import Samples, decode, mean_conditions
 
 
 def compute(task: IdentificationTask) -> IdentificationOutcome:
-    """Assess the quality of the runs and identify. Raises what `identify` raises, except NotEnoughData, and OutOfTime.
+    """Assess the quality of the runs and identify. Raises the errors of `identify`, except NotEnoughData, and OutOfTime.
 
-    A process that hangs where Python cannot interrupt it ends some seconds after its time.
+    A process that hangs where Python cannot interrupt it is ended some seconds after its time.
     """
     with limited(task.timeout_s):
         machine = parse_machine(task.document)
@@ -58,14 +58,14 @@ def _crossed(machine: Machine, run: Samples) -> list[float]:
 
 
 def _derived(machine: Machine, result: Identification, runs: Sequence[Samples]) -> tuple[tuple[Derived, ...], str | None]:
-    """Return the quantities derived from an identification, or none of them and why."""
+    """Return the quantities derived from an identification, or none and the reason."""
     if not result.accepted:
         return (), None
     orders = [Orders(one.speed, np.where(one.usable, one.phasor, np.nan), one.second) for one in runs]
     turned = sum(int(one.direction.sum(dtype=np.int64)) for one in runs)
     try:
         return derived_quantities(machine, result, orders, direction=1 if turned > 0 else -1), None
-    except Exception as error:  # noqa: BLE001 - whatever is the matter here, the identification stands, out of time or not
+    except Exception as error:  # noqa: BLE001 - whatever fails here, the identification stands
         return (), f"{type(error).__name__}: {error}"
 
 
@@ -86,7 +86,7 @@ def _gated(machine: Machine, samples: Samples, task: IdentificationTask) -> Gate
 
 
 def _compared(machine: Machine, run: RecordedRun, quality: Quality, earlier: tuple[str, bytes]) -> Quality:
-    """Add to a run's quality the findings of its comparison with an earlier run."""
+    """Return a run's quality extended by the findings of its comparison with an earlier run."""
     name, block = earlier
     before = decode(block)
     error = error_size(machine.noise, np.abs(run.phasor), run.scatter)

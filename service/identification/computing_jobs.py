@@ -10,7 +10,7 @@ from service.identification.task import IdentificationOutcome
 class TakenJob:
     """A job that was taken to be computed.
 
-    automatic: as of `storage.findings.job_order`. reopened: how often each of its runs had been made anew when it was taken.
+    automatic: as of `storage.findings.job_order`. reopened: how often each of its runs had been rebuilt when it was taken.
     """
 
     job_id: int
@@ -19,4 +19,4 @@ class TakenJob:
 
 
 ComputingJobs = dict[Future[IdentificationOutcome], TakenJob]
-"""Jobs that are being computed, or whose outcome is still to be filed, in the order in which that is tried."""
+"""Jobs that are being computed, or whose outcome is still to be filed, in the order in which filing is tried."""

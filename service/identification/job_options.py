@@ -1,7 +1,7 @@
-"""What an identification is asked for with: the options of a job, and what they mean when it is computed.
+"""Options of an identification job, and their meaning when it is computed.
 
-A job without options is the usual one. It subtracts the slow-roll vectors that are in force when it is taken; that version is
-then written into the job, so that one that is computed again after a crash subtracts the same.
+A job without options is the usual one. It subtracts the slow-roll vectors in force when it is taken; their version is then
+stored with the job, so that a repetition after a crash subtracts the same.
 """
 
 from collections.abc import Callable
@@ -21,20 +21,20 @@ from storage.measurements import runs
 from storage.tables import JobRow
 
 SlowRollChoice = Literal["none", "in_force"] | int
-"""Which slow-roll vectors: none, those in force, or a version."""
+"""Choice of slow-roll vectors: none, those in force, or a version."""
 
 RULES = tuple(QualityRules.model_fields)
-"""Names of the options that say what of a run is left out."""
+"""Names of the options that determine which samples of a run are left out."""
 _VERSION, _AGAIN = "slow_roll_version", "again"
 
 
 class NotToIdentify(Conflict):
-    """The run cannot be identified, and why."""
+    """The run cannot be identified; the message states the reason."""
 
 
 @dataclass(frozen=True)
 class Request:
-    """An identification of one run that a person asks for. Options that are None stay as usual."""
+    """A person's request for an identification of one run. Options that are None stay as usual."""
 
     slow_roll: SlowRollChoice = "in_force"
     starts: int | None = None
@@ -47,7 +47,8 @@ class Request:
 
 @dataclass(frozen=True)
 class Asker:
-    """Who asks. identity: unambiguous; quota: how many may wait; priority: of one identification, or of many at once."""
+    """The person who requests. identity: unambiguous; quota: of waiting jobs; priority: of one identification, or of many at
+    once."""
 
     identity: str
     quota: JobQuota = field(default_factory=JobQuota)
@@ -55,10 +56,10 @@ class Asker:
 
 
 def ask(session: Session, run_id: int, request: Request, asker: Asker) -> JobRow:
-    """Queue an identification of a closed run; the job that waits or runs already where the same was asked for.
+    """Queue an identification of a closed run; return the job that is already waiting or running for the same request, if any.
 
-    With the usual options it takes the earlier one's place in trends and baselines, otherwise it stands beside them.
-    Raises RunUnknown, NotToIdentify, SlowRollUnknown, QuotaExceeded.
+    With the usual options the result replaces the earlier one in trends and baselines, otherwise it stands beside them. Raises
+    RunUnknown, NotToIdentify, SlowRollUnknown, QuotaExceeded.
     """
     run = runs.get(session, run_id)
     if run.state != runs.CLOSED:
@@ -100,13 +101,13 @@ def ask(session: Session, run_id: int, request: Request, asker: Asker) -> JobRow
 
 
 def _first_missing(there: Callable[[int], bool]) -> int:
-    """The first number that is not there, of numbers from 0 on without a gap: asked for as often as it has digits."""
+    """Return the first number that does not exist, of contiguous numbers from 0 on, in logarithmically many look-ups."""
     beyond = 1
     if not there(0):
         return 0
     while there(beyond):
         beyond *= 2
-    first, last = beyond // 2, beyond  # the one is there, the other not
+    first, last = beyond // 2, beyond  # `first` exists, `last` does not
     while last - first > 1:
         middle = (first + last) // 2
         first, last = (middle, last) if there(middle) else (first, middle)
@@ -114,7 +115,7 @@ def _first_missing(there: Callable[[int], bool]) -> int:
 
 
 def chosen_version(session: Session, machine_id: str, choice: SlowRollChoice) -> int | None:
-    """The version that a choice means now; None for no vectors. Raises MachineUnknown, SlowRollUnknown."""
+    """Return the version that a choice means now; None for no vectors. Raises MachineUnknown, SlowRollUnknown."""
     if choice == "none":
         return None
     if choice == "in_force":
@@ -123,7 +124,7 @@ def chosen_version(session: Session, machine_id: str, choice: SlowRollChoice) ->
 
 
 def slow_roll_version(session: Session, row: JobRow) -> int | None:
-    """The version that a job subtracts, settled the first time it is asked for."""
+    """Return the version that a job subtracts, stored with it the first time."""
     options = row.options or {}
     if _VERSION not in options:
         options = {**options, _VERSION: machines.get(session, row.machine_id).slow_roll_version}
@@ -133,12 +134,12 @@ def slow_roll_version(session: Session, row: JobRow) -> int | None:
 
 
 def quality_rules(row: JobRow, usual: QualityRules) -> QualityRules:
-    """What a job leaves out of its runs. usual: the document's rules."""
+    """Return the rules by which a job leaves out samples. usual: the document's rules."""
     asked = row.options or {}
     return QualityRules.model_validate(usual.model_dump() | {name: asked[name] for name in RULES if name in asked})
 
 
 def fit_options(row: JobRow, usual: Options) -> Options:
-    """The options of a job's fit."""
+    """Return the options of a job's fit."""
     asked = row.options or {}
     return replace(usual, **{name: asked[name] for name in asdict(usual) if name in asked})

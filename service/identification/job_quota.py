@@ -1,6 +1,6 @@
-"""How many identifications that people ask for may wait: beyond that they are refused until some are computed.
+"""Quotas of waiting identifications that people requested: further ones are refused until some are computed.
 
-In which order those that wait are taken says `storage.findings.job_order`.
+`storage.findings.job_order` defines the order in which waiting ones are taken.
 """
 
 from dataclasses import dataclass
@@ -11,30 +11,30 @@ from estimator.errors import LimitReached
 from storage.findings import jobs
 
 RETRY_AFTER_S = 30
-"""When somebody who was refused should ask again [s]: by then some are computed."""
+"""When a refused request should be repeated [s]: some are computed by then."""
 LONGEST_IDENTITY = 255
 
 
 class QuotaExceeded(LimitReached):
-    """As many identifications wait as may; the message says whose."""
+    """A quota of waiting identifications is exhausted; the message says whose."""
 
     retry_after_s = RETRY_AFTER_S
 
 
 @dataclass(frozen=True)
 class JobQuota:
-    """per_principal: identifications that may wait of those that somebody asked for; per_machine: that people asked for."""
+    """Quotas of waiting identifications. per_principal: requested by one person; per_machine: requested for one machine."""
 
     per_principal: int = 500
     per_machine: int = 200
 
     @property
     def at_once(self) -> int:
-        """As many may be asked for in one request."""
+        """Return how many identifications one request may ask for."""
         return min(self.per_principal, self.per_machine)
 
     def require(self, session: Session, *, by: str, machine_id: str) -> None:
-        """Raises QuotaExceeded unless one more may be asked for."""
+        """Raise QuotaExceeded unless another identification may be requested."""
         if jobs.waiting_of(session, asked_by=by, most=self.per_principal) >= self.per_principal:
             raise QuotaExceeded(
                 f"{self.per_principal} identifications that you asked for wait, as many as may: ask again when some are done"

@@ -1,4 +1,4 @@
-"""Jobs taken from the queue in their turn, and submitted to the executor."""
+"""Submission of queued jobs to the executor, in their order."""
 
 import logging
 from collections.abc import Callable
@@ -21,7 +21,7 @@ logger = logging.getLogger(__name__)
 
 
 class JobSubmission:
-    """Takes as many jobs as the executor has capacity for. For one thread."""
+    """Submission of as many jobs as the executor has capacity for. For one thread."""
 
     def __init__(
         self,
@@ -35,7 +35,7 @@ class JobSubmission:
         timeout_s: float,
         wake: Callable[[], None],
     ) -> None:
-        """Take nothing yet. wake: called from another thread when a job is computed."""
+        """Set up without taking a job. wake: called from another thread when a job is computed."""
         self._database = database
         self._executor = executor
         self._held = held
@@ -47,7 +47,7 @@ class JobSubmission:
         self._automatic_in_a_row = 0
 
     def submit(self) -> None:
-        """Submit the next jobs, if any wait. Raises what the database raises, and ExecutorUnavailable."""
+        """Submit the next jobs, if any wait. Raises the database's errors, and ExecutorUnavailable."""
         if not self._any_waiting():
             return
         capacity = self._executor.capacity()
@@ -77,9 +77,9 @@ class JobSubmission:
             return jobs.waiting(session, automatic=automatic)
 
     def _take(self, count: int, behind: int) -> list[TakenJob]:
-        """Take the next jobs. behind: how many of them may be such as people asked for.
+        """Take the next jobs. behind: how many of them may be requested by people.
 
-        One whose result was stored by a process that ended before it was assessed is only assessed.
+        A job whose result was stored, but not assessed, by a process that has ended is only assessed.
         """
         taken = []
         with self._database.transaction() as session:
@@ -96,7 +96,7 @@ class JobSubmission:
         return taken
 
     def _task(self, taken: TakenJob) -> IdentificationTask | None:
-        """Build a job's task; None where its data cannot be read: whatever is wrong with one must not stop the others."""
+        """Build a job's task; return None when its data cannot be read, so that other jobs go on."""
         try:
             with self._database.reading() as session:
                 row = jobs.get(session, taken.job_id)

@@ -13,7 +13,7 @@ AT_ONCE = 10
 
 
 def queue_pooled_jobs(database: Database, *, newest_runs: int) -> None:
-    """Queue an identification over the newest runs of each machine that has more than one. newest_runs: at most so many."""
+    """Queue an identification over the newest runs, at most `newest_runs`, of each machine with more than one."""
     with database.reading() as session:
         every = machines.ids(session)
     for first in range(0, len(every), AT_ONCE):
@@ -27,6 +27,6 @@ def _queue(session: Session, machine: MachineRow, *, newest_runs: int) -> None:
     if len(newest) > 1:
         ordered = sorted(newest, key=lambda run: run.id)
         again = [run.times_reopened or 0 for run in ordered]
-        # Runs that late samples have made anew are pooled anew.
+        # Runs rebuilt with late samples are pooled again.
         options = {"reopened": again} if any(again) else None
         jobs.ask(session, machine.id, scope=jobs.GATHERED, run_ids=[run.id for run in ordered], options=options)

@@ -1,4 +1,4 @@
-"""Outcomes of jobs, filed: a result is stored and its assessment queued, an error decides what becomes of the job."""
+"""Filing of jobs' outcomes: a result is stored and its assessment queued, an error decides what happens to the job."""
 
 import logging
 import time
@@ -29,16 +29,16 @@ from storage.tables import IdentificationRow, JobRow
 logger = logging.getLogger(__name__)
 
 REPORTED_S = 3600.0
-"""How long a job that was given up with its process is warned of."""
+"""How long a warning is shown for a job whose process stopped responding."""
 
 
 class ResultFiling:
-    """Files what the executor has computed. For one thread."""
+    """Filing of the executor's results. For one thread."""
 
     def __init__(
         self, database: Database, held: HeldJobs, computing: ComputingJobs, assessments: AssessmentQueue, options: Options
     ) -> None:
-        """Begin with nothing filed. options: of a usual fit."""
+        """Set up with nothing filed. options: of a usual fit."""
         self._database = database
         self._held = held
         self._computing = computing
@@ -46,16 +46,17 @@ class ResultFiling:
         self._options = options
         self._stuck: deque[tuple[float, str]] = deque(maxlen=1000)
         self.stuck_count = 0
-        """Jobs that were given up since the start because what computed them stopped answering."""
+        """Number of jobs given up since the start because their process stopped responding."""
 
     @property
     def warnings(self) -> list[str]:
-        """What stopped answering within the last hour."""
+        """Return a warning of processes that stopped responding within the last hour."""
         stuck = [words for at, words in self._stuck if time.monotonic() < at + REPORTED_S]
         return [f"identifications given up in the last hour: {len(stuck)}; of the last one, {stuck[-1]}"] if stuck else []
 
     def file_done(self) -> None:
-        """File what is computed. What cannot be filed now is filed later, and behind the others: it holds up none of them."""
+        """File all computed outcomes. One that cannot be filed now is retried after the others, so that it does not block
+        them."""
         for future in [future for future in self._computing if future.done()]:
             taken = self._computing.pop(future)
             try:
@@ -75,15 +76,15 @@ class ResultFiling:
         except (DataError, IntegrityError) as error:
             self._held.fail(taken.job_id, f"its result cannot be stored: {error.orig}")
         except MemoryError:
-            raise  # of the moment, not of the result
+            raise  # a temporary condition, not a fault of the result
         except Exception as error:
             if concerns_all(error):
-                raise  # so is this
+                raise  # likewise temporary
             logger.exception("the result of job %d cannot be stored", taken.job_id)
             self._held.fail(taken.job_id, f"its result cannot be stored: {type(error).__name__}: {error}")
 
     def _file_error(self, job_id: int, error: Exception) -> None:
-        """Put a job back whose error is not its own, or may be another one the next time; let any other fail."""
+        """Put a job back if the error is not its own or may not recur; fail it otherwise."""
         if isinstance(error, BrokenProcessPool):
             logger.error("the process that computed job %d died; it is tried again", job_id)
             self._held.put_back(job_id, str(error))
@@ -99,14 +100,14 @@ class ResultFiling:
             logger.warning("job %d was lost with what computed it; it is tried again", job_id)
             self._held.put_back_unhurt(job_id)
         elif isinstance(error, OutOfTime | MemoryError):
-            # Beside less other work it may have enough of both: that is tried as often as after a death.
+            # With less concurrent work it may succeed: it is retried as often as after a crash.
             logger.error("job %d took more than it may; it is tried three times: %s", job_id, type(error).__name__)
             self._held.put_back(job_id, f"{type(error).__name__}: {error}")
         else:
             self._held.fail(job_id, f"{type(error).__name__}: {error}")
 
     def _store(self, taken: TakenJob, outcome: IdentificationOutcome) -> None:
-        """Store an outcome and finish its job, or queue its assessment, with which the job ends."""
+        """Store an outcome and finish its job, or queue its assessment, which finishes the job."""
         with self._database.transaction() as session:
             row = self._held.own(session, taken.job_id)
             if row is None:
@@ -130,7 +131,7 @@ class ResultFiling:
 
 
 def _stored(session: Session, row: JobRow, options: Options, outcome: IdentificationOutcome) -> IdentificationRow:
-    """Store an identification with the quantities derived from it."""
+    """Store an identification with its derived quantities."""
     assert outcome.identification is not None
     came_from = replace(origin(session, row, options, outcome.beginning), conditions=outcome.conditions or None)
     stored = identifications.add(session, came_from, outcome.identification)

@@ -1,4 +1,4 @@
-"""The scheduler of identification jobs: the thread that keeps the workers busy and files what they have computed."""
+"""The scheduler of identification jobs: the thread that keeps the workers busy and files their results."""
 
 import logging
 import threading
@@ -27,10 +27,10 @@ RETRY_S = 1.0
 
 
 class JobScheduler:
-    """Takes jobs from the queue, has them computed, files the results and has these assessed."""
+    """Scheduler that takes queued jobs, has them computed, files the results and has these assessed."""
 
     def __init__(self, database: Database, settings: Settings, share: Share | None = None) -> None:
-        """Begin nothing yet. share: what of the work is this replica's; all of it where there is only one."""
+        """Set up without starting. share: this replica's share of the work; all of it by default."""
         self._database = database
         self._settings = settings
         self._share = share or Whole()
@@ -38,7 +38,7 @@ class JobScheduler:
         self._held = HeldJobs(database, self._share)
         self._computing: ComputingJobs = {}
         self._stop = threading.Event()
-        self._news = threading.Event()  # a result is there, or the service stops
+        self._news = threading.Event()  # set when a result has come, or the service stops
         self._assessments = AssessmentQueue(database, self._executor, self._held, settings, wake=self._news.set)
         options = Options()
         self._submission = JobSubmission(
@@ -55,15 +55,15 @@ class JobScheduler:
         self._pooled_at = 0.0
         self._thread = threading.Thread(target=self._run, name="identifying", daemon=True)
         self.trouble: str | None = None
-        """Why jobs cannot be taken or filed at the moment."""
+        """Why jobs cannot be taken or filed at present."""
 
     def start(self) -> None:
-        """Put back what an earlier process left unfinished, then begin."""
+        """Put back jobs that an earlier process left unfinished, then start the thread."""
         self._held.put_back_left()
         self._thread.start()
 
     def stop(self) -> None:
-        """Take no more jobs and end the workers; what they were computing is computed again after the next start."""
+        """Take no more jobs and end the workers; their jobs are computed again after the next start."""
         self._stop.set()
         self._news.set()
         self._thread.join()
@@ -71,17 +71,17 @@ class JobScheduler:
 
     @property
     def warnings(self) -> list[str]:
-        """What is wrong with the executor, though jobs are taken; a worker that stopped answering is told of for an hour."""
+        """Return the executor's problems that do not prevent taking jobs, and unresponsive workers of the last hour."""
         return [*self._executor.warnings(), *self._filing.warnings]
 
     @property
     def gauges(self) -> dict[str, float]:
-        """Figures for a monitoring system."""
+        """Return figures for monitoring, by the name of the metric."""
         return {"rundown_stuck_identifications": self._filing.stuck_count}
 
     @property
     def alive(self) -> bool:
-        """Whether the thread runs."""
+        """Return whether the thread is running."""
         return self._thread.is_alive()
 
     def _run(self) -> None:
@@ -112,11 +112,11 @@ class JobScheduler:
                 doubtful = True
 
     def _schedule(self) -> None:
-        """Submit what waits, file what is computed, and queue pooled jobs when it is time."""
+        """Submit waiting jobs, file computed ones, and queue pooled jobs when it is time."""
         try:
             self._executor.look()
             self._assessments.submit()
-            self._submission.submit()  # first: no worker need wait for results to be filed
+            self._submission.submit()  # first: no worker should wait while results are filed
         finally:
             self._filing.file_done()
             self._assessments.file_done()
@@ -126,6 +126,6 @@ class JobScheduler:
             queue_pooled_jobs(self._database, newest_runs=self._settings.gathered_runs)
 
     def _put_back_lost(self) -> None:
-        """Put back own jobs of which nothing is known here: they were taken when the database's answer got lost."""
+        """Put back own jobs that are unknown here: the database's answer was lost when they were taken."""
         computing = {taken.job_id for taken in self._computing.values()}
         self._held.put_back_lost(computing | self._assessments.job_ids)

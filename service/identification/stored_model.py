@@ -1,4 +1,4 @@
-"""A stored identification as a model again: its machine, its values, and the runs that it was made from."""
+"""Restoring a model from a stored identification: its machine, its values, and the runs that it was made from."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -23,12 +23,12 @@ from storage.tables import IdentificationRow, RunRow
 
 
 class NoModel(Conflict):
-    """The identification cannot be made a model again; the message says why."""
+    """The identification cannot be restored as a model; the message states the reason."""
 
 
 @dataclass(frozen=True)
 class Identified:
-    """An identification. machine: the document of its revision. point, covariance: (n,), (n, n) as in `Identification`.
+    """A stored identification. machine: the document of its revision. point, covariance: (n,), (n, n) as in `Identification`.
 
     direction: sense of rotation of its runs, +1 from +x to +y.
     """
@@ -47,15 +47,15 @@ class Identified:
 
     @cached_property
     def model(self) -> UpdatedModel:
-        """The updated model in the sense of rotation of its runs."""
+        """Return the updated model in the sense of rotation of its runs."""
         return model_at(self.machine, self.coordinates, self.point, self.covariance).turning(self.direction)
 
 
 @dataclass(frozen=True)
 class UsedRun:
-    """A run of an identification. machine: as it was fitted to; measurement: what the fit was fed with, (S, m).
+    """A run of an identification. machine: as fitted; measurement: input of the fit, (S, m).
 
-    left_out: (S, m) phasors that quality left out. time: (S,) [ns].
+    left_out: (S, m) phasors excluded for their quality. time: (S,) [ns].
     """
 
     id: int
@@ -90,7 +90,7 @@ def identified(session: Session, identification_id: int) -> Identified:
 
 
 def used_runs(session: Session, one: Identified, run_ids: Sequence[int]) -> list[UsedRun]:
-    """Those of some runs that still hold samples, as the fit saw them."""
+    """Return those of some runs that still have samples, as the fit used them."""
     found = []
     for run_id in run_ids:
         try:
@@ -115,7 +115,7 @@ def _direction(session: Session, row: IdentificationRow, machine: Machine) -> in
 def _noise(row: IdentificationRow) -> Noise | None:
     if row.noise_relative is None:
         return None
-    # Not checked again: an estimated part may be zero.
+    # Without validation: an estimated part may be zero.
     return Noise.model_construct(relative=row.noise_relative, floor=row.noise_floor or 0.0, estimated=False)
 
 

@@ -1,6 +1,6 @@
 """The task and the outcome of an identification, as they travel between the service and a worker process.
 
-They are pickled: a change of them, or of this module's name, changes `service.workers.dask_task.TASK_FORM`.
+They are pickled: a change of them, or of this module's name, requires a new `service.workers.dask_task.TASK_FORM`.
 """
 
 from collections.abc import Sequence
@@ -18,8 +18,8 @@ from estimator.updated_model.derived_quantities import Derived
 class IdentificationTask:
     """One identification: the machine's document, its runs' sample blocks, the fit's options and its time limit [s].
 
-    rules: what may be left out. earlier: name and block of a run that a single run is compared with. slow_roll: vectors that
-    are subtracted before the fit. beginning: id and `point` of a comparable earlier identification to start from.
+    rules: which samples may be left out. earlier: name and block of a run that a single run is compared with. slow_roll:
+    vectors that are subtracted before the fit. beginning: id and `point` of a comparable earlier identification to start from.
     """
 
     document: dict[str, Any]
@@ -36,8 +36,8 @@ class IdentificationTask:
 class IdentificationOutcome:
     """Result of an identification task.
 
-    qualities: of the runs, in the task's order. identification: None where the data do not allow one, for `error`.
-    derived: what follows from an accepted identification; underived: why nothing does after all. conditions: mean of each
+    qualities: of the runs, in the task's order. identification: None when the data do not allow one, for `error`. derived:
+    quantities derived from an accepted identification; underived: why there are none after all. conditions: mean of each
     operating condition over the runs by name, None where it was not measured. beginning: id of the identification from which
     the fit started, if any. crossed: per run the critical speeds of the document's model that it crossed [r/min].
     """

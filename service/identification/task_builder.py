@@ -1,4 +1,4 @@
-"""Building the task of a job: its runs' samples, its options, the runs it is compared with; and the origin of its result."""
+"""Building a job's task from its runs' samples, its options and the runs it is compared with; and its result's origin."""
 
 import logging
 from dataclasses import asdict
@@ -24,12 +24,12 @@ GATHERED_KIND = "gathered"
 
 
 def reopened(session: Session, row: JobRow) -> tuple[int, ...]:
-    """Return how often each of a job's runs has been made anew."""
+    """Return how often each of a job's runs has been rebuilt."""
     return tuple(runs.get(session, run_id).times_reopened or 0 for run_id in row.run_ids)
 
 
 def task(session: Session, row: JobRow, options: Options, *, timeout_s: float) -> IdentificationTask:
-    """Build the task of a job whose slow-roll version is settled. Raises the errors that its data raise."""
+    """Build the task of a job whose slow-roll version is stored. Raises the errors of reading its data."""
     revision = runs.get(session, row.run_ids[0]).revision
     blocks = [encode(held) for run_id in row.run_ids if (held := runs.samples(session, run_id)) is not None]
     document = machines.revision(session, row.machine_id, revision).document
@@ -50,13 +50,13 @@ def task(session: Session, row: JobRow, options: Options, *, timeout_s: float) -
 
 
 def _beginning(session: Session, row: JobRow, revision: int, slow_roll_version: int | None) -> tuple[int, bytes] | None:
-    """Return the point of the machine's first good identification: from there outliers lead no fit astray."""
+    """Return the point of the machine's first good identification: a fit that starts there is not misled by outliers."""
     first = identifications.first_of(session, row.machine_id, revision=revision, slow_roll_version=slow_roll_version)
     return None if first is None or first.point is None else (first.id, first.point)
 
 
 def _earlier(session: Session, row: JobRow) -> tuple[str, bytes] | None:
-    """Return the run that a run is compared with: the one before it of the same kind, revision and sense of rotation."""
+    """Return the run for comparison: the one before of the same kind, revision and sense of rotation; None without one."""
     before = runs.before(session, runs.get(session, row.run_ids[0]))
     if before is None:
         return None
@@ -69,7 +69,7 @@ def _earlier(session: Session, row: JobRow) -> tuple[str, bytes] | None:
 
 
 def origin(session: Session, row: JobRow, options: Options, beginning: int | None) -> Origin:
-    """Describe the origin of an identification. beginning: id of the identification from which the fit started, if any."""
+    """Return the origin of an identification. beginning: id of the identification from which the fit started, if any."""
     used = [runs.get(session, run_id) for run_id in row.run_ids]
     version = job_options.slow_roll_version(session, row)
     described = asdict(job_options.fit_options(row, options))

@@ -1,3 +1,2 @@
-"""The thread that takes what zenoh and HTTP deliver: inbox, admission, the cycle, the service's own clock. It imports
-`journal`, `recovery`, `runs` and what lies below; batches go to the journal, refused ones to the quarantine.
-"""
+"""The thread that processes all that zenoh and HTTP deliver: inbox, admission, the cycle, doubts about the service's clock. It
+imports `journal`, `recovery`, `runs` and the rooms below; batches go to the journal, rejected ones to the quarantine."""

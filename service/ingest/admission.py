@@ -1,4 +1,4 @@
-"""Admission: what came becomes a batch of a known machine, or is refused and kept in the quarantine with the reason."""
+"""Admission: each message becomes a batch of a known machine, or is rejected and kept in the quarantine with the reason."""
 
 import logging
 from dataclasses import replace
@@ -21,9 +21,9 @@ logger = logging.getLogger(__name__)
 
 
 class Admission:
-    """Decode what came, and look whether the machine is known.
+    """Decoder of incoming messages, which also checks that the machine is known.
 
-    own_clock: says what must wait until the clock is right. Such a batch is neither stored nor refused.
+    own_clock: decides which batches must wait until the clock is right; these are neither stored nor rejected.
     """
 
     def __init__(self, journal: Journal, refusals: Refusals, own_clock: OwnClock) -> None:
@@ -32,9 +32,9 @@ class Admission:
         self._own_clock = own_clock
 
     def published(self, key: Key, message: PublishedMessage) -> Arrived | None:
-        """Return a message that was published as a batch; None when it is refused or has to wait.
+        """Return a published message as a batch; None when it is rejected or has to wait.
 
-        Raises what concerns all.
+        Raises errors that affect all batches.
         """
         try:
             require_size(message.size)
@@ -54,13 +54,16 @@ class Admission:
         return Arrived(batch, message.key, message.payload, message.received_at)
 
     def replied(self, key: Key, reply: zenoh.Sample) -> Arrived | None:
-        """Return what a log has answered as a batch; None when it is refused or has to wait. Raises what concerns all."""
+        """Return a reply from a log as a batch; None when it is rejected or has to wait.
+
+        Raises errors that affect all batches.
+        """
         return self.published(key, replace(PublishedMessage.of(reply), key=key.samples))
 
     def submitted(self, submission: Submission) -> Arrived:
         """Return a body that came over HTTP as a batch.
 
-        Raises Rejected or NotStoring when it is refused, and what concerns all.
+        Raises Rejected or NotStoring when it is not accepted, and errors that affect all batches.
         """
         machine, body = submission.machine, submission.body
         message = PublishedMessage(f"POST /api/v1/machines/{machine}/samples", body, submission.encoding, len(body), now())
@@ -72,7 +75,7 @@ class Admission:
             self._require_machine(Key(batch.plant, batch.machine))
             if self._withholds(batch):
                 raise NotStoring(self._own_clock.doubt or "this machine's clock is wrong")
-            # Its numbers must stay free for the corrected batch.
+            # A rejected batch must leave its numbers free for the corrected one.
             self._journal.require_convertible(batch, received_at=message.received_at)
         except Rejected as rejected:
             self.refuse(message, machine, rejected)
@@ -94,7 +97,7 @@ class Admission:
         return True
 
     def refuse(self, message: PublishedMessage, machine: str | None, rejected: Rejected) -> None:
-        """Keep a message that was not taken. machine: None where its key names none."""
+        """Store a rejected message in the quarantine. machine: None when its key names none."""
         self._refuse(message, machine, rejected.reason, rejected.detail)
 
     def _refuse(self, message: PublishedMessage, machine: str | None, reason: Reason | OwnFault, detail: str) -> None:

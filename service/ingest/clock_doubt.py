@@ -1,7 +1,7 @@
-"""Whether this machine's own clock is to be doubted: by when it took samples last, and by what its sources say the time is.
+"""Doubting this machine's own clock, by its newest receipt of samples and by the times that its sources report.
 
-A clock that is behind makes live samples lie in the future. They are then not rejected, which would use up their numbers, but
-left to who sends them until the clock is right. `docs/operators.md` has the rule as a table.
+With a clock that is behind, live samples seem to lie in the future. They are then not rejected, which would use up their
+numbers, but left with their senders until the clock is right. `docs/operators.md` has the rule as a table.
 """
 
 import logging
@@ -17,21 +17,21 @@ logger = logging.getLogger(__name__)
 
 SECOND = 1_000_000_000
 HEARD_LATELY = 3600 * SECOND
-"""What a source said this long ago [ns] counts still: its clock has gone on as the monotonic one has."""
+"""How long a source's time counts after its last batch [ns]: its clock has gone on as the monotonic one has."""
 STEADY, JITTER = 60 * SECOND, 30 * SECOND
-"""A source agrees when its newest times have kept pace with the monotonic clock for so long, but for so much [ns]: those of a
-log that is caught up with run past the present."""
+"""A source agrees once its newest times have kept pace with the monotonic clock for this long [ns], within JITTER: times from
+a log that is catching up overtake the clock."""
 PLAUSIBLE = 100 * 365 * 86_400 * SECOND
-"""No clock is further behind than this [ns], also one that begins in 1970 with each start."""
+"""No clock is further behind than this [ns], not even one that begins in 1970 at each start."""
 COST = 20_000
-"""Time between two looks at what the sources say, for each of them [ns]: looking takes a twentieth of it."""
+"""Time between two evaluations of the sources' times, for each source [ns]: an evaluation takes a twentieth of it."""
 
 
 def is_doubted(*, behind: bool, ahead: int, agreeing: int) -> bool:
     """Return whether the own clock is to be doubted.
 
-    behind: it is behind the newest receipt of samples. ahead, agreeing: sources whose samples lie ahead of it, and those whose
-    newest samples are of its present.
+    behind: it is behind the newest receipt of samples. ahead, agreeing: number of sources whose samples lie ahead of it, and
+    of those whose newest samples agree with it.
     """
     if behind:
         return ahead >= agreeing
@@ -40,9 +40,9 @@ def is_doubted(*, behind: bool, ahead: int, agreeing: int) -> bool:
 
 @dataclass
 class _Source:
-    """What a source says the time is, as differences to the monotonic clock [ns].
+    """The time reported by a source, as differences to the monotonic clock [ns].
 
-    first, last: of its newest batch; heard: when that was. pace: `last` when it began to be steady, which was at `since`.
+    first, last: of its newest batch; heard: when that came. pace: `last` when it began to be steady, which was at `since`.
     """
 
     first: int
@@ -59,9 +59,9 @@ class _Source:
 
 
 class OwnClock:
-    """What is known of this machine's clock. For the ingest thread only, but for `doubt`.
+    """Assessment of this machine's clock. For the ingest thread only, except `doubt`.
 
-    newest_receipt: looks up when samples came last, as it is stored [ns]; 0 before any.
+    newest_receipt: looks up when the newest stored samples came [ns]; 0 before any.
     """
 
     def __init__(self, newest_receipt: Callable[[], int]) -> None:
@@ -70,10 +70,10 @@ class OwnClock:
         self._sources: BoundedDict[tuple[str, str], _Source] = BoundedDict()
         self._looked_at = 0
         self.doubt: str | None = None
-        """Why it is doubted, and what is to be done; None while it is not."""
+        """Why the clock is doubted, and the remedy; None while it is not."""
 
     def withholds(self, batch: SampleBatch) -> bool:
-        """Return whether a batch must wait until the clock is right. Raises what the database raises."""
+        """Return whether a batch must wait until the clock is right. Raises the database's errors."""
         clock, monotonic = now(), time.monotonic_ns()
         first, last = min(batch.time_ns), max(batch.time_ns)
         if not clock - PLAUSIBLE <= first <= last <= clock + PLAUSIBLE:
@@ -86,7 +86,7 @@ class OwnClock:
         return self.doubt is not None
 
     def look(self) -> bool:
-        """Judge anew; whether a doubt has ended."""
+        """Assess the clock again; return whether a doubt has ended."""
         clock, before = now(), self.doubt
         if before is None and self._known_receipt() <= clock + FUTURE_TOLERANCE:
             return False
@@ -94,7 +94,7 @@ class OwnClock:
         return before is not None and self.doubt is None
 
     def forget(self) -> None:
-        """Forget when samples came last, for others may have stored some: it is looked up anew."""
+        """Forget the newest receipt of samples; it is looked up again, since other replicas may have stored some."""
         self._newest_receipt = None
 
     def _known_receipt(self) -> int:
@@ -117,7 +117,7 @@ class OwnClock:
     def _judge(self, clock: int, monotonic: int) -> None:
         receipt = self._known_receipt()
         heard = [(name, one) for name, one in self._sources.items() if monotonic - one.heard <= HEARD_LATELY]
-        # A machine has one voice, however many sources somebody lets it have.
+        # A machine counts once, however many sources it has.
         first = {machine: one.first + monotonic for (machine, _), one in heard if one.is_ahead(clock, monotonic)}
         ahead, agreeing = list(first.values()), len({machine for (machine, _), one in heard if one.agrees(clock, monotonic)})
         behind = receipt > clock + FUTURE_TOLERANCE
@@ -125,8 +125,8 @@ class OwnClock:
         if is_doubted(behind=behind, ahead=len(ahead), agreeing=agreeing):
             doubt = _words(clock, receipt if behind else None, ahead)
         elif behind:
-            self._newest_receipt = clock  # that was the clock that was wrong: it was ahead
-        self.doubt = doubt  # set once: the API reads it at any moment
+            self._newest_receipt = clock  # the earlier receipts were wrong: the clock was ahead then
+        self.doubt = doubt  # assigned once: the API reads it at any moment
         if doubt is not None and before is None:
             logger.error(doubt)
         elif doubt is None and before is not None:

@@ -1,7 +1,7 @@
-"""One cycle of the ingest: messages are taken and stored, what is missing is fetched, what is due is checked.
+"""One cycle of the ingest: store messages, recover missing ones, run the checks that are due.
 
-`Intake` takes messages, `Admission` makes batches of them, `GapRecovery` fetches what is missing before them, `WriteBatch`
-stores them. `SourceBackoff` knows of which sources nothing can be stored for now.
+`Intake` takes messages, `Admission` makes batches of them, `GapRecovery` fetches missing ones from the sources' logs,
+`WriteBatch` stores them. `SourceBackoff` knows the sources of which nothing can be stored at present.
 """
 
 import logging
@@ -26,19 +26,19 @@ from storage.database.errors import NotHeld
 logger = logging.getLogger(__name__)
 
 TOKENS = 50_000
-"""Comings and goings of sources that wait."""
+"""Largest number of queued liveliness events of sources."""
 LARGEST_COLLECTION = 200
-"""Of the messages that logs answer, taken at once."""
+"""Largest number of replies from logs taken at once."""
 CYCLE_S = 0.1
-"""What comes within this time is stored together, as far as it is not much, …"""
+"""Pause between cycles [s]: messages that arrive meanwhile are stored together."""
 BACKLOG = 200
-"""… unless so many messages have come: then there is no pause."""
+"""Number of messages in a cycle from which on the next one begins without a pause."""
 RECOVERY_CYCLE_S = 0.05
-"""Pause between looks for what logs answer."""
+"""Pause between looks for replies from logs."""
 
 
 class IngestCycle:
-    """The parts of the ingest, and the order in which they have their turn. For the ingest thread only, but for figures."""
+    """The parts of the ingest and the order of their turns. For the ingest thread only, except its figures."""
 
     def __init__(
         self, session: zenoh.Session, journal: Journal, submissions: Submissions, share: Share, *, silence_s: float
@@ -70,7 +70,7 @@ class IngestCycle:
         self.checks = IngestChecks(journal, self.recovery, self.own_clock, silence_s=silence_s)
 
     def open(self) -> None:
-        """Subscribe."""
+        """Declare the subscriptions."""
         self.inbox.open(self._session, ALL_SAMPLES)
         self._tokens = self._session.liveliness().declare_subscriber(
             ALL_LIVE, zenoh.handlers.FifoChannel(TOKENS), history=True
@@ -78,18 +78,18 @@ class IngestCycle:
         self._received.open()
 
     def close(self) -> None:
-        """Let nothing come any more."""
+        """Undeclare the subscriptions."""
         self.inbox.close()
         self._tokens.undeclare()
         self._received.close()
 
     def run(self, *, stopping: bool) -> int:
-        """Take and store what has come; do the checks that are due. Returns how many messages were taken.
+        """Store the messages that have come and do the checks that are due; return how many messages were taken.
 
-        stopping: take nothing that comes from now on, for the service ends: it waits in the sources' logs.
+        stopping: take nothing that comes from now on, because the service ends: it waits in the sources' logs.
         """
         left = self.write_batch.is_pending
-        self.write_batch.store()  # what was left before; where the database refuses it, nothing more is taken
+        self.write_batch.store()  # left from the cycle before; if the database refuses it, nothing more is taken
         self._follow_share()
         while (token := self._tokens.try_recv()) is not None:
             self.recovery.follow(token)
@@ -109,30 +109,30 @@ class IngestCycle:
 
     @property
     def has_more(self) -> bool:
-        """Whether there is more to store or to take at once."""
+        """Return whether there is more to store or to take at once."""
         return self.write_batch.is_pending or self._intake.is_behind
 
     def wait_for_more(self, count: int) -> None:
-        """Pause after a cycle with so many messages, until something is submitted, unless there is more to do at once."""
+        """Pause after a cycle of `count` messages until something is submitted, unless there is more to do at once."""
         asking = self.recovery.is_asking
         if not self.has_more and (count == 0 or (count < BACKLOG and not asking)):
             self._submissions.wait(RECOVERY_CYCLE_S if asking else CYCLE_S)
 
     def refuse_all(self, trouble: str) -> None:
-        """Tell all who wait that what they sent is not known to be durable, and why."""
+        """Tell all who wait that their samples are not known to be durable, and why."""
         self.write_batch.forget_progress()
         self.write_batch.break_promises(NotStoring(trouble))
         while (submission := self._submissions.take()) is not None:
             submission.promise.set_exception(NotStoring(trouble))
 
     def drop_taken_over(self, error: NotHeld) -> None:
-        """Drop what is another replica's to store."""
+        """Drop batches that another replica has to store now."""
         logger.warning("machines were taken over by another replica: %s", error)
         self.write_batch.drop(error.names)
         self._journal.forget()
 
     def _follow_share(self) -> None:
-        """Begin anew with what is known of the sources, where the share of this process has changed."""
+        """Forget the state of the sources when the share of this process has changed."""
         if self._changes == self._share.changes:
             return
         self.write_batch.store_all()
@@ -141,4 +141,4 @@ class IngestCycle:
         self.own_clock.forget()
         changes = self._share.changes
         self.recovery.review()
-        self._changes = changes  # reviewed again where the database went away within
+        self._changes = changes  # after the review, which is repeated when the database fails during it

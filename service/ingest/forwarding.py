@@ -1,4 +1,4 @@
-"""Samples that came over HTTP to a replica that does not store them: handed on to the one that does, by way of zenoh."""
+"""Forwarding samples that came over HTTP to the replica that stores them, through zenoh."""
 
 import threading
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -14,15 +14,15 @@ from storage.database.engine import Database
 from storage.machines import machines
 
 AT_ONCE = 16
-"""Bodies that are under way to other replicas at the same time."""
+"""Largest number of bodies forwarded concurrently."""
 MOST_WAITING = 64
-"""Bodies that are under way or wait for it; whoever comes then is asked to come again."""
+"""Largest number of bodies being forwarded or waiting for it; further ones are refused as busy."""
 PATIENCE_S = 15.0
-"""How long the other replica has to make one durable."""
+"""How long the other replica may take to make a body durable."""
 
 
 class ForwardedAnswer(msgspec.Struct, omit_defaults=True):
-    """What became of a body: exactly one of these. stored: received, duplicates, lost, and the faults."""
+    """The outcome of a forwarded body: exactly one of these. stored: received, duplicates, lost, and the faults."""
 
     stored: tuple[int, int, int, list[tuple[int, Reason, str]]] | None = None
     rejected: tuple[Reason, str] | None = None
@@ -31,7 +31,7 @@ class ForwardedAnswer(msgspec.Struct, omit_defaults=True):
 
 
 class Forwarding:
-    """Takes bodies of all machines: for those that are stored here it is the queue, for the others a messenger."""
+    """Acceptance of bodies for all machines: those stored here are queued, the others forwarded."""
 
     def __init__(self, session: zenoh.Session, database: Database, share: Share, own: Submissions) -> None:
         self._session = session
@@ -44,17 +44,17 @@ class Forwarding:
         self._queryable = session.declare_queryable(ALL_SUBMIT, self._asked)
 
     def close(self) -> None:
-        """Take no more."""
+        """Stop accepting bodies."""
         self._queryable.undeclare()
         self._threads.shutdown(wait=False, cancel_futures=True)
 
     @property
     def trouble(self) -> str | None:
-        """As of Submissions."""
+        """Return why nothing can be stored at present, see `Submissions.trouble`."""
         return self._own.trouble
 
     def offer(self, machine: str, body: bytes, encoding: str) -> Future[StoreOutcome]:
-        """As of Submissions. Raises Busy or NotStoring."""
+        """Queue or forward a body, see `Submissions.offer`. Raises Busy or NotStoring."""
         if self._share.owns(machine):
             return self._own.offer(machine, body, encoding)
         if self._waiting >= MOST_WAITING:
@@ -87,7 +87,7 @@ class Forwarding:
         raise NotStoring(f"no replica takes samples of '{machine}' at present")
 
     def _asked(self, query: zenoh.Query) -> None:
-        """Another replica hands a body on."""
+        """Accept a body forwarded by another replica."""
         parts = str(query.key_expr).split("/")
         machine = parts[3] if len(parts) == 5 and IDENTIFIER.match(parts[3]) else ""
         if not self._share.owns(machine) or query.payload is None:
@@ -122,7 +122,7 @@ def _reply(query: zenoh.Query, answer: ForwardedAnswer) -> None:
 
 
 def _told(answer: ForwardedAnswer) -> StoreOutcome:
-    """Raises Rejected, Busy, NotStoring."""
+    """Return the outcome in a reply. Raises Rejected, Busy, NotStoring."""
     if answer.rejected is not None:
         raise Rejected(*answer.rejected)
     if answer.busy is not None:

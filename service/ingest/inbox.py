@@ -1,6 +1,6 @@
-"""From zenoh to the ingest thread: messages are copied as they come, and wait here, so many and so many bytes at most.
+"""From zenoh to the ingest thread: messages are copied on arrival and wait here, limited in number and bytes.
 
-A message that waits the way zenoh hands it over keeps the whole buffer that it came in, up to fifty times its own size.
+A message kept in zenoh's own form holds its whole receive buffer, up to fifty times its size.
 """
 
 import logging
@@ -18,16 +18,16 @@ logger = logging.getLogger(__name__)
 
 MOST_MESSAGES = 50_000
 MOST_BYTES = 256 << 20
-"""Of all that waits; beyond either zenoh holds the senders back."""
+"""Limits of the waiting messages; beyond either zenoh makes the senders wait."""
 CHANNEL_SIZE = 2_000
-"""Messages that zenoh itself keeps until they are copied."""
+"""Messages that zenoh itself queues until they are copied."""
 LOOK_S = 0.02
-"""Between two looks at what has come."""
+"""Pause between two looks for messages."""
 
 
 @dataclass(frozen=True, slots=True)
 class PublishedMessage:
-    """A published message; only the beginning of one that is larger than any that is taken. size: of all of it [bytes]."""
+    """A published message; of one above the size limit only the beginning. size: of the whole message [bytes]."""
 
     key: str
     payload: bytes
@@ -37,34 +37,34 @@ class PublishedMessage:
 
     @classmethod
     def of(cls, sample: zenoh.Sample) -> "PublishedMessage":
-        """Return a copy of what zenoh holds, received now."""
+        """Return a copy of a zenoh sample, received now."""
         payload = sample.payload.to_bytes()
         kept = payload if len(payload) <= LARGEST_MESSAGE else payload[:KEPT_BYTES]
         return cls(str(sample.key_expr), kept, str(sample.encoding), len(payload), now())
 
 
 class Inbox(SupervisedThread):
-    """The thread that copies, and the messages that wait. One other thread takes them."""
+    """The thread that copies messages, and the queue from which one other thread takes them."""
 
     def __init__(self) -> None:
         super().__init__("inbox", failure="a message cannot be copied", retry_s=LOOK_S, first_pause_s=LOOK_S)
         self._waiting: deque[PublishedMessage] = deque()
-        self._came_bytes = self._taken_bytes = 0  # each counted by one thread only
+        self._came_bytes = self._taken_bytes = 0  # each is changed by one thread only
 
     def open(self, session: zenoh.Session, key_expression: str) -> None:
-        """Subscribe and begin."""
+        """Subscribe and start the thread."""
         self._subscriber = session.declare_subscriber(key_expression, zenoh.handlers.FifoChannel(CHANNEL_SIZE))
         self.start()
 
     def close(self) -> None:
-        """Copy what has come by now and nothing after that; what has been copied can still be taken."""
+        """Copy the messages that have come by now and none after; copied ones can still be taken."""
         if not self._stop.is_set():
             self.stop()
             self._subscriber.undeclare()
 
     @property
     def size(self) -> int:
-        """Size of all that waits [bytes]."""
+        """Return the size of all waiting messages [bytes]."""
         return self._came_bytes - self._taken_bytes
 
     def __len__(self) -> int:
@@ -72,7 +72,7 @@ class Inbox(SupervisedThread):
         return len(self._waiting)
 
     def take(self) -> PublishedMessage | None:
-        """Return the message that has waited longest."""
+        """Return the oldest waiting message; None when there is none."""
         if not self._waiting:
             return None
         message = self._waiting.popleft()
@@ -80,21 +80,21 @@ class Inbox(SupervisedThread):
         return message
 
     def put_back(self, message: PublishedMessage) -> None:
-        """Put a message that could not be dealt with now in the first place again."""
+        """Put back a message that cannot be processed now, as the oldest."""
         self._taken_bytes -= len(message.payload)
         self._waiting.appendleft(message)
 
     def turn(self) -> float:
-        """Copy what has come."""
+        """Copy the messages that have come."""
         self._copy()
         return LOOK_S
 
     def finish(self) -> None:
-        """Copy what has come by now."""
+        """Copy the messages that have come by now."""
         self._copy()
 
     def failed(self, error: Exception) -> float:
-        """Go on: one message must never end the ingest of all others."""
+        """Log the error and go on: one message must never end the ingest of all others."""
         logger.error("a message cannot be copied from zenoh and is dropped", exc_info=error)
         return LOOK_S
 

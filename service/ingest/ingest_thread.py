@@ -1,4 +1,4 @@
-"""Ingest: the thread that takes what zenoh and HTTP deliver and stores it, cycle by cycle, and goes on whatever happens."""
+"""Ingest: the thread that stores what zenoh and HTTP deliver, cycle by cycle, in spite of errors."""
 
 import logging
 import time
@@ -16,15 +16,15 @@ from storage.recent_maximum import Longest
 logger = logging.getLogger(__name__)
 
 STALLED_S = 5.0
-"""A cycle that lasts longer waits for the database, and the service is not ready."""
+"""Longest cycle: a longer one waits for the database, and the service is not ready."""
 RETRY_S = 1.0
 """Pause after the database refused to store."""
 LAST_TRIES = 2
-"""To store what is held, of a service that ends."""
+"""Attempts to store what is held when the service ends."""
 
 
 class Ingest(SupervisedThread):
-    """The thread. Callbacks only enqueue; everything else happens here."""
+    """The ingest thread. Callbacks only enqueue; everything else happens in the thread."""
 
     def __init__(
         self,
@@ -39,22 +39,22 @@ class Ingest(SupervisedThread):
         self._submissions = Submissions() if submissions is None else submissions
         self._cycle = IngestCycle(session, journal, self._submissions, share or Whole(), silence_s=silence_s)
         self._longest_cycle = Longest()
-        self._errors = 0  # that nobody foresaw, in a row
-        self._began = time.monotonic()  # the cycle
+        self._errors = 0  # unexpected ones in a row
+        self._began = time.monotonic()  # begin of the cycle
 
     def start(self) -> None:
-        """Subscribe and begin."""
+        """Subscribe and start the thread."""
         self._cycle.open()
         super().start()
 
     def stop(self) -> None:
-        """Take no more, store what is queued, end the thread."""
+        """Take no more messages, store the queued ones and end the thread."""
         super().stop()
         self._cycle.close()
 
     @property
     def trouble(self) -> str | None:
-        """Why the last cycle could not be stored, or that the present one does not end."""
+        """Return why the last cycle could not be stored, or that the present one does not end; None when all is well."""
         lasts = time.monotonic() - self._began
         if self._trouble is None and lasts > STALLED_S and self.alive:
             return f"storing has not ended for {lasts:.0f} s"
@@ -62,16 +62,17 @@ class Ingest(SupervisedThread):
 
     @trouble.setter
     def trouble(self, words: str | None) -> None:
+        """Set why the last cycle could not be stored."""
         self._trouble = words
 
     @property
     def alive(self) -> bool:
-        """Whether the threads run."""
+        """Return whether the threads are running."""
         return super().alive and self._cycle.inbox.alive
 
     @property
     def gauges(self) -> dict[str, float]:
-        """Figures for a monitoring system, by the name of the metric."""
+        """Return figures for monitoring, by the name of the metric."""
         return {
             "rundown_ingest_queue_messages": len(self._cycle.inbox),
             "rundown_ingest_queue_bytes": self._cycle.inbox.size,
@@ -81,16 +82,16 @@ class Ingest(SupervisedThread):
 
     @property
     def warnings(self) -> list[str]:
-        """Doubts of this machine's clock."""
+        """Return the doubts about this machine's clock."""
         return [] if self._cycle.own_clock.doubt is None else [self._cycle.own_clock.doubt]
 
     def turn(self) -> float:
-        """Do a cycle, then wait until more has come or is to be looked for."""
+        """Run a cycle, then wait until there is more to do."""
         self._cycle.wait_for_more(self._run_cycle())
         return 0.0
 
     def finish(self) -> None:
-        """Store what is queued, and end when there is no more, or when it cannot be stored."""
+        """Store the queued messages; end when there are no more, or when they cannot be stored."""
         tries = LAST_TRIES
         while True:
             try:
@@ -109,7 +110,7 @@ class Ingest(SupervisedThread):
             self._cycle.wait_for_more(count)
 
     def failed(self, error: Exception) -> float:
-        """Go on after an error: one message must never end the ingest of all others."""
+        """Handle an error and go on: one message must never end the ingest of all others."""
         if isinstance(error, NotHeld):
             self._cycle.drop_taken_over(error)
             return CYCLE_S
@@ -126,11 +127,11 @@ class Ingest(SupervisedThread):
         return RETRY_S
 
     def _hinders(self, error: Exception) -> bool:
-        """Return whether an error hinders storing: the first unforeseen one in a row does not."""
+        """Return whether an error prevents storing; the first unexpected one in a row does not."""
         return not isinstance(error, NotHeld) and (concerns_all(error) or self._errors > 1)
 
     def _give_up(self, error: Exception) -> None:
-        """Say how much is given up of what could not be stored while stopping."""
+        """Log how many messages could not be stored while stopping."""
         count = len(self._cycle.inbox) + len(self._cycle.write_batch)
         logger.error("at the end %d messages are not stored; only sources' logs have them still: %s", count, words(error))
 

@@ -1,4 +1,4 @@
-"""Intake: what waits in the inbox and in the queue of HTTP is admitted, and handed to gap recovery or to the write batch."""
+"""Intake: messages from the inbox and from the HTTP queue are admitted, and passed to gap recovery or to the write batch."""
 
 import time
 
@@ -14,13 +14,13 @@ from service.wire import Key, Rejected
 from storage.database.errors import concerns_all, words
 
 LARGEST_CYCLE = 1_000
-"""Messages that are held at once."""
+"""Largest number of messages held at once."""
 TAKING_S = 0.03
-"""After so long no further message is taken before those that are held are stored."""
+"""Time after which no further message is taken before the held ones are stored."""
 
 
 class Intake:
-    """Take messages, as much as there is room and time for. For the ingest thread only."""
+    """Intake of messages within the limits of number and time. For the ingest thread only."""
 
     def __init__(
         self,
@@ -43,15 +43,18 @@ class Intake:
         self._backoff = backoff
         self._share = share
         self.is_behind = False
-        """Whether there was more than there was time for."""
+        """Whether messages were left because the time was over."""
 
     @property
     def room(self) -> int:
-        """How many messages may still be held."""
+        """Return how many messages may still be held."""
         return max(0, LARGEST_CYCLE - len(self._write_batch))
 
     def take(self) -> int:
-        """Take what was published and what came over HTTP; return how many messages were taken. Raises what concerns all."""
+        """Take published messages and those that came over HTTP; return their number.
+
+        Raises errors that affect all batches.
+        """
         self.is_behind = False
         return self._take_published() + self._take_submitted()
 
@@ -94,7 +97,7 @@ class Intake:
                 self._recovery.place(key, arrived)
 
     def _submission(self, submission: Submission) -> None:
-        """Take a batch that came over HTTP: its source keeps no log, so nothing is asked for that may be missing."""
+        """Take a batch that came over HTTP. Its source keeps no log, so that missing samples are not requested."""
         refusals = self._write_batch.refusals
         try:
             arrived = self._admission.submitted(submission)

@@ -1,4 +1,4 @@
-"""What the ingest does now and then: logs of quiet sources are asked for what is missing, runs of silent machines end."""
+"""Periodic checks of the ingest: request missing samples from logs of quiet sources, end runs of silent machines."""
 
 import logging
 import time
@@ -13,13 +13,13 @@ from storage.database.errors import NotHeld, concerns_all, words
 logger = logging.getLogger(__name__)
 
 TAIL_CHECK_S = 2.0
-"""How often a live source's log is asked for samples that never came."""
+"""Interval at which a live source's log is asked for samples that never came."""
 DOUBTED_CHECK_S = 30.0
-"""The same while the own clock is wrong: what logs answer has to wait, too."""
+"""Interval of the checks while the own clock is wrong: replies from logs have to wait, too."""
 
 
 class IngestChecks:
-    """Do the checks when they are due; samples are stored though they fail."""
+    """The periodic checks; samples are stored even when they fail."""
 
     def __init__(self, journal: Journal, recovery: GapRecovery, own_clock: OwnClock, *, silence_s: float) -> None:
         self._journal = journal
@@ -28,15 +28,15 @@ class IngestChecks:
         self._silence_s = silence_s
         self._next = 0.0
         self.trouble: str | None = None
-        """Why the last checks were not done."""
+        """Why the last checks failed."""
 
     def look_at_clock(self) -> None:
-        """See whether a doubt of the own clock has ended: then what was left to the logs is asked for at once."""
+        """Check whether a doubt about the own clock has ended; if so, request what was left in the logs at once."""
         if self._own_clock.look():
             self._next = 0.0
 
     def check_if_due(self) -> None:
-        """Do the checks, if they are due. Raises NotHeld."""
+        """Run the checks, if they are due. Raises NotHeld."""
         if time.monotonic() < self._next:
             return
         self._next = time.monotonic() + (TAIL_CHECK_S if self._own_clock.doubt is None else DOUBTED_CHECK_S)
@@ -47,7 +47,7 @@ class IngestChecks:
 
 
 def _tried(trouble: str, check: Callable[[], None]) -> str | None:
-    """Do a check; return why it could not be done. Raises NotHeld."""
+    """Run a check; return why it failed, None when it did not. Raises NotHeld."""
     try:
         check()
     except NotHeld:

@@ -1,4 +1,4 @@
-"""Answers to sources that ask by way of zenoh how far what they sent is durable."""
+"""Replies to sources that query through zenoh how far their samples are durable."""
 
 import logging
 
@@ -13,11 +13,11 @@ from storage.database.errors import concerns_all
 logger = logging.getLogger(__name__)
 
 MOST_WAITING = 1_000
-"""Questions that wait."""
+"""Largest number of waiting queries."""
 
 
 class ReceivedQueryable:
-    """Answer questions, when the ingest thread has time for it."""
+    """The queryable on `…/received`; the ingest thread replies when it has time."""
 
     def __init__(self, session: zenoh.Session, journal: Journal, share: Share) -> None:
         self._session = session
@@ -25,15 +25,15 @@ class ReceivedQueryable:
         self._share = share
 
     def open(self) -> None:
-        """Let questions come."""
+        """Declare the queryable."""
         self._queryable = self._session.declare_queryable(ALL_RECEIVED, zenoh.handlers.FifoChannel(MOST_WAITING))
 
     def close(self) -> None:
-        """Let no more questions come."""
+        """Undeclare the queryable."""
         self._queryable.undeclare()
 
     def answer_waiting(self) -> None:
-        """Answer the questions that wait. Raises what concerns all."""
+        """Reply to the waiting queries. Raises errors that affect all batches."""
         while (query := self._queryable.try_recv()) is not None:
             self._answer(query)
 
@@ -42,7 +42,7 @@ class ReceivedQueryable:
             try:
                 key = Key.parse(str(query.key_expr))
             except Rejected:
-                return  # of all machines at once: each is asked for by itself
+                return  # a query over all machines: each must be queried by itself
             try:
                 self._reply(query, key)
             except Exception as error:

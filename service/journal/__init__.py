@@ -1,3 +1,2 @@
-"""Batches to stored samples, once each: numbered, checked, written in short transactions together with all that follows. It
-imports `runs`, `replication`, `resilience` and `wire`; `ingest` and `recovery` hand it what arrived.
-"""
+"""From batches to stored samples, each exactly once: numbering, checks, and short transactions that include all consequences.
+It imports `runs`, `replication`, `resilience` and `wire`; `ingest` and `recovery` pass it the batches that arrived."""

@@ -1,4 +1,4 @@
-"""A batch on its way to the store, and what became of it."""
+"""A batch on its way to the store, and the outcome of storing it."""
 
 from concurrent.futures import Future
 from dataclasses import dataclass
@@ -8,12 +8,12 @@ from service.wire import Fault, Rejected, SampleBatch, source_key
 from storage.measurements.samples import SourceKey
 
 LARGEST_GAP = 1_000_000_000
-"""A sequence number this far ahead is a wrong number, not a gap."""
+"""A sequence number further ahead than this is an error, not a gap."""
 
 
 @dataclass(frozen=True)
 class Arrived:
-    """A batch as it came: its key, payload and time of arrival [ns]."""
+    """A batch as it arrived: its key, payload and time of arrival [ns]."""
 
     batch: SampleBatch
     key: str
@@ -22,18 +22,19 @@ class Arrived:
 
     @cached_property
     def source(self) -> SourceKey:
-        """The source that sent it."""
+        """Return the source that sent it."""
         return source_key(self.batch)
 
     @property
     def end(self) -> int:
-        """Number of the sample behind its last one."""
+        """Return the number of the sample behind its last one."""
         return self.batch.sequence + len(self.batch.time_ns)
 
 
 @dataclass(frozen=True)
 class StoreOutcome:
-    """Samples stored, stored before, and missing just before a batch; what of it was not taken and why."""
+    """Outcome of storing a batch: number of samples stored, of duplicates and of those missing before it; faults and
+    rejection."""
 
     received: int = 0
     duplicates: int = 0
@@ -51,5 +52,5 @@ class Held:
 
     @property
     def source(self) -> SourceKey:
-        """The source that sent it."""
+        """Return the source that sent it."""
         return self.arrived.source

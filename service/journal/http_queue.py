@@ -1,4 +1,4 @@
-"""What comes over HTTP on its way to the ingest thread: a bounded queue, each entry with a promise of what became of it."""
+"""The bounded queue of bodies that came over HTTP, from the API to the ingest thread, each with a promise of its outcome."""
 
 import queue
 import threading
@@ -10,11 +10,11 @@ from estimator.errors import LimitReached, Unavailable
 from service.journal.batch import StoreOutcome
 
 UNFORESEEN = "unexpected error; the service's log has it"
-"""What is answered to who waits."""
+"""Answer to whoever waits, after an unexpected error."""
 QUEUE_SIZE = 1_000
-"""Batches that wait; whoever comes then is asked to come again."""
+"""Largest number of waiting batches; further ones are refused as busy."""
 RETRY_AFTER_S = 1
-"""When to send a batch again that was not taken [s]."""
+"""When a refused batch should be sent again [s]."""
 
 
 class Busy(LimitReached):
@@ -24,21 +24,21 @@ class Busy(LimitReached):
 
 
 class NotStoring(Unavailable):
-    """The database does not take samples at present; the message says why."""
+    """The database does not accept samples at present; the message states the cause."""
 
     retry_after_s = RETRY_AFTER_S
 
     @property
     def detail(self) -> str:
-        """Say why, and what to do."""
+        """Return the cause and the remedy."""
         return f"samples cannot be stored: {self}; send it again"
 
 
 @dataclass(frozen=True)
 class Submission:
-    """A body as it came, for one machine, and the promise of its outcome.
+    """A body as it came, for one machine, with the promise of its outcome.
 
-    The promise ends in an Outcome once everything is durable, in Rejected, or in NotStoring.
+    The promise ends in a StoreOutcome once everything is durable, in Rejected, or in NotStoring.
     """
 
     machine: str
@@ -48,27 +48,27 @@ class Submission:
 
 
 class Taking(Protocol):
-    """Takes bodies: the queue of this process's ingest, or whatever hands them on to another's."""
+    """Acceptance of bodies: by the queue of this process's ingest, or by forwarding to another's."""
 
     @property
     def trouble(self) -> str | None:
-        """Why nothing can be stored at present."""
+        """Return why nothing can be stored at present; None when it can."""
 
     def offer(self, machine: str, body: bytes, encoding: str) -> Future[StoreOutcome]:
-        """Take a body. Raises Busy or NotStoring."""
+        """Accept a body. Raises Busy or NotStoring."""
 
     def __len__(self) -> int:
-        """Return how many wait here."""
+        """Return how many bodies wait here."""
 
 
 class Submissions:
-    """Between the API's threads, which offer, and the ingest thread, which takes."""
+    """The queue between the API's threads, which offer, and the ingest thread, which takes."""
 
     def __init__(self, size: int = QUEUE_SIZE) -> None:
         self._queue: queue.Queue[Submission] = queue.Queue(size)
         self._arrival = threading.Event()
         self.trouble: str | None = None
-        """Why nothing can be stored at present."""
+        """Why nothing can be stored at present; None when it can."""
 
     def offer(self, machine: str, body: bytes, encoding: str) -> Future[StoreOutcome]:
         """Queue a body. Raises Busy or NotStoring."""
@@ -83,12 +83,12 @@ class Submissions:
         return one.promise
 
     def wait(self, seconds: float) -> None:
-        """Pause until something is offered, at most so long."""
+        """Pause until something is offered, at most `seconds`."""
         if self._arrival.wait(seconds):
             self._arrival.clear()
 
     def take(self) -> Submission | None:
-        """Return the submission that has waited longest and that somebody still waits for."""
+        """Return the oldest submission that somebody still waits for; None when there is none."""
         while True:
             try:
                 one = self._queue.get_nowait()

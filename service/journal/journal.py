@@ -1,7 +1,7 @@
-"""The journal: messages become stored samples, once each, together with everything that follows from them.
+"""The journal: batches become stored samples, each exactly once, together with all consequences.
 
-One call of `store` is one transaction: sample blocks, how far each source was received, run collection, quarantine. A
-restart therefore finds all of it or none of it.
+One call of `store` is one transaction: sample blocks, reception state of each source, run collection, quarantine. A restart
+therefore finds all of it or none of it.
 """
 
 import logging
@@ -32,11 +32,11 @@ from storage.measurements.samples import SourceKey
 logger = logging.getLogger(__name__)
 
 Documents = dict[str, tuple[int, Machine]]
-"""Of each machine the revision in force and its document."""
+"""Revision in force and document of each machine."""
 
 
 class Journal:
-    """Writes what arrives. Not for use from several threads at once."""
+    """Writer of the batches that arrive. Not for concurrent use by several threads."""
 
     def __init__(self, database: Database, collector: Collector, share: Share | None = None) -> None:
         self._database = database
@@ -49,21 +49,21 @@ class Journal:
         self.pacing = Pacing()
 
     def next_sequence(self, source: SourceKey) -> int:
-        """Return the number of the next sample expected from a source; 0 when it was never heard of."""
+        """Return the number of the next sample expected from a source; 0 for an unknown source."""
         with self._database.reading() as session:
             return samples.source(session, source).next_sequence
 
     def newest_receipt(self) -> int:
-        """Return when samples came last, by the clock that this machine had then [ns]; 0 before any."""
+        """Return when the newest samples came, by this machine's clock at that time [ns]; 0 before any."""
         with self._database.reading() as session:
             return samples.newest_receipt(session) or 0
 
     def note_heard(self, machine_id: str) -> None:
-        """Note that a machine's source sends, though nothing of it is taken now: it has not fallen silent."""
+        """Note that a machine's source sends, though nothing is accepted now: the machine is not silent."""
         self._collector.note_heard(machine_id)
 
     def sequence_gaps(self, source: SourceKey) -> list[SequenceGap]:
-        """Return the numbers of a source that never came, ascending, as far as they are remembered."""
+        """Return the gaps in a source's numbers, ascending, as far as they are recorded."""
         with self._database.reading() as session:
             return stored_gaps(samples.source(session, source).missing)
 
@@ -93,7 +93,7 @@ class Journal:
         return self._plants[machine_id]
 
     def require_convertible(self, batch: SampleBatch, *, received_at: int) -> None:
-        """Raise Rejected for a batch of which nothing can be taken, also where its source's clock is wrong."""
+        """Raise Rejected for a batch of which no sample can be accepted, or whose source's clock is wrong."""
         with self._database.reading() as session:
             _, machine = self._document(session, batch.machine)
         _, _, faults = to_samples(batch, machine, received_at=received_at)
@@ -102,10 +102,11 @@ class Journal:
             raise Rejected(wrong[0].reason, f"{wrong[0].detail}, and so with all others: set the source's clock")
 
     def store(self, arrived: list[Arrived], rejections: list[Rejection], *, within_s: float = math.inf) -> list[StoreOutcome]:
-        """Store batches, in order, and rejections; return what became of each batch.
+        """Store batches, in order, and rejections; return the outcome of each batch.
 
-        Raises what the database raises, and NotHeld for machines that are another replica's by now; then nothing was stored.
-        within_s: after so long [s] no further batch is taken, and the outcomes of fewer are returned; of one at least.
+        Raises the database's errors, and NotHeld for machines that belong to another replica by now; then nothing was stored.
+        within_s: after this time [s] no further batch is added, and the outcomes of fewer are returned; at least one batch is
+        stored.
         """
         try:
             with self._collector.lock, self._database.transaction(beside_others=True) as session:
@@ -113,15 +114,15 @@ class Journal:
                 with self.pacing.in_transaction():
                     return self._store(session, arrived, rejections, ends=time.monotonic() + within_s)
         except BaseException:
-            self._numbering.forget()  # it may know of samples that were not stored
+            self._numbering.forget()  # its state may include samples that were not stored
             raise
 
     def end_silent(self, *, silence_s: float, alive: Set[str] = frozenset()) -> None:
-        """End runs of machines that have fallen silent. alive: machines of which a source is connected."""
+        """End runs of machines that have fallen silent. alive: machines with a connected source."""
         self._silent_machines.end_runs(silence_s=silence_s, alive=alive)
 
     def forget(self) -> None:
-        """Forget what may have gone on without this process; all of it is in the store."""
+        """Forget all state that other processes may have changed; all of it is in the store."""
         self._numbering.forget()
         self._collector.forget()
 
@@ -156,7 +157,7 @@ class Journal:
         return pending.outcomes
 
     def _add_blocks(self, session: Session, pending: Pending, documents: Documents) -> dict[str, list[Samples]]:
-        """Add a block for each source, and count what of it comes late; return the samples of each machine."""
+        """Add a block for each source and count its late samples; return the samples of each machine."""
         added: dict[str, list[Samples]] = defaultdict(list)
         for source, parts in pending.parts.items():
             revision, machine = documents[source.machine_id]
@@ -178,7 +179,7 @@ class Journal:
         return added
 
     def _collect(self, session: Session, added: dict[str, list[Samples]], documents: Documents) -> None:
-        """Feed run collection with what was added, by time."""
+        """Pass the added samples to run collection, ordered by time."""
         for machine_id, parts in added.items():
             revision, machine = documents[machine_id]
             joined = join(parts, channels=len(machine.probes))
@@ -188,7 +189,10 @@ class Journal:
 
 
 def _load(session: Session, arrived: list[Arrived]) -> list[object]:
-    """Load all rows that these batches need, in three queries instead of several each; the session finds them while held."""
+    """Load all rows that these batches need, in three queries instead of several per batch.
+
+    The session finds the rows as long as the returned list is referenced.
+    """
     machine_ids = {one.batch.machine for one in arrived}
     return [
         *machines.some(session, machine_ids),

@@ -1,4 +1,5 @@
-"""Numbering: which samples of a batch are new, known already, or fill sequence gaps; what a source's row says after it."""
+"""Numbering: which samples of a batch are new, duplicates, or fill sequence gaps, and the resulting state of the source's
+row."""
 
 from collections import defaultdict
 from collections.abc import Sequence
@@ -33,26 +34,26 @@ class Pending:
     outcomes: list[StoreOutcome] = field(default_factory=list)
 
     def add(self, arrived: Arrived, kept: Samples, *, first: int) -> None:
-        """Add the samples of a batch that are stored, the first of them under its number."""
+        """Add the accepted samples of a batch. first: number of the first of them."""
         self.parts[arrived.source].append(kept)
         self.first.setdefault(arrived.source, first)
         self.received_at[arrived.source] = arrived.received_at
 
 
 class Numbering:
-    """Number, convert and check batches, in the order in which they came."""
+    """Numbering, conversion and checks of batches, in order of arrival."""
 
     def __init__(self) -> None:
         self._plausibility: BoundedDict[SourceKey, Plausibility] = BoundedDict()
 
     def forget(self) -> None:
-        """Forget what is known of the sources; all of it is in the store."""
+        """Forget the state of the sources; all of it is in the store."""
         self._plausibility.clear()
 
     def add(self, session: Session, pending: Pending, arrived: Arrived, machine: Machine) -> StoreOutcome:
-        """Add what is new of a batch to `pending`, and note in its source's row how far the source has come.
+        """Add the new samples of a batch to `pending`, and update the reception state in its source's row.
 
-        Its samples are known already, fill gaps that were counted as lost, or follow what came so far.
+        Each sample is a duplicate, fills a gap that was counted as lost, or follows the samples so far.
         """
         batch, row = arrived.batch, samples.source(session, arrived.source)
         count = len(batch.time_ns)
@@ -98,7 +99,7 @@ class Numbering:
         filling: Sequence[FilledPart],
         following: int,
     ) -> list[Fault]:
-        """Clear `taken` where samples do not follow those around them; return why."""
+        """Clear `taken` for samples that do not plausibly follow those around them; return the faults."""
         faults: list[Fault] = []
         for part in filling:
             around = Plausibility(time=part.gap.after, before=part.gap.before)
@@ -118,7 +119,7 @@ def _fresh(count: int, following: int, filling: Sequence[FilledPart]) -> NDArray
 def _check(
     known: Plausibility, machine: Machine, converted: Samples, taken: NDArray[np.bool_], start: int, stop: int
 ) -> list[Fault]:
-    """Clear `taken` where samples start to before stop of a batch are not plausible; return why."""
+    """Clear `taken` for implausible samples from `start` to before `stop` of a batch; return the faults."""
     here = np.zeros_like(taken)
     here[start:stop] = taken[start:stop]
     faults = known.check(machine, converted, here)
@@ -135,7 +136,7 @@ def _advance(
     taken: NDArray[np.bool_],
     following: int,
 ) -> None:
-    """Note how far a source has come with a batch: gaps filled, a new one before it, its newest number and time."""
+    """Update a source's row after a batch: filled gaps, a new gap before it, its newest number and time."""
     for part in filling:
         inside = slice(part.start, part.stop)
         gaps = sequence_gaps.fill(gaps, part, first=batch.sequence, times=time[inside][taken[inside]])

@@ -1,7 +1,7 @@
-"""Pacing of the ingest: a short pause after each small step, so that no request waits for a whole cycle of it.
+"""Pacing of the ingest: a short pause after each small step, so that no request waits for a whole cycle.
 
-Threads of one interpreter take turns. Without pauses every turn of an answer that is being made meanwhile waits for one of
-the ingest's, and the slowest answers take several times as long.
+Threads of one interpreter take turns. Without pauses, each turn of a thread that computes an answer waits for one of the
+ingest's, and the slowest answers take several times as long.
 """
 
 import time
@@ -10,13 +10,13 @@ from contextlib import contextmanager
 
 PAUSE_S = 0.0005
 LONGEST_S = 0.05
-"""All pauses of a cycle together: half of the time between two."""
+"""Longest total of a cycle's pauses: half of the time between two cycles."""
 LONGEST_IN_TRANSACTION_S = 0.01
-"""Those within one transaction: on a busy machine a short pause may end 20 ms later, and other writers wait meanwhile."""
+"""Longest total within one transaction: on a busy machine a short pause may last 20 ms, and other writers wait."""
 
 
 class Pacing:
-    """Bound the time that the pauses of a cycle take."""
+    """Pauses of the ingest, limited in total per cycle."""
 
     def __init__(self) -> None:
         self._left_s = 0.0
@@ -26,7 +26,7 @@ class Pacing:
         self._left_s = 0.0 if hurried else LONGEST_S
 
     def pause(self) -> None:
-        """Pause after a step, if the cycle still has time for it: a pause counts as long as it took, not as it was meant."""
+        """Pause after a step, if the cycle still has time for it; a pause counts by its actual length."""
         if self._left_s > 0.0:
             began = time.monotonic()
             time.sleep(PAUSE_S)
@@ -34,7 +34,7 @@ class Pacing:
 
     @contextmanager
     def in_transaction(self) -> Iterator[None]:
-        """Pause for less within one transaction."""
+        """Limit the pauses within one transaction further."""
         before = self._left_s
         self._left_s = allowed = min(before, LONGEST_IN_TRANSACTION_S)
         try:

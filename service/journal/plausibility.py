@@ -1,4 +1,4 @@
-"""Samples of one source in the order of time, with speeds that a shaft can follow."""
+"""Plausibility of one source's samples: ascending times, and speeds that a shaft can follow."""
 
 from dataclasses import dataclass
 
@@ -11,21 +11,20 @@ from service.wire import Fault
 from storage.encoding.sample_blocks import Samples
 
 FASTEST_CHANGE = 0.5
-"""Largest change of speed that is believed: this part of the machine's maximum speed in a second, …"""
+"""Largest plausible change of speed per second, as a part of the machine's maximum speed."""
 JITTER = 0.08
-"""… and this part of it on top, for the errors of single speed readings: more than five times that of two of 1 % each."""
+"""Further allowance for errors of single speed readings, as a part of the maximum speed: over five times that of two of 1 %
+each."""
 STRIKES = 3
-"""So many speeds, or times, in a row that agree with each other are believed after all: the one before them was wrong."""
+"""Number of consecutive implausible speeds or times that are accepted after all when they agree: the one before was wrong."""
 
 
 @dataclass
 class Plausibility:
-    """What was last believed of one source, against which its next samples are checked.
+    """The last plausible sample of one source, against which its next ones are checked.
 
-    time [ns], speed [rad/s]; doubted: the last speed not believed.
-
-    before: time [ns] of a sample that comes later in number and is known already. set_back, back: the last time that
-    was not believed [ns], and how many in a row ascend up to it.
+    time [ns], speed [rad/s]; doubted: the last implausible speed, with its time. before: time [ns] of a known sample with a
+    later number. set_back, back: the last implausible time [ns], and how many in a row ascend up to it.
     """
 
     time: int = 0
@@ -37,7 +36,7 @@ class Plausibility:
     back: int = 0
 
     def check(self, machine: Machine, samples: Samples, taken: NDArray[np.bool_]) -> list[Fault]:
-        """Go through a batch in order; clear `taken` where a sample is not believed and return why."""
+        """Check a batch in order; clear `taken` for implausible samples and return the faults."""
         highest = rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
         faults: list[Fault] = []
         for index in np.flatnonzero(taken):
@@ -55,7 +54,7 @@ class Plausibility:
         if time <= self.time and not self._was_set_back(time):
             return Fault(index, "time_out_of_order", f"time {time} ns is not after {self.time} ns, the sample before it")
         if time <= self.time:
-            return None  # nothing is known of the speed before
+            return None  # the speed before is unknown
         if self.before is not None and time >= self.before:
             return Fault(index, "time_out_of_order", f"time {time} ns is not before {self.before} ns, a sample after it")
         if self.speed is None or _follows((self.time, self.speed), (time, speed), highest):
@@ -71,7 +70,7 @@ class Plausibility:
         return Fault(index, "speed_out_of_order", detail)
 
     def _was_set_back(self, time: int) -> bool:
-        """Return whether so many times in a row ascend that the one before was ahead, or the clock was set back."""
+        """Return whether enough times in a row ascend to show that the one before was ahead, or the clock was set back."""
         ascends = self.set_back is not None and time > self.set_back
         self.back = self.back + 1 if ascends else 1
         self.set_back = time

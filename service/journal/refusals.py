@@ -1,4 +1,4 @@
-"""What is not stored: entries on their way to the quarantine, and the answers to those who wait, given once these are kept."""
+"""Refusals: entries on their way to the quarantine, and answers to those who wait, given once the entries are stored."""
 
 import logging
 import time
@@ -17,7 +17,7 @@ logger = logging.getLogger(__name__)
 
 
 class Refusals:
-    """Hold rejections until they are stored, and refused promises until they are answered. For the ingest thread only."""
+    """Rejections until they are stored, and refused promises until they are answered. For the ingest thread only."""
 
     def __init__(self, journal: Journal) -> None:
         self._journal = journal
@@ -29,12 +29,12 @@ class Refusals:
         self.rejections.append(rejection)
 
     def refuse(self, promise: Future[StoreOutcome], answer: Exception) -> None:
-        """Hold an answer until what was refused is kept."""
+        """Hold an answer until the refused batch is in the quarantine."""
         self._promises.append((promise, answer))
 
     @contextmanager
     def guarding(self, arrived: Arrived, promise: Future[StoreOutcome] | None = None) -> Iterator[None]:
-        """Put a batch aside where an unforeseen error occurs within: it is the trouble of this batch alone."""
+        """Quarantine a batch when an unexpected error occurs in the block: the error concerns this batch alone."""
         try:
             yield
         except Exception as error:
@@ -52,14 +52,15 @@ class Refusals:
             self.refuse(promise, answer)
 
     def stored(self) -> None:
-        """Note that all rejections are kept, and answer who waits."""
+        """Note that all rejections are stored, and answer those who wait."""
         self.rejections.clear()
         self._answer()
 
     def store_one_by_one(self, *, ends: float) -> None:
-        """Store rejections, each by itself: one that cannot be kept takes no other with it. Raises what concerns all.
+        """Store rejections one by one, so that one that cannot be stored does not block the others.
 
-        ends: by the monotonic clock [s], after which the others are left, and the answers with them. One at least is stored.
+        ends: by the monotonic clock [s]; the rest and the answers wait after it, but at least one is stored. Raises errors
+        that affect all batches.
         """
         while self.rejections:
             one = self.rejections[0]
@@ -76,7 +77,7 @@ class Refusals:
             self._answer()
 
     def break_promises(self, answer: Exception) -> None:
-        """Answer all who wait, though what was refused is not kept yet."""
+        """Answer all who wait, before the refused batches are stored."""
         for promise, _ in self._promises:
             promise.set_exception(answer)
         self._promises.clear()

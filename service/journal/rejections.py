@@ -1,4 +1,4 @@
-"""Entries of the quarantine for batches and samples that are not stored."""
+"""Quarantine entries for batches and samples that are not stored."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -13,16 +13,16 @@ from storage.database.damage import is_damage
 from storage.measurements.quarantine import Rejection
 
 LARGEST_FAULT_COUNT = 5
-"""Faults of one reason in one batch that the quarantine shows; a source in a wrong unit has one in every value."""
+"""Faults per reason and batch that the quarantine shows: a source with a wrong unit has one in every value."""
 
 
 def of_batch(arrived: Arrived, reason: str, detail: str) -> Rejection:
-    """Return the entry for a batch of which nothing is taken."""
+    """Return the entry for a batch that is rejected as a whole."""
     return Rejection(arrived.received_at, arrived.key, arrived.batch.machine, reason, detail, arrived.payload)
 
 
 def of_samples(arrived: Arrived, faults: Sequence[Fault]) -> list[Rejection]:
-    """Return entries for the first few faults of each reason; the last of them stands for all others of the batch, too."""
+    """Return entries for the first few faults of each reason; the last of them represents all others of the batch, too."""
     found = []
     for reason in dict.fromkeys(fault.reason for fault in faults):
         same = [fault for fault in faults if fault.reason == reason]

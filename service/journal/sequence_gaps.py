@@ -1,4 +1,4 @@
-"""Sequence gaps: numbers of a source that never came, while they may still come out of order or be recalled from its log."""
+"""Sequence gaps: missing numbers of a source, which may still arrive out of order or be recalled from its log."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -8,15 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 LARGEST_COUNT = 1_000
-"""Gaps remembered of one source; older ones stay lost for good."""
+"""Gaps recorded per source; older ones are lost for good."""
 NEVER = 2**62
-"""Time before which samples must lie where the sample behind them is not known."""
+"""Upper limit of the times in a gap whose following sample is unknown."""
 
 
 class SequenceGap(NamedTuple):
-    """Numbers first to last that never came, and the times between which their samples must lie [ns]: those of the samples
-    around them.
-    """
+    """Missing numbers first to last, and the times of the samples around them, between which their times must lie [ns]."""
 
     first: int
     last: int
@@ -26,7 +24,7 @@ class SequenceGap(NamedTuple):
 
 @dataclass(frozen=True)
 class FilledPart:
-    """Samples start to before stop of a batch that fall into one gap."""
+    """Samples `start` to before `stop` of a batch that fall into one gap."""
 
     gap: SequenceGap
     start: int
@@ -34,17 +32,17 @@ class FilledPart:
 
     @property
     def count(self) -> int:
-        """Number of samples."""
+        """Return the number of samples."""
         return self.stop - self.start
 
 
 def stored_gaps(stored: Iterable[Sequence[int]] | None) -> list[SequenceGap]:
-    """Return the gaps that are stored with a source, ascending."""
+    """Return the gaps stored with a source, ascending."""
     return [SequenceGap(*one) for one in stored or ()]
 
 
 def as_stored(gaps: Iterable[SequenceGap]) -> list[list[int]] | None:
-    """Return gaps as they are stored with a source."""
+    """Return gaps in the form in which they are stored with a source."""
     return [list(gap) for gap in gaps] or None
 
 
@@ -59,7 +57,7 @@ def filled_parts(gaps: Sequence[SequenceGap], *, first: int, count: int) -> list
 
 
 def fill(gaps: Sequence[SequenceGap], part: FilledPart, *, first: int, times: NDArray[np.int64]) -> list[SequenceGap]:
-    """Return the gaps left after a part of the batch numbered from `first` came. times: of its samples that are taken [ns]."""
+    """Return the gaps left after a part of the batch numbered from `first` arrived. times: of its accepted samples [ns]."""
     gap = part.gap
     left = gap._replace(last=first + part.start - 1, before=int(times[0]) if times.size else gap.before)
     right = gap._replace(first=first + part.stop, after=int(times[-1]) if times.size else gap.after)
@@ -68,5 +66,5 @@ def fill(gaps: Sequence[SequenceGap], part: FilledPart, *, first: int, times: ND
 
 
 def add_gap(gaps: Sequence[SequenceGap], gap: SequenceGap) -> list[SequenceGap]:
-    """Return the gaps with one more, which lies behind all others."""
+    """Return the gaps with another one behind all others."""
     return [*gaps, gap][-LARGEST_COUNT:]

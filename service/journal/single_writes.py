@@ -1,7 +1,7 @@
-"""Batches of a transaction that failed are stored one by one, so that what cannot be stored stops nothing else.
+"""Storing the batches of a failed transaction one by one, so that one that cannot be stored does not block the others.
 
-This takes a transaction for each batch, a second or more for all of them: it is done in short turns, between which the ingest
-goes on taking messages.
+Each batch takes a transaction, all of them a second or more: they are stored in short turns, between which the ingest goes on
+taking messages.
 """
 
 import time
@@ -19,16 +19,16 @@ from storage.database.errors import concerns_all
 from storage.measurements.samples import SourceKey
 
 MOST_TRIES = 50
-"""Batches of a source that are tried by themselves though none of them could be stored; the others are left to its log."""
+"""Batches of a source that are tried while none of them could be stored; the rest is left in its log."""
 MOST_DOUBLINGS = 6
-"""Of these tries, once for each time that it failed: behind many that cannot be stored there may be some that can."""
+"""Largest number of doublings of MOST_TRIES, one per earlier failure: some batches after many bad ones may be good."""
 
 
 class SingleWrites:
     """One pass through the batches of a failed transaction. For the ingest thread only.
 
-    What cannot be stored is put aside; sources of which nothing could be stored are reported to `backoff` when the pass ends.
-    acknowledge: called with each batch that is stored.
+    Batches that cannot be stored are quarantined; sources of which nothing could be stored are reported to `backoff` at the
+    end of the pass. acknowledge: called with each batch that is stored.
     """
 
     def __init__(
@@ -59,7 +59,8 @@ class SingleWrites:
     def turn(self, *, ends: float) -> set[SourceKey]:
         """Store batches until the time is over; return the sources that are paused, once the pass has ended.
 
-        ends: by the monotonic clock [s]; one batch at least is tried. Raises what concerns all; then `take_back` has the rest.
+        ends: by the monotonic clock [s]; at least one batch is tried. Raises errors that affect all batches; then `take_back`
+        returns the rest.
         """
         while self._waiting:
             one = self._waiting[0]
@@ -75,18 +76,21 @@ class SingleWrites:
         return self._end()
 
     def take_back(self) -> list[Held]:
-        """Give up the pass; return the batches that are neither stored nor put aside."""
+        """Abandon the pass; return the batches that are neither stored nor quarantined."""
         held = [*self._left, *self._waiting]
         self._reset()
         return held
 
     def change(self, change: Callable[[list[Held]], list[Held]]) -> None:
-        """Change what is held."""
+        """Apply a change to the held batches."""
         self._waiting = deque(change(list(self._waiting)))
         self._left = change(self._left)
 
     def _store(self, one: Held) -> bool:
-        """Store a batch, or put it aside. Tried twice: what another replica wrote at the same moment is there then."""
+        """Store or quarantine a batch; return whether it was stored.
+
+        An integrity error is retried once: the retry sees what another replica wrote at the same moment.
+        """
         try:
             try:
                 (outcome,) = self._journal.store([one.arrived], [])
@@ -101,7 +105,7 @@ class SingleWrites:
         return True
 
     def _end(self) -> set[SourceKey]:
-        """Refuse what was left untried, and report the sources of which nothing could be stored."""
+        """Refuse the untried batches, and report the sources of which nothing could be stored."""
         for one in self._left:
             if one.promise is not None:
                 self._refusals.refuse(one.promise, NotStoring(UNFORESEEN))

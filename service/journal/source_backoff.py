@@ -1,7 +1,7 @@
-"""Backoff of sources of which nothing can be stored again and again: what they send is left to their logs for a while.
+"""Backoff of sources of which nothing can be stored repeatedly: their batches are left in their logs for a while.
 
-The write batch and gap recovery both report failures here and both keep state of a paused source that is to be dropped: they
-register for that, and need not know each other.
+The write batch and gap recovery both report failures here, and both keep state of a source that must be dropped when it is
+paused: they register for that, and need not know each other.
 """
 
 import logging
@@ -15,18 +15,18 @@ from storage.measurements.samples import SourceKey
 logger = logging.getLogger(__name__)
 
 FREE_FAILURES = 2
-"""So often in a row a source may meet an unforeseen error before it is paused."""
+"""Unexpected errors in a row that a source may cause before it is paused."""
 
 
 class SourceBackoff:
-    """Say of which sources batches are accepted now. For the ingest thread only."""
+    """Decision which sources' batches are accepted now. For the ingest thread only."""
 
     def __init__(self) -> None:
         self._backoff = Backoff[SourceKey](free=FREE_FAILURES)
         self._on_pause: list[Callable[[SourceKey], None]] = []
 
     def on_pause(self, drop: Callable[[SourceKey], None]) -> None:
-        """Register what drops the state that is kept of a source when it is paused."""
+        """Register a callback that drops the state of a source when it is paused."""
         self._on_pause.append(drop)
 
     def accepts(self, source: SourceKey) -> bool:
@@ -34,13 +34,13 @@ class SourceBackoff:
         return self._backoff.is_due(source)
 
     def failures(self, source: SourceKey) -> int:
-        """Return how often in a row a source failed."""
+        """Return the number of a source's failures in a row."""
         return self._backoff.failures(source)
 
     def failed(self, source: SourceKey, *, at_once: bool = True) -> None:
-        """Count a failure, and pause the source lest it hold up all others again and again; its log has what it sends.
+        """Count a failure, and pause the source so that it does not delay all others; its log keeps its batches.
 
-        at_once: pause it also where the failure would be free.
+        at_once: pause it even if the failure would be free.
         """
         pause = self._backoff.failed(source, at_once=at_once)
         if pause:
@@ -50,13 +50,13 @@ class SourceBackoff:
                 drop(source)
 
     def succeeded(self, source: SourceKey) -> None:
-        """Forget a source's failures, unless it is paused: then something was stored that was held before the pause."""
+        """Reset a source's failures, unless it is paused: then the stored batch was held since before the pause."""
         if self._backoff and self._backoff.is_due(source):
             self._backoff.succeeded(source)
 
     @contextmanager
     def isolating(self, source: SourceKey) -> Iterator[None]:
-        """Pause a source where an unforeseen error occurs within: it is the trouble of this source alone."""
+        """Pause a source when an unexpected error occurs in the block: the error concerns this source alone."""
         try:
             yield
         except Exception as error:

@@ -1,6 +1,6 @@
-"""The write batch: what was taken waits here until the end of the cycle, and is stored in one transaction.
+"""The write batch: accepted batches wait here until the end of the cycle and are stored in one transaction.
 
-Where that fails its batches are stored one by one (`service/journal/single_writes.py`).
+When that fails they are stored one by one (`service/journal/single_writes.py`).
 """
 
 import logging
@@ -22,15 +22,15 @@ from storage.measurements.samples import SourceKey
 logger = logging.getLogger(__name__)
 
 LONGEST_TRANSACTION_S = 0.012
-"""After so long no further batch is taken into a transaction; what those that are in it cause comes on top."""
+"""Time after which no further batch is added to a transaction; the consequences of those in it come on top."""
 LONGEST_TURN_S = 0.1
-"""After so long no further batch is stored by itself in one turn: messages wait to be taken."""
+"""Time after which a turn stores no further single batch: messages wait to be taken."""
 FEWEST_AT_ONCE, MOST_AT_ONCE = 20, 1000
-"""Batches that a transaction is begun with: twice as many as the last one had time for, within these."""
+"""Limits of the batches that a transaction begins with: twice as many as the last one had time for."""
 
 
 class WriteBatch:
-    """Hold what is to be stored, and how far each source has come with it. For the ingest thread only."""
+    """The batches to be stored, and the next number of each source including them. For the ingest thread only."""
 
     def __init__(self, journal: Journal, backoff: SourceBackoff) -> None:
         self._journal = journal
@@ -48,11 +48,11 @@ class WriteBatch:
 
     @property
     def is_pending(self) -> bool:
-        """Whether there is anything to store."""
+        """Return whether there is anything to store."""
         return len(self) > 0 or len(self.refusals.rejections) > 0
 
     def next_sequence(self, source: SourceKey) -> int:
-        """Return the number of the next sample of a source, what is held here included."""
+        """Return the number of the next sample of a source, including the batches held here."""
         if source not in self._expected:
             self._expected[source] = self._journal.next_sequence(source)
         return self._expected[source]
@@ -65,9 +65,9 @@ class WriteBatch:
         self._held.append(Held(arrived, promise))
 
     def store(self) -> None:
-        """Store what one short transaction takes of what is held; each by itself, in a short turn, where that fails.
+        """Store held batches in one short transaction or, when that fails, one by one in a short turn.
 
-        What is left is held still. Raises what concerns all, as `Journal.store` does; then nothing is lost.
+        The rest stays held. Raises errors that affect all batches, as `Journal.store` does; then nothing is lost.
         """
         if len(self._single_writes):
             self._store_one_by_one()
@@ -83,12 +83,12 @@ class WriteBatch:
             self._store_one_by_one()
 
     def store_all(self) -> None:
-        """Store all that is held. Raises as `store`."""
+        """Store all held batches. Raises as `store`."""
         while self.is_pending:
             self.store()
 
     def drop(self, leases: Collection[str]) -> None:
-        """Let go of what is another replica's to store: it fetches it from the sources' logs."""
+        """Drop batches that another replica has to store; it fetches them from the sources' logs."""
 
         def owned(held: list[Held]) -> list[Held]:
             for one in held:
@@ -101,14 +101,14 @@ class WriteBatch:
         self.forget_progress()
 
     def forget_progress(self) -> None:
-        """Forget how far each source has come: what is stored may have changed, and is read anew."""
+        """Forget the next number of each source: it may have changed in the store, and is read again."""
         self._expected.clear()
 
     def _forget_progress_of(self, source: SourceKey) -> None:
         self._expected.pop(source, None)
 
     def break_promises(self, answer: Exception) -> None:
-        """Tell all who wait that what they sent is not known to be durable. It is held still."""
+        """Tell all who wait that their samples are not known to be durable; the batches stay held."""
 
         def broken(held: list[Held]) -> list[Held]:
             for one in held:
@@ -127,13 +127,13 @@ class WriteBatch:
             for one, outcome in zip(self._held, outcomes, strict=False):
                 self._acknowledge(one, outcome)
             del self._held[: len(outcomes)]
-            # What a transaction looks up for batches that it has no time for is looked up in vain.
+            # Rows looked up for batches that a transaction has no time for are looked up in vain.
             fitted = len(outcomes) == len(arrived)
             self._at_once = min(2 * self._at_once, MOST_AT_ONCE) if fitted else max(2 * len(outcomes), FEWEST_AT_ONCE)
         self.refusals.stored()
 
     def _store_one_by_one(self) -> None:
-        """Do a turn of the pass through a failed transaction; leave what paused sources sent meanwhile to their logs."""
+        """Do a turn of the pass through a failed transaction; leave batches of sources paused by it in their logs."""
         ends = time.monotonic() + LONGEST_TURN_S
         try:
             self.refusals.store_one_by_one(ends=ends)
@@ -146,7 +146,7 @@ class WriteBatch:
             raise
 
     def _leave(self, paused: Collection[SourceKey]) -> None:
-        """Leave to their logs what sources sent that were paused meanwhile."""
+        """Drop held batches of paused sources: they stay in their logs."""
         left = [one for one in self._held if one.source in paused]
         self._held = [one for one in self._held if one.source not in paused]
         for one in left:

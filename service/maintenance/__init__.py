@@ -1,3 +1,2 @@
-"""Retention, disk, backups and damage: looked after while the service runs. It imports `runs`, `replication`, `resilience`
-and `configuration`.
-"""
+"""Maintenance while the service runs: retention, disk, backups and damage. It imports `runs`, `replication`, `resilience` and
+`configuration`."""

@@ -1,6 +1,5 @@
-"""Looks at the folder of the nightly backups, so that one that is missing is told. What it is on may hang, as a disk on the
-network does: so it has a thread of its own, for which nobody waits.
-"""
+"""Monitoring the folder of the nightly backups, so that a missing one is reported. The folder may hang, as a network disk
+does; a thread of its own, which nobody waits for, reads it."""
 
 import logging
 import math
@@ -16,7 +15,7 @@ LOOK_S = 60.0
 
 
 class BackupWatch(SupervisedThread):
-    """How old the newest backup of a folder is. No folder: nothing is looked at."""
+    """The thread that reads the age of a folder's newest backup. Without a folder it does nothing."""
 
     def __init__(self, folder: str) -> None:
         super().__init__("backup watch", failure=f"backups in {folder} cannot be looked at", retry_s=LOOK_S)
@@ -24,24 +23,24 @@ class BackupWatch(SupervisedThread):
         self._newest: datetime | None = None
 
     def start(self) -> None:
-        """Begin, where a folder is named."""
+        """Start the thread, if a folder is configured."""
         if self._folder:
             super().start()
 
     def stop(self) -> None:
-        """Look no more. Waits for no look under way, which may hang."""
+        """Stop without waiting for the current look, which may hang."""
         self._stop.set()
 
     @property
     def gauges(self) -> dict[str, float]:
-        """Figures for a monitoring system, by the name of the metric: without end where none was seen."""
+        """Return figures for monitoring, by the name of the metric; the age is infinite when no backup was seen."""
         if not self._folder:
             return {}
         age = math.inf if self._newest is None else (datetime.now(UTC) - self._newest).total_seconds()
         return {"rundown_backup_age_seconds": age}
 
     def turn(self) -> float:
-        """Look once."""
+        """Read the age of the newest backup."""
         try:
             self._newest = newest_in(Path(self._folder))
         except OSError as error:

@@ -1,4 +1,4 @@
-"""Room on the disk: looked at now and then, and warned of well before there is none left."""
+"""Monitoring of disk space, with warnings well before there is none left."""
 
 import logging
 
@@ -9,11 +9,11 @@ from storage.database.engine import Database
 logger = logging.getLogger(__name__)
 
 TIGHT, FULL = 0.80, 0.95
-"""Parts of the room from which on it is warned of, and urgently."""
+"""Used parts of the space above which a warning is given, and an urgent one."""
 
 
 class DiskWatch:
-    """Say how much room the store takes and has. budget: that it may take [bytes]; None for all of its disk."""
+    """Monitor of the space that the store takes and has. budget: space that it may take [bytes]; None: its whole disk."""
 
     def __init__(self, database: Database, *, budget: int | None) -> None:
         self._database = database
@@ -21,11 +21,11 @@ class DiskWatch:
         self._use: DiskUse | None = None
         self._level = 0
         self.warning = ""
-        """As of the last look; empty where there is enough room."""
+        """Warning of the last look; empty when there is enough space."""
 
     @property
     def gauges(self) -> dict[str, float]:
-        """Figures for a monitoring system, by the name of the metric."""
+        """Return figures for monitoring, by the name of the metric."""
         use = self._use
         if use is None:
             return {}
@@ -37,8 +37,8 @@ class DiskWatch:
         return {"rundown_database_bytes": use.data} | {name: value for name, value in known.items() if value is not None}
 
     def look(self) -> None:
-        """See how much room is left, and log when that has become too little. Raises RuntimeError where it cannot be seen."""
-        found = None  # old figures would look like good ones
+        """Read how much space is left, and log when that becomes too little. Raises RuntimeError when it cannot be read."""
+        found = None  # outdated figures must not be shown as current
         try:
             found = disk.used(self._database, budget=self._budget)
         except OSError as error:
@@ -55,7 +55,7 @@ class DiskWatch:
 
 
 def warning(use: DiskUse) -> str:
-    """Return the warning of too little room; empty where there is enough."""
+    """Return the warning of too little space; empty when there is enough."""
     if use.part is None or use.part < TIGHT:
         return ""
     urgent = "nearly full: samples will soon not be stored" if use.part >= FULL else "filling"

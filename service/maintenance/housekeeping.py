@@ -1,4 +1,4 @@
-"""Housekeeping: lets go of samples that are old enough, gives disk and memory back, and warns well before the disk is full."""
+"""Housekeeping: deletes samples that are old enough, returns disk space and memory, and warns well before the disk is full."""
 
 import logging
 import time
@@ -24,17 +24,17 @@ from storage.operation import retention
 logger = logging.getLogger(__name__)
 
 INTERVAL_S = 600.0
-"""Between two rounds."""
+"""Interval of the rounds."""
 LOOK_S = 10.0
-"""Between two looks at disk and memory."""
+"""Interval of looks at disk and memory."""
 PAUSE_S = 0.05
-"""Between two transactions, for those who wait."""
+"""Pause between two transactions, for other writers."""
 COUNTED_NS = 60_000_000_000
-"""Time served is written down when it is more than this [ns]."""
+"""Service time is stored when it is more than this [ns]."""
 
 
 class Housekeeping(SupervisedThread):
-    """The thread that keeps the store in bounds."""
+    """The thread that keeps the store within its limits."""
 
     def __init__(self, database: Database, settings: Settings, share: Share | None = None) -> None:
         super().__init__("housekeeping", failure="housekeeping is put off", retry_s=LOOK_S)
@@ -44,30 +44,30 @@ class Housekeeping(SupervisedThread):
         self._looked_at = time.monotonic()
         self._next_round = 0.0
         self.unfinished: str | None = None
-        """Why the last round was not finished; it stands until one is."""
+        """Why the last round was not finished; kept until one is."""
         self.unseen: str | None = None
-        """Why the last look did not show how much room is left."""
+        """Why the last look could not read how much space is left."""
         self.released = dict.fromkeys((Blocks.name, Runs.name), 0)
-        """By tier, since the start."""
+        """Deleted blocks and runs since the start, by tier."""
         self._tiers = tiers_of(settings)
         self._cut_offs: dict[str, CutOff] = {}
         self._counted_to = time.monotonic_ns()
-        """Up to when the time served is in the cut-offs that are kept."""
+        """Time up to which service time is included in the stored cut-offs."""
         self._counts = False
-        """Whether any are kept."""
+        """Whether any cut-offs are stored."""
         self._waiting = 0
         self._said_of_waiting = ""
 
     @property
     def warnings(self) -> list[str]:
-        """Warnings of too little room, and why the store is not kept in bounds."""
+        """Return warnings of too little space, and why the store is not kept within its limits."""
         hindered = [f"old samples are not let go of: {self.unfinished}"] if self.unfinished else []
         blind = [f"how much room is left cannot be told: {self.unseen}"] if self.unseen else []
         return [words for words in (self._disk.warning, self._said_of_waiting) if words] + hindered + blind
 
     @property
     def gauges(self) -> dict[str, float]:
-        """Figures for a monitoring system, by the name of the metric."""
+        """Return figures for monitoring, by the name of the metric."""
         own: dict[str, float] = {
             "rundown_released_sample_blocks": self.released[Blocks.name],
             "rundown_released_runs": self.released[Runs.name],
@@ -77,7 +77,7 @@ class Housekeeping(SupervisedThread):
         return own | self._disk.gauges
 
     def round(self) -> None:
-        """Let go of all that is old enough. Raises what the database raises, and at the end what failed of a machine."""
+        """Delete all samples that are old enough. Raises the database's errors, and at the end an error with a machine."""
         moment = now()
         with self._database.reading() as session:
             every = [row.id for row in machines.every(session)]
@@ -103,19 +103,19 @@ class Housekeeping(SupervisedThread):
             raise failed
 
     def _goes_on(self, pause: float = 0.0) -> bool:
-        """Wait, and look at disk and memory where that is due, as a round of a large fleet takes long; False to stop."""
+        """Wait, and look at disk and memory when that is due, since a round may take long; return False to stop."""
         if time.monotonic() >= self._looked_at + LOOK_S:
             self.look()
         return not self._stop.wait(pause)
 
     def look(self) -> None:
-        """Look at disk and memory."""
+        """Read disk space and return free memory."""
         self._looked_at = time.monotonic()
         give_back()
         self.unseen = _tried(self._disk.look)
 
     def turn(self) -> float:
-        """Look at disk and memory, and do a round where one is due. A stop ends it between two transactions."""
+        """Look at disk and memory, and do a round when one is due. A stop takes effect between two transactions."""
         self.look()
         if not self._share.leads(RETENTION):
             self._leave_to_another()
@@ -125,17 +125,17 @@ class Housekeeping(SupervisedThread):
         return LOOK_S
 
     def finish(self) -> None:
-        """Keep the time served since the last round, so that it counts after a restart, too."""
+        """Store the service time since the last round, so that it counts after a restart, too."""
         if self._counts and self.unfinished is None and self._share.leads(RETENTION):
             _tried(lambda: self._move_cut_offs([], now()))
 
     def _leave_to_another(self) -> None:
-        """Leave retention to another replica: nothing of it is known here, nor is the time served counted twice."""
+        """Leave retention to another replica, forgetting its state here; service time is not counted twice."""
         self.unfinished, self._counts, self._waiting, self._said_of_waiting = None, False, 0, ""
         self._counted_to = time.monotonic_ns()
 
     def _move_cut_offs(self, machine_ids: list[str], moment: int) -> None:
-        """Let the cut-off of each tier come as near to what clock and settings ask for as the time served allows."""
+        """Move each tier's cut-off as near to what clock and settings ask for as the service time allows."""
         if not self._tiers:
             return
         served = time.monotonic_ns() - self._counted_to
@@ -146,11 +146,11 @@ class Housekeeping(SupervisedThread):
             }
             known = None not in found.values()
             if not known and retention.is_empty(session):
-                return  # the clock of a first start may be set yet
+                return  # the clock may still be set after a first start
         self._counts = True
         if known and served < COUNTED_NS:
-            return  # nobody need wait for so little to be written
-        with self._database.transaction() as session:  # a person may have confirmed meanwhile
+            return  # too little for other writers to wait
+        with self._database.transaction() as session:  # read again: a person may have confirmed meanwhile
             for tier in self._tiers:
                 cut_off = _moved(session, tier, moment, served) or self._cut_offs[tier.name]
                 self._cut_offs[tier.name] = cut_off
@@ -158,7 +158,7 @@ class Housekeeping(SupervisedThread):
         self._counted_to += served
 
     def _release(self, tier: Tier, machine_id: str, moment: int) -> bool:
-        """Let go of what is old enough of a machine; False where some of that lies behind the cut-off and waits."""
+        """Delete what is old enough of a machine; return False when some of it lies behind the cut-off and waits."""
         limit = self._cut_offs[tier.name].time
         with self._database.reading() as session:
             wanted = tier.before(session, machine_id, moment=moment)
@@ -175,7 +175,7 @@ class Housekeeping(SupervisedThread):
             return wanted <= limit or not tier.has(session, machine_id, before=wanted)
 
     def _tell_waiting(self, machine_ids: set[str], moment: int) -> None:
-        """Say that old samples wait for a person, as long as they do."""
+        """Warn that old samples wait for a person, as long as they do."""
         before, self._waiting = self._waiting, len(machine_ids)
         self._said_of_waiting = _waiting_words(machine_ids, moment) if machine_ids else ""
         if machine_ids and not before:
@@ -183,7 +183,10 @@ class Housekeeping(SupervisedThread):
 
 
 def _tried(work: Callable[[], None]) -> str | None:
-    """Do it; returns why it was not finished. The next time may do better, and nothing else depends on this one."""
+    """Run some work; return why it was not finished, None when it was.
+
+    The next attempt may succeed, and nothing else depends on this one.
+    """
     try:
         work()
     except DBAPIError as error:
@@ -196,7 +199,7 @@ def _tried(work: Callable[[], None]) -> str | None:
 
 
 def _moved(session: Session, tier: Tier, moment: int, served: int) -> CutOff | None:
-    """Return the cut-off of a tier after so much more time was served [ns]; None where none is kept yet."""
+    """Return the cut-off of a tier after `served` more service time [ns]; None when none is stored yet."""
     kept = retention.cut_off(session, tier.name)
     return None if kept is None else advanced(CutOff(*kept), wanted=moment - tier.kept, served=served)
 

@@ -1,6 +1,6 @@
-"""How far retention may go: as far as the wall clock asks for, and no further than time has passed here.
+"""Cut-offs of retention: as far as the wall clock asks for, but no further than the service time allows.
 
-A clock that is ahead makes everything old at once. Time served, which only the monotonic clock tells, does not jump.
+A clock that is ahead makes everything old at once. Service time, which is measured by the monotonic clock, does not jump.
 """
 
 from dataclasses import dataclass
@@ -10,18 +10,19 @@ DAY_NS = 86_400_000_000_000
 
 @dataclass(frozen=True)
 class CutOff:
-    """time: what ended before that may be let go of [ns]. allowance: how far it may move beyond the time served [ns]."""
+    """A cut-off of retention. time: what ended before it may be deleted [ns]. allowance: how far it may exceed the service
+    time [ns]."""
 
     time: int
     allowance: int = DAY_NS
 
 
 def begun(*, wanted: int, oldest: int | None, kept: int) -> CutOff:
-    """Where a store begins to keep one. All times [ns].
+    """Return the first cut-off of a store. All times [ns].
 
-    wanted: what clock and settings ask for. oldest: of what would be let go of at once, None where nothing would be. kept: how
-    long it is to be kept. Where that would be more than a day of it, a new setting cannot be told from a wrong clock: then all
-    of it counts as new.
+    wanted: what clock and settings ask for. oldest: time of the oldest data to be deleted at once, None without any. kept: how
+    long data are kept. When more than a day's data would be deleted, a new setting cannot be told from a wrong clock: then all
+    data count as new.
     """
     if oldest is None or oldest >= wanted - DAY_NS:
         return CutOff(wanted)
@@ -29,10 +30,11 @@ def begun(*, wanted: int, oldest: int | None, kept: int) -> CutOff:
 
 
 def advanced(before: CutOff, *, wanted: int, served: int) -> CutOff:
-    """The cut-off moves towards what is wanted, by the time served since then and once by the allowance. All times [ns].
+    """Return the cut-off moved towards what is wanted, by the service time since then and once by the allowance. All times
+    [ns].
 
-    Where that does not suffice it moves by the time served alone: what lies behind it waits for a person. Where it is further
-    than is wanted it comes back as slowly, so that a clock that is behind for a while spoils nothing.
+    When that does not suffice it moves by the service time alone: data behind it wait for a person. When it is further than
+    wanted it moves back as slowly, so that a clock that is behind for a while does no harm.
     """
     step = wanted - before.time
     if step > served + before.allowance:

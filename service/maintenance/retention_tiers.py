@@ -1,4 +1,5 @@
-"""The tiers of retention, samples as received and those of runs: what of a machine is old enough, and not needed any more."""
+"""The tiers of retention, samples as received and samples of runs: which of a machine's are old enough and no longer
+needed."""
 
 import logging
 from collections.abc import Collection
@@ -19,13 +20,13 @@ from storage.operation.retention import Extent
 logger = logging.getLogger(__name__)
 
 BLOCKS, RUNS = 200, 20
-"""At most so many are let go of in one transaction."""
+"""Largest number of blocks and of runs deleted in one transaction."""
 
 
 class Tier(Protocol):
-    """name: as stored, and as people call it. kept: how long it is kept [ns]. most: let go of in one transaction.
+    """A tier of retention. name: as stored and displayed. kept: how long it is kept [ns]. most: deleted in one transaction.
 
-    moment: what the clock says [ns].
+    moment: present time by the clock [ns].
     """
 
     name: str
@@ -33,20 +34,20 @@ class Tier(Protocol):
     most: int
 
     def before(self, session: Session, machine_id: str, *, moment: int) -> int:
-        """Time before which what a machine has of it is old enough [ns]."""
+        """Return the time before which a machine's data are old enough [ns]."""
 
     def has(self, session: Session, machine_id: str, *, before: int) -> bool:
-        """Whether a machine has anything that may be let go of."""
+        """Return whether a machine has anything that may be deleted."""
 
     def release(self, session: Session, machine_id: str, *, before: int) -> int:
-        """Let go of the oldest; how many were looked at, fewer than `most` where these were the last."""
+        """Delete the oldest; return how many were examined, fewer than `most` when these were the last."""
 
     def extent(self, session: Session, machine_id: str, *, before: int) -> Extent | None:
-        """What may be let go of; None where there is nothing."""
+        """Return the extent of what may be deleted; None when there is nothing."""
 
 
 class Blocks:
-    """Samples as received."""
+    """The tier of samples as received."""
 
     name = "samples outside of runs"
 
@@ -55,29 +56,29 @@ class Blocks:
         self.most = BLOCKS
 
     def before(self, session: Session, machine_id: str, *, moment: int) -> int:
-        """As of Tier."""
+        """Return the time before which blocks are old enough, see `Tier.before`."""
         newest = retention.newest_sample(session, machine_id)
         if newest is None:
             return 0
         old = _ago(newest, self.kept, moment=moment)
-        # What is needed takes longer to find out, and most have nothing old.
+        # Finding the needed blocks takes longer, and most machines have nothing old.
         return min(old, *_needed_since(session, machine_id)) if retention.has_blocks(session, machine_id, before=old) else old
 
     def has(self, session: Session, machine_id: str, *, before: int) -> bool:
-        """As of Tier."""
+        """Return whether a machine has old blocks, see `Tier.has`."""
         return retention.has_blocks(session, machine_id, before=before)
 
     def release(self, session: Session, machine_id: str, *, before: int) -> int:
-        """As of Tier."""
+        """Delete the oldest blocks, see `Tier.release`."""
         return retention.release_blocks(session, machine_id, before=before, limit=self.most)
 
     def extent(self, session: Session, machine_id: str, *, before: int) -> Extent | None:
-        """As of Tier."""
+        """Return the extent of the old blocks, see `Tier.extent`."""
         return retention.extent_of_blocks(session, machine_id, before=before)
 
 
 class Runs:
-    """Samples of runs. baseline_runs: identifications that make a baseline where none are named."""
+    """The tier of samples of runs. baseline_runs: identifications that form a baseline without named ones."""
 
     name = "samples of runs"
 
@@ -87,26 +88,26 @@ class Runs:
         self._baseline_runs = baseline_runs
 
     def before(self, session: Session, machine_id: str, *, moment: int) -> int:
-        """As of Tier."""
+        """Return the time before which runs are old enough, see `Tier.before`."""
         newest = runs.of_machine(session, machine_id, limit=1)
         return _ago(newest[0].time_last or newest[0].time_first, self.kept, moment=moment) if newest else 0
 
     def has(self, session: Session, machine_id: str, *, before: int) -> bool:
-        """As of Tier."""
+        """Return whether a machine has old runs, see `Tier.has`."""
         return retention.has_runs(session, machine_id, before=before, baseline_runs=self._baseline_runs)
 
     def release(self, session: Session, machine_id: str, *, before: int) -> int:
-        """As of Tier."""
+        """Delete the samples of the oldest runs, see `Tier.release`."""
         kept = self._baseline_runs
         return retention.release_runs(session, machine_id, before=before, baseline_runs=kept, limit=self.most)
 
     def extent(self, session: Session, machine_id: str, *, before: int) -> Extent | None:
-        """As of Tier."""
+        """Return the extent of the old runs, see `Tier.extent`."""
         return retention.extent_of_runs(session, machine_id, before=before, baseline_runs=self._baseline_runs)
 
 
 def tiers_of(settings: Settings) -> list[Tier]:
-    """Those of which anything is let go of."""
+    """Return the tiers of which the settings delete anything."""
     found: list[Tier] = []
     if settings.raw_days:
         found.append(Blocks(settings.raw_days))
@@ -116,7 +117,7 @@ def tiers_of(settings: Settings) -> list[Tier]:
 
 
 def first_cut_off(session: Session, tier: Tier, machine_ids: Collection[str], *, moment: int) -> CutOff:
-    """That of a store that has none yet. Raises what the database raises."""
+    """Return the cut-off of a store that has none yet. Raises the database's errors."""
     firsts = []
     for machine_id in machine_ids:
         try:
@@ -132,12 +133,13 @@ def first_cut_off(session: Session, tier: Tier, machine_ids: Collection[str], *,
 
 
 def _ago(newest: int, kept: int, *, moment: int) -> int:
-    """By the machine's own newest time, as far as that is not in the future: one that was off for a year loses nothing."""
+    """Return the age limit by the machine's newest time, if not in the future: a machine that was off for a year loses
+    nothing."""
     return min(newest, moment) - kept
 
 
 def _needed_since(session: Session, machine_id: str) -> list[int]:
-    """Times from which on a machine's blocks are needed by unfinished runs, its speed bins, and what came late [ns]."""
+    """Return times from which on a machine's blocks are needed by unfinished runs, speed bins and late samples [ns]."""
     found = [2**63 - 1]
     machine = machines.document(session, machine_id)
     before = round(1e9 * machine.collection.pre_trigger_s) + BESIDE

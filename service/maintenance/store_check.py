@@ -1,6 +1,5 @@
-"""Looks after the store though nobody asks: what is only in a log that was deleted is saved within a moment, and damage that
-somebody met is looked for until a check is clean.
-"""
+"""Monitoring of the store: data that are only in a deleted log are saved within a moment, and known damage is checked for
+until a check is clean."""
 
 import logging
 import sqlite3
@@ -18,17 +17,17 @@ logger = logging.getLogger(__name__)
 
 LOOK_S = 0.5
 KEYS_EVERY_S = 10.0
-"""Between two looks for API keys that wait for a confirmation."""
+"""Interval of looks for API keys that wait for a confirmation."""
 CHECK_EVERY_S = 600.0
-"""Between two checks of a store that was met to be damaged; …"""
+"""Interval of checks of a damaged store."""
 CHECK_S = 300.0
-"""… none takes longer."""
+"""Longest duration of a check."""
 
 WAITING = "{} API keys wait since a restore: `rundown key list` shows them, `rundown key confirm` lets them be good again"
 
 
 class StoreWatch(SupervisedThread):
-    """The thread that looks after the store's files."""
+    """The thread that monitors the store's files."""
 
     def __init__(self, database: Database) -> None:
         super().__init__("store watch", failure="the store cannot be looked after", retry_s=LOOK_S, first_pause_s=LOOK_S)
@@ -39,11 +38,11 @@ class StoreWatch(SupervisedThread):
 
     @property
     def warnings(self) -> list[str]:
-        """Warning of keys that wait."""
+        """Return the warning of keys that wait."""
         return [WAITING.format(self._waiting)] if self._waiting else []
 
     def turn(self) -> float:
-        """Look once."""
+        """Check the store once."""
         self._look()
         return LOOK_S
 
@@ -69,7 +68,7 @@ class StoreWatch(SupervisedThread):
             logger.warning("API keys cannot be looked at: %s", words(error))
 
     def _check(self) -> None:
-        """Look at all pages where some were met that are damaged."""
+        """Check all pages when damage is known."""
         damage = self._database.damage
         if damage.trouble is None or time.monotonic() < self._check_at:
             return

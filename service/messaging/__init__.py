@@ -1,3 +1,2 @@
-"""Zenoh sessions, and who may do what on them. It imports `configuration` and `wire`; sources, ingest and delivery get their
-sessions from here.
-"""
+"""Zenoh sessions, and access control on them. It imports `configuration` and `wire`; sources, ingest and delivery get their
+sessions from here."""

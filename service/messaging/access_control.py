@@ -1,7 +1,7 @@
-"""Access control on the zenoh network, by certificate: a source publishes as itself and as no other.
+"""Access control on the zenoh network, by certificate: a source publishes only under its own identity.
 
-The names are the certificates' common names. zenoh reads them at its start and not again: after a change the service is
-started anew. What is refused is dropped without a word to its sender, and shows as a source that is never heard of.
+Certificates are identified by their common names. zenoh reads the rules only at its start, so that a change needs a restart of
+the service. Refused messages are dropped without a report to the sender; their source seems never to send.
 """
 
 from dataclasses import dataclass
@@ -31,16 +31,18 @@ ALL = (
     "declare_liveliness_subscriber",
 )
 INTEREST = ("declare_subscriber", "declare_queryable", "liveliness_query", "declare_liveliness_subscriber")
-"""By which the service tells that it listens; without it a source would not send."""
+"""Messages by which the service announces that it listens; without them a source would not send."""
 
 
 class AccessUnusable(ValueError):
-    """The file that says who may do what is wrong; the message says where."""
+    """The access control file is wrong; the message says where."""
 
 
 class StreamAccess(BaseModel):
-    """sources: what each certificate publishes for, as plant/machine; readers: what each may listen to, * for all;
-    routers: certificates of routers and other services, which carry and see everything.
+    """Access rules.
+
+    sources: the plant/machine that each certificate publishes for; readers: those that each may listen to, * for all; routers:
+    certificates of routers and other services, which may carry and see everything.
     """
 
     model_config = ConfigDict(extra="forbid")
@@ -50,7 +52,7 @@ class StreamAccess(BaseModel):
     routers: list[Name] = []
 
     def rules(self) -> dict[str, Any]:
-        """As zenoh's configuration has it."""
+        """Return the rules in the form of zenoh's configuration."""
         rules, subjects, policies = [], [], []
 
         def allow(name: str, kind: str, *parts: dict[str, Any]) -> None:
@@ -70,7 +72,7 @@ class StreamAccess(BaseModel):
 
 @dataclass(frozen=True)
 class StreamSecurity:
-    """Files with which a session proves who it is, and who may do what where it listens."""
+    """Certificate files by which a session authenticates itself, and the access rules where it listens."""
 
     authority: str
     certificate: str
@@ -79,14 +81,14 @@ class StreamSecurity:
 
     @classmethod
     def of(cls, settings: Settings) -> "StreamSecurity | None":
-        """As the settings say; None without certificates. Raises AccessUnusable."""
+        """Return the security that the settings ask for; None without certificates. Raises AccessUnusable."""
         if not settings.zenoh_tls_ca:
             return None
         access = read_access(Path(settings.zenoh_access)) if settings.zenoh_access else None
         return cls(settings.zenoh_tls_ca, settings.zenoh_tls_certificate, settings.zenoh_tls_key, access)
 
     def configuration(self) -> dict[str, object]:
-        """As zenoh's configuration has it. Both sides show certificates: without enable_mtls anybody would get in."""
+        """Return zenoh's configuration. Both sides present certificates: without enable_mtls anybody would get in."""
         tls = {
             "root_ca_certificate": self.authority,
             "enable_mtls": True,
@@ -101,7 +103,7 @@ class StreamSecurity:
 
 
 def from_environment() -> StreamSecurity | None:
-    """Return the same for the commands beside `serve`, which have the same settings. Raises AccessUnusable."""
+    """Return the security for commands beside `serve`, which have the same settings. Raises AccessUnusable."""
     try:
         return StreamSecurity.of(settings_of())
     except SettingsWrong as error:
@@ -109,7 +111,7 @@ def from_environment() -> StreamSecurity | None:
 
 
 def read_access(path: Path) -> StreamAccess:
-    """Read the file. Raises AccessUnusable."""
+    """Read the access control file. Raises AccessUnusable."""
     try:
         return StreamAccess.model_validate(yaml.safe_load(path.read_text(encoding="utf-8")) or {})
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
@@ -120,7 +122,7 @@ def read_access(path: Path) -> StreamAccess:
 
 
 def _source(keys: list[Key]) -> list[dict[str, Any]]:
-    """Allow what a source does: publish, answer for its log and how it is, be there, and ask how far it was received."""
+    """Return the rules of a source: publish, reply for its log and status, hold a liveliness token, query `received`."""
     answered = [key for one in keys for key in (one.log, one.status)]
     received = [one.received for one in keys]
     return [
@@ -135,7 +137,7 @@ def _source(keys: list[Key]) -> list[dict[str, Any]]:
 
 
 def _reader(places: list[str]) -> list[dict[str, Any]]:
-    """Allow what a reader does: hear alerts as they happen, the last of each, and samples."""
+    """Return the rules of a reader: receive alerts as they happen, the last one of each, and samples."""
     heard = [f"rundown/v1/{place}/{what}" for place in places for what in ("alerts/*", "samples")]
     return [
         _rule(("declare_subscriber", "query"), ("ingress",), heard),

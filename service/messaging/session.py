@@ -1,4 +1,4 @@
-"""zenoh sessions: one way to open them, with the settings that measured behaviour asks for."""
+"""Opening zenoh sessions, with settings chosen by measurement."""
 
 import json
 import logging
@@ -16,17 +16,17 @@ ROUTER, PEER = "router", "peer"
 
 
 class StreamUnusable(RuntimeError):
-    """A zenoh session cannot be opened; the message says on which endpoints and why."""
+    """A zenoh session cannot be opened; the message names the endpoints and the cause."""
 
 
 def open_session(
     *, listen: list[str], connect: list[str], routes: bool = False, security: StreamSecurity | None = None
 ) -> zenoh.Session:
-    """Open a session: a router where it listens or `routes`, else a peer that keeps trying its endpoints.
+    """Open a session: a router when it listens or `routes`, else a peer that keeps trying its endpoints.
 
-    Two peers do not hear each other by way of a router between them: the service, which is heard through routers, routes.
-    security: certificates, and who may do what where it listens.
-    Raises StreamUnusable when an endpoint cannot be listened on or is malformed.
+    Two peers do not hear each other through a router between them; the service, which is reached through routers, therefore
+    routes. security: certificates, and access rules where it listens. Raises StreamUnusable when an endpoint is malformed or
+    cannot be listened on.
     """
     config = zenoh.Config()
     settings: dict[str, object] = {
@@ -39,11 +39,11 @@ def open_session(
         "connect/retry": {"period_init_ms": 100, "period_max_ms": 1000, "period_increase_factor": 2},
         "listen/exit_on_failure": True,
         "scouting/multicast/enabled": False,
-        # Shared memory loses samples of a lagging receiver without a sign.
+        # Shared memory silently loses samples of a lagging receiver.
         "transport/shared_memory/enabled": False,
     }
     if not connect:
-        # A router waits so long before `open` returns, for those that it could find.
+        # A router waits this long for discovery before `open` returns.
         settings["scouting/delay"] = 0
     settings |= {} if security is None else security.configuration()
     try:
@@ -52,18 +52,18 @@ def open_session(
         return zenoh.open(config)
     except zenoh.ZError as error:
         where = ", ".join([f"listening on {e}" for e in listen] + [f"connecting to {e}" for e in connect])
-        # The library's message ends in places of its own source.
+        # The library's message ends with locations in its own source.
         reason = re.sub(r" at /\S+\.rs:\d+\.?", "", str(error))
         raise StreamUnusable(f"zenoh cannot be opened, {where or 'without endpoints'}: {reason}") from error
 
 
 def connected(session: zenoh.Session) -> bool:
-    """Tell whether any other node is connected."""
+    """Return whether any other node is connected."""
     return bool(session.info.routers_zid() or session.info.peers_zid())
 
 
 def wait_connected(session: zenoh.Session, endpoints: list[str], *, give_up: Callable[[float], bool]) -> bool:
-    """Wait until the session is connected, saying so now and then. `give_up(seconds)` pauses and tells whether to stop."""
+    """Wait until the session is connected, logging now and then. `give_up(seconds)` pauses and returns whether to stop."""
     waited = 0.0
     while not connected(session):
         if waited % 5.0 < 0.2:
@@ -76,7 +76,7 @@ def wait_connected(session: zenoh.Session, endpoints: list[str], *, give_up: Cal
 
 @contextmanager
 def session(*, listen: list[str], connect: list[str], security: StreamSecurity | None = None) -> Iterator[zenoh.Session]:
-    """Give a session that is closed in the end: one left open hangs the interpreter's exit."""
+    """Yield a session and close it at the end: one left open would hang the interpreter's exit."""
     opened = open_session(listen=listen, connect=connect, security=security)
     try:
         yield opened

@@ -1,3 +1,2 @@
-"""A filed identification against its baseline: changes, limits, and the words for what was found. It imports `alerts` and
-`resilience`; what reaches a limit becomes an alert.
-"""
+"""Assessment of a filed identification against its baseline: changes, limits, and the text of findings. It imports `alerts`
+and `resilience`; a finding that reaches a limit becomes an alert."""

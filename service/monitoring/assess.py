@@ -1,4 +1,4 @@
-"""Assess a machine's newest runs against their baseline: a pure function, computed in a worker process."""
+"""Assessment of a machine's newest runs against their baseline: a pure function, computed in a worker process."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -29,13 +29,14 @@ from service.monitoring.rate_of_change import RateFinding, rate_findings
 
 
 def assess(context: AssessmentContext) -> Assessment:
-    """Diagnose a machine's change, and assess how fast it changes."""
+    """Diagnose a machine's change, and assess its rate."""
     rates = None if context.history is None else _rates(context.limits, context.history, context.open_rates)
     return Assessment(_diagnosis(context), rates)
 
 
 def readings(history: BaselineHistory) -> list[Reading]:
-    """Adjust the runs behind a baseline to its mean operating conditions. Of several measured at one time the last counts."""
+    """Return the runs after a baseline adjusted to its mean operating conditions; of runs measured at one time only the
+    last."""
     follows = adjustment(
         [point for point, _ in history.baseline], [measured for _, measured in history.baseline], history.conditions
     )
@@ -45,7 +46,7 @@ def readings(history: BaselineHistory) -> list[Reading]:
 
 @dataclass(frozen=True)
 class BaselineComparison:
-    """A machine's newest runs against its baseline, oldest first."""
+    """A machine's newest runs compared with its baseline, oldest first."""
 
     watch: Watch
     after: tuple[AssessedRun, ...]
@@ -53,7 +54,8 @@ class BaselineComparison:
 
 
 def compare(context: AssessmentContext) -> BaselineComparison | None:
-    """Set the newest runs beside their baseline, under its mean operating conditions; None where they cannot be compared."""
+    """Compare the newest runs with their baseline, under its mean operating conditions; return None when they are not
+    comparable."""
     channels = tuple(probe.id for probe in context.machine.probes)
     baseline = [(run, observation(run.fit, channels)) for run in context.baseline]
     if not baseline:
@@ -90,7 +92,7 @@ def _diagnosis(context: AssessmentContext) -> MachineDiagnosis | None:
 
 
 def _causes(machine: Machine, compared: BaselineComparison, diagnosis: Diagnosis) -> tuple[DiagnosedCause, ...]:
-    """Add to each cause of a diagnosis its size, its form and the run with which it began."""
+    """Return the causes of a diagnosis with their size, their form and the run with which each began."""
     amplitude = {probe.id: typical_amplitude(probe.id, compared.watch.baseline) for probe in machine.probes}
     units = parameter_units(machine)
     causes = []
@@ -103,7 +105,8 @@ def _causes(machine: Machine, compared: BaselineComparison, diagnosis: Diagnosis
 
 
 def _gone(context: AssessmentContext, compared: BaselineComparison, diagnosis: Diagnosis) -> frozenset[tuple[str, str]]:
-    """Find the open causes that have gone; one that is still seen, but below its limit less the hysteresis, has gone too."""
+    """Return the open causes that have gone; one that is still found, but below its limit less the hysteresis, has gone
+    too."""
     seen = {(cause.kind, cause.element) for cause in diagnosis.causes}
 
     def is_gone(kind: str, element: str) -> bool:
@@ -125,7 +128,7 @@ def _rates(limits: Limits, history: BaselineHistory, drifting: Mapping[str, Seve
 
     newest = found(adjusted)
     longest = max((longest_delay(element) for element in {*newest, *drifting}), default=1)
-    # The newest run first, then as each run before it had it.
+    # The findings as of the newest run, then as of each run before it.
     then = [newest, *(found(adjusted[:-back]) for back in range(1, longest))]
 
     def lasts(element: str) -> bool:

@@ -1,4 +1,4 @@
-"""The context that an assessment of a machine's newest runs is made from, and the assessment that `assess.py` makes of it."""
+"""The context from which a machine's newest runs are assessed, and the assessment that `assess.py` makes of it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from service.monitoring.rate_of_change import RateFinding
 
 Conditions = Mapping[str, float | None]
-"""Mean of each operating condition over a run by name; None where it was not measured."""
+"""Mean of each operating condition over a run by name; None for one that was not measured."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class AssessedRun:
 
 @dataclass(frozen=True)
 class BaselineHistory:
-    """Runs behind a baseline, oldest first. times: [weeks since 1970]. conditions: of the machine, that parameters may follow.
+    """Runs after a baseline, oldest first. times: [weeks since 1970]. conditions: of the machine, that parameters may follow.
 
     baseline, after: the parameters that each run determined, and its operating conditions.
     """
@@ -44,7 +44,7 @@ class BaselineHistory:
 
 @dataclass(frozen=True)
 class AssessmentBasis:
-    """What a person may change while an assessment is made: the baseline and the limits in force, by number."""
+    """The settings that a person may change during an assessment: the baseline and the limits in force, by number."""
 
     baseline_id: int | None
     limits_version: int | None
@@ -52,11 +52,11 @@ class AssessmentBasis:
 
 @dataclass(frozen=True)
 class AssessmentContext:
-    """Everything that an assessment needs to know of a machine.
+    """The complete input of an assessment of a machine.
 
     baseline, after: oldest first; without a baseline nothing is diagnosed. open_causes: kind and element of the machine's open
-    alerts of a diagnosis. history: None where rates of change are not assessed; open_rates: severity of the open alerts of
-    that rule by element.
+    alerts of a diagnosis. history: None when rates of change are not assessed; open_rates: severity of the open alerts of that
+    rule by element.
     """
 
     machine: Machine
@@ -87,9 +87,9 @@ class DiagnosedCause:
 
 @dataclass(frozen=True)
 class MachineDiagnosis:
-    """Causes of a machine's change against its baseline.
+    """Causes of a machine's change from its baseline.
 
-    baseline: ids of the identifications that it rests on. gone: the `open_causes` of the context that are no longer there.
+    baseline: ids of the identifications that form it. gone: the context's `open_causes` that have gone.
     """
 
     baseline: tuple[int, ...]
@@ -107,7 +107,7 @@ class RateAssessment:
 
 @dataclass(frozen=True)
 class Assessment:
-    """The assessment of a machine. diagnosis, rates: None where nothing can be said."""
+    """The assessment of a machine. diagnosis, rates: None when none can be made."""
 
     diagnosis: MachineDiagnosis | None
     rates: RateAssessment | None

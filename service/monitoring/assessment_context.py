@@ -1,4 +1,4 @@
-"""Loading what an assessment needs to know: the machine's state, and the context that a worker assesses it from."""
+"""Loading the input of an assessment: the machine's state, and the context that a worker assesses."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -24,10 +24,10 @@ LOOKED_BACK = 60
 
 @dataclass(frozen=True)
 class MonitoringState:
-    """A machine as an identification of one of its runs finds it.
+    """State of a machine at an identification of one of its runs.
 
-    terms: on which terms the run is compared. current: whether the run shows the machine as it is: the newest of its kind,
-    under the document and the baseline in force now.
+    terms: conditions under which the run is compared. current: whether the run shows the machine's present state: the newest
+    of its kind, under the document and the baseline now in force.
     """
 
     terms: ComparisonTerms
@@ -37,7 +37,7 @@ class MonitoringState:
 
     @property
     def basis(self) -> AssessmentBasis:
-        """The baseline that a person began, and the limits that one set, as they are in force."""
+        """Return the baseline that a person began, and the limits that a person set, in force now."""
         began, chosen = self.terms.began, self.limits
         return AssessmentBasis(None if began is None else began.id, None if chosen is None else chosen.version)
 
@@ -54,7 +54,7 @@ def load_state(session: Session, stored: IdentificationRow) -> MonitoringState:
 
 
 def load_context(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> AssessmentContext | None:
-    """Read the context of an assessment after an identification was stored; None for one that no trend follows."""
+    """Read the context of an assessment after an identification was stored; return None for one that no trend follows."""
     if stored.scope != jobs.RUN:
         return None
     machine = machines.document(session, stored.machine_id, stored.revision)
@@ -79,7 +79,7 @@ def load_context(session: Session, stored: IdentificationRow, *, baseline_runs: 
 
 
 def diagnosed_kind(alert: AlertRow) -> str:
-    """Return the kind of cause that an alert of a diagnosis speaks of."""
+    """Return the kind of cause that an alert of a diagnosis reports."""
     return str(alert.evidence.get("kind", alert.rule))
 
 
@@ -100,8 +100,8 @@ def _runs(
 ) -> tuple[tuple[AssessedRun, ...], tuple[AssessedRun, ...]]:
     """Read the baseline and the newest runs up to an identification, accepted or not.
 
-    None of them while the baseline is incomplete, where the run is part of it or covers other speeds, or where an older
-    release identified: that says nothing of the channels.
+    Returns none while the baseline is incomplete, when the run is part of it or covers other speeds, or when an older release
+    identified, which stored nothing about single channels.
     """
     stored = terms.identification
     rows = compared_with(session, terms, baseline, wanted, accepted=False, longest=LOOKED_BACK)
@@ -109,7 +109,7 @@ def _runs(
     if not len(before) == rows.wanted > 0:
         return (), ()
     complete = rows.baseline[-1].measured_at
-    # What was refused while the baseline was gathered is not the newest of anything.
+    # Runs refused while the baseline was still incomplete do not count as newest ones.
     after = _assessed_runs([row for row in rows.after if row.accepted or row.measured_at > complete])
     return (before, after) if after and after[-1].id == stored.id else ((), ())
 
@@ -122,7 +122,7 @@ def _assessed_runs(rows: Sequence[IdentificationRow]) -> tuple[AssessedRun, ...]
 def _history(
     session: Session, machine: Machine, state: MonitoringState, baseline: Sequence[IdentificationRow], wanted: int
 ) -> BaselineHistory | None:
-    """Read what rates of change are assessed from; None where the run is refused, or does not show the machine as it is."""
+    """Read the input of rates of change; return None when the run is refused, or does not show the machine's present state."""
     if not state.terms.identification.accepted or not state.current:
         return None
     rows = compared_with(session, state.terms, baseline, wanted, longest=LOOKED_BACK)

@@ -1,7 +1,7 @@
 """The queue of assessments: stored identifications whose consequences for their machine are still to be concluded.
 
 A machine's identifications are assessed one after the other, in the order in which they were stored. The context is read in
-one transaction and the conclusions are written in another; in between a worker computes, and nobody's storing waits for it.
+one transaction and the conclusions are written in another; in between a worker computes, and no writer waits for it.
 """
 
 import logging
@@ -32,12 +32,12 @@ from storage.measurements import quarantine
 logger = logging.getLogger(__name__)
 
 LARGEST_ATTEMPTS = 3
-"""So often an assessment may cost its worker its life, or more than it may take."""
+"""How often an assessment may crash its worker or exceed a limit."""
 
 
 @dataclass(frozen=True)
 class DueAssessment:
-    """An identification that is to be assessed, and the job that ends with that."""
+    """An identification to be assessed, and the job that this finishes."""
 
     job_id: int
     identification_id: int
@@ -50,7 +50,7 @@ class AssessmentQueue:
     def __init__(
         self, database: Database, executor: Executor, held: HeldJobs, settings: Settings, *, wake: Callable[[], None]
     ) -> None:
-        """Begin empty. wake: called from another thread when a worker has computed an assessment."""
+        """Set up an empty queue. wake: called from another thread when a worker has computed an assessment."""
         self._database = database
         self._executor = executor
         self._held = held
@@ -63,22 +63,22 @@ class AssessmentQueue:
 
     @property
     def job_ids(self) -> frozenset[int]:
-        """Jobs that end with an assessment which is due or being computed."""
+        """Return the jobs whose assessment is due or being computed."""
         return frozenset(one.job_id for machine in self._due.values() for one in machine)
 
     @property
     def computing(self) -> int:
-        """Number of workers that this keeps busy."""
+        """Return the number of workers that compute assessments."""
         return sum(not future.done() for future in self._computed)
 
     def add(self, due: DueAssessment) -> None:
-        """Take an identification that was stored just now, or before this process began."""
+        """Queue an identification that was stored just now, or before this process began."""
         self._due.setdefault(due.machine_id, deque()).append(due)
 
     def submit(self) -> None:
-        """Have the first of each machine assessed. Raises what the database raises, and ExecutorUnavailable.
+        """Submit the first assessment of each machine. Raises the database's errors, and ExecutorUnavailable.
 
-        What could not be submitted is submitted with the next call.
+        One that could not be submitted is submitted with the next call.
         """
         busy = {due.machine_id for due, _ in self._computed.values()}
         for due in [machine[0] for machine_id, machine in self._due.items() if machine_id not in busy]:
@@ -98,7 +98,7 @@ class AssessmentQueue:
                 self._computed[future] = due, context
 
     def file_done(self) -> None:
-        """Store the conclusions of what is computed. What cannot be stored now is stored later."""
+        """Store the conclusions of computed assessments; those that cannot be stored now are retried later."""
         for future in [future for future in self._computed if future.done()]:
             due, context = self._computed.pop(future)
             try:
@@ -128,7 +128,7 @@ class AssessmentQueue:
             self._conclude(due, context, assessment)
 
     def _conclude(self, due: DueAssessment, context: AssessmentContext, assessment: Assessment) -> None:
-        """Store all conclusions, or none of them: a result is kept, and the next job taken, also where that fails."""
+        """Store all conclusions, or none; when that fails the result is kept, and the next job can go on."""
         try:
             with self._database.transaction() as session:
                 row = self._held.own(session, due.job_id)
@@ -143,7 +143,7 @@ class AssessmentQueue:
                     jobs.finish(row, state=jobs.DONE)
         except Exception as error:
             if concerns_all(error):
-                raise  # it is tried again
+                raise  # retried later
             self._give_up(due, error)
         else:
             self._leave(due)

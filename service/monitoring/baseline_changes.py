@@ -1,4 +1,4 @@
-"""New baselines: after a maintenance the machine is another one, and what was said of the old one no longer holds."""
+"""New baselines: after a maintenance the machine has changed, and findings against the old baseline no longer hold."""
 
 from sqlalchemy.orm import Session
 
@@ -13,15 +13,15 @@ from storage.tables import BaselineRow, RevisionRow, TimelineRow
 
 MAINTENANCE = "maintenance"
 FEWEST_NAMED = 3
-"""Fewer identifications say nothing about their scatter."""
+"""Smallest number of named identifications: fewer do not show their scatter."""
 
 
 class BaselineRefused(Conflict):
-    """The named identifications make no baseline; the message says why."""
+    """The named identifications cannot form a baseline; the message states the reason."""
 
 
 class NotYet(Invalid):
-    """A baseline would begin in the future: until then the machine is the old one."""
+    """The baseline would begin in the future: until then the machine is unchanged."""
 
 
 def begin(
@@ -33,21 +33,21 @@ def begin(
     by: str,
     identification_ids: list[int] | None = None,
 ) -> BaselineRow:
-    """Begin a baseline and clear the alerts that rested on the one before. Raises BaselineRefused, NotYet."""
+    """Begin a baseline and clear the alerts that were based on the one before. Raises BaselineRefused, NotYet."""
     if since > now() + TOLERANCE:
         raise NotYet("a baseline begins when the work is done, not in the future: say it then, and note the plan as a note")
     if identification_ids is not None:
         _require(session, machine_id, identification_ids)
     row = baselines.begin(session, machine_id, since=since, identification_ids=identification_ids, reason=reason, by=by)
     for alert in alerts.open_alerts(session, machine_id):
-        # Where it begins in the past, runs behind that were compared with what no longer counts.
+        # When it begins in the past, runs after that were compared with a baseline that no longer counts.
         if alert.measured_at < since or baselines.in_force(session, machine_id, at=alert.measured_at) is row:
             transitions.clear_alert(session, alert, comment=f"a new baseline begins: {reason}")
     return row
 
 
 def revise(session: Session, machine: Machine) -> RevisionRow:
-    """Put a document in force; where it describes the machine otherwise, clear the alerts that rested on the one before.
+    """Put a document in force; when it describes another machine, clear the alerts that were based on the one before.
 
     Raises MachineUnknown, PlantChanged.
     """
@@ -61,7 +61,7 @@ def revise(session: Session, machine: Machine) -> RevisionRow:
 
 
 def note(session: Session, machine_id: str, *, at: int, kind: str, text: str, by: str) -> TimelineRow:
-    """Put an entry on the timeline; a maintenance begins a baseline. Raises NotYet."""
+    """Add an entry to the timeline; a maintenance begins a baseline. Raises NotYet."""
     row = timeline.add(session, machine_id, at=at, kind=kind, text=text, by=by)
     if kind == MAINTENANCE:
         begin(session, machine_id, since=at, reason=text, by=by)

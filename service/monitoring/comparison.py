@@ -12,20 +12,20 @@ from storage.machines import baselines, machines
 from storage.tables import BaselineRow, IdentificationRow
 
 ALIKE = 0.5
-"""Two runs are compared when the speeds that both cover are at least this part of those that either covers."""
+"""Two runs are comparable when the speeds that both cover are at least this part of those that either covers."""
 LONGEST_HISTORY = 520
-"""Newest runs behind a baseline that trends are tested over: ten years of one a week."""
+"""Newest runs after a baseline over which trends are tested: ten years of one a week."""
 WEEK = 7 * 86_400 * 1_000_000_000
-"""[ns]"""
+"""One week [ns]."""
 
 
 @dataclass(frozen=True)
 class ComparisonTerms:
-    """The terms on which an identification of a single run is compared.
+    """The conditions under which an identification of a single run is compared.
 
-    began: who began the baseline in force and why; None for the machine's first runs. like: what is comparable, under
-    revisions of the document that describe the same machine, of the same kind of run, with the same slow-roll vectors, behind
-    the beginning of the baseline.
+    began: the baseline in force with its author and reason; None for the machine's first runs. like: criteria of comparable
+    runs: under revisions of the document that describe the same machine, of the same kind of run, with the same slow-roll
+    vectors, after the beginning of the baseline.
     """
 
     identification: IdentificationRow
@@ -35,10 +35,10 @@ class ComparisonTerms:
 
 @dataclass(frozen=True)
 class Compared:
-    """An identification, the runs that are its machine's baseline and those that came after it, oldest first.
+    """An identification, the runs that form its machine's baseline and those that came after it, oldest first.
 
-    began: who began the baseline and why; None for the machine's first runs. wanted: identifications that make it. after:
-    alike and up to the identification, which is the last one unless it belongs to the baseline.
+    began: the baseline with its author and reason; None for the machine's first runs. wanted: identifications that form it.
+    after: comparable runs up to the identification, which is the last one unless it belongs to the baseline.
     """
 
     identification: IdentificationRow
@@ -49,7 +49,7 @@ class Compared:
 
     @property
     def missing(self) -> str | None:
-        """Why there is nothing to compare yet; None when there is."""
+        """Return why there is nothing to compare yet; None when there is."""
         number = self.identification.id
         if len(self.baseline) < self.wanted:
             return f"the baseline has {len(self.baseline)} of {self.wanted} identifications"
@@ -62,7 +62,7 @@ class Compared:
 
 
 def terms_of(session: Session, stored: IdentificationRow) -> ComparisonTerms:
-    """Read on which terms an identification is compared. Raises MachineUnknown."""
+    """Read the conditions under which an identification is compared. Raises MachineUnknown."""
     began = baselines.in_force(session, stored.machine_id, at=stored.measured_at)
     like = Like(
         revisions=tuple(machines.comparable(session, stored.machine_id, stored.revision)),
@@ -91,8 +91,8 @@ def compared_with(
 ) -> Compared:
     """Read the runs between a baseline and an identification, over about the same speeds.
 
-    baseline, wanted: as of `baseline_of`. accepted: only such runs come after the baseline; otherwise the refused ones as
-    well. longest: at most so many of them.
+    baseline, wanted: as of `baseline_of`. accepted: only accepted runs come after the baseline; otherwise the refused ones as
+    well. longest: largest number of them.
     """
     stored, known = terms.identification, {row.id for row in baseline}
     newest = identifications.newest(
@@ -100,14 +100,14 @@ def compared_with(
     )
     after = [row for row in reversed(newest) if row.id not in known]
     if terms.began is None and baseline:
-        # What was refused before the machine's first good run belongs to nothing.
+        # Runs refused before the machine's first good run belong to no baseline.
         after = [row for row in after if row.measured_at >= baseline[0].measured_at]
     after = [row for row in after if alike_speeds(row, baseline)]
     return Compared(stored, terms.began, wanted, baseline, after[-longest:])
 
 
 def alike_speeds(row: IdentificationRow, baseline: Sequence[IdentificationRow]) -> bool:
-    """Whether a run covers about the speeds of the baseline's: a sweep of a few speeds sees another part of the machine."""
+    """Return whether a run covers about the baseline's speeds: a sweep over few speeds shows another part of the machine."""
     if not baseline:
         return True
     lowest = statistics.median(one.speed_minimum for one in baseline)
@@ -120,7 +120,7 @@ def alike_speeds(row: IdentificationRow, baseline: Sequence[IdentificationRow]) 
 def baseline_of(
     session: Session, machine_id: str, like: Like, began: BaselineRow | None, *, baseline_runs: int
 ) -> tuple[Sequence[IdentificationRow], int]:
-    """The identifications that make a baseline so far, oldest first, and how many it needs."""
+    """Return the identifications that form a baseline so far, oldest first, and how many it needs."""
     if began is None or began.identification_ids is None:
         return identifications.first_accepted(session, machine_id, like, limit=baseline_runs), baseline_runs
     return identifications.named(session, machine_id, like, began.identification_ids), len(set(began.identification_ids))

@@ -1,6 +1,6 @@
-"""Applying an assessment: the diagnosis that is kept, and the alerts that are opened, updated or cleared.
+"""Applying an assessment: the diagnosis that is stored, and the alerts that are opened, updated or cleared.
 
-`conclusions` is a pure function of the context, the assessment and the machine's state now; `apply` reads and writes.
+`conclusions` is a pure function of the context, the assessment and the machine's present state; `apply` reads and writes.
 """
 
 from collections.abc import Mapping, Sequence
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class RaisedAlert:
-    """An alert to be opened or brought up to date."""
+    """An alert to be opened or updated."""
 
     rule: str
     element: str
@@ -38,7 +38,7 @@ class RaisedAlert:
 
 @dataclass(frozen=True)
 class Conclusions:
-    """Consequences of an assessment. statements: of the diagnosis, None where there is none.
+    """Consequences of an assessment. statements: of the diagnosis, None without one.
 
     changes: alerts to be raised, and those to be cleared, in their order; alerts of rates come first.
     """
@@ -54,7 +54,8 @@ def apply(
     assessment: Assessment,
     state: MonitoringState,
 ) -> None:
-    """Store the diagnosis of an identification; open, update or clear the machine's alerts. state: as it is now."""
+    """Store the diagnosis of an identification; open, update or clear the machine's alerts. state: the machine's present
+    state."""
     forces = _forces(session, stored, assessment.diagnosis)
     found = conclusions(context, assessment, state, forces)
     if assessment.diagnosis is not None and found.statements is not None:
@@ -77,9 +78,9 @@ def apply(
 def conclusions(
     context: AssessmentContext, assessment: Assessment, state: MonitoringState, forces: Mapping[str, float | None]
 ) -> Conclusions:
-    """Conclude what an assessment changes. forces: force by element [N], of those whose finding has one.
+    """Return the consequences of an assessment. forces: force by element [N], for those whose finding has one.
 
-    Alerts speak of the machine as it is: a late run is diagnosed, and shows in alerts with the next run.
+    Alerts show the machine's present state: a late run is diagnosed, and affects alerts with the next run.
     """
     diagnosis, changes = assessment.diagnosis, list[RaisedAlert | AlertRow]()
     if assessment.rates is not None and state.current:
@@ -113,7 +114,7 @@ def _statement(found: DiagnosedCause, forces: Mapping[str, float | None], opened
 def _since(found: DiagnosedCause, opened: _Opened) -> tuple[int, int]:
     """Return when the first run that shows a cause was measured [ns], and that run's identification.
 
-    Never later than its open alert says: against a change that has grown, the runs with which it began look like healthy ones.
+    Never later than its open alert says: compared with a grown change, the runs with which it began look healthy.
     """
     cause = found.cause
     known = opened.get((finding_rule(cause.kind).rule.name, cause.element))
@@ -147,7 +148,7 @@ def _cause_changes(
 def _raised(
     one: Statement, stored: IdentificationRow, limits: Limits, baseline: list[int], opened: _Opened
 ) -> RaisedAlert | None:
-    """Return the alert of a cause that reaches a limit. baseline: ids of what it was compared with."""
+    """Return the alert of a cause that reaches a limit; None for one that does not. baseline: ids it was compared with."""
     rule, element = finding_rule(one.cause.kind).rule, one.cause.element
     present = opened.get((rule.name, element))
     severity = cause_severity(
@@ -173,7 +174,7 @@ def _raised(
 
 
 def _may_clear(alert: AlertRow, stored: IdentificationRow) -> bool:
-    # A hot run-down may show what a cold run-up does not: only the kind of run that showed it can take it back.
+    # A hot run-down may show what a cold run-up does not: only the kind of run that raised an alert can clear it.
     return alert.evidence.get("run_kind") == stored.run_kind
 
 

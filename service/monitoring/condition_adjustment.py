@@ -1,4 +1,4 @@
-"""What identifications determined, as under the mean operating conditions of the baseline that they are compared with."""
+"""Adjustment of identified parameters to the mean operating conditions of the baseline they are compared with."""
 
 from collections.abc import Sequence
 
@@ -14,14 +14,15 @@ from storage.tables import IdentificationRow
 
 
 def points(session: Session, found: Compared, rows: Sequence[IdentificationRow]) -> list[Point]:
-    """All that some of these identifications determined, as under the mean operating conditions of the baseline."""
+    """Return the parameters of some of these identifications, adjusted to the baseline's mean operating conditions."""
     known = identifications.points(session, rows)
     adjusted = like_conditions(session, found).adjusted
     return [adjusted(known[row.id], row.conditions or {}) for row in rows]
 
 
 def like_conditions(session: Session, found: Compared) -> Adjustment:
-    """How parameters followed the operating conditions over the baseline; adjusts nothing where too little was measured."""
+    """Return how parameters followed the operating conditions over the baseline; it adjusts nothing with too few
+    measurements."""
     row = found.identification
     conditions = machines.document(session, row.machine_id, row.revision).conditions
     known = identifications.points(session, found.baseline) if conditions else {}
@@ -30,6 +31,6 @@ def like_conditions(session: Session, found: Compared) -> Adjustment:
 
 
 def readings(session: Session, found: Compared) -> list[Reading]:
-    """The runs after the baseline at their times [weeks since 1970]. Of several measured at one time the last counts."""
+    """Return the runs after the baseline at their times [weeks since 1970]; of runs measured at one time only the last."""
     by_time = dict(zip([row.measured_at for row in found.after], points(session, found, found.after), strict=True))
     return [Reading(moment / WEEK, point) for moment, point in by_time.items()]

@@ -1,11 +1,11 @@
-"""How patient the alerts of a diagnosis are, and how severe a cause is: by the limits of the rule that speaks of it."""
+"""Delays of a diagnosis's alerts, and the severity of a cause, by the limits of its alert rule."""
 
 from service.alerts.lifecycle import Severity
 from service.monitoring.finding_rules import finding_rule
 from service.monitoring.limits import Limits, severity_of
 
 UNLIMITED_DELAY = 2
-"""Runs in a row after which a finding without limits is an alert, and good ones after which it is none."""
+"""Runs in a row that open, and good ones that clear, an alert of a finding without limits."""
 
 
 def delays(limits: Limits, kind: str, element: str) -> tuple[int, int]:
@@ -27,9 +27,9 @@ def cause_severity(
     force: float | None,
     present: Severity | None,
 ) -> Severity | None:
-    """Return how severe a cause is; None while it reaches no limit. sigma: standard deviations of its change.
+    """Return the severity of a cause; None while it reaches no limit. sigma: standard deviations of its change.
 
-    per_cent: its size, None where it has none. force: in the coupling [N]. present: severity that its alert has so far.
+    per_cent: its size, None without one. force: in the coupling [N]. present: severity of its open alert.
     """
     rule = finding_rule(kind).rule
     if rule.limits is None or per_cent is None:

@@ -1,6 +1,6 @@
-"""The findings that people are told of, each declared once: the alert rule that speaks of it, its limits and its sentence.
+"""The findings that are reported to people, each declared once: its alert rule, its limits and its sentence.
 
-`FINDING_RULES` has one declaration for each of the estimator's `FINDING_KINDS`; the module cannot be imported without.
+`FINDING_RULES` has one declaration for each of the estimator's `FINDING_KINDS`; otherwise the import of this module fails.
 """
 
 import math
@@ -16,28 +16,28 @@ if TYPE_CHECKING:
 
 
 class SizedCause(Protocol):
-    """A cause with its size, and its form where the data tell it."""
+    """A cause with its size, and its form when the data determine one."""
 
     @property
     def cause(self) -> "Cause":
-        """The cause."""
+        """Return the cause."""
 
     @property
     def size(self) -> "ChangeSize":
-        """Its size."""
+        """Return its size."""
 
     @property
     def form(self) -> str | None:
-        """Its form, such as `parallel`."""
+        """Return its form, such as `parallel`; None when unknown."""
 
 
 @dataclass(frozen=True)
 class AlertRule:
-    """Rule by which alerts are raised. Raises ValueError where its parts contradict each other.
+    """Rule by which alerts are raised. Raises ValueError when its parts contradict each other.
 
-    limits: in force where a person has set nothing else; None where the finding has no size: it is always an alert, never a
-    danger. quantities: those that its levels may name. deviations: kinds of elements whose deviations of single parameters are
-    measured by it as well. elements: kinds of elements that it concerns beside those of its findings.
+    limits: the defaults; None when the finding has no size: it is then always an alert, never a danger. quantities: those that
+    its levels may name. deviations: kinds of elements whose deviations of single parameters are also measured by it. elements:
+    kinds of elements that it concerns besides those of its findings.
     """
 
     name: str
@@ -64,10 +64,10 @@ class AlertRule:
 
 @dataclass(frozen=True)
 class FindingRule:
-    """Declaration of what people are told of one kind of finding. Raises ValueError where a part is missing.
+    """Declaration of how one kind of finding is reported. Raises ValueError when a part is missing.
 
-    sentence: says what has happened, to go before "against the baseline, since …". force: the derived value of the element,
-    such as `misalignment_force`, that is its force [N]; needed where the rule's levels may name a force.
+    sentence: describes the finding, to be followed by "against the baseline, since …". force: the derived value of the element
+    that is its force [N], such as `misalignment_force`; required when the rule's levels may name a force.
     """
 
     kind: str
@@ -138,13 +138,13 @@ def _id(one: SizedCause) -> str:
 
 
 def rounded(value: float, digits: int) -> str:
-    """Return a number to so many digits, written out: people read these, and nobody reads 1.3e+04 g·mm aloud."""
+    """Return a number with so many significant digits in plain notation: nobody reads 1.3e+04 g·mm aloud."""
     shown = float(f"{value:.{digits}g}")
     decimals = 0 if shown == 0.0 else max(0, digits - 1 - math.floor(math.log10(abs(shown))))
     return f"{shown:.{decimals}f}"
 
 
-# --- alert rules; where the limits come from stands beside them --------------------------------------------------------------
+# --- alert rules, with the sources of their limits ---------------------------------------------------------------------------
 
 MISALIGNMENT = AlertRule(
     "misalignment",
@@ -193,7 +193,7 @@ RATE_OF_CHANGE = AlertRule(
     quantities=("rate_per_cent_per_week",),
     elements=("bearing", "seal", "coupling", "disc"),
 )
-"""Of parameters that drift too fast, whatever the diagnosis says: see `service.monitoring.rate_of_change`."""
+"""Rule for parameters that drift too fast, whatever the diagnosis: see `service.monitoring.rate_of_change`."""
 
 FINDING_RULES: tuple[FindingRule, ...] = (
     FindingRule("misalignment", MISALIGNMENT, _misalignment_sentence, force="misalignment_force"),
@@ -209,7 +209,7 @@ FINDING_RULES: tuple[FindingRule, ...] = (
 
 
 def require_complete(declared: Sequence[FindingRule], kinds: Iterable[str]) -> Mapping[str, FindingRule]:
-    """Return declarations by kind. Raises ValueError unless there is exactly one for each kind of finding."""
+    """Return the declarations by kind. Raises ValueError unless there is exactly one for each kind of finding."""
     found = {one.kind: one for one in declared}
     if len(found) < len(declared):
         raise ValueError(f"a finding is declared twice: {', '.join(one.kind for one in declared)}")
@@ -225,21 +225,21 @@ _BY_KIND = require_complete(FINDING_RULES, [one.kind for one in FINDING_KINDS])
 
 
 def finding_rule(kind: str) -> FindingRule:
-    """Return what is declared of a kind of finding. Raises KeyError where there is none."""
+    """Return the declaration of a kind of finding. Raises KeyError when there is none."""
     return _BY_KIND[kind]
 
 
 def is_finding(kind: str) -> bool:
-    """Return whether there is such a kind of finding."""
+    """Return whether a kind of finding exists."""
     return kind in _BY_KIND
 
 
 DIAGNOSIS_RULES = {one.rule.name: one.rule for one in FINDING_RULES}
-"""Alert rules by which a diagnosis speaks, by name."""
+"""Alert rules of the findings of a diagnosis, by name."""
 LIMITED_RULES: Mapping[str, AlertRule] = {
     name: rule for name, rule in (DIAGNOSIS_RULES | {RATE_OF_CHANGE.name: RATE_OF_CHANGE}).items() if rule.limits is not None
 }
-"""Alert rules that have limits, by name, in the order in which people are shown them."""
+"""Alert rules with limits, by name, in the order of display."""
 
 
 def concerned_elements(rule: AlertRule) -> tuple["ElementKind", ...]:

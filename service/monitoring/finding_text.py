@@ -1,4 +1,4 @@
-"""Statement of a cause: its sentence, and the evidence that an alert and a diagnosis carry."""
+"""Statement of a cause: its sentence, and the evidence stored with an alert and a diagnosis."""
 
 from collections import Counter
 from collections.abc import Mapping
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from estimator.diagnosis.finding_kind import Cause, ChangeSize
 
 LARGEST_MOVES = 4
-"""Parameters of each element that are named as moved: those that moved most surely."""
+"""Parameters per element that are listed as moved: those that moved most certainly."""
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Statement:
     """A cause with its runners-up and size.
 
     since: when the first run that shows it was measured [ns]; first_identification: that run's. force: in the coupling at
-    running speed [N], where known. form: of a misalignment, where the data tell it. units: SI unit of the change of each of
+    running speed [N], when known. form: of a misalignment, when the data determine it. units: SI unit of the change of each of
     the cause's names.
     """
 
@@ -36,13 +36,13 @@ class Statement:
     units: Mapping[str, str | None]
 
     def words(self) -> str:
-        """Return one sentence for a person."""
+        """Return the sentence for a person."""
         return (
             f"{finding_rule(self.cause.kind).sentence(self)}, against the baseline, since {to_datetime(self.since):%Y-%m-%d}"
         )
 
     def evidence(self) -> dict[str, Any]:
-        """Return what it rests on: which parameters moved, by how much and how certainly, and what else would explain it."""
+        """Return the evidence: which parameters moved, by how much and how certainly, and the alternative explanations."""
         return {
             "kind": self.cause.kind,
             "element": self.cause.element,

@@ -1,4 +1,4 @@
-"""Levels from which on a finding is an alert or a danger, and how patient its alerts are.
+"""Levels at which a finding becomes an alert or a danger, and the delays of its alerts.
 
 A level is reached when the change is as certain as its `sigma` and as large as any of the sizes that it names.
 """
@@ -14,9 +14,9 @@ Quantity = Literal["sigma", "per_cent", "force", "rate_per_cent_per_week"]
 QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
 """Quantities that a level can name."""
 SIZES = ("per_cent", "force", "rate_per_cent_per_week")
-"""Quantities of a level that are alternatives; `sigma` is needed beside them."""
+"""Quantities of a level that are alternatives; `sigma` is required in addition."""
 LONGEST_DELAY = 20
-"""Identifications in a row that a rule may wait for."""
+"""Largest delay of a rule, in identifications in a row."""
 
 Limit = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
@@ -41,11 +41,11 @@ class Level(Written):
 
     @property
     def named(self) -> tuple[str, ...]:
-        """Quantities that have a limit."""
+        """Return the quantities that have a limit."""
         return tuple(name for name in type(self).model_fields if getattr(self, name) is not None)
 
     def reached(self, found: Mapping[str, float | None], *, sigma: float | None, part: float) -> bool:
-        """Whether the quantities found reach so much of these limits, or of a `sigma` in the place of this level's."""
+        """Return whether the quantities found reach `part` of these limits. sigma: replaces this level's."""
 
         def reaches(name: str, limit: float | None) -> bool:
             value = found[name]
@@ -59,7 +59,7 @@ class Level(Written):
 class Rule(Written):
     """Levels of one kind of finding, and how patient its alerts are. Delays count identifications of the same kind of run."""
 
-    # A rule of a machine is completed from the defaults, so that none of its fields is needed.
+    # A rule of a machine is completed from the defaults, so that none of its fields is required.
     model_config = ConfigDict(frozen=True, json_schema_extra=lambda schema: schema.pop("required", None))
 
     alert: Level = Field(description="needed in a rule of a single element; else by default as in the defaults")

@@ -1,6 +1,6 @@
-"""Limits that a person sets for a machine: when a finding is an alert, when it is a danger, and how patient both are.
+"""Limits that a person sets for a machine: when a finding is an alert, when it is a danger, and the delays of both.
 
-Whatever a document leaves out is as in the defaults, which `finding_rules.py` declares; they are starting points.
+Fields that a document leaves out are taken from the defaults, which `finding_rules.py` declares; they are starting points.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 else:
     RuleName = Literal[RULES]
 DEFAULTS: Mapping[str, Rule] = {name: one.limits for name, one in LIMITED_RULES.items() if one.limits is not None}
-"""In force where a person has set nothing else."""
+"""Limits in force while nobody has set others."""
 
 
 def _deviation_rules() -> Mapping[str, str]:
@@ -35,11 +35,11 @@ def _deviation_rules() -> Mapping[str, str]:
 
 
 DEVIATION_RULES = _deviation_rules()
-"""Name of the rule whose limits the deviations of each kind of element are measured by."""
+"""Name of the rule by whose limits the deviations of each kind of element are measured."""
 
 
 class LimitsRefused(Invalid):
-    """The limits do not suit the machine. `problems` holds what is wrong as (field, message)."""
+    """The limits do not suit the machine. `problems`: what is wrong, as (field, message)."""
 
     def __init__(self, problems: list[tuple[str, str]]) -> None:
         super().__init__("; ".join(f"{field}: {message}" for field, message in problems))
@@ -47,12 +47,12 @@ class LimitsRefused(Invalid):
 
     @property
     def detail(self) -> str:
-        """Say what is wrong as a whole; `field_errors` has the rest."""
+        """Return a summary; `field_errors` has the details."""
         return "the limits do not suit the machine"
 
     @property
     def field_errors(self) -> Sequence[tuple[str, str]]:
-        """Name each limit that does not suit, as a field of the question."""
+        """Return each unsuitable limit as a field of the request, with its message."""
         return [(f"limits.{field}", message) for field, message in self.problems]
 
 
@@ -62,7 +62,7 @@ _RuleFields: Any = create_model("_RuleFields", __base__=Written, **_FIELDS)
 
 
 class Limits(_RuleFields, Written):
-    """All limits of one machine. A rule, or a field of one, that is left out is as in the defaults."""
+    """Limits of one machine. A rule, or a field of one, that is left out is as in the defaults."""
 
     model_config = ConfigDict(frozen=True)
 
@@ -73,7 +73,7 @@ class Limits(_RuleFields, Written):
     @field_validator(*RULES, mode="before")
     @classmethod
     def _completed(cls, value: Any, info: ValidationInfo) -> Any:
-        """With the default fields for those that are left out."""
+        """Return the value with missing fields taken from the defaults."""
         if not isinstance(value, dict) or info.field_name is None:
             return value
         return DEFAULTS[info.field_name].model_dump() | value
@@ -111,11 +111,11 @@ def severity_of(
     present: Severity | None = None,
     element: str | None = None,
 ) -> Severity | None:
-    """Return how severe a change is; None while it reaches no limit. What is not known is None and reaches nothing.
+    """Return the severity of a change; None while it reaches no limit. Unknown quantities are None and reach nothing.
 
     sigma: standard deviations. per_cent: of the baseline. force: in the coupling at running speed [N]. rate: [%/week]. All are
-    taken by their magnitude. present: of the open alert, None without one: a level that was reached is left only below the
-    hysteresis. element: such as `coupling.C1`, where it may have limits of its own.
+    taken by their magnitude. present: severity of the open alert, None without one: a reached level is left only below the
+    hysteresis. element: such as `coupling.C1`, which may have limits of its own.
     """
     chosen = limits.rule(rule, element)
     found = {"sigma": sigma, "per_cent": per_cent, "force": force, "rate_per_cent_per_week": rate}
@@ -124,7 +124,7 @@ def severity_of(
         part = 1.0 - chosen.hysteresis if held else 1.0
         if level is None:
             continue
-        # What is too uncertain to be an alert is no danger either.
+        # A change too uncertain for an alert is no danger either.
         needed = chosen.alert.sigma if level.sigma is None else level.sigma
         if level.reached(found, sigma=needed, part=part):
             return severity
@@ -132,7 +132,7 @@ def severity_of(
 
 
 def deviation_rule(element: str) -> RuleName | None:
-    """Return the rule whose limits deviations of an element, such as `bearing.B1`, are measured by; None for none."""
+    """Return the rule by whose limits deviations of an element, such as `bearing.B1`, are measured; None without one."""
     return DEVIATION_RULES.get(element.split(".", 1)[0])
 
 

@@ -1,4 +1,4 @@
-"""Which limits a machine has, and how a person sets others."""
+"""Reading and setting the limits of a machine."""
 
 from sqlalchemy.orm import Session
 
@@ -13,12 +13,12 @@ class LimitsChanged(Outdated):
 
 
 def limits_in_force(session: Session, machine_id: str) -> Limits:
-    """Read a machine's limits; the defaults where nobody has set any."""
+    """Read a machine's limits; the defaults when nobody has set any."""
     return limits_of(limits.in_force(session, machine_id))
 
 
 def limits_of(row: LimitsRow | None) -> Limits:
-    """Parse the limits that a row holds; the defaults where there is none."""
+    """Parse the limits in a row; the defaults without a row."""
     return Limits() if row is None else Limits.model_validate(row.document)
 
 
@@ -27,7 +27,7 @@ def set_limits(
 ) -> LimitsRow:
     """Put limits in force. expected: version that they replace, 0 for the defaults; None replaces any.
 
-    Raises MachineUnknown, LimitsRefused where they do not suit the machine, LimitsChanged for another version.
+    Raises MachineUnknown, LimitsRefused when they do not suit the machine, LimitsChanged when another version is in force.
     """
     machine = machines.document(session, machine_id, machines.get(session, machine_id).revision)
     require_suited(wanted, machine)

@@ -1,4 +1,5 @@
-"""Which parameters and derived quantities a machine can have, under newer revisions of its document, and in which units."""
+"""The parameters and derived quantities that a machine can have, under the newest revisions of its document, with their
+units."""
 
 from collections.abc import Collection, Iterator
 
@@ -10,7 +11,7 @@ from estimator.rotor.parameter_names import derived_unit, derived_units, in_word
 from storage.machines import machines
 
 MOST_REVISIONS = 20
-"""Newest ones that are looked at: of each the rotor is assembled (some 1 ms), and anybody can ask for any name."""
+"""Number of newest revisions searched: each takes an assembly of the rotor (some 1 ms), and anybody may ask for any name."""
 
 
 class ParameterUnknown(Missing):
@@ -20,7 +21,7 @@ class ParameterUnknown(Missing):
 
 
 def units_of(session: Session, machine_id: str, names: Collection[str]) -> dict[str, str]:
-    """SI unit of each parameter or derived quantity, perhaps never identified; the newest revision that has it counts.
+    """Return the SI unit of each parameter or derived quantity, identified or not, from the newest revision that has it.
 
     Raises MachineUnknown, ParameterUnknown.
     """
@@ -45,7 +46,7 @@ def _newest_first(session: Session, machine_id: str) -> Iterator[Machine]:
 
 
 def _what_there_is(document: Machine, name: str) -> str:
-    """The names that the element has; where there is no such element, the elements."""
+    """Return a text that lists the element's names or, when there is no such element, the elements."""
     names = [*parameter_units(document), *map(in_words, derived_units(document))]
     element = _element(name)
     own = [one for one in names if _element(one) == element]
@@ -55,5 +56,6 @@ def _what_there_is(document: Machine, name: str) -> str:
 
 
 def _element(name: str) -> str:
-    """`bearing.B1` of `bearing.B1.kxx`; of what belongs to the whole train its kind, such as `critical_speed`."""
+    """Return the element of a name, `bearing.B1` of `bearing.B1.kxx`; for a quantity of the whole train its kind, as
+    `critical_speed`."""
     return ".".join(name.split(".")[:2]) if name.count(".") > 1 else name.partition(".")[0]

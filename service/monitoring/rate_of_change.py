@@ -1,4 +1,4 @@
-"""Whether parameters change faster than a person allows: one finding per element, of its fastest parameter."""
+"""Findings of parameters that change faster than a person allows: one per element, for its fastest parameter."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from service.monitoring.limits import Limits, severity_of
 
 @dataclass(frozen=True)
 class RateFinding:
-    """An element whose fastest parameter drifts beyond a limit, beside the severity that this has."""
+    """An element whose fastest parameter drifts beyond a limit, with the severity."""
 
     element: str
     rate: ParameterRate
@@ -32,10 +32,10 @@ class RateFinding:
 def rate_findings(
     limits: Limits, readings: Sequence[Reading], present: Mapping[str, Severity] | None = None
 ) -> tuple[RateFinding, ...]:
-    """Return the elements that drift too fast as the newest of the readings has it.
+    """Return the elements that drift too fast as of the newest reading.
 
-    readings: alike, in ascending order of time. present: severity of the open alert of this rule, by element. The delays of
-    the rule are for the caller to count, with the readings up to each identification. Raises as `rates_of_change`.
+    readings: comparable, in ascending order of time. present: severity of the open alert of this rule, by element. The caller
+    applies the rule's delays, with the readings up to each identification. Raises as `rates_of_change`.
     """
     fastest: dict[str, ParameterRate] = {}
     for rate in rates_of_change(readings):

@@ -1,4 +1,4 @@
-"""What a trend is drawn against: the band of each baseline that its identifications were compared with."""
+"""Bands that a trend is drawn with: of each baseline that its identifications were compared with."""
 
 from bisect import bisect_right
 from collections.abc import Sequence
@@ -19,9 +19,10 @@ from storage.tables import BaselineRow
 
 @dataclass(frozen=True)
 class BaselineBand:
-    """The band of one kind of run. since, until: the part of the trend that it is for [ns]; until: None for the present one.
+    """The band of one kind of run. since, until: the part of the trend that it applies to [ns]; until: None for the present
+    one.
 
-    identifications: that made it.
+    identifications: those that form it.
     """
 
     run_kind: str
@@ -34,7 +35,8 @@ class BaselineBand:
 def baseline_bands(
     session: Session, machine_id: str, name: str, history: ParameterHistory, *, baseline_runs: int
 ) -> list[BaselineBand]:
-    """Bands over a parameter's history, oldest first; none where a baseline is not complete or does not know the parameter."""
+    """Return the bands over a parameter's history, oldest first; none for a baseline that is incomplete or lacks the
+    parameter."""
     begun = sorted(baselines.of_machine(session, machine_id), key=lambda row: (row.since, row.id))
     places: dict[_Key, list[int]] = {}
     for place in np.flatnonzero(history.accepted):
@@ -55,7 +57,7 @@ def baseline_bands(
 
 
 class _Key(NamedTuple):
-    """What identifications have in common that are compared with one baseline. begun: its number, -1 for the first runs."""
+    """Common properties of identifications compared with one baseline. begun: the baseline's number, -1 for the first runs."""
 
     begun: int
     run_kind: str

@@ -1,3 +1,2 @@
-"""Sequence gaps fetched again from the logs of their sources, without waiting for any. It imports `journal`, `resilience` and
-`wire`; `ingest` tells it of gaps, and what it fetches goes the way of all batches.
-"""
+"""Recovery of sequence gaps from the logs of the sources, without blocking on any. It imports `journal`, `resilience` and
+`wire`; `ingest` reports gaps to it, and recovered batches are stored like all others."""

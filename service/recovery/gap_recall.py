@@ -1,4 +1,4 @@
-"""Recall of sequence gaps: samples that were counted as lost while a source's log was away are asked for when it is back."""
+"""Recall of sequence gaps: samples that were counted as lost while a source's log was away are requested when it is back."""
 
 from dataclasses import dataclass
 
@@ -18,9 +18,9 @@ from storage.measurements.samples import SourceKey
 
 @dataclass
 class _Recall:
-    """Gaps of a source, first and last number, for which its log is asked one after the other.
+    """Gaps of a source, first and last number, which are requested from its log one after the other.
 
-    heard: whether it has answered anything. progress: whether anything of the gap.
+    heard: whether the log has replied with anything. progress: whether with anything of the gap.
     """
 
     key: Key
@@ -31,7 +31,7 @@ class _Recall:
 
 
 class GapRecall:
-    """Ask logs for gaps, and take what they answer. Nothing here waits."""
+    """Requests of gaps from logs, and processing of the replies. Nothing here blocks."""
 
     def __init__(
         self,
@@ -53,56 +53,56 @@ class GapRecall:
         self._logs = logs
         self._recalls: dict[SourceKey, _Recall] = {}
         self._postponed: BoundedDict[SourceKey, None] = BoundedDict()
-        """Sources whose gaps are to be asked for as soon as their samples are accepted again."""
+        """Sources whose gaps are to be requested as soon as their samples are accepted again."""
         self._unheard = Backoff[SourceKey]()
-        """Logs that did not answer when they were asked for gaps, though they answer otherwise."""
+        """Logs that did not reply to a request for gaps, though they reply otherwise."""
 
     def __len__(self) -> int:
-        """Return of how many sources gaps are being asked for."""
+        """Return the number of sources whose gaps are being requested."""
         return len(self._recalls)
 
     def note_live(self, key: Key, source: SourceKey) -> None:
-        """Note that a source is there; that it was away before is a reason to ask for what it could not tell then."""
+        """Note that a source is live; when it was away before, request its gaps."""
         if self._live.add(key, source):
             self.request(key, source)
 
     def request(self, key: Key, source: SourceKey) -> None:
-        """Ask the log for what was counted as lost, now or as soon as the source is accepted."""
+        """Request a source's gaps from its log, now or as soon as the source is accepted."""
         self._postponed[source] = None
         if source in self._recalls or not self._backoff.accepts(source):
-            return  # what is being asked for may be older than the newest gaps
+            return  # the current requests may not include the newest gaps
         gaps = [(gap.first, gap.last) for gap in self._records.sequence_gaps(source)]
         if gaps:
             self._recalls[source] = _Recall(key, gaps)
         del self._postponed[source]
 
     def postpone(self, source: SourceKey) -> None:
-        """Note that a source's gaps are to be asked for."""
+        """Note that a source's gaps are to be requested."""
         self._postponed[source] = None
 
     def request_postponed(self, key: Key, source: SourceKey) -> None:
-        """Ask for the gaps of a source for which that was postponed, where it is due."""
+        """Request the postponed gaps of a source when they are due."""
         if source in self._postponed and self._unheard.is_due(source):
             with self._backoff.isolating(source):
                 self.request(key, source)
 
     def leave(self, source: SourceKey) -> None:
-        """Ask for a source's gaps no more until its samples are accepted again."""
+        """Stop requesting a source's gaps until its samples are accepted again."""
         self._recalls.pop(source, None)
         self._postponed[source] = None
 
     def clear(self) -> None:
-        """Drop what is being asked for."""
+        """Drop the current requests."""
         self._recalls.clear()
 
     def forget(self) -> None:
-        """Drop what is being asked for and what was postponed, as after a start."""
+        """Drop the current and the postponed requests, as after a start."""
         self._recalls.clear()
         self._postponed.clear()
         self._unheard = Backoff()
 
     def collect(self) -> int:
-        """Take what logs have answered, and ask for the next gaps; return how many batches there were."""
+        """Process the replies of logs and request the next gaps; return the number of batches."""
         count = 0
         room = log_queries.MOST_QUERIES - sum(one.replies is not None for one in self._recalls.values())
         for source, recall in list(self._recalls.items()):
@@ -121,9 +121,9 @@ class GapRecall:
         recall.heard = recall.progress = False
 
     def _collect(self, source: SourceKey, recall: _Recall, replies: "zenoh.Handler[zenoh.Reply]") -> int:
-        """Take what the log has of a gap, then go on to the next one; return how many batches there were."""
+        """Process a log's replies for a gap, then go on to the next one; return the number of batches."""
         count = 0
-        self._sink.next_sequence(source)  # asks the database, if it must, before an answer is in hand
+        self._sink.next_sequence(source)  # queries the database, if necessary, before a reply is taken
         for reply in replies_so_far(replies):
             if reply is None:
                 self._end(source, recall)
@@ -135,13 +135,13 @@ class GapRecall:
         return count
 
     def _take(self, source: SourceKey, recall: _Recall, reply: zenoh.Sample) -> bool:
-        """Take what a reply has of a gap; return whether it is the source's."""
+        """Take the part of a gap that a reply holds; return whether it is the source's."""
         first, last = recall.gaps[0]
         arrived = self._reader.replied(recall.key, reply)
         if arrived is None or arrived.source != source:
             return False
         begin = arrived.batch.sequence
-        if not recall.heard:  # before that the log has nothing any more
+        if not recall.heard:  # the log no longer has earlier samples
             first = max(first, begin)
         if begin <= last:
             self._sink.take(arrived)
@@ -151,7 +151,7 @@ class GapRecall:
         return True
 
     def _end(self, source: SourceKey, recall: _Recall) -> None:
-        """Go on to what is left of the gap, or to the next one, when a log has answered all that it will."""
+        """Go on to the rest of the gap or to the next one after the last reply of a log."""
         first, last = recall.gaps[0]
         recall.replies = None
         if not recall.heard:
@@ -163,7 +163,7 @@ class GapRecall:
             del self._recalls[source]
 
     def _ask_again_later(self, source: SourceKey) -> None:
-        """Postpone the gaps of a log that answers otherwise: it may have been held up."""
+        """Postpone the gaps of a log that replies otherwise: it may have been delayed."""
         if self._logs.has_answered(source):
             self._unheard.failed(source)
             self._postponed[source] = None

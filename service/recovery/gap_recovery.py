@@ -1,9 +1,9 @@
-"""Gap recovery: batches wait for those before them while their source's log is asked. Nothing here blocks, so that a source
-that does not answer holds up no other.
+"""Gap recovery: batches wait for missing ones before them while their source's log is queried. Nothing here blocks, so that a
+source that does not reply delays no other.
 
-`GapRecovery` decides what is taken now and what waits. Logs are asked by `LogReplays` for what follows the last sample known,
-by `GapRecall` for what was counted as lost before, and by `QuietLogs` for what never came of a source that is quiet. What is
-taken goes to a `BatchSink`; a source of which it fails for a reason of its own is reported to `SourceBackoff`.
+`GapRecovery` decides which batches are accepted now and which wait. `LogReplays` queries logs for what follows the last known
+sample, `GapRecall` for what was counted as lost before, and `QuietLogs` for what never came from a quiet source. Accepted
+batches go to a `BatchSink`; a source that fails for a reason of its own is reported to `SourceBackoff`.
 """
 
 import bisect
@@ -26,11 +26,11 @@ from service.wire import Key
 from storage.measurements.samples import SourceKey
 
 PATIENCE_S = 3.0
-"""How long batches behind a gap wait for the source's log: it may still be on its way back to the network, …"""
+"""How long batches behind a gap wait for the source's log, which may still be reconnecting."""
 PAUSE_S = 0.3
-"""… asked again after this long."""
+"""Pause before a log is queried again meanwhile."""
 LARGEST_WAITING = 10_000
-"""Batches that wait behind one gap; further ones are left to the log."""
+"""Largest number of batches that wait behind one gap; further ones are left in the log."""
 
 
 @dataclass
@@ -43,13 +43,13 @@ class Waiting:
     next_try: float = 0.0
 
     def add(self, arrived: Arrived) -> None:
-        """Let one more batch wait, or leave it to the log where too many do."""
+        """Add a batch, or leave it in the log when too many wait."""
         if len(self.arrived) < LARGEST_WAITING:
             bisect.insort(self.arrived, arrived, key=lambda one: one.batch.sequence)
 
 
 class GapRecovery:
-    """Decide what can be stored now, what waits, and what is gone. For the ingest thread only."""
+    """Decision which batches can be stored now, which wait, and which are lost. For the ingest thread only."""
 
     def __init__(
         self,
@@ -86,17 +86,17 @@ class GapRecovery:
 
     @property
     def is_asking(self) -> bool:
-        """Whether answers of logs are expected."""
+        """Return whether replies of logs are expected."""
         return bool(len(self._replays) or len(self._recall) or len(self._quiet))
 
     def follow(self, token: zenoh.Sample) -> None:
-        """Note that a source came or went, and ask the log of one that came."""
+        """Note that a source came or went, and have the log of a new one queried."""
         came = self.live.follow(token)
         if came is not None and self._share.owns(came.machine):
             self._quiet.add(came)
 
     def review(self) -> None:
-        """Begin anew with what is known of the sources, and ask all logs: what is stored here has changed."""
+        """Forget the state of the sources and have all logs queried: what is stored here has changed."""
         self._take_unlogged()
         self._drop_questions()
         self._replays.forget()
@@ -108,21 +108,22 @@ class GapRecovery:
                 self._quiet.add(key)
 
     def cease(self) -> None:
-        """Ask no more, for the service ends: the next one asks the logs. What comes from a source whose log has never answered
-        is taken as it is.
+        """Stop querying, because the service ends; the next one will query the logs.
+
+        Batches of a source whose log has never replied are accepted as they are.
         """
         self._ceased = True
         self._take_unlogged()
         self._drop_questions()
 
     def leave(self, source: SourceKey) -> None:
-        """Leave what waits of a source, and what its log is asked for, to the log: nothing of it is taken for a while."""
+        """Drop a source's waiting batches and queries: nothing of it is accepted for a while, and its log keeps it."""
         self.waiting.pop(source, None)
         self._replays.leave(source)
         self._recall.leave(source)
 
     def place(self, key: Key, arrived: Arrived) -> None:
-        """Take a published batch, let it wait for what is missing before it, or leave it to its source's log."""
+        """Accept a published batch, let it wait for missing ones before it, or leave it in its source's log."""
         source = arrived.source
         self._recall.note_live(key, source)
         self.live.note_heard(source)
@@ -139,10 +140,10 @@ class GapRecovery:
         elif self._logs.is_silent(source):
             self._sink.take(arrived)
         else:
-            self.waiting[source] = Waiting(key, time.monotonic() + PATIENCE_S, [arrived])  # its log is asked next
+            self.waiting[source] = Waiting(key, time.monotonic() + PATIENCE_S, [arrived])  # its log is queried next
 
     def check_tails(self, *, quiet_s: float) -> None:
-        """Let each live source that was quiet for so long be asked what it has published beyond what came."""
+        """Have each live source that was quiet for `quiet_s` queried for samples beyond those that came."""
         self.live.call_roll()
         for key in self.live:
             if not self._share.owns(key.machine):
@@ -159,9 +160,9 @@ class GapRecovery:
                     self._quiet.add(key, source)
 
     def collect(self, most: int) -> int:
-        """Take what logs have answered, at most so many batches, and ask again where something is missing.
+        """Process replies of logs, at most `most` batches, and query again where something is missing.
 
-        Returns how many batches there were.
+        Returns the number of batches.
         """
         if self._ceased:
             return 0
@@ -186,7 +187,7 @@ class GapRecovery:
         return count
 
     def _take_unlogged(self) -> None:
-        """Take what waits of sources whose logs have never answered as it is: nobody else has it."""
+        """Accept the waiting batches of sources whose logs have never replied: nobody else has them."""
         for source, waiting in list(self.waiting.items()):
             if not self._logs.has_answered(source) and self._share.owns(source.machine_id):
                 with self._backoff.isolating(source):
@@ -201,7 +202,7 @@ class GapRecovery:
         self._quiet.clear()
 
     def _go_on(self, source: SourceKey, ended: Replay) -> None:
-        """Ask on, let what waits wait on, or give up what is missing, when a log has answered all that it will."""
+        """Query further, let batches wait on, or give up the missing ones, after the last reply of a log."""
         self._release_if_complete(source)
         waiting = self.waiting.get(source)
         if ended.progress:
@@ -218,9 +219,9 @@ class GapRecovery:
             self._release(source)
 
     def _release(self, source: SourceKey) -> None:
-        """Place what waited anew: behind a further gap it waits again."""
+        """Place the waiting batches again: behind a further gap they wait again."""
         waiting = self.waiting[source]
-        # Asks the database, if it must, before what waits is let go of.
+        # Queries the database, if necessary, before the waiting batches are removed.
         self._sink.next_sequence(source)
         self._recall.note_live(waiting.key, source)
         del self.waiting[source]

@@ -1,4 +1,4 @@
-"""Which machines have a source that is connected, and which source that is, as far as it is known."""
+"""The machines with a connected source, and these sources as far as they are known."""
 
 import logging
 import time
@@ -15,12 +15,12 @@ logger = logging.getLogger(__name__)
 
 
 class LiveSources:
-    """Follow liveliness tokens, and call the roll as well: a token's arrival may itself have been missed."""
+    """Record of the liveliness tokens, checked by roll calls: the arrival of a token may have been missed."""
 
     def __init__(self, queries: LogQueries) -> None:
         self._queries = queries
         self._live: dict[Key, dict[str, SourceKey]] = {}
-        """Of each machine of which a source is connected the newest start of each of its sources, once known."""
+        """Per machine with a connected source, the newest start of each of its sources, once known."""
         self._heard: BoundedDict[SourceKey, float] = BoundedDict()
         self._roll_call: zenoh.Handler[zenoh.Reply] | None = None
 
@@ -29,7 +29,7 @@ class LiveSources:
         return key in self._live
 
     def __iter__(self) -> Iterator[Key]:
-        """Iterate over the machines of which a source is connected."""
+        """Iterate over the machines with a connected source."""
         return iter(list(self._live))
 
     def sources(self, key: Key) -> list[SourceKey]:
@@ -37,7 +37,7 @@ class LiveSources:
         return list(self._live.get(key, {}).values())
 
     def follow(self, token: zenoh.Sample) -> Key | None:
-        """Note that a source came or went; return the machine of one that came."""
+        """Note that a source came or went; return the machine of a new one, otherwise None."""
         key = _live_key(token)
         if key is None:
             return None
@@ -47,11 +47,11 @@ class LiveSources:
             return key
         logger.info("no source of %s/%s is alive any more", key.plant, key.machine)
         self._live.pop(key, None)
-        self._roll_call = None  # what was answered before may say that it is alive
+        self._roll_call = None  # earlier replies may still list it as alive
         return None
 
     def add(self, key: Key, source: SourceKey) -> bool:
-        """Note which source of a machine is connected; return whether that is news."""
+        """Note which source of a machine is connected; return whether that was unknown."""
         known = self._live.get(key)
         if known is None or known.get(source.source) == source:
             return False
@@ -59,7 +59,7 @@ class LiveSources:
         return True
 
     def forget_sources(self) -> None:
-        """Forget which sources there are; that machines have some is kept."""
+        """Forget the sources; which machines have some is kept."""
         self._heard.clear()
         for key in self._live:
             self._live[key] = {}
@@ -69,16 +69,16 @@ class LiveSources:
         self._heard[source] = time.monotonic()
 
     def is_quiet(self, source: SourceKey, *, quiet_s: float) -> bool:
-        """Return whether no samples of a source came for so long."""
+        """Return whether no samples of a source came for `quiet_s`."""
         return time.monotonic() - self._heard.get(source, 0.0) > quiet_s
 
     def call_roll(self) -> None:
-        """Ask who is alive, unless that is being asked."""
+        """Query which sources are alive, unless a query is under way."""
         if self._roll_call is None:
             self._roll_call = self._queries.call_roll()
 
     def collect_roll(self) -> None:
-        """Note who has answered that they are alive."""
+        """Note the sources that have replied to the roll call."""
         if self._roll_call is None:
             return
         for reply in replies_so_far(self._roll_call):
@@ -89,6 +89,6 @@ class LiveSources:
 
 
 def _live_key(token: zenoh.Sample) -> Key | None:
-    """Return whose source a liveliness token stands for; None where these are no ids: zenoh takes wildcards and spaces."""
+    """Return the machine of a liveliness token; None for invalid ids: zenoh allows wildcards and spaces."""
     plant, machine = str(token.key_expr).split("/")[3:5]
     return Key(plant, machine) if IDENTIFIER.match(plant) and IDENTIFIER.match(machine) else None

@@ -1,4 +1,4 @@
-"""Queries to sources' logs by way of zenoh, whose replies are collected without waiting for them."""
+"""Queries to sources' logs through zenoh, whose replies are collected without blocking."""
 
 from collections.abc import Iterator
 
@@ -7,22 +7,23 @@ import zenoh
 from service.wire import ALL_LIVE, Key
 
 MOST_QUERIES = 64
-"""Logs asked at the same time."""
+"""Largest number of logs queried concurrently."""
 MOST_ASKED = 250
-"""Batches that a log is asked for at a time: what it answers waits here until it is taken, and 64 logs answer at once."""
+"""Batches requested from a log at a time: replies wait here until they are processed, and 64 logs reply at once."""
 LARGEST_ANSWER = 5_000
-"""Batches of an answer that may wait to be taken; more hold the asked source up, not this one."""
+"""Batches of a reply that may wait to be processed; further ones make the queried source wait, not this one."""
 REPLAY_TIMEOUT_S = 2.0
 
 
 class LogQueries:
-    """Asks logs, and who is alive."""
+    """Queries of logs and of liveliness."""
 
     def __init__(self, session: zenoh.Session) -> None:
         self._session = session
 
     def ask(self, key: Key, *, first: int, limit: int, epoch: int | None = None) -> "zenoh.Handler[zenoh.Reply]":
-        """Ask the logs of a machine for batches that hold sample `first` and later ones. epoch: of the only one to answer."""
+        """Query the logs of a machine for batches that hold sample `first` and later ones. epoch: only the log of it
+        replies."""
         of = "" if epoch is None else f"epoch={epoch};"
         return self._session.get(
             f"{key.log}?from={first};{of}limit={limit}",
@@ -33,14 +34,14 @@ class LogQueries:
         )
 
     def call_roll(self) -> "zenoh.Handler[zenoh.Reply]":
-        """Ask who is alive."""
+        """Query which sources are alive."""
         return self._session.liveliness().get(
             ALL_LIVE, handler=zenoh.handlers.FifoChannel(LARGEST_ANSWER), timeout=REPLAY_TIMEOUT_S
         )
 
 
 def replies_so_far(replies: "zenoh.Handler[zenoh.Reply]") -> "Iterator[zenoh.Reply | None]":
-    """Yield the replies that are there, and None when there will be no more."""
+    """Yield the replies that have come, and None when there will be no more."""
     while True:
         try:
             reply = replies.try_recv()

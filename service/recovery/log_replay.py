@@ -1,4 +1,4 @@
-"""Replay from sources' logs: they are asked for what follows the last sample known."""
+"""Replay from sources' logs: they are queried for what follows the last known sample."""
 
 from dataclasses import dataclass
 
@@ -17,9 +17,9 @@ from storage.measurements.samples import SourceKey
 
 @dataclass
 class Replay:
-    """A question to a log that is being answered.
+    """A query to a log that is being replied to.
 
-    trusting: a gap in the answer is a gap in the log. Otherwise it may be a damaged reply, which is asked for again.
+    trusting: a gap in the reply is a gap in the log. Otherwise it may come from a damaged reply, which is requested again.
     """
 
     key: Key
@@ -31,7 +31,7 @@ class Replay:
 
 
 class LogReplays:
-    """Ask logs, and take what they answer. Nothing here waits."""
+    """Queries of logs for the newest samples, and processing of the replies. Nothing here blocks."""
 
     def __init__(
         self, queries: LogQueries, *, sink: BatchSink, reader: ReplyReader, backoff: SourceBackoff, logs: KnownLogs
@@ -43,18 +43,19 @@ class LogReplays:
         self._logs = logs
         self._replays: dict[SourceKey, Replay] = {}
         self._fruitless: BoundedDict[SourceKey, int] = BoundedDict()
-        """From which number on the last question to a log gave nothing new."""
+        """First number of the last query to a log, when it gave nothing new."""
 
     def __len__(self) -> int:
-        """Return how many logs are being asked."""
+        """Return how many logs are being queried."""
         return len(self._replays)
 
     def under_way(self) -> list[SourceKey]:
-        """Return the sources whose logs are being asked."""
+        """Return the sources whose logs are being queried."""
         return list(self._replays)
 
     def ask(self, key: Key, source: SourceKey) -> None:
-        """Ask a log for what follows the last sample known, unless that is being done, too much else, or none is accepted."""
+        """Query a log for what follows the last known sample, unless it is being queried, too many are, or the source is
+        paused."""
         if source in self._replays or len(self._replays) >= log_queries.MOST_QUERIES or not self._backoff.accepts(source):
             return
         first = self._sink.next_sequence(source)
@@ -63,10 +64,10 @@ class LogReplays:
         self._replays[source] = Replay(key, first, replies, trusting)
 
     def collect(self, source: SourceKey, *, most: int) -> tuple[int, Replay | None]:
-        """Take what a log has answered, at most so many batches; return how many there were, and the replay if it ended."""
+        """Process a log's replies, at most `most` batches; return the number of batches, and the replay if it has ended."""
         replay = self._replays[source]
         count = 0
-        self._sink.next_sequence(source)  # asks the database, if it must, before an answer is in hand
+        self._sink.next_sequence(source)  # queries the database, if necessary, before a reply is taken
         for reply in replies_so_far(replay.replies):
             if reply is None:
                 self._end(source, replay)
@@ -79,15 +80,15 @@ class LogReplays:
         return count, None
 
     def leave(self, source: SourceKey) -> None:
-        """Ask a source's log no more."""
+        """Stop querying a source's log."""
         self._replays.pop(source, None)
 
     def clear(self) -> None:
-        """Ask no more."""
+        """Stop all queries."""
         self._replays.clear()
 
     def forget(self) -> None:
-        """Ask no more, and forget what was answered, as after a start."""
+        """Stop all queries and forget their results, as after a start."""
         self._replays.clear()
         self._fruitless.clear()
 
@@ -98,7 +99,7 @@ class LogReplays:
         self._logs.note_answer(source)
         leading = replay.count == 0
         replay.count += 1
-        # What a log begins with is all that it has; a gap behind that is a reply that was damaged or left out.
+        # The log has nothing before its first reply; a gap after that means a damaged or missing reply.
         if arrived is None or (is_behind_gap(arrived, self._sink) and not (leading or replay.trusting)):
             return
         before = self._sink.next_sequence(source)
@@ -114,5 +115,5 @@ class LogReplays:
 
 
 def is_behind_gap(arrived: Arrived, sink: BatchSink) -> bool:
-    """Return whether samples before those of a batch have not come."""
+    """Return whether samples before those of a batch are missing."""
     return 0 < arrived.batch.sequence - sink.next_sequence(arrived.source) <= LARGEST_GAP

@@ -1,6 +1,6 @@
-"""Protocols of those on whom gap recovery relies, besides `Share` and `SourceBackoff`.
+"""Protocols of the parts that gap recovery relies on, besides `Share` and `SourceBackoff`.
 
-Recovery asks sources' logs and decides what is taken in which order; it neither decodes, nor looks into the database, nor
+Recovery queries sources' logs and decides in which order batches are accepted; it neither decodes, nor reads the database, nor
 stores anything itself.
 """
 
@@ -16,24 +16,24 @@ from storage.measurements.samples import SourceKey
 
 
 class BatchSink(Protocol):
-    """Takes batches in the order in which they are to be stored: the write batch."""
+    """Acceptance of batches in the order in which they are to be stored: the write batch."""
 
     def next_sequence(self, source: SourceKey) -> int:
-        """Return the number of the next sample of a source, what is taken included. Raises what the database raises."""
+        """Return the number of the next sample of a source, accepted ones included. Raises the database's errors."""
 
     def take(self, arrived: Arrived) -> None:
         """Hold a batch for storing."""
 
 
 class GapRecords(Protocol):
-    """Remembers which numbers of a source were counted as lost: the journal."""
+    """Record of the numbers of a source that were counted as lost: the journal."""
 
     def sequence_gaps(self, source: SourceKey) -> Sequence[SequenceGap]:
-        """Return the numbers of a source that never came, ascending. Raises what the database raises."""
+        """Return the gaps in a source's numbers, ascending. Raises the database's errors."""
 
 
 class ReplyReader(Protocol):
-    """Decodes what a source's log answers: admission."""
+    """Decoder of the replies of a source's log: admission."""
 
     def replied(self, key: Key, reply: zenoh.Sample) -> Arrived | None:
         """Return a reply as a batch; None when it is rejected or has to wait."""

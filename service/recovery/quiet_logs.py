@@ -1,6 +1,6 @@
-"""Logs of quiet sources: they are asked, as soon as there is room, for what was published and never came.
+"""Logs of quiet sources: they are queried, as soon as there is room, for samples that were published and never came.
 
-Where it is not known yet which source a machine has, its log is asked for any batch first, which tells.
+While a machine's source is unknown, the machine's logs are first queried for any batch, which identifies it.
 """
 
 import zenoh
@@ -18,7 +18,7 @@ from storage.measurements.samples import SourceKey
 
 
 class QuietLogs:
-    """Keep whose logs are to be asked, the longest waiting first. Nothing here waits."""
+    """Queue of logs to be queried, the longest waiting first. Nothing here blocks."""
 
     def __init__(
         self,
@@ -40,18 +40,18 @@ class QuietLogs:
         self._recall = recall
         self._to_ask: dict[tuple[Key, SourceKey | None], None] = {}
         self._discoveries: dict[Key, zenoh.Handler[zenoh.Reply]] = {}
-        """Machines of which it is being asked which sources they have."""
+        """Machines whose sources are being queried."""
 
     def __len__(self) -> int:
-        """Return of how many machines it is being asked which sources they have."""
+        """Return the number of machines whose sources are being queried."""
         return len(self._discoveries)
 
     def add(self, key: Key, source: SourceKey | None = None) -> None:
-        """Let a source's log be asked soon; None: one of the machine's, which is not known yet."""
+        """Queue a source's log for a query; None: one of the machine's that is not known yet."""
         self._to_ask.setdefault((key, source))
 
     def collect(self) -> None:
-        """Ask the logs of sources that have become known, then as many of those that wait as there is room for."""
+        """Query the logs of newly identified sources, then as many queued ones as there is room for."""
         for key in list(self._discoveries):
             self._collect_discovery(key)
         while self._to_ask and len(self._discoveries) + len(self._replays) < log_queries.MOST_QUERIES:
@@ -60,7 +60,7 @@ class QuietLogs:
             self._ask(key, source)
 
     def clear(self) -> None:
-        """Ask no more."""
+        """Stop all queries and empty the queue."""
         self._to_ask.clear()
         self._discoveries.clear()
 

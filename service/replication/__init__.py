@@ -1,1 +1,1 @@
-"""Several processes on one database: leases, and each one's share of the work. It imports `configuration`."""
+"""Several processes on one database: leases, and each process's share of the work. It imports `configuration`."""

@@ -1,4 +1,4 @@
-"""The identification jobs that this replica holds: taken from the queue, and not finished or given back yet."""
+"""The identification jobs that this replica holds: taken from the queue, and not finished or put back yet."""
 
 import logging
 from collections.abc import Collection
@@ -15,16 +15,16 @@ logger = logging.getLogger(__name__)
 
 
 class HeldJobs:
-    """Finishes the jobs that this replica holds, or puts them back into the queue; leaves those that another has taken."""
+    """Finishing and putting back of the jobs that this replica holds; jobs taken over by another are left alone."""
 
     def __init__(self, database: Database, share: Share) -> None:
-        """Read nothing yet. share: tells this replica's number."""
+        """Set up without reading. share: provides this replica's number."""
         self._database = database
         self._share = share
 
     @property
     def holder(self) -> int | None:
-        """Number of this replica; None where it is the only one."""
+        """Return the number of this replica; None when it is the only one."""
         return self._share.holder
 
     def own(self, session: Session, job_id: int) -> JobRow | None:
@@ -40,13 +40,13 @@ class HeldJobs:
         return None
 
     def put_back(self, job_id: int, error: str) -> None:
-        """Put a job back for another attempt, or aside where it has had as many as it may."""
+        """Put a job back for another attempt, or quarantine it after its last one."""
         with self._database.transaction() as session:
             if (row := self.own(session, job_id)) is not None:
                 jobs.put_back(session, row, error)
 
     def put_back_unhurt(self, job_id: int) -> None:
-        """Put a job back without an attempt being counted."""
+        """Put a job back without counting the attempt."""
         with self._database.transaction() as session:
             if (row := self.own(session, job_id)) is not None:
                 jobs.put_back_unhurt(row)
@@ -59,7 +59,8 @@ class HeldJobs:
                 jobs.finish(row, state=jobs.FAILED, error=error)
 
     def fail_unread(self, job_id: int, error: str, *, damaged: bool) -> None:
-        """Finish a job as failed because its data cannot be read. damaged: of the store, which is noted for its machine."""
+        """Finish a job as failed because its data cannot be read. damaged: the store is damaged, which is noted for the
+        machine."""
         logger.error("the data of job %d cannot be read: %s", job_id, error)
         with self._database.transaction() as session:
             row = self.own(session, job_id)
@@ -75,7 +76,7 @@ class HeldJobs:
                 jobs.finish(row, state=jobs.DONE)
 
     def put_back_left(self) -> None:
-        """Put back what an earlier process left unfinished, and what replicas left that are no longer there."""
+        """Put back unfinished jobs of an earlier process, and of replicas that are gone."""
         with self._database.transaction() as session:
             living = [row.id for row in replicas.every(session)] if self._share.holder is not None else []
             left = jobs.put_back_running(session, living=living)
@@ -83,7 +84,7 @@ class HeldJobs:
             logger.info("%d identifications were interrupted and are computed again", left)
 
     def put_back_lost(self, known: Collection[int]) -> None:
-        """Put back jobs that were taken when the database's answer got lost. known: ids of those at work here."""
+        """Put back jobs whose taking was lost with the database's answer. known: ids of those computed here."""
         with self._database.transaction() as session:
             for row in jobs.held_by(session, self._share.holder):
                 if row.id not in known:

@@ -1,4 +1,4 @@
-"""The thread that keeps this process's place among the replicas on one database, and its fair share of the work."""
+"""The thread that keeps this process registered among the replicas on one database, with a fair share of the work."""
 
 import logging
 import math
@@ -19,11 +19,11 @@ from storage.operation import leases, replicas
 logger = logging.getLogger(__name__)
 
 ROUND_S = 2.0
-"""How often a replica says that it lives, and looks whether the others do."""
+"""Interval of heartbeats and of checks of the other replicas."""
 
 
 class Leasing(SupervisedThread):
-    """A replica. What it owns is as of the last round; `require` tells for certain."""
+    """A replica, as a `Share`. Its share is that of the last round; `require` checks it for certain."""
 
     def __init__(self, database: Database, role: Role) -> None:
         super().__init__("leasing", failure="this replica cannot say that it lives", retry_s=ROUND_S, first_pause_s=ROUND_S)
@@ -34,12 +34,12 @@ class Leasing(SupervisedThread):
         self._changes = 0
 
     def start(self) -> None:
-        """Join the others, with a first share."""
+        """Register among the replicas, with a first share."""
         self._round()
         super().start()
 
     def stop(self) -> None:
-        """Leave; what was held is free at once."""
+        """Deregister; what was held is free at once."""
         super().stop()
         if self._number is not None:
             try:
@@ -50,24 +50,24 @@ class Leasing(SupervisedThread):
 
     @property
     def holder(self) -> int | None:
-        """As of Share."""
+        """Return the number of this replica, see `Share`."""
         return self._number
 
     @property
     def changes(self) -> int:
-        """As of Share."""
+        """Return how often the share has changed, see `Share`."""
         return self._changes
 
     def owns(self, machine_id: str) -> bool:
-        """As of Share."""
+        """Return whether this replica stores a machine's samples, see `Share`."""
         return lease_of(machine_id) in self._held
 
     def leads(self, work: str) -> bool:
-        """As of Share."""
+        """Return whether this replica does this work for all, see `Share`."""
         return work in self._held
 
     def require(self, session: Session, machine_ids: Collection[str]) -> None:
-        """As of Share."""
+        """Raise NotHeld unless these machines are this replica's, see `Share`."""
         leases.require(session, {lease_of(one) for one in machine_ids}, holder=self._number or 0)
 
     def turn(self) -> float:
@@ -76,7 +76,7 @@ class Leasing(SupervisedThread):
         return ROUND_S
 
     def _round(self) -> None:
-        """Say that this replica lives, bury the dead, and take or give back what makes the shares fair."""
+        """Send a heartbeat, remove dead replicas, and take or release leases so that the shares are fair."""
         alive = self._number is not None and self._beat(self._number)
         with self._database.transaction() as session:
             joined = not alive
@@ -95,8 +95,8 @@ class Leasing(SupervisedThread):
             self._changes += 1
 
     def _beat(self, number: int) -> bool:
-        """Say that this replica lives, whatever keeps the round waiting; False when it has to join anew."""
-        # Again, should the connection have broken.
+        """Send a heartbeat, independently of the rest of the round; return False when the replica must register again."""
+        # Taken again, in case the connection has broken.
         if not self._database.hold(replicas.LOCK_CLASS, number):
             return False
         with self._database.transaction(beside_others=True) as session:
@@ -125,7 +125,7 @@ class Leasing(SupervisedThread):
 
 
 def _bury(session: Session, number: int) -> None:
-    """Free what a replica held and was computing."""
+    """Remove a replica, freeing its leases and its jobs."""
     leases.give_back_all(session, holder=number)
     for row in jobs.held_by(session, number):
         jobs.put_back_unhurt(row)

@@ -1,4 +1,4 @@
-"""The share of the work that this process does, where several work on one database."""
+"""This process's share of the work, when several work on one database."""
 
 import zlib
 from collections.abc import Collection
@@ -7,51 +7,51 @@ from typing import Protocol
 from sqlalchemy.orm import Session
 
 SHARDS = 32
-"""Parts into which the machines fall for ingest: each part is one replica's at a time."""
+"""Number of parts into which the machines are divided for ingest; one replica at a time stores each."""
 INGEST = tuple(f"machines-{number:02d}" for number in range(SHARDS))
 DELIVERY, GATHERING, RETENTION = "delivery", "gathering", "retention"
 """Work that one replica does for all."""
 
 
 def lease_of(machine_id: str) -> str:
-    """Return the lease that a machine's samples are stored under."""
+    """Return the lease under which a machine's samples are stored."""
     return INGEST[zlib.crc32(machine_id.encode()) % SHARDS]
 
 
 class Share(Protocol):
-    """What is this process's to do. holder: its number among the replicas. changes: counts how often that changed."""
+    """This process's share of the work. holder: its number among the replicas. changes: how often the share has changed."""
 
     @property
     def holder(self) -> int | None:
-        """Return the number of this replica; None where it is the only one."""
+        """Return the number of this replica; None when it is the only one."""
 
     @property
     def changes(self) -> int:
-        """Tell how often what is its to do has changed."""
+        """Return how often the share has changed."""
 
     def owns(self, machine_id: str) -> bool:
-        """Tell whether it stores a machine's samples, as far as it knows."""
+        """Return whether this process stores a machine's samples, as far as it knows."""
 
     def leads(self, work: str) -> bool:
-        """Tell whether it does this work for all, as far as it knows."""
+        """Return whether this process does this work for all, as far as it knows."""
 
     def require(self, session: Session, machine_ids: Collection[str]) -> None:
-        """Raise NotHeld unless these machines are its own until the transaction ends."""
+        """Raise NotHeld unless these machines are this process's until the transaction ends."""
 
 
 class Whole:
-    """All of it: the share of a process that is alone on its database."""
+    """The whole work: the share of a process that is alone on its database."""
 
     holder: int | None = None
     changes = 0
 
     def owns(self, machine_id: str) -> bool:  # noqa: ARG002
-        """Always."""
+        """Return True: it stores all machines."""
         return True
 
     def leads(self, work: str) -> bool:  # noqa: ARG002
-        """Always."""
+        """Return True: it does all work."""
         return True
 
     def require(self, session: Session, machine_ids: Collection[str]) -> None:
-        """Require nothing: nobody else is there."""
+        """Do nothing: there is no other process."""

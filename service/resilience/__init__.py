@@ -1,3 +1,2 @@
-"""Backoff, rate limits, bounded memory and internal errors: means without knowledge of machines. It imports `wire` for the
-words of rejections.
-"""
+"""Backoff, rate limits, bounded memory and internal errors: means that know nothing of machines. They import `wire` for the
+reasons of rejections."""

@@ -1,4 +1,4 @@
-"""Exponential backoff: what failed for a reason of its own is retried later, after twice the pause each time."""
+"""Exponential backoff: work that failed for a reason of its own is retried later, after twice the pause each time."""
 
 import time
 from typing import Generic, TypeVar
@@ -12,7 +12,7 @@ Name = TypeVar("Name")
 
 
 class Backoff(Generic[Name]):
-    """Say which of many, by name, may be tried now. free: so many failures in a row cost no pause."""
+    """Retry times of many pieces of work, by name. free: this many failures in a row cause no pause."""
 
     def __init__(self, *, free: int = 0) -> None:
         self._free = free
@@ -20,19 +20,19 @@ class Backoff(Generic[Name]):
         self._until: BoundedDict[Name, float] = BoundedDict()
 
     def __len__(self) -> int:
-        """Return how many failed when they were last tried."""
+        """Return how many failed at their last attempt."""
         return len(self._failures)
 
     def failures(self, name: Name) -> int:
-        """Return how often in a row one failed."""
+        """Return the number of failures in a row."""
         return self._failures.get(name, 0)
 
     def is_due(self, name: Name) -> bool:
-        """Return whether one may be tried now."""
+        """Return whether an attempt may be made now."""
         return self._until.get(name, 0.0) <= time.monotonic()
 
     def failed(self, name: Name, *, at_once: bool = False) -> float:
-        """Count a failure; return the pause before the next try [s]. at_once: pause also where the failure would be free."""
+        """Count a failure; return the pause before the next attempt [s]. at_once: pause even if the failure is free."""
         count = self._failures.get(name, 0) + 1
         if at_once:
             count = max(count, self._free + 1)
@@ -43,6 +43,6 @@ class Backoff(Generic[Name]):
         return pause
 
     def succeeded(self, name: Name) -> None:
-        """Forget the failures of one."""
+        """Reset the failures."""
         self._failures.pop(name, None)
         self._until.pop(name, None)

@@ -1,4 +1,4 @@
-"""A dictionary of limited size, for what is known of many and can be found out again."""
+"""A dictionary of limited size, for knowledge that can be looked up again."""
 
 from typing import TypeVar
 
@@ -6,7 +6,7 @@ Key = TypeVar("Key")
 Value = TypeVar("Value")
 
 CAPACITY = 100_000
-"""Ten starts of the sources of ten thousand machines."""
+"""Largest number of entries: ten starts of the sources of ten thousand machines."""
 
 
 class BoundedDict(dict[Key, Value]):
@@ -18,7 +18,7 @@ class BoundedDict(dict[Key, Value]):
             del self[next(iter(self))]
 
     def setdefault(self, key: Key, value: Value) -> Value:
-        """Return the value of a key, which is set first where there is none."""
+        """Return the value of a key, setting it first when there is none."""
         if key not in self:
             self[key] = value
         return self[key]

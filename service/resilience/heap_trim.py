@@ -1,4 +1,4 @@
-"""Memory that is free goes back to the system: the C library would keep for itself what a backlog or huge messages took."""
+"""Returning free memory to the system: the C library would keep what a backlog or huge messages took."""
 
 import ctypes
 
@@ -10,16 +10,16 @@ _MOST_HEAPS = -8
 
 
 def share_one_heap() -> None:
-    """Let all threads begun from now on share one heap, where the C library knows how (`mallopt(3)`).
+    """Let all threads started from now on share one heap, if the C library supports it (`mallopt(3)`).
 
-    Of a heap that belongs to a thread nothing gives back what is free at its end: its size is that of the largest moment ever.
-    Threads of the interpreter take turns anyway.
+    Free memory at the end of a thread's own heap is never returned: the heap keeps the size of its largest moment. The
+    interpreter's threads take turns anyway.
     """
     if _set is not None:
         _set(_MOST_HEAPS, 1)
 
 
 def give_back() -> None:
-    """Return free memory to the system, where the C library knows how (`malloc_trim(3)`). Other threads run meanwhile."""
+    """Return free memory to the system, if the C library supports it (`malloc_trim(3)`). Other threads run meanwhile."""
     if _give_back is not None:
         _give_back(0)

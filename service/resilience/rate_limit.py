@@ -1,4 +1,4 @@
-"""Limits how often somebody may ask: token buckets that fill up at a steady rate."""
+"""Rate limits by token buckets that fill at a steady rate."""
 
 import time
 from collections import OrderedDict
@@ -8,7 +8,7 @@ MOST_KEPT = 10_000
 
 
 class RateLimit:
-    """Buckets by name. per_s: tokens that come back each second; burst: as many as a bucket holds."""
+    """Token buckets by name. per_s: tokens added each second; burst: capacity of a bucket."""
 
     def __init__(self, *, per_s: float, burst: float, clock: Callable[[], float] = time.monotonic) -> None:
         self._per_s = per_s
@@ -17,12 +17,12 @@ class RateLimit:
         self._buckets: OrderedDict[str, tuple[float, float]] = OrderedDict()
 
     def take(self, name: str) -> float:
-        """Take a token: 0, or how long to wait until there is one [s]. Called on the event loop only."""
+        """Take a token; return 0, or the wait until there is one [s]. Called on the event loop only."""
         now = self._clock()
         left, at = self._buckets.pop(name, (self._burst, now))
         left = min(self._burst, left + (now - at) * self._per_s)
         taken = left >= 1.0
         self._buckets[name] = (left - 1.0 if taken else left), now
         if len(self._buckets) > MOST_KEPT:
-            self._buckets.popitem(last=False)  # the one not asked for longest, which has filled up most
+            self._buckets.popitem(last=False)  # the least recently used, which has filled up most
         return 0.0 if taken else (1.0 - left) / self._per_s

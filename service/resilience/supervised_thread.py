@@ -1,4 +1,4 @@
-"""The one loop behind the service's background threads: an error ends a turn of the work, never the thread."""
+"""The loop shared by the service's background threads: an error ends one turn of the work, never the thread."""
 
 import logging
 import threading
@@ -10,19 +10,19 @@ from storage.database.claim import DatabaseUnusable
 from storage.database.errors import words
 
 UNEXPECTED = "unexpected error; the log has it"
-"""Told where an error is not the database's."""
+"""Reported when an error is not the database's."""
 
 
 class SupervisedThread(ABC):
-    """Do one piece of work again and again, in a thread of its own, until it is stopped.
+    """A thread that repeats one piece of work until it is stopped.
 
-    A subclass says what one turn does and how long to pause after it. failure: what does not happen while turns fail, such as
-    "runs cannot be closed". retry_s: pause after a turn that failed [s]. first_pause_s: pause before the first turn [s].
+    A subclass defines one turn and the pause after it. failure: what does not happen while turns fail, such as "runs cannot be
+    closed". retry_s: pause after a failed turn [s]. first_pause_s: pause before the first turn [s].
     """
 
     def __init__(self, name: str, *, failure: str, retry_s: float, first_pause_s: float = 0.0) -> None:
         self.trouble: str | None = None
-        """Why the last turn failed; None after one that did not."""
+        """Why the last turn failed; None when it succeeded."""
         self._failure = failure
         self._retry_s = retry_s
         self._first_pause_s = first_pause_s
@@ -31,13 +31,13 @@ class SupervisedThread(ABC):
 
     @abstractmethod
     def turn(self) -> float:
-        """Do the work once; return how long to pause before the next turn [s]."""
+        """Do the work once; return the pause before the next turn [s]."""
 
     def finish(self) -> None:  # noqa: B027 - most threads have nothing to finish
-        """Do what is left to do once the thread is asked to stop."""
+        """Complete remaining work once the thread is asked to stop."""
 
     def failed(self, error: Exception) -> float:
-        """Log an error that ended a turn and keep it as `trouble`; return how long to pause before the next turn [s]."""
+        """Log an error that ended a turn and keep it as `trouble`; return the pause before the next turn [s]."""
         log = logging.getLogger(type(self).__module__)
         if isinstance(error, DBAPIError | DatabaseUnusable):
             self.trouble = f"{self._failure}: {words(error)}"
@@ -48,18 +48,18 @@ class SupervisedThread(ABC):
         return self._retry_s
 
     def start(self) -> None:
-        """Begin."""
+        """Start the thread."""
         self._thread.start()
 
     def stop(self) -> None:
-        """End after the turn under way, and wait for that."""
+        """Stop after the current turn, and wait for it."""
         self._stop.set()
         if self._thread.ident is not None:
             self._thread.join()
 
     @property
     def alive(self) -> bool:
-        """Whether the thread runs."""
+        """Return whether the thread is running."""
         return self._thread.is_alive()
 
     def _run(self) -> None:

@@ -1,7 +1,7 @@
-"""Closing of runs: the thread that gathers the samples of runs that have ended, and sorts in samples that came late.
+"""Closing of runs: the thread that collects the samples of ended runs, and sorts in late samples.
 
-Ingest only notes that a run is over. What belongs to it is read and looked at here, outside of all transactions, and
-then stored in one short transaction for each run: however much a run or a document holds, nobody's storing waits for it.
+Ingest only notes that a run is over. Its samples are read and checked here, outside of all transactions, and then stored in
+one short transaction per run: however large a run or a document is, it does not delay other writers.
 """
 
 import logging
@@ -27,18 +27,18 @@ from storage.tables import RunRow
 logger = logging.getLogger(__name__)
 
 CYCLE_S = 0.2
-"""Between two looks for runs that have ended."""
+"""Pause between two looks for ended runs."""
 LATE_CHECK_S = 2.0
-"""Between two looks for samples that came late."""
+"""Interval between two looks for late samples."""
 RETRY_S = 1.0
 MOST_WINDOWS = 20
-"""Of one machine, before it is another one's turn."""
+"""Windows of one machine that are sorted in before another machine's turn."""
 AT_ONCE = 500
-"""Machines that are looked at together."""
+"""Machines that are checked together."""
 
 
 class Closing(SupervisedThread):
-    """Closes the runs of the machines that this process stores. collector: the one that ends them."""
+    """The thread that closes the runs of the machines that this process stores. collector: the one that ends the runs."""
 
     def __init__(self, database: Database, collector: Collector, share: Share | None = None) -> None:
         super().__init__("closing", failure="runs cannot be closed", retry_s=RETRY_S)
@@ -50,7 +50,7 @@ class Closing(SupervisedThread):
         self._next_late = 0.0
 
     def turn(self) -> float:
-        """Close what has ended; now and then sort in what came late. A stop ends it between two runs."""
+        """Close ended runs; now and then sort in late samples. A stop takes effect between two runs."""
         self.close_ended()
         if time.monotonic() >= self._next_late:
             self._next_late = time.monotonic() + LATE_CHECK_S
@@ -58,7 +58,7 @@ class Closing(SupervisedThread):
         return CYCLE_S
 
     def close_ended(self) -> None:
-        """Close all runs that have ended. One of which this fails holds up no other. Raises what concerns all."""
+        """Close all ended runs; a failure with one does not block the others. Raises errors that affect all runs."""
         with self._database.reading() as session:
             ended = runs.ended(session)
         for run_id, machine_id in ended:
@@ -68,9 +68,9 @@ class Closing(SupervisedThread):
                 self._close(run_id, machine_id)
 
     def sort_in_late(self) -> None:
-        """Sort in what came late, where no more of it comes. A machine of which this fails holds up no other.
+        """Sort in late samples once no more of them come; a failure with one machine does not block the others.
 
-        Raises what concerns all.
+        Raises errors that affect all machines.
         """
         for machine_id in self._with_late():
             if self._stop.is_set():
@@ -118,7 +118,7 @@ class Closing(SupervisedThread):
             quarantine.add(session, [unexpected_error(error, of=of, machine_id=machine_id, what=what)])
 
     def _with_late(self) -> list[str]:
-        """Return the machines of which late samples may wait."""
+        """Return the machines that may have late samples."""
         with self._database.reading() as session:
             own = [machine_id for machine_id in machines.ids(session) if self._share.owns(machine_id)]
         unsettled = [machine_id for machine_id in own if self._collector.late.may_wait(machine_id)]
@@ -127,7 +127,7 @@ class Closing(SupervisedThread):
         return [one for one in unsettled if self._collector.late.may_wait(one) and self._machine_backoff.is_due(one)]
 
     def _note_settled(self, machine_ids: list[str]) -> None:
-        """See by one look at all of them which have nothing late; where one spoils that, each is looked at alone."""
+        """Note which of the machines have no late samples; when the joint query fails, each is checked alone."""
         try:
             with self._collector.lock, self._database.reading() as session:
                 self._collector.late.note_settled(session, machine_ids)
@@ -137,7 +137,7 @@ class Closing(SupervisedThread):
             logger.warning("%d machines cannot be looked at together: one by one", len(machine_ids), exc_info=error)
 
     def _settle(self, machine_id: str) -> None:
-        """Sort in window by window, the runs that this ends closed in between: the next window may lie beside them."""
+        """Sort in window by window, and close the runs that this ends in between: the next window may lie beside them."""
         with self._collector.lock, self._database.reading() as session:
             patience = self._collector.late.patience(session, machine_id)
             windows = [] if patience is None else self._collector.late.windows(session, machine_id)
@@ -157,12 +157,12 @@ class Closing(SupervisedThread):
 
 
 def _version(row: RunRow) -> tuple[object, ...]:
-    """Return what changes when a run ends or is made anew."""
+    """Return the values that change when a run ends or is rebuilt."""
     return row.state, row.time_first, row.time_last, row.times_reopened
 
 
 def _close_with(session: Session, row: RunRow, found: Gathered) -> None:
-    """Close a run with what was gathered, and ask for its identification; a run made anew is identified anew."""
+    """Close a run with its samples and queue its identification, again for a rebuilt run."""
     weakness, reason = found.weakness, row.reason or ""
     quarantine.add(session, damaged_blocks(found.damaged, run_id=row.id, machine_id=row.machine_id))
     runs.close(

@@ -1,4 +1,4 @@
-"""Where the run collection of a machine stands, as it is stored with the samples that brought it there."""
+"""State of a machine's run collection, stored with the samples that led to it."""
 
 from collections.abc import Collection
 from dataclasses import dataclass, field
@@ -16,10 +16,10 @@ from storage.measurements import runs
 
 @dataclass
 class CollectionState:
-    """Where the collection of a machine stands; stored with the samples that brought it there.
+    """State of a machine's run collection, stored with the samples that led to it.
 
-    revision: of the document. seen: time of the newest sample known [ns]. direction: of rotation, as last told. late: where
-    samples came late. bins, rolled_at: of rolling collection, and when it last began anew [ns].
+    revision: of the document. seen: time of the newest known sample [ns]. direction: of rotation, as last reported. late:
+    windows of late samples. bins, rolled_at: of rolling collection, and when it last started anew [ns].
     """
 
     revision: int
@@ -32,7 +32,7 @@ class CollectionState:
 
     @classmethod
     def restored(cls, stored: dict[str, Any]) -> Self:
-        """Return what `stored` gave; an older release knew only the sweep."""
+        """Return the state from the data that `stored` gave; older releases stored only the sweep."""
         operating = stored.get("operating", {"sweep": stored.get("sweep", {})})
         bins = stored.get("bins")
         return cls(
@@ -47,16 +47,16 @@ class CollectionState:
 
     @property
     def is_of_the_future(self) -> bool:
-        """Return whether its newest sample lies ahead of the clock, which was ahead itself when that came."""
+        """Return whether the newest sample lies ahead of the clock, which was itself ahead when it came."""
         return is_ahead(self.seen)
 
     @property
     def is_under_way(self) -> bool:
-        """Return whether it is known what the machine does, which its silence would end."""
+        """Return whether the machine's operating mode is known, so that silence would end it."""
         return self.operating.mode != "unknown" or bool(self.operating.sweep.sweep)
 
     def stored(self) -> dict[str, Any]:
-        """Return it as plain data."""
+        """Return the state as plain data."""
         return {
             "revision": self.revision,
             "seen": self.seen,
@@ -69,11 +69,11 @@ class CollectionState:
 
 
 def standing(session: Session, machine_id: str) -> CollectionState | None:
-    """Return where the collection of a machine stands; None before its first sample."""
+    """Return the state of a machine's run collection; None before its first sample."""
     stored = runs.collector_state(session, machine_id)
     return None if stored is None else CollectionState.restored(stored)
 
 
 def standings(session: Session, machine_ids: Collection[str]) -> dict[str, CollectionState]:
-    """Return where the collection of those of these machines stands of which samples have come."""
+    """Return the states of run collection of those of these machines that have one."""
     return {row.machine_id: CollectionState.restored(row.state) for row in runs.collectors(session, machine_ids)}

@@ -1,4 +1,5 @@
-"""Run collection: new samples of a machine move its state on; runs begin and end. `closing.py` gathers their samples."""
+"""Run collection: new samples of a machine advance its state, by which runs begin and end. `closing.py` collects their
+samples."""
 
 import logging
 import threading
@@ -24,43 +25,44 @@ from storage.measurements import runs, samples
 logger = logging.getLogger(__name__)
 
 ALIVE_PATIENCE = 10.0
-"""A source that is connected is waited for this many times longer than one that is not."""
+"""Factor by which a connected source may be silent longer than one that is not."""
 RECENT = 3_600_000_000_000
-"""A sample no older than an hour [ns] tells what a machine does at present."""
+"""Largest age of a sample that shows a machine's present state: an hour [ns]."""
 
 
 class Collector:
-    """Collects the runs of all machines. All it must remember is stored with the samples, in the same transaction."""
+    """Run collection of all machines. Its whole state is stored with the samples, in the same transaction."""
 
     def __init__(self, *, late_s: float = LATE_PATIENCE_S) -> None:
         self.lock = threading.Lock()
-        """Held while where a machine's collection stands is read and written: ingest and closing both do."""
+        """Held while the state of a machine's collection is read and written, by ingest and by closing."""
         self.late = LateArrivals(patience_s=late_s)
         self._heard: dict[str, float] = {}
         self._silent: set[str] = set()
 
     def forget(self) -> None:
-        """Forget who was heard of when, as after a start."""
+        """Forget when machines were last heard, as after a start."""
         self._heard.clear()
         self._silent.clear()
         self.late.forget()
 
     def note_heard(self, machine_id: str) -> None:
-        """Note that a machine sends, though nothing of it is taken now."""
+        """Note that a machine sends, though nothing is accepted now."""
         self._heard[machine_id] = time.monotonic()
 
     def look_again(self, machine_ids: Collection[str]) -> None:
-        """Look once more at machines for which nothing of what was done is stored."""
+        """Check machines again for which a failed transaction has stored nothing."""
         self._silent.difference_update(machine_ids)
         self.late.look_again(machine_ids)
 
     def seen(self, session: Session, machine_id: str) -> int:
-        """Return the time of the newest sample that run collection knows of [ns]; what comes later but lies before is late."""
+        """Return the time of the newest sample known to run collection [ns]; a sample that arrives later but lies before is
+        late."""
         stored = runs.collector_state(session, machine_id)
         return 0 if stored is None or is_ahead(int(stored["seen"])) else int(stored["seen"])
 
     def feed(self, session: Session, machine: Machine, revision: int, new: Samples) -> None:
-        """Take newly stored samples of one machine, by time. Those before the newest one known are late."""
+        """Process newly stored samples of one machine, by time; those before the newest known one are late."""
         self._heard[machine.id] = time.monotonic()
         self._silent.discard(machine.id)
         now = standing(session, machine.id) or CollectionState(revision)
@@ -85,13 +87,13 @@ class Collector:
         runs.save_collector_state(session, machine.id, now.stored())
 
     def has_fallen_silent(self, machine_id: str, *, silence_s: float, alive: bool) -> bool:
-        """Return whether a machine has newly sent nothing for so long; a source that is alive may take its time."""
+        """Return whether a machine has newly sent nothing for `silence_s`, or longer if its source is alive."""
         heard = self._heard.setdefault(machine_id, time.monotonic())
         waited = time.monotonic() - heard >= silence_s * (ALIVE_PATIENCE if alive else 1.0)
         return waited and machine_id not in self._silent
 
     def note_idle(self, session: Session, machine_ids: Collection[str]) -> None:
-        """Leave alone, until samples come, those of these machines of which it is not known what they do."""
+        """Exclude machines from the check for silence until samples come, if their operating mode is unknown."""
         known = standings(session, machine_ids)
         self._silent |= {
             one for one in machine_ids if one not in known or not (known[one].is_under_way or known[one].is_of_the_future)
@@ -115,13 +117,13 @@ def _revise(session: Session, machine_id: str, now: CollectionState, revision: i
 
 
 def _recent(times: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the times that are of the present [ns]."""
+    """Return the times that lie in the present [ns]."""
     last = latest()
     return times[(times >= last - FUTURE_TOLERANCE - RECENT) & (times <= last)]
 
 
 def _set_back(session: Session, machine_id: str, now: CollectionState, *, seen: int) -> None:
-    """Go on from `seen` [ns] where the newest sample known is of the future: else all that comes would be late until then."""
+    """Continue from `seen` [ns] when the newest known sample lies in the future: else all samples until then would be late."""
     logger.warning("%s: its newest samples are of the future; its state is told from the present on again", machine_id)
     _silence(session, machine_id, now, reason="the clock was set back")
     now.operating = replace(now.operating, since=0)
@@ -174,5 +176,5 @@ def _roll(session: Session, machine: Machine, now: CollectionState, fresh: Sampl
         )
         reason = f"{100 * now.bins.coverage:.0f} % of the speed bins hold samples"
         runs.end_collected(row, times=times, reason=reason)
-    # The next run shares no sample with this one: what is compared later must be independent.
+    # The next run shares no sample with this one: runs that are compared must be independent.
     now.bins, now.rolled_at = SpeedBins.empty(machine), now.seen

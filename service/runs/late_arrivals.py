@@ -1,4 +1,4 @@
-"""Where samples came late, and how long more of them are waited for before they are sorted in."""
+"""Record of late samples, and of how long more of them are awaited before they are sorted in."""
 
 import time
 from collections.abc import Collection
@@ -12,20 +12,20 @@ from service.runs.late_samples import Window, add_late, remove_window
 from storage.measurements import runs
 
 LATE_PATIENCE_S = 10.0
-"""Late samples are sorted in when no more of them have come for this long, …"""
+"""Late samples are sorted in when no more of them have come for this long."""
 LONGEST_LATE_PATIENCE = 10.0
-"""… or, where they do not cease, this many times as long after the first of them."""
+"""Factor of the patience after which late samples are sorted in though more of them come."""
 
 
 class LateArrivals:
-    """Note late samples and hand them out again, window by window. patience_s: how long more of them are waited for."""
+    """Record of late samples, returned window by window. patience_s: how long more of them are awaited."""
 
     def __init__(self, *, patience_s: float) -> None:
         self._patience_s = patience_s
         self._heard: dict[str, tuple[float, float]] = {}
-        """When the first one came that is not sorted in, and the last one."""
+        """When the first and the last late sample came that are not sorted in."""
         self._settled: set[str] = set()
-        """Machines of which none wait."""
+        """Machines without late samples."""
 
     def forget(self) -> None:
         """Forget when samples came, as after a start."""
@@ -33,11 +33,11 @@ class LateArrivals:
         self._settled.clear()
 
     def look_again(self, machine_ids: Collection[str]) -> None:
-        """Look once more whether samples of these machines wait."""
+        """Check again whether these machines have late samples."""
         self._settled.difference_update(machine_ids)
 
     def note(self, session: Session, machine_id: str, now: CollectionState, times: NDArray[int64]) -> None:
-        """Note in `now` what must be sorted in; what lies in the open run will be read when that is closed."""
+        """Note late samples in `now`; those within the open run are read when it is closed."""
         row = runs.current(session, machine_id)
         if row is not None:
             times = times[times < row.time_first]
@@ -53,14 +53,12 @@ class LateArrivals:
         return machine_id not in self._settled
 
     def note_settled(self, session: Session, machine_ids: Collection[str]) -> None:
-        """Leave alone, until samples come late, those of these machines of which none wait."""
+        """Note which of these machines have no late samples."""
         known = standings(session, machine_ids)
         self._settled |= {one for one in machine_ids if one not in known or not known[one].late}
 
     def patience(self, session: Session, machine_id: str) -> float | None:
-        """Return how long more late samples of a machine are waited for [s]; None while they still come, or where there are
-        none.
-        """
+        """Return how long late samples of a machine were awaited [s]; None while they still come, or without any."""
         now = standing(session, machine_id)
         if now is None or not now.late:
             self._settled.add(machine_id)
@@ -73,12 +71,12 @@ class LateArrivals:
         return self._patience_s
 
     def windows(self, session: Session, machine_id: str) -> list[Window]:
-        """Return where samples of a machine came late and are not sorted in, ascending."""
+        """Return the windows of late samples of a machine that are not sorted in, ascending."""
         now = standing(session, machine_id)
         return [] if now is None else now.late
 
     def take(self, session: Session, machine_id: str, window: Window) -> bool:
-        """Note that a window, as of `late.by_run`, is sorted in; False where more came into it since."""
+        """Note that a window, as of `late_samples.by_run`, is sorted in; return False when more samples came into it since."""
         now = standing(session, machine_id)
         left = None if now is None else remove_window(now.late, window)
         if now is None or left is None:

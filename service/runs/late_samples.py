@@ -1,11 +1,11 @@
-"""Samples that come after run collection has passed their time: sorted into the runs that they belong to.
+"""Late samples, which come after run collection has passed their time: sorted into the runs that they belong to.
 
-The stretch of time in which they came is gone through again, from the store and with the same state machine. A sweep found
-there that was collected before is reopened: made anew with all its samples and identified again. One that nobody knew of,
-such as a whole run-down after an hour without a network, becomes a run of its own. Each time a run was reopened it waits
-twice as long for more: samples that trickle in over a day cost a dozen identifications, not one each.
+The stretch of time in which they lie is evaluated again, from the store and with the same state machine. A sweep found there
+that was collected before is reopened: rebuilt with all its samples and identified again. An unknown sweep, such as a whole
+run-down after an hour without a network, becomes a run of its own. Each time a run was reopened it waits twice as long for
+more: samples that trickle in over a day cost a dozen identifications, not one each.
 
-`plan` reads and looks, which may take seconds; `apply` then writes what follows in no time.
+`plan` reads and decides, which may take seconds; `apply` then writes the result quickly.
 """
 
 import logging
@@ -29,16 +29,16 @@ from storage.tables import RunRow
 logger = logging.getLogger(__name__)
 
 Window = list[int]
-"""Revision of the document, first and last time of samples that came late [ns], how many."""
+"""Revision of the document, first and last time of late samples [ns], and their number."""
 
 BESIDE = 120_000_000_000
-"""Late samples this near to each other [ns] are looked at together, and with what was known so near to them."""
+"""Late samples this near to each other [ns] are evaluated together, with the known samples this near to them."""
 LARGEST_COUNT = 100
-"""Windows remembered of one machine; beyond this the two oldest are looked at as one."""
+"""Windows recorded per machine; beyond it the two oldest are merged."""
 
 
 def add_late(windows: list[Window], revision: int, times: list[int]) -> list[Window]:
-    """Return the windows with more late samples, ascending."""
+    """Return the windows extended by more late samples, ascending."""
     merged: list[Window] = []
     for window in sorted([*windows, *([revision, time, time, 1] for time in times)]):
         if merged and merged[-1][0] == window[0] and window[1] - merged[-1][2] <= BESIDE:
@@ -56,11 +56,11 @@ def _joined(one: Window, other: Window) -> Window:
 
 @dataclass(frozen=True)
 class LateSamplesPlan:
-    """Changes to the runs of a machine that sorting in the samples of one window causes.
+    """Changes to the runs of a machine that follow from the samples of one window.
 
-    added: sweeps that nobody knew of, with their sense of rotation. remade: runs that are made anew, by id, with the sweep
-    that each is now. joined: runs that become part of another one, by id. left_out: runs that cannot be made anew, and why
-    not; damaged: what is wrong with the blocks that this needs. basis: what it rests on, see `still_holds`.
+    added: unknown sweeps, with their sense of rotation. remade: runs to be rebuilt, by id, with the sweep that each is now.
+    joined: runs that become part of another one, by id. left_out: runs that cannot be rebuilt; why: the reason; damaged:
+    faults of the blocks needed. basis: the state it relies on, see `still_holds`.
     """
 
     machine_id: str
@@ -75,7 +75,7 @@ class LateSamplesPlan:
 
 
 def by_run(session: Session, machine_id: str, windows: Sequence[Window]) -> list[Window]:
-    """Return the windows, ascending, those that lie in one run as one, so that it is made anew once."""
+    """Return the windows, ascending, merging those that lie in one run, so that it is rebuilt once."""
     merged: list[Window] = []
     inside: set[int] = set()
     for window in windows:
@@ -91,7 +91,7 @@ def by_run(session: Session, machine_id: str, windows: Sequence[Window]) -> list
 
 
 def remove_window(windows: Sequence[Window], window: Window) -> list[Window] | None:
-    """Return the windows left when those that make up one of `by_run` are sorted in; None where more came into it since."""
+    """Return the windows left after sorting in one of `by_run`; None when more samples came into it since."""
     revision, first, last, count = window
     inside = [one for one in windows if one[0] == revision and one[1] <= last and one[2] >= first]
     if sum(one[3] for one in inside) != count or any(one[1] < first or one[2] > last for one in inside):
@@ -100,10 +100,10 @@ def remove_window(windows: Sequence[Window], window: Window) -> list[Window] | N
 
 
 def plan(session: Session, machine_id: str, window: Window, *, patience_s: float) -> LateSamplesPlan | None:
-    """Look what is to be done for the samples of a window; None when they must wait.
+    """Return the changes for the samples of a window; None when they must wait.
 
-    They wait for a run beside them that is not closed yet, and for one that was made anew not long ago: the first time for
-    `patience_s`, then for twice as long each time.
+    They wait for a run beside them that is not closed yet, and for one that was rebuilt recently: the first time for
+    `patience_s`, then twice as long each time.
     """
     revision, first, last, _ = window
     machine = machines.document(session, machine_id, revision)
@@ -112,7 +112,7 @@ def plan(session: Session, machine_id: str, window: Window, *, patience_s: float
         return found
     beside = runs.touching(session, machine_id, revision=revision, first=first - BESIDE, last=last + BESIDE)
     before = round(1e9 * machine.collection.pre_trigger_s)
-    # So near to a run they may lengthen it.
+    # Samples this near to a run may extend it.
     near = max(OperatingLimits.of(machine).sweep.gap, before)
     if any(_is_unfinished(row) or (_holds(row, first - near, last + near) and _waits(row, patience_s)) for row in beside):
         return None
@@ -132,7 +132,7 @@ def plan(session: Session, machine_id: str, window: Window, *, patience_s: float
 
 
 def still_holds(session: Session, found: LateSamplesPlan) -> bool:
-    """Return whether the runs beside a window, and how far back the blocks reach, are as they were for the plan."""
+    """Return whether the runs beside a window, and how far back the blocks reach, are unchanged since the plan."""
     return found.basis == _basis(session, found.machine_id, found.window)
 
 
@@ -149,7 +149,7 @@ def _match(
     sweeps: Sequence[tuple[RunEnded, int]],
     concerned: Callable[[int, int], bool],
 ) -> None:
-    """Note in a plan which runs the sweeps that the store now tells of make anew, join, or add."""
+    """Add to a plan which runs the sweeps found now rebuild, join, or add."""
     left = list(beside)
     for sweep, direction in sweeps:
         known = [row for row in left if row.kind == sweep.kind and _overlap(row, sweep)]
@@ -160,17 +160,17 @@ def _match(
         found.remade[known[0].id] = sweep
         found.joined.update({other.id: known[0].id for other in known[1:]})
     for row in left:
-        # With the late samples the sweep looks otherwise; it keeps its bounds and gets its samples.
+        # With the late samples no such sweep is found; the run keeps its bounds and gets the samples.
         same = RunEnded(row.time_first, row.time_last or row.time_first, _kind(row), row.reason or "")
         if concerned(same.start, same.time):
             found.remade[row.id] = same
 
 
 def apply(session: Session, found: LateSamplesPlan) -> None:
-    """Do what a plan says; runs that are added or made anew have ended then, and get their samples when they are closed."""
+    """Apply a plan; added and rebuilt runs are then ended, and get their samples when they are closed."""
     machine_id, (revision, _, _, count) = found.machine_id, found.window
     for run_id in found.left_out:
-        # Made anew from the blocks that are left, runs would lose what they have.
+        # Rebuilt from the remaining blocks, runs would lose samples.
         runs.leave_out(runs.get(session, run_id), count)
     if found.left_out:
         logger.warning("%s: %d samples came too late for their run, whose blocks %s", machine_id, count, found.why)
@@ -190,17 +190,17 @@ def apply(session: Session, found: LateSamplesPlan) -> None:
 
 
 def _is_unfinished(row: RunRow) -> bool:
-    """Return whether a run has not got its samples yet."""
+    """Return whether a run does not have its samples yet."""
     return row.state in (runs.OPEN, runs.ENDED)
 
 
 def _holds(row: RunRow, first: int, last: int) -> bool:
-    """Return whether some of the time from first to last [ns] is a run's."""
+    """Return whether a run overlaps the time from first to last [ns]."""
     return row.time_first <= last and (row.time_last or row.time_first) >= first
 
 
 def _waits(row: RunRow, patience_s: float) -> bool:
-    """Return whether a run was made anew so short a time ago that more may come."""
+    """Return whether a run was rebuilt so recently that more samples may come."""
     if row.reopened_at is None:
         return False
     return now() < row.reopened_at + 1e9 * patience_s * 2.0 ** (row.times_reopened or 0)
@@ -217,8 +217,9 @@ def _overlap(row: RunRow, sweep: RunEnded) -> bool:
 def _sweeps(
     session: Session, machine: Machine, revision: int, begin: int, end: int, damaged: list[str]
 ) -> list[tuple[RunEnded, int]]:
-    """The sweeps between two times [ns] as the store now tells them, each with its sense of rotation. damaged: gets what is
-    wrong with blocks that are left out.
+    """Return the sweeps between two times [ns] as now stored, each with its sense of rotation.
+
+    damaged: receives the faults of blocks that are left out.
     """
     held = samples.between(
         session,
@@ -244,7 +245,7 @@ def _sweeps(
 
 
 def _reopen(session: Session, row: RunRow, sweep: RunEnded) -> None:
-    """Make a closed run anew with what came late."""
+    """Reopen a closed run to be rebuilt with late samples."""
     row.reopened_at, row.times_reopened = now(), (row.times_reopened or 0) + 1
     if sweep.start != row.time_first:
         row.time_first = runs.free_start(session, row.machine_id, sweep.start)

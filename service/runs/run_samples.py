@@ -1,4 +1,4 @@
-"""The samples that a run consists of, and whether they are worth an identification. Reads only, and may take its time."""
+"""The samples that a run consists of, and whether they suffice for an identification. Reads only, and may take its time."""
 
 from dataclasses import dataclass
 
@@ -16,18 +16,18 @@ from storage.measurements import runs, samples
 from storage.tables import RunRow
 
 FEWEST_SAMPLES = 20
-"""A run of fewer samples is not identified."""
+"""Smallest number of samples of a run that is identified."""
 SMALLEST_SPAN = 0.2
-"""Nor is one that covers less than this part of the machine's speed range."""
+"""Smallest part of the machine's speed range that an identified run covers."""
 LARGEST_READ = 1_600_000
-"""Phasors of a run that are looked at, 100,000 samples of 16 channels; of more only every second, third, … sample is."""
+"""Phasors of a run that are read, 100,000 samples of 16 channels; of more only every second, third, … sample is."""
 
 
 @dataclass(frozen=True)
 class Gathered:
-    """What an ended run consists of. data: the samples encoded. weakness: why it is not worth an identification, if it is not.
+    """The contents of an ended run. data: the encoded samples. weakness: why it does not suffice for an identification, if so.
 
-    coverage: None without samples. damaged: what is wrong with blocks that it is without.
+    coverage: None without samples. damaged: faults of blocks that are left out.
     """
 
     samples: Samples
@@ -38,12 +38,12 @@ class Gathered:
 
 
 def largest_read(channels: int) -> int:
-    """Samples of so many channels that are looked at together."""
+    """Return the number of samples of `channels` channels that are read together."""
     return max(1, LARGEST_READ // channels)
 
 
 def gathered(session: Session, row: RunRow) -> Gathered:
-    """The samples of an ended run, by time."""
+    """Return the samples of an ended run, by time."""
     machine = machines.document(session, row.machine_id, row.revision)
     extent = runs.extent(session, row.id)
     damaged: list[str] = []
@@ -69,9 +69,9 @@ def gathered(session: Session, row: RunRow) -> Gathered:
 
 
 def _sweep(session: Session, machine: Machine, row: RunRow, *, first: int, last: int, damaged: list[str]) -> Samples:
-    """What a sweep from first to last [ns] captures, by time: in the row's sense of rotation and the speed range.
+    """Return the samples of a sweep from first to last [ns], by time, in the row's sense of rotation and the speed range.
 
-    Samples shortly before it belong to it too, as far as they do not belong to the run before.
+    Samples shortly before it belong to it too, unless they belong to the run before.
     """
     begin = max(first - round(1e9 * machine.collection.pre_trigger_s), runs.end_before(session, row, first) + 1)
     found = samples.between(
@@ -89,7 +89,8 @@ def _sweep(session: Session, machine: Machine, row: RunRow, *, first: int, last:
 
 
 def _captured(machine: Machine, held: Samples) -> Samples:
-    """By change of speed and time where the document asks for it; thinned where there are far too many."""
+    """Return the samples selected by change of speed and time, if the document asks for it; thinned when there are far too
+    many."""
     rules = machine.collection
     kept = held.pick(
         captured(
@@ -103,13 +104,13 @@ def _captured(machine: Machine, held: Samples) -> Samples:
 
 
 def _once(held: Samples) -> Samples:
-    """One sample per instant: a source that began anew, or a second one, may have told of the same instants again."""
+    """Return one sample per time: a restarted source, or a second one, may have sent the same times again."""
     _, first = np.unique(held.time, return_index=True)
     return held.pick(first)
 
 
 def _weakness(machine: Machine, held: Samples) -> str | None:
-    """Why a run is not worth an identification, if it is not."""
+    """Return why a run does not suffice for an identification; None when it does."""
     if len(held) < FEWEST_SAMPLES:
         return f"not identified: {len(held)} samples, {FEWEST_SAMPLES} are needed"
     limits = SweepLimits.of(machine.speed_range)

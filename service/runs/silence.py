@@ -1,4 +1,4 @@
-"""Runs of machines that have fallen silent are ended, in short transactions: samples of others wait meanwhile."""
+"""Ending the runs of silent machines, in short transactions: samples of others wait meanwhile."""
 
 import logging
 import time
@@ -19,11 +19,11 @@ from storage.measurements import quarantine
 logger = logging.getLogger(__name__)
 
 AT_ONCE = 500
-"""Machines that are looked at together."""
+"""Machines that are checked together."""
 LONGEST_TRANSACTION_S = 0.03
-"""After so long no further machine is taken into a transaction that ends runs."""
+"""Time after which no further machine is added to a transaction that ends runs."""
 LONGEST_ENDING_S = 0.1
-"""After so long the runs of further machines are left for the next time: samples wait."""
+"""Time after which further machines are left for the next call: samples wait."""
 
 
 class _Damaged(Exception):
@@ -35,7 +35,7 @@ class _Damaged(Exception):
 
 
 class SilentMachines:
-    """End the runs of machines that have fallen silent. For the ingest thread only."""
+    """Ending of the runs of silent machines. For the ingest thread only."""
 
     def __init__(self, database: Database, collector: Collector, share: Share) -> None:
         self._database = database
@@ -44,10 +44,10 @@ class SilentMachines:
         self._backoff = Backoff[str]()
 
     def end_runs(self, *, silence_s: float, alive: Set[str]) -> None:
-        """End the runs of as many machines as this may take time for; those of the others are ended the next time.
+        """End the runs of as many silent machines as time allows; the others follow in the next call.
 
-        A machine of which this fails holds up no other: it is tried again, after a longer pause each time.
-        alive: machines of which a source is connected.
+        A failure with one machine does not block the others; it is retried, after a longer pause each time. alive: machines
+        with a connected source.
         """
 
         def is_due(machine_id: str) -> bool:
@@ -60,7 +60,7 @@ class SilentMachines:
             due = self._end_some(due)
 
     def _without_idle(self, is_due: Callable[[str], bool]) -> list[str]:
-        """Return the machines that are due, but for those of which one look shows that nothing is to be done."""
+        """Return the machines that are due, except those for which nothing is to be done."""
         with self._database.reading() as session:
             due = [one for one in machines.ids(session) if self._share.owns(one) and is_due(one)]
         for first in range(0, len(due), AT_ONCE):
@@ -68,7 +68,7 @@ class SilentMachines:
         return list(filter(is_due, due))
 
     def _note_idle(self, machine_ids: Collection[str]) -> None:
-        """Look at all of them together; where one spoils that, each is looked at alone."""
+        """Note which machines are idle; when the joint query fails, each is checked alone."""
         try:
             with self._database.reading() as session:
                 self._collector.note_idle(session, machine_ids)
@@ -89,7 +89,7 @@ class SilentMachines:
                     done.append(left.pop(0))
                     self._end(session, done[-1])
         except _Damaged as error:
-            # Behind damage, SQLite takes nothing more in a transaction: the others are ended in another one.
+            # After damage, SQLite accepts nothing more in a transaction: the others are ended in another one.
             pause = self._backoff.failed(error.machine_id, at_once=True)
             self._database.damage.concerns(error.machine_id)
             logger.error("%s: its run cannot be ended; tried again in %.0f s", error.machine_id, pause)
@@ -101,7 +101,7 @@ class SilentMachines:
         return left
 
     def _end(self, session: Session, machine_id: str) -> None:
-        """End the run of one machine in a savepoint: where that fails, the others are ended all the same."""
+        """End the run of one machine in a savepoint, so that a failure does not affect the others."""
         try:
             with session.begin_nested():
                 self._collector.end_silent(session, machine_id)

@@ -1,3 +1,2 @@
-"""Publishers of samples: live, recorded and simulated, with the logs from which they answer replay queries. It imports
-`wire`, `configuration` and `export`; what it publishes arrives in `ingest`.
-"""
+"""Publishers of samples, live, recorded and simulated, with the logs from which they reply to replay queries. They import
+`wire`, `configuration` and `export`; what they publish arrives in `ingest`."""

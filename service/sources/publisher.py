@@ -1,8 +1,8 @@
-"""A source of samples, as any edge device would be one: numbers its samples, keeps a log and answers replay queries.
+"""A source of samples as an edge device would be one: it numbers its samples, keeps a log and replies to replay queries.
 
-Publishing never blocks on the network and may lose messages on the way (congestion, a service that restarts); the log is what
-makes the store complete. With a `DurableLog` the source goes on with the next number after its process was killed. Sources
-without a log work too: what they lose is counted, not healed.
+Publishing never blocks on the network and may lose messages on the way (congestion, a restart of the service); the log makes
+the store complete. With a `DurableLog` the source continues with the next number after its process was killed. Sources without
+a log work too: what they lose is counted, but not recovered.
 """
 
 import logging
@@ -19,7 +19,7 @@ logger = logging.getLogger(__name__)
 
 
 class Source:
-    """One source of one machine; log: what it published before, in memory unless given. It closes the log at its end."""
+    """One source of one machine. log: its published batches, in memory by default; the source closes it at its end."""
 
     def __init__(
         self, session: zenoh.Session, key: Key, *, name: str, encoding: str = MESSAGEPACK, log: SourceLog | None = None
@@ -35,7 +35,7 @@ class Source:
         self._status: zenoh.Queryable[None] | None = None
 
     def declare_status(self, status: Callable[[], bytes]) -> None:
-        """Answer queries on `…/status` with what `status` gives, in JSON."""
+        """Reply to queries on `…/status` with the JSON that `status` returns."""
 
         def answer(query: zenoh.Query) -> None:
             with query:
@@ -48,7 +48,7 @@ class Source:
 
     @property
     def epoch(self) -> int:
-        """Return the epoch of its log."""
+        """Return the epoch of the log."""
         return self.log.epoch
 
     @property
@@ -57,17 +57,17 @@ class Source:
         return self.log.next_sequence
 
     def publish(self, batch: SampleBatch, *, position: str | None = None) -> None:
-        """Number a batch, log it and, once it is in the log, send it.
+        """Log a batch under the next numbers and, once it is logged, send it.
 
-        position: kept with it, to go on from after a restart. Not for use from several threads at once. Raises LogError; then
-        nothing was numbered, and the batch can be given again.
+        position: stored with it, to continue from after a restart. Not for concurrent use by several threads. Raises LogError;
+        then nothing was numbered, and the batch can be published again.
         """
         batch.source, batch.epoch, batch.sequence = self.name, self.log.epoch, self.log.next_sequence
         payload = encode_batch(batch, self._encoding)
         self.log.append(LogEntry(batch.sequence, len(batch.time_ns), payload, self._encoding, position), logged=self._send)
 
     def close(self) -> None:
-        """Send what is still to be logged, then leave the network."""
+        """Log and send what is pending, then leave the network."""
         self._token.undeclare()
         self._queryable.undeclare()
         if self._status is not None:

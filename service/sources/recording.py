@@ -1,4 +1,4 @@
-"""Recorded runs: a CSV file with a header line, and a sidecar YAML beside it that says what its columns mean."""
+"""Recorded runs: a CSV file with a header line, and beside it a sidecar YAML that describes its columns."""
 
 import cmath
 import csv
@@ -23,7 +23,7 @@ from storage.clock import from_datetime
 from storage.database.private_files import prepare
 
 LONGEST_S = 1e9
-"""No recording is longer than thirty years [s]."""
+"""Longest recording: thirty years [s]."""
 
 
 class RecordedChannel(BaseModel):
@@ -37,7 +37,7 @@ class RecordedChannel(BaseModel):
 
 
 class Sidecar(BaseModel):
-    """What the columns of a recording mean; `FILE.yaml` beside `FILE.csv`."""
+    """Description of a recording's columns; `FILE.yaml` beside `FILE.csv`."""
 
     model_config = ConfigDict(extra="forbid")
 
@@ -116,7 +116,7 @@ def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
 
 
 def write_recording(path: Path, machine: Machine, *, speed_rpm: Floats, phasor: Complexes, interval_s: float) -> None:
-    """Write a run as CSV with its sidecar beside it, for their owner only, to be read by `read_recording`.
+    """Write a run as CSV with its sidecar, readable by their owner only, for `read_recording`.
 
     speed_rpm: (S,) [r/min]. phasor: (S, m) at the machine's probes, 0-to-peak [m]; written in µm peak-to-peak, phase lag.
     """
@@ -147,7 +147,7 @@ def write_recording(path: Path, machine: Machine, *, speed_rpm: Floats, phasor: 
 
 
 def read_sidecar(path: Path) -> Sidecar:
-    """Raise UnreadableFile, which names every wrong field."""
+    """Return a sidecar; raise UnreadableFile, naming every wrong field."""
     try:
         return Sidecar.model_validate(read_yaml(path))
     except ValidationError as error:

@@ -1,4 +1,4 @@
-"""The log of the batches that a source published, from which it answers replay queries.
+"""The log of the batches that a source published, from which it replies to replay queries.
 
 `MemoryLog` lives as long as its process. `service/sources/sqlite_replay_log.py` outlives it.
 """
@@ -16,16 +16,16 @@ LOG_SAMPLES = 200_000
 LOG_BYTES = 256 << 20
 """Bytes of payload kept for replay."""
 LARGEST_REPLY_COUNT = 2_000
-"""Batches in answer to one query, …"""
+"""Largest number of batches in the reply to one query."""
 LARGEST_REPLY_BYTES = 8 << 20
-"""… and bytes; the asker comes back for more."""
+"""Largest number of bytes in the reply to one query; the receiver then asks again."""
 
 Logged = Callable[["LogEntry"], None]
-"""Called with each entry once it is in the log, in order."""
+"""Callback that receives each entry once it is in the log, in order."""
 
 
 class LogError(RuntimeError):
-    """The log cannot be used, for the reason in words. Nothing of what was refused is in it or on the wire."""
+    """The log cannot be used; the message states the cause. A refused entry is neither in the log nor on the wire."""
 
 
 class LogInUse(LogError):
@@ -33,11 +33,11 @@ class LogInUse(LogError):
 
 
 class LogDamaged(LogError):
-    """The file is no log, or is broken."""
+    """The file is not a log, or is broken."""
 
 
 class LogFull(LogError):
-    """There is no room left on the disk."""
+    """The disk is full."""
 
 
 class LogOfAnother(LogError):
@@ -46,9 +46,10 @@ class LogOfAnother(LogError):
 
 @dataclass(frozen=True)
 class LogEntry:
-    """A batch as published: number of its first sample, how many samples, its payload and the payload's zenoh encoding.
+    """A batch as published: number of its first sample, number of samples, payload and the payload's zenoh encoding.
 
-    position: how far the source has read its own input when this batch is out, in its own words; None when it has none.
+    position: how far the source has read its own input when this batch is sent, in the source's own format; None for no
+    position.
     """
 
     first: int
@@ -60,10 +61,10 @@ class LogEntry:
 
 @dataclass(frozen=True)
 class LogStatus:
-    """What a log holds and what it no longer holds.
+    """Contents of a log, and what it has dropped.
 
     oldest: number of the first sample that can be replayed. waiting: batches that are accepted and not yet in the log.
-    trouble: why it takes nothing now.
+    trouble: why it accepts nothing now.
     """
 
     epoch: int
@@ -81,7 +82,7 @@ class SourceLog(Protocol):
 
     @property
     def epoch(self) -> int:
-        """Return the source's epoch: a new one only where the log before was lost."""
+        """Return the source's epoch; it is new only when the log before was lost."""
 
     @property
     def next_sequence(self) -> int:
@@ -95,26 +96,26 @@ class SourceLog(Protocol):
         """Accept an entry, which must begin at `next_sequence`. Raises LogError; then it was not accepted."""
 
     def entries_from(self, first: int, limit: int) -> list[LogEntry]:
-        """Return entries that hold sample `first` and later ones, the oldest first, `limit` or fewer."""
+        """Return at most `limit` entries that hold sample `first` and later ones, the oldest first."""
 
     def status(self) -> LogStatus:
-        """Tell what it holds now."""
+        """Return the present state of the log."""
 
     def flush(self) -> None:
         """Wait until all that was accepted is in the log. Raises LogError."""
 
     def close(self) -> None:
-        """Accept no more."""
+        """Stop accepting entries."""
 
 
 def require_next(entry: LogEntry, next_sequence: int) -> None:
-    """Raise ValueError for an entry that leaves a hole or overlaps."""
+    """Raise ValueError for an entry that leaves a gap or overlaps."""
     if entry.first != next_sequence or entry.count < 1:
         raise ValueError(f"{entry.count} samples from number {entry.first} do not follow {next_sequence - 1}")
 
 
 class MemoryLog:
-    """The newest batches in memory, at most so many samples and bytes. An epoch of its own for each."""
+    """A log of the newest batches in memory, limited in samples and bytes. Each has an epoch of its own."""
 
     def __init__(self, *, samples: int = LOG_SAMPLES, payload_bytes: int = LOG_BYTES) -> None:
         self.epoch = time.time_ns()
@@ -128,7 +129,7 @@ class MemoryLog:
         self._lock = threading.Lock()
 
     def append(self, entry: LogEntry, *, logged: Logged) -> None:
-        """As `SourceLog`."""
+        """Accept an entry, see `SourceLog.append`."""
         with self._lock:
             require_next(entry, self.next_sequence)
             self._entries.append(entry)
@@ -143,22 +144,22 @@ class MemoryLog:
         logged(entry)
 
     def entries_from(self, first: int, limit: int) -> list[LogEntry]:
-        """As `SourceLog`."""
+        """Return entries, see `SourceLog.entries_from`."""
         with self._lock:
             wanted = (entry for entry in self._entries if entry.first + entry.count > first)
             return list(itertools.islice(wanted, limit))
 
     def status(self) -> LogStatus:
-        """As `SourceLog`."""
+        """Return the present state, see `SourceLog.status`."""
         with self._lock:
             oldest = self._entries[0].first if self._entries else self.next_sequence
             return LogStatus(self.epoch, self.next_sequence, oldest, self._held_samples, self._held_bytes, oldest)
 
     def flush(self) -> None:
-        """Nothing waits: all that was accepted is in the log."""
+        """Do nothing: all that was accepted is in the log."""
 
     def close(self) -> None:
-        """Release nothing."""
+        """Do nothing: memory needs no release."""
 
     def _too_much(self) -> bool:
         return self._held_samples > self._samples or self._held_bytes > self._payload_bytes

@@ -1,6 +1,6 @@
 """The plant simulator: machines that run up, hold and coast down week after week, published as a real source would.
 
-Each machine lives a story; what was true in each run can be written to a file, so that estimates can be compared with it.
+Each machine follows a story. The true parameters of each run can be written to a file, for comparison with the estimates.
 """
 
 import json
@@ -36,7 +36,7 @@ from service.wire import WIRE_SCHEMA, Key, SampleBatch
 logger = logging.getLogger(__name__)
 
 RUN_UP_S, HOLD_S, RUN_DOWN_S = 1200.0, 60.0, 2400.0
-"""As slow as the steady state asks for, in which simulated phasors are computed."""
+"""Durations of a cycle's phases [s], slow enough for the steady state in which simulated phasors are computed."""
 HOLD_SAMPLES = 6
 BATCH_SAMPLES = 10
 HEALTHY_PART = 0.5
@@ -45,10 +45,10 @@ HEALTHY_PART = 0.5
 
 @dataclass(frozen=True)
 class SimulationPlan:
-    """How a simulation goes: cycles of run-up and run-down, `interval_s` apart in the machines' time.
+    """Schedule of a simulation: cycles of run-up and run-down, `interval_s` apart in the machines' time.
 
-    samples: per sweep. rate: samples per second of the clock and machine, which makes the time between cycles vanish; None
-    publishes in real time. linger_s: how long the source stays to answer replay queries after its last sample.
+    samples: per sweep. rate: samples per second and machine by the wall clock, without waiting between cycles; None publishes
+    in real time. linger_s: how long the source stays to reply to replay queries after its last sample.
     """
 
     cycles: int
@@ -60,14 +60,14 @@ class SimulationPlan:
 
 
 class TruthFile:
-    """Where the simulator writes what was true in each run, a JSON line a run."""
+    """File of the true parameters of each run, one JSON line per run."""
 
     def __init__(self, file: TextIO | None) -> None:
         self._file = file
         self._lock = threading.Lock()
 
     def write(self, machine: Machine, kind: RunKind, last_time: int, truth: Truth) -> None:
-        """Note one run, which its machine and the time of its last sample identify."""
+        """Write one run, identified by its machine and the time of its last sample."""
         if self._file is None:
             return
         names = [c.name for c in truth.unknowns.coefficients]
@@ -89,9 +89,9 @@ def simulate(
     truth_path: Path | None,
     stop: threading.Event,
 ) -> None:
-    """Publish all machines at once, each from a thread of its own, until their stories are told or `stop` is set.
+    """Publish all machines concurrently, each from a thread of its own, until their stories end or `stop` is set.
 
-    Raises ValueError, before anything is published, for a machine that cannot live its story.
+    Raises ValueError, before anything is published, for a machine that cannot follow its story.
     """
     file = truth_path.open("w", encoding="utf-8") if truth_path is not None else None
     try:
@@ -112,7 +112,7 @@ def simulate(
 
 
 class _Life:
-    """One machine's life: its drawn truth, its story, its pace."""
+    """The life of one simulated machine: its drawn parameters, its story, its pace."""
 
     def __init__(
         self,
@@ -140,7 +140,7 @@ class _Life:
         """Publish all cycles."""
         plan, machine = self._plan, self.machine
         span_s = (plan.cycles - 1) * plan.interval_s + RUN_UP_S + HOLD_S + RUN_DOWN_S
-        # Compressed stories end now; those in real time begin now.
+        # Compressed stories end now; stories in real time begin now.
         began = time.time() - (span_s if plan.rate is not None else 0.0)
         self._due = time.monotonic()
         with Source(self._session, Key(machine.plant, machine.id), name="simulator") as source:
@@ -170,7 +170,7 @@ class _Life:
         self._publish(source, batch)
 
     def _hold(self, source: Source, truth: Truth, start: float) -> None:
-        """Hold a speed for a while."""
+        """Publish samples at constant speed for a while."""
         _, sweep = speed_law(self.machine, "run-down", duration=1.0, samples=2)
         seconds = np.linspace(0.0, HOLD_S, HOLD_SAMPLES + 2)[1:-1]
         speed = np.full(HOLD_SAMPLES, sweep[0])
@@ -189,15 +189,15 @@ class _Life:
         if self._plan.rate is None:
             self._stop.wait(max(0.0, batch.time_ns[-1] / 1e9 - time.time()))
             return
-        # After a hitch the pace is taken up again, not caught up with.
+        # After a delay of more than a second the pace resumes without catching up.
         self._due = max(self._due, time.monotonic() - 1.0) + len(batch.time_ns) / self._plan.rate
         self._stop.wait(max(0.0, self._due - time.monotonic()))
 
 
 def _batch(machine: Machine, time_s: Floats, speed: Floats, phasors: Complexes, conditions: Floats) -> SampleBatch:
-    """Return a batch in the units that vibration monitors speak: rpm, µm peak-to-peak, degrees of lag.
+    """Return a batch in the usual units of vibration monitors: rpm, µm peak-to-peak, degrees of lag.
 
-    conditions: (k,) the same in all samples.
+    conditions: (k,), constant over the samples.
     """
     told = dict(zip(machine.condition_names, conditions.tolist(), strict=True))
     return SampleBatch(

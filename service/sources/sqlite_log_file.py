@@ -15,12 +15,12 @@ from service.sources.replay_log import LARGEST_REPLY_BYTES, LogDamaged, LogEntry
 logger = logging.getLogger(__name__)
 
 APPLICATION_ID = 0x52444C47
-"""Marks the file as a source's log: `RDLG`."""
+"""SQLite application id that marks the file as a source's log: `RDLG`."""
 LOG_SCHEMA = 1
 BUSY_S = 1.0
-"""How long another process may take to let go of the file: one that was just killed."""
+"""How long another process, such as one that was just killed, may take to release the file."""
 WAL_PAGES = 1_000
-"""Pages after which the write-ahead log is folded into the file."""
+"""Pages after which the write-ahead log is checkpointed into the file."""
 
 _TABLES = """
     create table batch (
@@ -37,7 +37,7 @@ _IN_USE = {sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED}
 
 
 class LogFigures(NamedTuple):
-    """Contents of the file: number of the first sample, of the one behind the last, how many samples and bytes of payload."""
+    """Contents of the file: number of the first sample, of the one behind the last, count of samples and payload bytes."""
 
     oldest: int
     next_sequence: int
@@ -46,17 +46,17 @@ class LogFigures(NamedTuple):
 
 
 class LogFile:
-    """The log of one source in a file; made if there is none. May be used from several threads.
+    """The log of one source in a file, created when there is none. May be used from several threads.
 
-    source: whose log it is, in any words; another's is refused. samples, payload_bytes: the oldest batches go when there are
-    more. Raises LogError.
+    source: the log's owner, in any words; another source's log is refused. samples, payload_bytes: limits beyond which the
+    oldest batches are dropped. Raises LogError.
     """
 
     epoch: int
     next_sequence: int
-    """As of the opening."""
+    """Number of the next sample when the file was opened."""
     position: str | None
-    """As of the opening."""
+    """Position when the file was opened."""
 
     def __init__(self, path: Path, *, source: str, samples: int, payload_bytes: int) -> None:
         self.path = path
@@ -76,7 +76,7 @@ class LogFile:
         """Return entries that hold sample `first` and later ones, at most `limit` and some MB. Raises LogError."""
         found: list[LogEntry] = []
         size = 0
-        # One entry begins before `first` at most; the newest such one may hold it.
+        # Of the entries that begin before `first`, only the newest may hold it.
         query = """select first, count, payload, encoding, crc32 from batch
             where first >= coalesce((select max(first) from batch where first <= ?), ?) order by first"""
         with self._lock, self._naming_errors():
@@ -93,7 +93,7 @@ class LogFile:
         return found
 
     def figures(self) -> LogFigures:
-        """Return what is on the disk. Raises LogError."""
+        """Return the contents of the file. Raises LogError."""
         with self._lock, self._naming_errors():
             (oldest,) = self._database.execute("select min(first) from batch").fetchone()
             next_sequence, samples, payload_bytes = self._database.execute(
@@ -102,7 +102,7 @@ class LogFile:
         return LogFigures(next_sequence if oldest is None else oldest, next_sequence, samples, payload_bytes)
 
     def add(self, entries: list[LogEntry]) -> None:
-        """Write entries in one transaction, and drop the oldest beyond the bounds. Raises LogError."""
+        """Write entries in one transaction, and drop the oldest beyond the limits. Raises LogError."""
         with self._lock, self._naming_errors():
             try:
                 self._insert(entries)
@@ -112,22 +112,22 @@ class LogFile:
                 raise
 
     def close(self) -> None:
-        """Let go of the file."""
+        """Close the file."""
         with self._lock:
             self._database.close()
 
     @contextmanager
     def _naming_errors(self) -> Iterator[None]:
-        """Raise LogError for what SQLite raises within."""
+        """Raise LogError for errors of SQLite in the block."""
         try:
             yield
         except sqlite3.Error as error:
             raise self._named(error) from error
 
     def _open(self, source: str) -> None:
-        """Take the file for this process, make the tables where there are none, and see that it is the source's and whole."""
+        """Lock the file for this process, create missing tables, and check that it is this source's log and undamaged."""
         execute = self._database.execute
-        # One process at a time; the lock goes with its process.
+        # One process at a time; the lock ends with its process.
         execute("pragma locking_mode = exclusive")
         execute("pragma journal_mode = wal")
         execute("pragma synchronous = full")
@@ -176,7 +176,7 @@ class LogFile:
         execute("commit")
 
     def _drop_oldest(self) -> None:
-        """Drop the oldest batches down to the bounds, within the transaction, but never the newest batch."""
+        """Drop the oldest batches down to the limits, within the transaction, but never the newest batch."""
         execute = self._database.execute
         samples, payload_bytes = execute("select samples, payload_bytes from state").fetchone()
         if samples <= self._samples and payload_bytes <= self._payload_bytes:
@@ -198,7 +198,7 @@ class LogFile:
         return f"the log {self.path} is damaged ({detail}); move it away: a new one begins a new epoch"
 
     def _named(self, error: sqlite3.Error) -> LogError:
-        """Return the error of a log for one of SQLite."""
+        """Return the LogError for an error of SQLite."""
         code = getattr(error, "sqlite_errorcode", 0) & 0xFF
         if code in _IN_USE:
             return LogInUse(f"the log {self.path} is in use by another process: a source runs once")

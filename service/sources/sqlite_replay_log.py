@@ -1,8 +1,8 @@
-"""A source's log in one SQLite file, bounded, that survives the end of its process at any instant.
+"""A source's log in one SQLite file, bounded, that survives the end of its process at any moment.
 
-Batches that are accepted while a transaction is on its way share the next one (group commit), so that a slow disk delays
-batches and does not slow down their source. A batch is sent only when it is on the disk: what was never sent may get its
-numbers again, what was sent never does.
+Batches that are accepted during a transaction share the next one (group commit), so that a slow disk delays batches but does
+not slow down their source. A batch is sent only once it is on the disk: only the numbers of batches that were never sent can
+be given again.
 """
 
 import itertools
@@ -17,18 +17,18 @@ from service.sources.sqlite_log_file import LogFile
 logger = logging.getLogger(__name__)
 
 MOST_PENDING = 2_000
-"""Batches that may wait for the disk; the source then waits, too."""
+"""Largest number of batches that wait for the disk; beyond it the source waits, too."""
 LARGEST_GROUP = 256
 """Batches in one transaction."""
 RETRY_S = 0.5
-"""Pause after the disk refused to take a transaction."""
+"""Pause after the disk refused a transaction."""
 
 
 class DurableLog:
-    """The log of one source in a file; made if there is none.
+    """The log of one source in a file, created when there is none.
 
-    source: whose log it is, in any words; another's is refused. samples, payload_bytes: the oldest batches go when there are
-    more, and are counted. Raises LogError.
+    source: the log's owner, in any words; another source's log is refused. samples, payload_bytes: limits beyond which the
+    oldest batches are dropped, and counted. Raises LogError.
     """
 
     def __init__(self, path: Path, *, source: str, samples: int = LOG_SAMPLES, payload_bytes: int = LOG_BYTES) -> None:
@@ -44,7 +44,7 @@ class DurableLog:
         self._writer.start()
 
     def append(self, entry: LogEntry, *, logged: Logged) -> None:
-        """Accept an entry, as of `SourceLog`. Waits while too much waits for the disk."""
+        """Accept an entry, see `SourceLog.append`. Waits while too many batches wait for the disk."""
         with self._changed:
             require_next(entry, self.next_sequence)
             self._changed.wait_for(lambda: len(self._pending) < MOST_PENDING or self._trouble or self._closing)
@@ -57,11 +57,11 @@ class DurableLog:
             self._changed.notify_all()
 
     def entries_from(self, first: int, limit: int) -> list[LogEntry]:
-        """Return entries as of `SourceLog`; not more than some MB at a time. Raises LogError."""
+        """Return entries, see `SourceLog.entries_from`; some MB at most. Raises LogError."""
         return self._file.entries_from(first, limit)
 
     def status(self) -> LogStatus:
-        """Return what is on the disk, as of `SourceLog`. Raises LogError."""
+        """Return the contents of the disk, see `SourceLog.status`. Raises LogError."""
         held = self._file.figures()
         return LogStatus(
             self.epoch,
@@ -75,14 +75,14 @@ class DurableLog:
         )
 
     def flush(self) -> None:
-        """Wait until all that was accepted is on the disk, as of `SourceLog`."""
+        """Wait until all that was accepted is on the disk, see `SourceLog.flush`."""
         with self._changed:
             self._changed.wait_for(lambda: not self._pending or self._trouble)
             if self._trouble is not None:
                 raise self._trouble
 
     def close(self) -> None:
-        """Write what was accepted, if the disk takes it, and let go of the file."""
+        """Write what was accepted, if the disk takes it, and close the file."""
         with self._changed:
             self._closing = True
             self._changed.notify_all()
@@ -92,7 +92,7 @@ class DurableLog:
         self._file.close()
 
     def _write(self) -> None:
-        """Write all that waits in one transaction, then send it, again and again: the writer's thread."""
+        """Write all pending batches in one transaction, then send them, repeatedly: the writer's thread."""
         while group := self._next_group():
             try:
                 self._file.add([entry for entry, _ in group])
@@ -114,7 +114,8 @@ class DurableLog:
             return list(itertools.islice(self._pending, LARGEST_GROUP))
 
     def _is_over_after(self, error: LogError) -> bool:
-        """Tell why the disk refused a transaction and wait before the next try; return whether the log is closed meanwhile."""
+        """Record why the disk refused a transaction, wait before the next attempt, and return whether the log is being
+        closed."""
         with self._changed:
             self._trouble = error
             logger.error("%s; trying again", error)
@@ -126,5 +127,5 @@ class DurableLog:
             try:
                 logged(entry)
             except Exception:
-                # It is in the log; the writer must live on.
+                # It is in the log; the writer must go on.
                 logger.exception("%s: the batch from number %d was not sent", self._file.path, entry.first)

@@ -1,6 +1,5 @@
-"""The contract with sources, defined here and nowhere else: where messages travel, their frame, their schema, its three
-encodings and the conversion to SI. `docs/integrators.md` describes it for those who write sources.
-"""
+"""The contract with sources, defined only here: keys of messages, their frame, schema and three encodings, and the conversion
+to SI. `docs/integrators.md` describes it for those who write sources."""
 
 from service.wire.answers import Received, SourceReceived
 from service.wire.conversion import (

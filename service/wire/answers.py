@@ -1,10 +1,10 @@
-"""Answers of the two sides to queries: JSON, without a frame."""
+"""Replies to queries of the service and of sources: JSON, without a frame."""
 
 import msgspec
 
 
 class SourceReceived(msgspec.Struct, kw_only=True):
-    """How far one start of a source is durable: what it need no longer keep ends before `next_sequence`."""
+    """Durable reception state of one start of a source, which need no longer keep samples before `next_sequence`."""
 
     source: str
     epoch: int
@@ -15,7 +15,7 @@ class SourceReceived(msgspec.Struct, kw_only=True):
 
 
 class Received(msgspec.Struct, kw_only=True):
-    """The service's answer on `…/received`: every source of the machine that it ever heard of."""
+    """The service's reply on `…/received`: every source of the machine that it knows."""
 
     plant: str
     machine: str

@@ -43,7 +43,7 @@ AMPLITUDE_KINDS = ("peak", "peak-to-peak")
 PHASE_CONVENTIONS = ("lag", "lead")
 PHASE_UNITS = ("deg", "rad")
 SENSES = ("positive", "negative")
-"""Places in these lists are on the wire: they only ever grow at their ends."""
+"""Senses of rotation. Positions in these lists are on the wire: the lists may only grow at their ends."""
 
 _UNITS = {
     "speed_unit": SPEED_UNITS,
@@ -61,14 +61,14 @@ _HEADER = struct.Struct("<4sHHQQIHH6BB3BB5xddd")
 
 
 class NumberFormat(NamedTuple):
-    """How the numbers of a table are written: as `kind`, to be multiplied with `quantum`."""
+    """Number format of a table: stored as `kind`, to be multiplied by `quantum`."""
 
     code: int
     kind: str
     quantum: float = 1.0
 
     def require_quantum(self) -> None:
-        """Raise Rejected where it cannot be multiplied with."""
+        """Raise Rejected unless the quantum is finite and positive."""
         if not (math.isfinite(self.quantum) and self.quantum > 0.0):
             raise Rejected("undecodable", f"a quantum of {self.quantum} is no quantum")
 
@@ -101,12 +101,12 @@ _KINDS = {0: "<f8", 1: "<i4", 2: "<i2"}
 
 
 def int32(quantum: float) -> NumberFormat:
-    """Return whole multiples of a quantum, four bytes each."""
+    """Return the format of multiples of a quantum, four bytes each."""
     return NumberFormat(1, _KINDS[1], quantum)
 
 
 def int16(quantum: float) -> NumberFormat:
-    """Return whole multiples of a quantum, two bytes each."""
+    """Return the format of multiples of a quantum, two bytes each."""
     return NumberFormat(2, _KINDS[2], quantum)
 
 
@@ -117,7 +117,7 @@ def encode_binary(
     phase: NumberFormat = FLOAT64,
     scatter: NumberFormat = FLOAT64,
 ) -> bytes:
-    """Return the body. Raises ValueError for what this encoding has no place for."""
+    """Return the body of a batch. Raises ValueError for values that this encoding cannot hold."""
     conditions = batch.conditions or {}
     names = "\n".join([batch.plant, batch.machine, batch.source, *batch.channels, *conditions]).encode()
     second = batch.amplitude_2x is not None and batch.phase_2x is not None
@@ -153,7 +153,7 @@ def encode_binary(
 
 
 def decode_binary(body: bytes) -> SampleBatch:
-    """Return the batch in a body, not yet checked in its shape. Raises Rejected."""
+    """Return the batch in a body, before its shape is checked. Raises Rejected."""
     if len(body) < _VERSION.size or not body.startswith(_MAGIC):
         raise Rejected("undecodable", f"body does not begin with {_MAGIC.decode()} and the header of a binary batch")
     _, schema, header_size = _VERSION.unpack_from(body)
@@ -205,7 +205,7 @@ def decode_binary(body: bytes) -> SampleBatch:
 
 
 def _conditions(names: Sequence[str], body: bytes, at: int, count: int) -> dict[str, list[float | None]]:
-    """By name its values, which end the body; NaN stands for null. Raises Rejected for a name that stands twice."""
+    """Return the values of each condition by name, null for NaN; they end the body. Raises Rejected for a repeated name."""
     if len(set(names)) != len(names):
         raise Rejected("undecodable", "a condition stands more than once among the names")
     columns = np.frombuffer(body, "<f8", len(names) * count, at).reshape(len(names), count)

@@ -1,4 +1,4 @@
-"""From a batch in its source's units to samples in SI: the one place where that happens."""
+"""Conversion of a batch from its source's units to SI; no other module converts measured values."""
 
 from collections.abc import Iterator, Mapping
 from typing import Any
@@ -16,11 +16,11 @@ from storage.encoding.packing import on_grid
 from storage.encoding.sample_blocks import Samples
 
 LARGEST_AMPLITUDE = 0.02
-"""No shaft in a machine that still runs moves by more than this [m, 0-to-peak]."""
+"""No shaft of a running machine moves by more than this [m, 0-to-peak]."""
 LARGEST_PHASE = 1e5
-"""No source counts a phase to hundreds of turns [° or rad]."""
+"""No source counts phase up to hundreds of turns [° or rad]."""
 OVERSPEED = 1.3
-"""A speed beyond this multiple of the machine's maximum is a wrong number, not a speed."""
+"""A speed above this multiple of the machine's maximum is an error, not a speed."""
 EARLIEST_TIME = 946_684_800_000_000_000  # 2000-01-01, ns
 
 _NO_PHASOR = complex(np.nan, np.nan)
@@ -29,8 +29,8 @@ _NO_PHASOR = complex(np.nan, np.nan)
 def to_samples(batch: SampleBatch, machine: Machine, *, received_at: int) -> tuple[Samples, NDArray[np.bool_], list[Fault]]:
     """Convert a batch to SI in the document's channel order.
 
-    Returns all samples, which of them can be taken at all (S,), and every fault. A channel's bad value makes that channel
-    unusable in that sample; a bad time or speed the whole sample. Raises Rejected for what is wrong with all of it.
+    Returns all samples, which of them are accepted (S,), and every fault. A bad value of a channel makes that channel unusable
+    in that sample; a bad time or speed the whole sample. Raises Rejected when the batch as a whole is wrong.
     """
     _check_names(batch, machine)
     factors = _metres(batch, machine) * _factor(batch, "amplitude_kind", PEAK)
@@ -122,7 +122,7 @@ def _table(rows: Table) -> NDArray[np.float64]:
 
 
 def _called(batch: SampleBatch, blank: NDArray[np.bool_]) -> NDArray[np.uint8]:
-    """Tell what the source itself says of each value: a null is as good as `not_available`. blank: where one may be null."""
+    """Return the source's own status of each value; a null counts as `not_available`. blank: where one may be null."""
     if batch.status is None:
         said = np.full(blank.shape, ChannelStatus.GOOD, dtype=np.uint8)
     else:
@@ -137,7 +137,7 @@ def _called(batch: SampleBatch, blank: NDArray[np.bool_]) -> NDArray[np.uint8]:
 
 
 def _channel_faults(batch: SampleBatch, size: NDArray[np.float64], wrong: NDArray[np.bool_]) -> list[Fault]:
-    """Say why values that the source calls good are not taken; size: amplitudes 0-to-peak [m]."""
+    """Return why values that the source calls good are rejected. size: amplitudes 0-to-peak [m]."""
     faults = []
     for index, column in np.argwhere(wrong):
         channel, amplitude = batch.channels[column], size[index, column]

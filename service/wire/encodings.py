@@ -1,4 +1,4 @@
-"""The three encodings of one schema, told apart by the message's zenoh encoding or its Content-Type."""
+"""The three encodings of the schema, distinguished by the message's zenoh encoding or its Content-Type."""
 
 from typing import TypeVar
 
@@ -14,7 +14,7 @@ BINARY, MESSAGEPACK, JSON = "application/x-rundown-batch", "application/msgpack"
 ENCODINGS = (BINARY, MESSAGEPACK, JSON)
 
 UNSAID = ("", "zenoh/bytes")
-"""A message that does not say its encoding is taken for MessagePack."""
+"""Encodings of a message that does not state one; it is read as MessagePack."""
 
 _T = TypeVar("_T")
 
@@ -24,19 +24,19 @@ class _Version(msgspec.Struct):
 
 
 def encode_body(batch: SampleBatch, encoding: str = MESSAGEPACK) -> bytes:
-    """Return a batch without its frame, as HTTP carries it."""
+    """Return an encoded batch without its frame, as HTTP carries it."""
     if encoding == BINARY:
         return encode_binary(batch)
     return msgspec.json.encode(batch) if encoding == JSON else msgspec.msgpack.encode(batch)
 
 
 def encode_batch(batch: SampleBatch, encoding: str = MESSAGEPACK) -> bytes:
-    """Return the payload that carries a batch."""
+    """Return the payload that carries a batch: encoded and framed."""
     return frame(encode_body(batch, encoding))
 
 
 def decode_batch(key: Key, payload: bytes, encoding: str) -> SampleBatch:
-    """Take a payload apart and check everything that does not need the machine's document. Raises Rejected."""
+    """Decode a payload and check all that does not need the machine's document. Raises Rejected."""
     batch = decode_body(unframed(payload), encoding)
     if (batch.plant, batch.machine) != (key.plant, key.machine):
         raise Rejected("key_mismatch", f"body says {batch.plant}/{batch.machine}, key says {key.plant}/{key.machine}")
@@ -44,7 +44,7 @@ def decode_batch(key: Key, payload: bytes, encoding: str) -> SampleBatch:
 
 
 def decode_body(body: bytes, encoding: str) -> SampleBatch:
-    """Return the batch in a body, checked in itself. Raises Rejected."""
+    """Return the batch in a body, with its shape checked. Raises Rejected."""
     kind = encoding.split(";")[0].strip().lower()
     if kind in UNSAID:
         kind = MESSAGEPACK

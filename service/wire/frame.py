@@ -1,6 +1,6 @@
 """The frame of a payload: one line of ASCII, `rundown/1 <length> <crc32>`, a newline, and the body.
 
-zenoh was seen to deliver wrong bytes under the right key; length and CRC-32 of the body find them.
+zenoh was seen to deliver wrong bytes under the right key; length and CRC-32 of the body detect them.
 """
 
 import re
@@ -9,24 +9,24 @@ import zlib
 from service.wire.rejection import Rejected
 
 LARGEST_MESSAGE = 1 << 20
-"""Bytes of a payload, or of a body over HTTP."""
+"""Largest payload, or body over HTTP [bytes]."""
 
 _LINE = re.compile(rb"rundown/1 (\d{1,10}) ([0-9a-f]{8})\n")
 
 
 def frame(body: bytes) -> bytes:
-    """Put length and checksum before a body."""
+    """Return a body with length and checksum in front."""
     return b"rundown/1 %d %08x\n" % (len(body), zlib.crc32(body)) + body
 
 
 def require_size(size: int) -> None:
-    """Raise Rejected for a payload of more bytes than are taken."""
+    """Raise Rejected for a payload above the size limit."""
     if size > LARGEST_MESSAGE:
         raise Rejected("too_large", f"{size} bytes; at most {LARGEST_MESSAGE} are taken")
 
 
 def unframed(payload: bytes) -> bytes:
-    """Return the body of a payload, checked. Raises Rejected."""
+    """Return the body of a payload after checking its frame. Raises Rejected."""
     require_size(len(payload))
     match = _LINE.match(payload)
     if match is None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from service.wire.rejection import Rejected
 
 IDENTIFIER = re.compile(r"[A-Za-z0-9_-]{1,64}\Z")
-"""Plants, machines, sources: zenoh itself would take spaces and newlines."""
+"""Pattern of plants, machines and sources: zenoh itself would allow spaces and newlines."""
 
 ALL_SAMPLES = "rundown/v1/*/*/samples"
 ALL_LIVE = "rundown/v1/live/*/*"
@@ -16,7 +16,7 @@ ALL_SUBMIT = "rundown/v1/*/*/submit"
 
 @dataclass(frozen=True)
 class Key:
-    """One machine's place on the network."""
+    """Key of one machine on the network."""
 
     plant: str
     machine: str
@@ -31,27 +31,27 @@ class Key:
 
     @property
     def samples(self) -> str:
-        """Tell where batches are published."""
+        """Return the key on which batches are published."""
         return f"rundown/v1/{self.plant}/{self.machine}/samples"
 
     @property
     def log(self) -> str:
-        """Tell where a source answers replay queries."""
+        """Return the key on which a source replies to replay queries."""
         return f"rundown/v1/{self.plant}/{self.machine}/log"
 
     @property
     def status(self) -> str:
-        """Tell where a source says how it is doing."""
+        """Return the key on which a source reports its status."""
         return f"rundown/v1/{self.plant}/{self.machine}/status"
 
     @property
     def received(self) -> str:
-        """Tell where the service says how far it has received the machine's sources."""
+        """Return the key on which the service reports how far it has received the machine's sources."""
         return f"rundown/v1/{self.plant}/{self.machine}/received"
 
     @property
     def submit(self) -> str:
-        """Tell where one replica of the service hands samples that came over HTTP to the one that stores them."""
+        """Return the key on which a replica of the service passes samples that came over HTTP to the one that stores them."""
         return f"rundown/v1/{self.plant}/{self.machine}/submit"
 
     @property

@@ -1,4 +1,4 @@
-"""Reasons for rejecting input: each has a name, which the quarantine, the metrics and the documentation share."""
+"""Reasons for rejecting input; the quarantine, the metrics and the documentation share their names."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -22,14 +22,14 @@ Reason = Literal[
     "time_out_of_range",
     "time_out_of_order",
 ]
-"""Why a message, a sample or a channel's value is rejected."""
+"""Reason for rejecting a message, a sample or a channel's value."""
 
 OwnFault = Literal["unexpected_error", "damaged_block"]
-"""Why something is missing with which nothing was wrong when it came: an error of the service, or of what keeps its data."""
+"""Reason why valid input is missing: an error of the service, or of the storage of its data."""
 
 
 class Rejected(ValueError):
-    """A message or a sample cannot be taken."""
+    """A message or a sample is rejected."""
 
     def __init__(self, reason: Reason, detail: str) -> None:
         super().__init__(detail)
@@ -39,7 +39,7 @@ class Rejected(ValueError):
 
 @dataclass(frozen=True)
 class Fault:
-    """A sample, or one channel of it, that is not taken: its place in the batch and the reason."""
+    """A sample, or one channel of it, that is rejected: its index in the batch and the reason."""
 
     index: int
     reason: Reason

@@ -1,4 +1,4 @@
-"""The schema of a message: one for all encodings, with its version and limits."""
+"""The schema of a message, the same for all encodings, with its version and limits."""
 
 import msgspec
 
@@ -24,13 +24,13 @@ Table = list[list[float | None]]
 class SampleBatch(msgspec.Struct, kw_only=True, omit_defaults=True):
     """Consecutive samples of one machine from one source.
 
-    epoch: any number that grows with each start of the source, such as its start time; sequence: number of the first
-    sample in this epoch, counted from 0; the others follow without a hole. time_ns: per sample, UTC since 1970.
-    amplitude, phase, status, scatter: per sample a list over the channels; null where there is no value. status: `good`,
-    `not_available`, `bad` or `out_of_range`; without it all are good. scatter: rms of the complex error, in the amplitude's
-    unit. amplitude_2x, phase_2x: of the 2×, in the same units and with phase counted in degrees of 2×. direction: `positive`
-    turns +x towards +y. conditions: by name of an operating condition its value per sample, in the unit of the machine's
-    document; null where it was not measured.
+    epoch: any number that grows with each start of the source, such as its start time; sequence: number of the first sample in
+    this epoch, counted from 0; the others follow without a gap. time_ns: per sample, UTC since 1970. amplitude, phase, status,
+    scatter: per sample a list over the channels; null where there is no value. status: `good`, `not_available`, `bad` or
+    `out_of_range`; without it all are good. scatter: rms of the complex error, in the amplitude's unit. amplitude_2x,
+    phase_2x: of the 2×, in the same units and with phase counted in degrees of 2×. direction: `positive` turns +x towards +y.
+    conditions: by name of an operating condition its value per sample, in the unit of the machine's document; null where it
+    was not measured.
     """
 
     schema: int
@@ -58,12 +58,12 @@ class SampleBatch(msgspec.Struct, kw_only=True, omit_defaults=True):
 
 
 def source_key(batch: SampleBatch) -> SourceKey:
-    """Tell whose samples these are."""
+    """Return the source and epoch of a batch."""
     return SourceKey(batch.machine, batch.source, batch.epoch)
 
 
 def require_schema(version: int) -> None:
-    """Raise Rejected for a schema that this service does not know."""
+    """Raise Rejected for a schema version that this service does not know."""
     if version < 1:
         raise Rejected("undecodable", f"there is no schema {version}; this service knows 1 to {WIRE_SCHEMA}")
     if version > WIRE_SCHEMA:
@@ -71,7 +71,7 @@ def require_schema(version: int) -> None:
 
 
 def require_shape(batch: SampleBatch) -> None:
-    """Raise Rejected for a batch whose parts do not fit together or are beyond the limits."""
+    """Raise Rejected for a batch whose parts do not match in size or exceed the limits."""
     count, channels = len(batch.time_ns), len(batch.channels)
     if not 1 <= count <= LARGEST_BATCH:
         raise Rejected("wrong_shape", f"{count} samples; a batch has 1 to {LARGEST_BATCH}")

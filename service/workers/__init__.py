@@ -1,3 +1,2 @@
-"""Processes that compute, here or on Dask: pools, executors, limits of time and memory. They import `configuration` and
-`resilience` only; `identification` and `monitoring` give them tasks.
-"""
+"""Worker processes, local or on Dask: pools, executors, limits of time and memory. They import `configuration` and
+`resilience` only; `identification` and `monitoring` give them tasks."""

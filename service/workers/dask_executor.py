@@ -1,9 +1,9 @@
 """An executor that computes on a Dask cluster, found by the address of its scheduler. Its workers are `rundown worker`.
 
-Workers keep the limits of time and memory, and end what does not. This side notices what they cannot: a worker that is frozen
-as a whole, or cut off, no longer says anything to the scheduler; it gets no more tasks, and what it has is given up when its
-time is over. A worker of another release, as its name tells, gets nothing: it would end on a task that it cannot unpickle.
-Should it get something after all, it refuses it (`service.workers.dask_task`).
+Workers enforce the limits of time and memory and kill what exceeds them. This side detects what they cannot: a worker that is
+frozen or cut off is silent to the scheduler; it gets no more tasks, and its tasks are given up when their time is over. A
+worker of another release, as its name tells, gets no tasks: it would crash on one that it cannot unpickle. Should it get one
+after all, it refuses it (`service.workers.dask_task`).
 """
 
 import logging
@@ -31,19 +31,19 @@ A = TypeVar("A")
 R = TypeVar("R")
 
 CONNECT_S = 5.0
-"""How long a scheduler is waited for, before it is tried again."""
+"""How long a connection to the scheduler may take before it is retried."""
 LOOK_S = 2.0
 SILENT_S = 30.0
-"""A worker of which the scheduler has heard nothing for so long is taken for frozen."""
+"""Time after which a worker unheard by the scheduler counts as frozen."""
 GRACE_S = 60.0
-"""What a silent worker has is given up so long after its time."""
+"""Time after its limit at which a task of a silent worker is given up."""
 REFUSED_S = 60.0
-"""Who refused a task gets none for so long."""
+"""How long a worker that refused a task gets none."""
 
 
 @dataclass(frozen=True)
 class _Sent:
-    """A task on its way. future: Dask's; since: on the monotonic clock [s]; to: the workers that may have it."""
+    """A submitted task. future: Dask's; since: on the monotonic clock [s]; to: the workers that may have it."""
 
     future: Any
     limit_s: float
@@ -52,7 +52,7 @@ class _Sent:
 
 
 class DaskExecutor:
-    """Computes on the workers of a Dask scheduler; see `service.workers.executor.Executor`."""
+    """An executor on the workers of a Dask scheduler; see `service.workers.executor.Executor`."""
 
     def __init__(self, address: str) -> None:
         self._address = address
@@ -61,14 +61,14 @@ class DaskExecutor:
         self._sent: dict[Future[Any], _Sent] = {}
         self._looked = 0.0
         self._seen: dict[str, tuple[float, float]] = {}
-        """Of each worker when the scheduler last heard of it, by its clock, and since when we know so little."""
+        """Per worker, when the scheduler last heard of it by its clock, and since when that is unchanged."""
         self._refused: dict[str, tuple[str, float]] = {}
-        """Of each worker that refused a task why, and until when it gets none."""
+        """Per worker that refused a task, why, and until when it gets none."""
         self._usable: tuple[str, ...] = ()
         self._warnings: tuple[str, ...] = ()
 
     def capacity(self) -> int:
-        """Return one task for each thread of the workers that can be used. Raises ExecutorUnavailable."""
+        """Return the number of threads of the usable workers. Raises ExecutorUnavailable."""
         workers = self._workers()
         if not workers:
             raise ExecutorUnavailable(
@@ -81,7 +81,7 @@ class DaskExecutor:
         return sum(int(workers[address]["nthreads"]) for address in self._usable)
 
     def submit(self, limit_s: float, work: Callable[[A], R], task: A) -> Future[R]:
-        """Compute a task, as `Executor.submit` says."""
+        """Compute a task, see `Executor.submit`."""
         release, to = dask_task.RELEASE, self._usable
         future: Any = self._connected().submit(
             dask_task.compute, release, pickle.dumps((work, task)), limit_s, pure=False, workers=to
@@ -93,7 +93,7 @@ class DaskExecutor:
         return answer
 
     def look(self) -> None:
-        """Find silent workers, and give up what they should have computed by now. Raises ExecutorUnavailable."""
+        """Find silent workers, and give up their overdue tasks. Raises ExecutorUnavailable."""
         with self._lock:
             sent = dict(self._sent)
         if not (sent or self._warnings) or time.monotonic() < self._looked + LOOK_S:
@@ -116,12 +116,12 @@ class DaskExecutor:
         return self._warnings
 
     def close(self) -> None:
-        """Leave the scheduler and give up what is being computed."""
+        """Disconnect from the scheduler and give up all tasks."""
         if self._client is not None:
             self._client.close(timeout=CONNECT_S)  # type: ignore[no-untyped-call]
 
     def _workers(self) -> dict[str, Any]:
-        """Ask the scheduler for its workers, by address."""
+        """Return the scheduler's workers by address."""
         workers: dict[str, Any] = self._asked("identity", n_workers=-1)["workers"]
         now, before, self._seen = time.monotonic(), self._seen, {}
         for address, one in workers.items():
@@ -130,7 +130,7 @@ class DaskExecutor:
         return workers
 
     def _asked(self, question: str, **how: Any) -> Any:
-        """Return the scheduler's answer, in time: it may be frozen itself. Raises ExecutorUnavailable."""
+        """Return the scheduler's answer within a time limit: it may be frozen itself. Raises ExecutorUnavailable."""
         client = self._connected()
         ask = getattr(client.scheduler, question)
         try:
@@ -140,7 +140,7 @@ class DaskExecutor:
             raise ExecutorUnavailable(f"the Dask scheduler at {self._address} does not answer: {why}") from error
 
     def _doubtful(self, workers: Mapping[str, Any]) -> dict[str, str]:
-        """Return the workers that get no tasks now, and why; that is warned of, too."""
+        """Return the workers that get no tasks now, and why; record these reasons as warnings."""
         now = time.monotonic()
         found = {
             address: _release_mismatch(address, dask_task.release_of(str(one["name"]))) for address, one in workers.items()
@@ -158,7 +158,7 @@ class DaskExecutor:
         return {address: f"the Dask worker at {address} has said nothing for {SILENT_S:.0f} s or longer" for address in silent}
 
     def _pass_on(self, answer: Future[Any], future: Any) -> None:
-        """Pass on what became of a task that is computed, refused or lost; runs in a thread of Dask's."""
+        """Pass on the outcome of a task that is computed, refused or lost; runs in a thread of Dask's."""
         from distributed import KilledWorker
 
         with self._lock:
@@ -192,7 +192,7 @@ class DaskExecutor:
             answer.set_result(outcome)
 
     def _give_up(self, answer: Future[Any], reason: Exception | None) -> None:
-        """End a task without an outcome, if it has none by now; without a reason it is lost."""
+        """End a task without an outcome, unless it has one by now; without a reason it is lost."""
         with self._lock:
             known = self._sent.pop(answer, None)
         if known is None:
@@ -204,7 +204,7 @@ class DaskExecutor:
             answer.set_exception(reason)
 
     def _connected(self) -> "Client":
-        """Return the client, a new one where there is none or the last one has given up."""
+        """Return the client, a new one when there is none or the last one has given up."""
         from distributed import Client  # takes a second to import, which only a cluster's user should pay
 
         if self._client is not None and self._client.status == "running":
@@ -224,7 +224,7 @@ class DaskExecutor:
 
 
 def _release_mismatch(address: str, release: str | None) -> str:
-    """Say what is wrong with a worker's release, if anything."""
+    """Return the objection to a worker's release; an empty text when there is none."""
     ours = dask_task.RELEASE
     if release is None:
         return f"the Dask worker at {address} does not say its release: start it as `rundown worker` of release {ours}"

@@ -1,8 +1,8 @@
 """The task protocol between a service and its Dask workers, in a form that workers of every release understand.
 
 The function `compute`, its parameters and the fields of its answer never change. Tasks do, from release to release: they
-travel as bytes, which only a worker of the same release opens. Any other one says which it is. The name of each worker tells
-it beforehand: Dask's workers end where they get something that they cannot unpickle.
+travel as bytes, which only a worker of the same release unpickles. Any other worker answers with its own release. The name of
+each worker states it beforehand, because Dask's workers crash on a task that they cannot unpickle.
 """
 
 import pickle
@@ -13,26 +13,26 @@ from service.configuration.release import VERSION
 from service.workers.process_pool import ProcessPool, failed
 
 TASK_FORM = 3
-"""Counts changes of the tasks and their results within a release, their modules' names among them: they travel pickled."""
+"""Version of the tasks and their results within a release, including their modules' names: they travel pickled."""
 RELEASE = f"{VERSION}, tasks of form {TASK_FORM}"
-"""Of the code that makes tasks and opens them."""
+"""Release of the code that creates and unpickles tasks."""
 _NAMED = "rundown "
 
 
 def worker_name() -> str:
-    """Return a name for a worker of this release, which no other worker has."""
+    """Return a unique name for a worker of this release."""
     return f"{_NAMED}{RELEASE} #{uuid.uuid4()}"
 
 
 def release_of(name: str) -> str | None:
-    """Return the release that a worker's name tells; None where it tells none."""
+    """Return the release in a worker's name; None when it has none."""
     return name.removeprefix(_NAMED).rpartition(" #")[0] if name.startswith(_NAMED) else None
 
 
 class TaskAnswer(TypedDict):
     """A worker's answer. release, address: of the worker.
 
-    done: pickled, whether the task went well, and its outcome or its error; None: refused.
+    done: pickled, whether the task succeeded, and its outcome or its error; None: refused.
     """
 
     release: str
@@ -41,7 +41,7 @@ class TaskAnswer(TypedDict):
 
 
 class NoProcesses(RuntimeError):
-    """A Dask worker that was not started as `rundown worker`."""
+    """The Dask worker was not started as `rundown worker`."""
 
 
 class _ThisWorker:
@@ -54,7 +54,7 @@ def compute_in(processes: ProcessPool) -> None:
 
 
 def compute(release: str, task: bytes, limit_s: float) -> TaskAnswer:
-    """Compute a task of a service of some release, within limit_s [s] and some grace. Runs in a thread of a Dask worker."""
+    """Compute a task of a service of any release, within limit_s [s] and some grace. Runs in a thread of a Dask worker."""
     from distributed import get_worker  # takes a second to import, which only a cluster's user should pay
 
     answer = TaskAnswer(release=RELEASE, address=str(get_worker().address), done=None)

@@ -1,4 +1,5 @@
-"""A worker of a Dask cluster: computes each identification in a process of its own, within its time and memory."""
+"""A worker of a Dask cluster: it computes each identification in a process of its own, within its limits of time and
+memory."""
 
 import asyncio
 import logging
@@ -24,7 +25,7 @@ def work(
     tasks: Collection[Callable[..., object]],
     stop: threading.Event,
 ) -> None:
-    """Work for a scheduler until told to stop; where it is away, it is waited for. tasks: functions that it may ask for."""
+    """Work for a scheduler until `stop`, reconnecting when it is away. tasks: functions that it may be asked to compute."""
     asyncio.run(_work(scheduler, processes, partial(ProcessPool, processes, memory_bytes=memory_bytes, tasks=tasks), stop))
 
 
@@ -33,7 +34,7 @@ async def _work(scheduler: str, processes: int, new_pool: Callable[[], ProcessPo
         computing = new_pool()
         dask_task.compute_in(computing)
         try:
-            # The memory limit is each process's own; this process only passes tasks on, each in a thread that waits.
+            # Each process has its own memory limit; this process only passes tasks on, each in a thread that waits.
             name = dask_task.worker_name()
             worker = Worker(scheduler, name=name, nthreads=processes, memory_limit=0, dashboard=False)
             async with worker:

@@ -9,15 +9,15 @@ R = TypeVar("R")
 
 
 class ExecutorUnavailable(ConnectionError):
-    """Nothing can be computed at present; the message says why."""
+    """Nothing can be computed at present; the message states the cause."""
 
 
 class TaskRefused(RuntimeError):
-    """A worker did not take a task, which is not the task's fault; the message says why."""
+    """A worker refused a task for a reason that is not the task's; the message states it."""
 
 
 class Executor(Protocol):
-    """Computes tasks in worker processes: of this machine, or of a Dask cluster."""
+    """An executor of tasks in worker processes of this machine or of a Dask cluster."""
 
     def capacity(self) -> int:
         """Return how many tasks can be computed at once. Raises ExecutorUnavailable."""
@@ -25,15 +25,15 @@ class Executor(Protocol):
     def submit(self, limit_s: float, work: Callable[[A], R], task: A) -> Future[R]:
         """Compute `work(task)`. work: a function of a module, which keeps to its own time limit of `limit_s` [s].
 
-        The future ends in what the task raises, in BrokenProcessPool or Stuck where its process died or stopped answering, in
-        TaskRefused or Interrupted, or is cancelled where the executor lost it. Raises ExecutorUnavailable.
+        The future ends in the task's exception, in BrokenProcessPool or Stuck when its process died or stopped responding, in
+        TaskRefused or Interrupted, or is cancelled when the executor lost it. Raises ExecutorUnavailable.
         """
 
     def look(self) -> None:
-        """Check the tasks that are being computed; to be called every now and then. Raises ExecutorUnavailable."""
+        """Check the tasks that are being computed; must be called regularly. Raises ExecutorUnavailable."""
 
     def warnings(self) -> Sequence[str]:
-        """Return what is wrong with the executor, though it computes."""
+        """Return the executor's problems that do not prevent computing."""
 
     def close(self) -> None:
-        """Give up what is being computed."""
+        """Give up all tasks."""

@@ -21,26 +21,26 @@ def executor_of(settings: Settings, tasks: Collection[Callable[..., object]]) ->
 
 
 class LocalExecutor:
-    """Computes in processes of this machine, which watch their own time."""
+    """An executor in processes of this machine, which enforce their own time limits."""
 
     def __init__(self, workers: int, *, memory_bytes: int, tasks: Collection[Callable[..., object]]) -> None:
-        """Begin no process yet. memory_bytes: what each may hold of its own. tasks: functions that they will compute."""
+        """Set up the executor without starting a process. memory_bytes: limit of each process; tasks: functions to compute."""
         self._workers = workers
         self._processes = ProcessPool(workers, memory_bytes=memory_bytes, tasks=tasks)
 
     def capacity(self) -> int:
-        """Return one task for each process."""
+        """Return the number of processes."""
         return self._workers
 
     def submit(self, limit_s: float, work: Callable[[A], R], task: A) -> Future[R]:
-        """Compute a task, as `Executor.submit` says."""
+        """Compute a task, see `Executor.submit`."""
         return self._processes.submit(limit_s, work, task)
 
     def look(self) -> None:
-        """Do nothing: the process pool watches its processes itself."""
+        """Do nothing: the process pool monitors its processes itself."""
 
     def warnings(self) -> Sequence[str]:
-        """Return nothing: what happened to a task is told by its future."""
+        """Return nothing: problems with a task appear in its future."""
         return ()
 
     def close(self) -> None:

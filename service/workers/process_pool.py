@@ -1,8 +1,8 @@
 """A pool of worker processes on this machine, each with one task at a time.
 
-A process has a thread that talks with it through a pipe, and may wait for it for ever. One more thread watches the time: a
-process that is over its time is killed (SIGKILL, which ends stopped ones as well), its task ends in Stuck, and a new process
-takes its slot. Nothing waits for a process that the kernel does not let die, as in input that hangs.
+Each process has a thread that talks to it through a pipe, and may wait for it for ever. Another thread enforces the time
+limits: a process that exceeds its time is killed (SIGKILL, which ends stopped processes as well), its task ends in Stuck, and
+a new process takes its slot. Nothing waits for a process that the kernel does not let die, such as one in hanging I/O.
 """
 
 import logging
@@ -27,21 +27,21 @@ T = TypeVar("T")
 logger = logging.getLogger(__name__)
 
 START_S = 60.0
-"""How long a process may take to start."""
+"""Time that a process may take to start."""
 HAND_OVER_S = 30.0
-"""How long it may take to say that it has received a task."""
+"""Time that a process may take to confirm the receipt of a task."""
 GRACE_S = time_limit.GRACE_S + 5.0
-"""How much longer than allowed a task may take here: by then the process should have ended itself."""
+"""Time after a task's limit at which its process is killed; it should have ended itself by then."""
 WATCH_S = 0.25
 RETRY_S = 1.0
-"""Pause after no process could be begun."""
+"""Pause after a process could not be started."""
 DEATH_S = 2.0
-"""How long the death of a process is waited for, at most."""
+"""Longest wait for the death of a process."""
 HERE = b"here"
 
 
 class Stuck(RuntimeError):
-    """A process did not answer in its time, and was killed."""
+    """A process exceeded its time without an answer, and was killed."""
 
 
 class Interrupted(RuntimeError):
@@ -50,7 +50,7 @@ class Interrupted(RuntimeError):
 
 @dataclass(frozen=True)
 class _WorkItem:
-    """A pickled task, its time limit [s], and the future of who waits for it."""
+    """A pickled task, its time limit [s], and the future of its result."""
 
     payload: bytes
     limit_s: float
@@ -59,24 +59,24 @@ class _WorkItem:
 
 @dataclass(frozen=True)
 class _Setup:
-    """Travels to each process that starts; that its tasks are unpickled there imports their modules."""
+    """The setup sent to each process at its start; unpickling its tasks there imports their modules."""
 
     memory_bytes: int
     tasks: tuple[Callable[..., object], ...]
 
 
 class ProcessPool:
-    """A number of processes, begun with the first task, and the queue of tasks that wait for them.
+    """A number of processes, started with the first task, and the queue of tasks that wait for them.
 
-    A task ends in what it raises, in BrokenProcessPool where its process died, in Stuck where that stopped answering, or in
+    A task ends in its exception, in BrokenProcessPool when its process died, in Stuck when that stopped responding, or in
     Interrupted by `shutdown`.
     """
 
     def __init__(self, workers: int, *, memory_bytes: int, tasks: Collection[Callable[..., object]] = ()) -> None:
-        """Begin no process yet.
+        """Set up the pool without starting a process.
 
-        memory_bytes: what each process may hold of its own; more raises MemoryError in it. tasks: functions whose modules a
-        process imports when it starts, so that this does not count as time of its first task.
+        memory_bytes: memory limit of each process; exceeding it raises MemoryError there. tasks: functions whose modules a
+        process imports at its start, so that this does not count towards its first task's time.
         """
         self._workers = workers
         self._setup = _Setup(memory_bytes, tuple(tasks))
@@ -100,7 +100,7 @@ class ProcessPool:
         return future
 
     def shutdown(self) -> None:
-        """Kill the processes and give up what they compute; what waits is cancelled."""
+        """Kill the processes, give up their tasks and cancel the queued ones."""
         with self._lock:
             self._stop.set()
             slots = self._slots
@@ -138,7 +138,7 @@ class ProcessPool:
 
 
 class _Slot:
-    """A process and the thread that talks with it."""
+    """A process and the thread that talks to it."""
 
     def __init__(self, waiting: "SimpleQueue[_WorkItem | None]", setup: "_Setup") -> None:
         self._waiting = waiting
@@ -147,18 +147,18 @@ class _Slot:
         self._item: _WorkItem | None = None
         self._given_up: Exception | None = None
         self._asked, self._until = 0.0, math.inf
-        self._process: Any = None  # of the context that spawns
+        self._process: Any = None  # of the spawn context
         self._pipe: Connection | None = None
         self._thread = threading.Thread(target=self._run, name="worker process", daemon=True)
         self._thread.start()
 
     def silent_s(self) -> float | None:
-        """Return how long the process has not answered [s], where that is too long."""
+        """Return for how long the process has not answered [s], if that is too long; otherwise None."""
         now = time.monotonic()
         return now - self._asked if now > self._until else None
 
     def give_up(self, reason: Exception) -> None:
-        """Kill the process; what it computes ends in `reason`. It gets no other work, and its thread ends when it can."""
+        """Kill the process; its task ends in `reason`. It gets no other task, and its thread ends when it can."""
         with self._lock:
             self._given_up = reason
             process = self._process
@@ -167,7 +167,7 @@ class _Slot:
         self._settle(error=reason)
 
     def join(self, seconds: float) -> None:
-        """Wait until the thread has ended, so long at most [s]."""
+        """Wait until the thread has ended, at most `seconds`."""
         self._thread.join(max(0.0, seconds))
 
     def _run(self) -> None:
@@ -197,7 +197,7 @@ class _Slot:
             self._settle(value) if done else self._settle(error=value)
 
     def _begun(self) -> Connection:
-        """Begin a process. Raises Interrupted where none can be had at present, which is not the task's fault."""
+        """Start a process. Raises Interrupted when none can be started at present, which is not the task's fault."""
         try:
             return self._begin()
         except (EOFError, OSError, RuntimeError) as error:
@@ -226,7 +226,7 @@ class _Slot:
         self._until = self._asked + seconds
 
     def _settle(self, value: object = None, *, error: BaseException | None = None) -> None:
-        """Complete the future, once: the watching thread may have done so already."""
+        """Complete the future, once: the monitoring thread may have done so already."""
         with self._lock:
             item, self._item = self._item, None
             self._until = math.inf
@@ -270,7 +270,7 @@ def _done(payload: bytes) -> bytes:
 
 
 def failed(error: BaseException) -> bytes:
-    """Pickle an error for another process; in words where it cannot be pickled, or not be read again."""
+    """Pickle an error for another process; as a RuntimeError with its message when it does not survive pickling."""
     try:
         told = pickle.dumps((False, error))
         pickle.loads(told)

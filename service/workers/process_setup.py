@@ -1,4 +1,4 @@
-"""Setting up a worker process: priority, memory limit, signals, and the end together with its parent."""
+"""Setting up a worker process: priority, memory limit, signals, and its end together with the parent."""
 
 import os
 import resource
@@ -10,14 +10,14 @@ from multiprocessing.connection import wait
 import threadpoolctl
 
 NICENESS = 10
-"""Storing and answering come before identifying, where there are fewer cores than work."""
+"""Niceness of workers: storing and answering take precedence over identifying when cores are scarce."""
 
 
 def set_up(memory_bytes: int) -> None:
     """Prepare this process for tasks; called once, before the first.
 
-    It computes with one BLAS thread and may hold so much memory of its own. Whoever else waits for the processor comes first.
-    It ignores the terminal's Ctrl-C, and ends when its parent does.
+    It computes with one BLAS thread, within the memory limit, at low priority. It ignores the terminal's Ctrl-C, and ends when
+    its parent does.
     """
     os.nice(NICENESS)
     resource.setrlimit(resource.RLIMIT_DATA, (memory_bytes, memory_bytes))

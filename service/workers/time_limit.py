@@ -1,4 +1,4 @@
-"""The time limit of a task, kept by the process that computes it."""
+"""The time limit of a task, enforced by the process that computes it."""
 
 import faulthandler
 import signal
@@ -8,16 +8,16 @@ from contextlib import contextmanager
 from types import FrameType
 
 GRACE_S = 10.0
-"""How much longer than allowed a process may take to notice that its time is over."""
+"""Time after the limit within which a process must notice that its time is over."""
 
 
 class OutOfTime(RuntimeError):
-    """A task took longer than allowed."""
+    """A task exceeded its time limit."""
 
 
 @contextmanager
 def limited(seconds: float) -> Iterator[None]:
-    """Keep to a time [s]. Raises OutOfTime; a process that hangs in native code ends some seconds after it."""
+    """Limit the time of the block [s]. Raises OutOfTime; a process that hangs in native code is ended some seconds later."""
     if threading.current_thread() is not threading.main_thread():
         raise RuntimeError("a task needs a process of its own to keep to its time")
     signal.signal(signal.SIGALRM, _out_of_time)

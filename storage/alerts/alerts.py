@@ -1,4 +1,4 @@
-"""Repository of alerts and of everything that ever happened to them."""
+"""Repository of alerts and of their events."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -13,13 +13,13 @@ from storage.tables import AlertEventRow, AlertRow
 
 
 class AlertUnknown(Missing):
-    """No alert of that id."""
+    """There is no alert with this id."""
 
     subject = "alert"
 
 
 def open_alert(session: Session, machine_id: str, *, rule: str, element: str) -> AlertRow | None:
-    """The open alert of a machine, rule and element."""
+    """Return the open alert of a machine, rule and element, locked for changes; None when there is none."""
     query = select(AlertRow).where(
         AlertRow.machine_id == machine_id,
         AlertRow.rule == rule,
@@ -30,7 +30,7 @@ def open_alert(session: Session, machine_id: str, *, rule: str, element: str) ->
 
 
 def open_alerts(session: Session, machine_id: str) -> Sequence[AlertRow]:
-    """All open alerts of a machine."""
+    """Return all open alerts of a machine, locked for changes."""
     query = select(AlertRow).where(AlertRow.machine_id == machine_id, AlertRow.closed_at.is_(None)).order_by(AlertRow.id)
     return session.scalars(query.with_for_update()).all()
 
@@ -47,7 +47,7 @@ def add(
     measured_at: int,
     latching: bool,
 ) -> AlertRow:
-    """A new episode, still in the normal condition: its first event is yet to come."""
+    """Add a new alert in the normal condition; its first event is still to be added."""
     moment = now()
     row = AlertRow(
         machine_id=machine_id,
@@ -76,7 +76,7 @@ def add(
 def add_event(
     session: Session, row: AlertRow, *, kind: str, state_before: str, by: str, comment: str, at: int
 ) -> AlertEventRow:
-    """Write down what has just happened to an alert, with the alert as it is now."""
+    """Append an event to an alert, recording the alert's current state."""
     row.event_count += 1
     event = AlertEventRow(
         alert_id=row.id,
@@ -101,7 +101,7 @@ def add_event(
 
 
 def get(session: Session, alert_id: int, *, to_change: bool = False) -> AlertRow:
-    """Raises AlertUnknown."""
+    """Return an alert by id, locked when `to_change`; raise AlertUnknown when there is none."""
     row = session.get(AlertRow, alert_id, with_for_update=to_change or None)
     if row is None:
         raise AlertUnknown(alert_id)
@@ -109,14 +109,14 @@ def get(session: Session, alert_id: int, *, to_change: bool = False) -> AlertRow
 
 
 ListedAlert = Row[Any]
-"""The columns of an alert, under the same names: a long list of them is read much faster than the rows themselves."""
+"""The columns of an alert under the names of `AlertRow`: a long list of them is read much faster than mapped rows."""
 
 
 def find(
     session: Session, *, machine_id: str | None, only_open: bool, limit: int, after: Keys | None = None
 ) -> Sequence[ListedAlert]:
-    """Alerts to read, newest first; after: time of opening and id of the one before the first."""
-    # By the mapped attributes: the bare table's columns would slip past the conditions of a `PlantScope`.
+    """Return alerts, newest first. after: (opening time, id) of the last alert of the page before."""
+    # Use the mapped attributes: the table's own columns would bypass the conditions of a `PlantScope`.
     columns = (getattr(AlertRow, column.key) for column in AlertRow.__table__.columns)
     query = ordered(select(*columns), (AlertRow.opened_at, AlertRow.id), after)
     if machine_id is not None:
@@ -129,23 +129,23 @@ def find(
 def history(
     session: Session, alert_id: int, *, limit: int | None = None, after: Keys | None = None
 ) -> Sequence[AlertEventRow]:
-    """What happened to an alert, oldest first; after: number of the event before the first."""
+    """Return the events of an alert, oldest first. after: number of the last event of the page before."""
     query = select(AlertEventRow).where(AlertEventRow.alert_id == alert_id)
     return session.scalars(ordered(query, (AlertEventRow.number,), after, descending=False).limit(limit)).all()
 
 
 def last_event(session: Session, alert_id: int) -> AlertEventRow:
-    """The newest of what happened to an alert: at least its opening."""
+    """Return the newest event of an alert; every alert has at least its opening."""
     newest = select(AlertEventRow).where(AlertEventRow.alert_id == alert_id).order_by(AlertEventRow.number.desc()).limit(1)
     return session.scalars(newest).one()
 
 
 def events_after(session: Session, event_id: int, *, limit: int) -> Sequence[AlertEventRow]:
-    """Events of all alerts behind a given one, oldest first."""
+    """Return the events of all alerts with a higher id than the given one, oldest first."""
     query = select(AlertEventRow).where(AlertEventRow.id > event_id).order_by(AlertEventRow.id).limit(limit)
     return session.scalars(query).all()
 
 
 def newest_event(session: Session) -> int:
-    """Number of the newest event; 0 before the first."""
+    """Return the id of the newest event; 0 when there is none."""
     return session.scalar(select(func.max(AlertEventRow.id))) or 0

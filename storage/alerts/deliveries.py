@@ -1,4 +1,4 @@
-"""Repository of subscriptions and of the outbox: which event still has to reach whom."""
+"""Repository of subscriptions and of the outbox, which holds the events that are still to be delivered."""
 
 from collections.abc import Collection, Sequence
 
@@ -17,21 +17,21 @@ STATES = (PENDING, DELIVERED, GIVEN_UP)
 
 
 class SubscriptionUnknown(Missing):
-    """No subscription of that id."""
+    """There is no subscription with this id."""
 
     subject = "subscription"
 
 
 class SubscriptionExists(Conflict):
-    """A subscription of that name is there already."""
+    """A subscription of this name exists already."""
 
 
 class SubscriptionDisabled(Conflict):
-    """Nothing is sent to this subscription."""
+    """The subscription is disabled: nothing is sent to it."""
 
 
 class DeliveryUnknown(Missing):
-    """No delivery of that id."""
+    """There is no delivery with this id."""
 
     subject = "delivery"
 
@@ -39,7 +39,8 @@ class DeliveryUnknown(Missing):
 def subscribe(
     session: Session, *, kind: str, name: str, target: str, secret: str | None, plants: Collection[str] | None = None
 ) -> SubscriptionRow:
-    """Who is told from now on. plants: of whose events; None for all. Raises SubscriptionExists."""
+    """Add an active subscription to the events of some plants (None: all plants); raise SubscriptionExists when the name is
+    taken."""
     if by_name(session, name) is not None:
         raise SubscriptionExists(f"subscription '{name}' exists already")
     row = SubscriptionRow(kind=kind, name=name, target=target, secret=secret, state=ACTIVE, reason=None, created_at=now())
@@ -50,24 +51,24 @@ def subscribe(
 
 
 def by_name(session: Session, name: str) -> SubscriptionRow | None:
-    """The subscription of a name, whoever may see it: names are unique."""
+    """Return the subscription of a name, visible to the caller or not: names are unique over all plants."""
     query = select(SubscriptionRow).where(SubscriptionRow.name == name).execution_options(**EVERY_PLANT)
     return session.scalars(query).one_or_none()
 
 
 def told_of(row: SubscriptionRow) -> list[str] | None:
-    """The plants of whose events a subscription tells; None for all."""
+    """Return the plants whose events a subscription receives; None for all plants."""
     return [one.plant for one in row.told_of] or None
 
 
 def tells(row: SubscriptionRow, plant: str) -> bool:
-    """Whether a subscription tells of a plant's events."""
+    """Return whether a subscription receives a plant's events."""
     plants = told_of(row)
     return plants is None or plant in plants
 
 
 def get(session: Session, subscription_id: int) -> SubscriptionRow:
-    """Raises SubscriptionUnknown."""
+    """Return a subscription by id; raise SubscriptionUnknown when there is none."""
     row = session.get(SubscriptionRow, subscription_id)
     if row is None:
         raise SubscriptionUnknown(subscription_id)
@@ -75,18 +76,18 @@ def get(session: Session, subscription_id: int) -> SubscriptionRow:
 
 
 def every(session: Session, *, limit: int | None = None, after: Keys | None = None) -> Sequence[SubscriptionRow]:
-    """All subscriptions, by id; after: the one before."""
+    """Return all subscriptions, by id. after: id of the last one of the page before."""
     return session.scalars(ordered(select(SubscriptionRow), (SubscriptionRow.id,), after, descending=False).limit(limit)).all()
 
 
 def with_secret(session: Session) -> Sequence[SubscriptionRow]:
-    """Those that have a secret, whoever may see them, by id."""
+    """Return all subscriptions that have a secret, visible to the caller or not, by id."""
     query = select(SubscriptionRow).where(SubscriptionRow.secret.is_not(None)).order_by(SubscriptionRow.id)
     return session.scalars(query.execution_options(**EVERY_PLANT)).all()
 
 
 def disable(session: Session, row: SubscriptionRow, reason: str) -> None:
-    """Send it nothing more; what was on its way is given up, and can be delivered again later."""
+    """Disable a subscription; its pending deliveries are given up and can be sent again later."""
     row.state, row.reason = DISABLED, reason
     waiting = select(DeliveryRow).where(DeliveryRow.subscription_id == row.id, DeliveryRow.state == PENDING)
     for delivery in session.scalars(waiting):
@@ -94,20 +95,20 @@ def disable(session: Session, row: SubscriptionRow, reason: str) -> None:
 
 
 def enable(row: SubscriptionRow) -> None:
-    """Tell it of what happens from now on."""
+    """Enable a subscription; it receives events from now on."""
     row.state, row.reason = ACTIVE, None
 
 
 def require_active(row: SubscriptionRow) -> None:
-    """Raises SubscriptionDisabled."""
+    """Raise SubscriptionDisabled unless a subscription is active."""
     if row.state != ACTIVE:
         raise SubscriptionDisabled(f"subscription '{row.name}' is disabled ({row.reason}): enable it first")
 
 
 def queue(session: Session, event: AlertEventRow) -> None:
-    """Put an event into the outbox of every active subscription that tells of its plant."""
+    """Add an event to the outbox of every active subscription that receives events of its plant."""
     machine = session.get_one(MachineRow, event.machine_id)
-    # Also of those that whoever made the event happen may not see.
+    # Includes subscriptions that whoever caused the event may not see.
     query = select(SubscriptionRow).where(SubscriptionRow.state == ACTIVE).execution_options(**EVERY_PLANT)
     for row in session.scalars(query):
         if tells(row, machine.plant):
@@ -115,7 +116,7 @@ def queue(session: Session, event: AlertEventRow) -> None:
 
 
 def queue_for(session: Session, row: SubscriptionRow, event: AlertEventRow) -> DeliveryRow:
-    """Put an event into the outbox of one subscription."""
+    """Add an event to the outbox of one subscription."""
     delivery = DeliveryRow(
         subscription_id=row.id,
         event_id=event.id,
@@ -131,10 +132,10 @@ def queue_for(session: Session, row: SubscriptionRow, event: AlertEventRow) -> D
 
 
 def due(session: Session, moment: int, *, busy: Sequence[int], limit: int) -> Sequence[DeliveryRow]:
-    """Deliveries to try at a moment [ns]: of each subscription and alert the oldest pending one, when its time has come.
+    """Return the deliveries to try at a time [ns]: the oldest pending one of each subscription and alert, once it is due.
 
-    busy: ids of subscriptions that take no more at present. What was never tried is due, and what was tried in the future, for
-    the clock was set back.
+    busy: ids of subscriptions that take no deliveries at present. A delivery that was never tried is due; so is one whose last
+    attempt lies in the future, because the clock was set back since.
     """
     oldest = (
         select(func.min(DeliveryRow.id))
@@ -148,13 +149,13 @@ def due(session: Session, moment: int, *, busy: Sequence[int], limit: int) -> Se
 
 
 def of_subscription(session: Session, subscription_id: int, *, limit: int, after: Keys | None = None) -> Sequence[DeliveryRow]:
-    """The delivery log of a subscription, newest first; after: id of the one before."""
+    """Return the deliveries of a subscription, newest first. after: id of the last one of the page before."""
     query = select(DeliveryRow).where(DeliveryRow.subscription_id == subscription_id)
     return session.scalars(ordered(query, (DeliveryRow.id,), after).limit(limit)).all()
 
 
 def delivery(session: Session, delivery_id: int) -> DeliveryRow:
-    """Raises DeliveryUnknown."""
+    """Return a delivery by id; raise DeliveryUnknown when there is none."""
     row = session.get(DeliveryRow, delivery_id)
     if row is None:
         raise DeliveryUnknown(delivery_id)
@@ -162,11 +163,11 @@ def delivery(session: Session, delivery_id: int) -> DeliveryRow:
 
 
 def again(row: DeliveryRow) -> None:
-    """Deliver once more, now."""
+    """Make a delivery pending again, due now, with its attempts reset."""
     row.state, row.attempts, row.next_try_at, row.answer = PENDING, 0, now(), None
 
 
 def counts(session: Session) -> dict[str, int]:
-    """How many deliveries are in each state."""
+    """Return the number of deliveries in each state."""
     query = select(DeliveryRow.state, func.count()).group_by(DeliveryRow.state)
     return {state: number for state, number in session.execute(query)}  # noqa: C416 - dict() loses the types

@@ -1,4 +1,4 @@
-"""Repository of shelvings, suppressions by design and removals from service."""
+"""Repository of suppressions: shelved alerts, suppressions by design and machines removed from service."""
 
 from collections.abc import Sequence
 
@@ -12,7 +12,7 @@ from storage.tables import SuppressionRow
 
 
 class SuppressionUnknown(Missing):
-    """No suppression of that id."""
+    """There is no suppression with this id."""
 
     subject = "suppression"
 
@@ -28,7 +28,7 @@ def add(
     by: str,
     comment: str,
 ) -> SuppressionRow:
-    """Begin a suppression; `rule` and `element` None suppress all of the machine."""
+    """Begin a suppression; `rule` and `element` None suppress all alerts of the machine."""
     row = SuppressionRow(
         machine_id=machine_id,
         rule=rule,
@@ -47,7 +47,7 @@ def add(
 
 
 def get(session: Session, suppression_id: int) -> SuppressionRow:
-    """Raises SuppressionUnknown."""
+    """Return a suppression by id; raise SuppressionUnknown when there is none."""
     row = session.get(SuppressionRow, suppression_id)
     if row is None:
         raise SuppressionUnknown(suppression_id)
@@ -57,13 +57,13 @@ def get(session: Session, suppression_id: int) -> SuppressionRow:
 def in_force(
     session: Session, machine_id: str, *, limit: int | None = None, after: Keys | None = None
 ) -> Sequence[SuppressionRow]:
-    """Suppressions of a machine that have not ended, oldest first; after: the one before."""
+    """Return the suppressions of a machine that have not ended, oldest first. after: id of the last one of the page before."""
     query = select(SuppressionRow).where(SuppressionRow.machine_id == machine_id, SuppressionRow.ended_at.is_(None))
     return session.scalars(ordered(query, (SuppressionRow.id,), after, descending=False).limit(limit)).all()
 
 
 def of_alert(session: Session, machine_id: str, *, rule: str, element: str) -> Sequence[SuppressionRow]:
-    """Suppressions in force that apply to alerts of this rule and element."""
+    """Return the suppressions in force that apply to alerts of this rule and element."""
     query = (
         select(SuppressionRow)
         .where(SuppressionRow.machine_id == machine_id, SuppressionRow.ended_at.is_(None))
@@ -74,9 +74,10 @@ def of_alert(session: Session, machine_id: str, *, rule: str, element: str) -> S
 
 
 def over(session: Session, moment: int) -> Sequence[SuppressionRow]:
-    """Suppressions whose time is over at a moment [ns] and that have not been ended yet.
+    """Return the suppressions that have expired at a time [ns] but have not been ended yet.
 
-    Over is also the time of one that has yet to begin, for the clock was set back: it would last longer than anybody wanted.
+    A suppression that begins in the future has expired too: the clock was set back since, and it would last longer than
+    intended.
     """
     query = select(SuppressionRow).where(SuppressionRow.ended_at.is_(None), SuppressionRow.until.is_not(None))
     query = query.where(or_(SuppressionRow.until <= moment, SuppressionRow.since > moment + TOLERANCE))
@@ -84,5 +85,5 @@ def over(session: Session, moment: int) -> Sequence[SuppressionRow]:
 
 
 def end(row: SuppressionRow, *, by: str) -> None:
-    """It is over."""
+    """End a suppression now."""
     row.ended_at, row.ended_by = now(), by

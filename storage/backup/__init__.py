@@ -1,3 +1,2 @@
-"""Backup, restore and transfer between databases, and who gets in behind a restore. It imports `database`, `tables` and
-`operation`; only commands use it.
-"""
+"""Backup, restore and transfer between databases, and the access that remains valid after a restore. It imports `database`,
+`tables` and `operation`; only commands use it."""

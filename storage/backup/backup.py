@@ -1,6 +1,5 @@
-"""Backup and restore. Of SQLite a backup is a database of its own, made by SQLite's backup API while others read and write; of
-PostgreSQL it is an archive of `pg_dump`.
-"""
+"""Backup and restore. A backup of SQLite is a database file, made by SQLite's backup API while others read and write; a backup
+of PostgreSQL is an archive of `pg_dump`."""
 
 import errno
 import os
@@ -34,7 +33,7 @@ _NEVER = "a backup never replaces another one"
 
 
 def back_up(url: str, file: Path) -> Backup:
-    """Copy a database as of one moment into a new file. Others may read and write meanwhile.
+    """Copy a database as of one moment into a new file, while others read and write.
 
     Raises BackupUnusable, DatabaseUnusable.
     """
@@ -65,17 +64,18 @@ def back_up(url: str, file: Path) -> Backup:
 
 @dataclass(frozen=True)
 class Restored:
-    """What was restored, and who gets in less than with the backup."""
+    """The backup that was restored, and the access that was withdrawn after it."""
 
     backup: Backup
     access: RestoredAccess
 
 
 def restore(url: str, file: Path, *, overwrite: bool = False) -> Restored:
-    """Put a backup in the place of a database that holds no data, or of any one with `overwrite`.
+    """Replace an empty database, or any database with `overwrite`, by a backup.
 
-    All of it is there in the end, or what was there before; but nobody stays logged in, keys that the replaced database knows
-    as revoked are, and those that it does not know wait for a confirmation (`storage.backup.restored_access`).
+    Either all of the backup is in place afterwards, or the old data. Access is not restored as it was: all sessions are logged
+    out, keys that the replaced database has as revoked are revoked, and keys that it does not know wait for a confirmation
+    (`storage.backup.restored_access`).
 
     Raises BackupUnusable, DatabaseUnusable; also while a service uses the database.
     """
@@ -123,7 +123,7 @@ def _require_empty(engine: Engine, url: str) -> None:
 
 
 def _dump_postgresql(engine: Engine, part: Path) -> tuple[str, dict[str, int]]:
-    """Counted and dumped in one snapshot."""
+    """Count and dump the rows in one snapshot."""
     with engine.connect().execution_options(isolation_level="REPEATABLE READ") as connection:
         revision = require_known(revision_of(connection), "the database")
         rows = row_counts(connection)
@@ -142,7 +142,7 @@ def _replace_postgresql(engine: Engine, file: Path, found: Backup) -> RestoredAc
 
 
 def _keys_aside(engine: Engine) -> dict[str, KnownKey]:
-    """What the database that is replaced knows of its keys; nothing where it cannot be read."""
+    """Return the keys of the replaced database; none when it cannot be read."""
     try:
         with engine.connect() as connection:
             return known_keys(connection, schema=postgresql_tools.ASIDE)

@@ -1,6 +1,5 @@
-"""What a backup is: a file with all data as of one moment, and beside it what that is, `<file>.json`, written last. A file
-without it is no complete backup.
-"""
+"""Files of a backup: all data as of one moment and, written last, a description in `<file>.json`. A file without its
+description is not a complete backup."""
 
 import hashlib
 import json
@@ -20,12 +19,12 @@ FORMAT = 1
 
 
 class BackupUnusable(RuntimeError):
-    """A backup cannot be made or restored; the message says why and what would help."""
+    """A backup cannot be made or restored; the message states the cause and the remedy."""
 
 
 @dataclass(frozen=True)
 class Backup:
-    """What a backup is. made_at: RFC 3339; rows: of each table."""
+    """Description of a backup. made_at: RFC 3339; rows: number of rows of each table."""
 
     format: int
     kind: str
@@ -37,12 +36,12 @@ class Backup:
 
 
 def described_by(file: Path) -> Path:
-    """What stands beside a backup."""
+    """Return the path of a backup's description."""
     return file.with_name(file.name + ".json")
 
 
 def read(file: Path) -> Backup:
-    """What a backup is, its checksum verified. Raises BackupUnusable."""
+    """Return the description of a backup after verifying its checksum. Raises BackupUnusable."""
     try:
         values: dict[str, Any] = json.loads(described_by(file).read_text())
         found = Backup(**values)
@@ -57,7 +56,7 @@ def read(file: Path) -> Backup:
 
 
 def newest_in(folder: Path) -> datetime | None:
-    """When the newest complete backup in a folder was made, going by what stands beside it; None where there is none.
+    """Return when the newest complete backup in a folder was made, according to the descriptions; None without a backup.
 
     Raises OSError.
     """
@@ -70,13 +69,13 @@ def newest_in(folder: Path) -> datetime | None:
                 if one.size == file.stat().st_size:
                     found.append(datetime.fromisoformat(one.made_at).astimezone(UTC))
             except (ValueError, TypeError):
-                continue  # no backup's
+                continue  # not the description of a backup
     return max(found, default=None)
 
 
 def require_rows(rows: dict[str, int], file: Path, found: Backup) -> None:
-    """Raises BackupUnusable where a restored database does not have as many rows in each table as the backup says."""
-    # A release may have let go of a table that the one that made the backup had.
+    """Raise BackupUnusable unless each table of a restored database has as many rows as the backup states."""
+    # A newer release may have dropped a table that the release of the backup had.
     known = found.rows.keys() & Base.metadata.tables.keys() - KEPT_BY_ITSELF
     wrong = [name for name in sorted(known) if rows.get(name) != found.rows[name]]
     if wrong:
@@ -85,7 +84,7 @@ def require_rows(rows: dict[str, int], file: Path, found: Backup) -> None:
 
 @contextmanager
 def new_file(path: Path) -> Iterator[None]:
-    """A new file, empty and private, which goes again when what is done with it fails. Raises FileExistsError."""
+    """Create an empty private file; delete it when the block fails. Raises FileExistsError."""
     path.touch(mode=PRIVATE, exist_ok=False)
     try:
         yield
@@ -95,8 +94,9 @@ def new_file(path: Path) -> Iterator[None]:
 
 
 def put_down(part: Path, file: Path, made: Backup) -> None:
-    """Give a backup its name, and write beside it what it is. Raises FileExistsError where somebody was faster."""
-    with new_file(file):  # so that what is replaced is our own; links, which would do it in one step, not every disk has
+    """Rename a finished backup to its name and write its description. Raises FileExistsError when the name was taken
+    meanwhile."""
+    with new_file(file):  # so that only our own file is replaced; not every file system has hard links
         part.replace(file)
         with new_file(described_by(file)):
             described_by(file).write_text(json.dumps(asdict(made), indent=1) + "\n")
@@ -105,14 +105,14 @@ def put_down(part: Path, file: Path, made: Backup) -> None:
 
 
 def synced_digest(file: Path) -> str:
-    """SHA-256 of a file, which is on the disk afterwards."""
+    """Return the SHA-256 of a file after flushing it to the disk."""
     with file.open("rb") as opened:
         os.fsync(opened.fileno())
         return hashlib.file_digest(opened, "sha256").hexdigest()
 
 
 def sync_folder(folder: Path) -> None:
-    """So that a file's new name is on the disk."""
+    """Flush a folder to the disk, so that new names of its files are durable."""
     number = os.open(folder, os.O_RDONLY)
     try:
         os.fsync(number)

@@ -1,7 +1,8 @@
-"""Who gets in behind a restore: a backup knows nothing of keys that were revoked since, nor of who has logged out.
+"""Access after a restore: a backup does not know which keys were revoked, or who logged out, since it was made.
 
-What the replaced store knows of a key goes on to hold. A key that it does not know waits until somebody confirms it, and so do
-all where it cannot be read. In SQL, not by the tables of this release: a backup may be of an older schema, and is left so.
+The replaced store's state of a key is kept. A key that the replaced store does not know waits for a confirmation; all keys do
+when that store cannot be read. The statements are plain SQL and not the tables of this release, since a backup may have an
+older schema, which is kept.
 """
 
 from dataclasses import dataclass
@@ -16,7 +17,7 @@ LOGGED_IN = ("browser_sessions", "logins")
 
 @dataclass(frozen=True)
 class KnownKey:
-    """What a store says of a key: until when it is good [ns], and since when it is revoked."""
+    """The state of an API key in a store: its expiry [ns] and when it was revoked [ns]."""
 
     hash: str
     expires_at: int
@@ -25,7 +26,7 @@ class KnownKey:
 
 @dataclass(frozen=True)
 class RestoredAccess:
-    """What became of who could get in. revoked, waiting: keys by their prefixes; sessions: how many were dropped."""
+    """The access that a restore withdrew. revoked, waiting: keys by their prefixes; sessions: number of sessions dropped."""
 
     revoked: tuple[str, ...]
     waiting: tuple[str, ...]
@@ -33,12 +34,12 @@ class RestoredAccess:
 
     @property
     def changed(self) -> bool:
-        """Whether anybody gets in less than with the backup."""
+        """Return whether the restore withdrew any access that the backup granted."""
         return bool(self.revoked or self.waiting or self.sessions)
 
 
 def known_keys(connection: Connection, *, schema: str | None = None) -> dict[str, KnownKey]:
-    """What a store knows of its keys, by their prefixes. Raises DBAPIError."""
+    """Return the keys of a store by their prefixes. Raises DBAPIError."""
     if not inspect(connection).has_table(KEYS, schema=schema):
         return {}
     table = f"{schema}.{KEYS}" if schema else KEYS
@@ -47,7 +48,7 @@ def known_keys(connection: Connection, *, schema: str | None = None) -> dict[str
 
 
 def amend(connection: Connection, known: dict[str, KnownKey]) -> RestoredAccess:
-    """Take over what the replaced store knew of the keys of a backup that was read in, and let nobody stay logged in."""
+    """Apply the replaced store's state of the keys to a restored backup, and drop all sessions and logins."""
     there = set(inspect(connection).get_table_names())
     sessions = 0
     for table in there & {*LOGGED_IN}:
@@ -59,7 +60,7 @@ def amend(connection: Connection, known: dict[str, KnownKey]) -> RestoredAccess:
             continue
         last = known.get(prefix)
         if last is None or last.hash != key.hash:
-            last = KnownKey(key.hash, -key.expires_at, None)  # as `keys.waits` has it
+            last = KnownKey(key.hash, -key.expires_at, None)  # negative: see `api_keys.waits`
         if last.revoked_at is not None:
             revoked.append(prefix)
         elif last.expires_at < 0:

@@ -1,4 +1,4 @@
-"""Taking out for good what was deleted from an SQLite file: it stays in free pages and in its log until they are reused."""
+"""Erasing deleted data from an SQLite file: until their space is reused they remain in free pages and in the log."""
 
 import shutil
 import sqlite3
@@ -12,22 +12,25 @@ from storage.database.claim import file_of
 from storage.database.engine import Database
 
 LARGEST = 2 * 2**30
-"""A larger file is not written anew at a start: it would take minutes, and as much room again [bytes]."""
+"""Largest file that is rewritten at a start [bytes]: a larger one would take minutes, and as much free space again."""
 
 
 class NotScrubbed(RuntimeError):
-    """Copies may be left in the file; the message says why and what takes them out."""
+    """Copies of deleted data may remain in the file; the message states the cause and the remedy."""
 
 
 def overwrite_deleted(session: Session) -> None:
-    """Fill with zeros what this session's transaction deletes or replaces. PostgreSQL has nothing like it."""
+    """Overwrite with zeros whatever this session's transaction deletes or replaces. PostgreSQL has no equivalent."""
     connection = session.connection()
     if connection.dialect.name == "sqlite":
         connection.exec_driver_sql("PRAGMA secure_delete = ON")
 
 
 def scrub(database: Database) -> None:
-    """Write an SQLite file anew without what was deleted, and cut its log. For who is alone with it. Raises NotScrubbed."""
+    """Rewrite an SQLite file without deleted data and truncate its log.
+
+    The caller must be its only user. Raises NotScrubbed.
+    """
     path = file_of(database.engine)
     if path is None:
         return
@@ -43,7 +46,7 @@ def scrub(database: Database) -> None:
     except (DBAPIError, sqlite3.Error, OSError) as error:
         raise NotScrubbed(f"{path} could not be written anew ({error}): {by_hand}") from error
     finally:
-        database.engine.dispose()  # its connections still overwrite what they delete
+        database.engine.dispose()  # its connections still have secure_delete on
     if busy:
         raise NotScrubbed(f"another program reads {path}: {by_hand}")
     if not small:

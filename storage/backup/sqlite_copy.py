@@ -1,4 +1,4 @@
-"""Copies of an SQLite database's file, made while others use it, and put back in its place."""
+"""Copying an SQLite database file while others use it, and putting a copy in its place."""
 
 import hashlib
 import sqlite3
@@ -19,8 +19,9 @@ _PIECE = 1 << 20
 
 
 def copy(engine: Engine, part: Path) -> tuple[str, dict[str, int]]:
-    """Write all that is committed into a file that is there and empty. Returns the schema's revision and the number of rows of
-    each table. Raises BackupUnusable, DatabaseUnusable, sqlite3.Error.
+    """Write all committed data into an existing empty file.
+
+    Returns the schema revision and the number of rows of each table. Raises BackupUnusable, DatabaseUnusable, sqlite3.Error.
     """
     path = file_of(engine)
     if path is None or not path.is_file():
@@ -46,8 +47,9 @@ def _content(file: Path, name: str) -> tuple[str, dict[str, int]]:
 
 
 def replace(engine: Engine, file: Path, found: Backup) -> RestoredAccess:
-    """Put a backup in the place of the database's file, which is the old one or the new one at any moment. For who has the
-    claim on it only. Returns who gets in less than with the backup. Raises BackupUnusable, OSError, sqlite3.Error.
+    """Replace the database file by a backup; at any moment the file is the old one or the new one.
+
+    The caller must hold the claim. Returns the access that was withdrawn. Raises BackupUnusable, OSError, sqlite3.Error.
     """
     path = file_of(engine)
     if path is None:
@@ -55,7 +57,7 @@ def replace(engine: Engine, file: Path, found: Backup) -> RestoredAccess:
     part = path.with_name(path.name + ".restoring")
     try:
         digest = hashlib.sha256()
-        part.unlink(missing_ok=True)  # of a restore that was killed: whoever has the claim is the only one
+        part.unlink(missing_ok=True)  # left by a killed restore: the claim's holder is the only user
         part.touch(mode=PRIVATE, exist_ok=False)
         with file.open("rb") as source, part.open("wb") as target:
             while piece := source.read(_PIECE):
@@ -70,8 +72,8 @@ def replace(engine: Engine, file: Path, found: Backup) -> RestoredAccess:
         access = _amended(part, _keys_of(path))
         content = _content(part, str(part))
         synced_digest(part)
-        # Before the new file is there: who dies in between leaves an old database, never a new one beside an old log, which
-        # SQLite would play back into it.
+        # Before the new file is in place: a crash in between leaves an old database, never a new one beside an old log, which
+        # SQLite would replay into it.
         _remove_beside(path)
         sync_folder(path.parent)
         part.replace(path)
@@ -85,7 +87,7 @@ def replace(engine: Engine, file: Path, found: Backup) -> RestoredAccess:
 
 
 def _keys_of(path: Path) -> dict[str, KnownKey]:
-    """What a database that is to be replaced knows of its keys; nothing where it cannot be read or is not there."""
+    """Return the keys of the database that is to be replaced; none when it cannot be read or does not exist."""
     if not path.exists():
         return {}
     try:
@@ -104,8 +106,9 @@ def _amended(part: Path, known: dict[str, KnownKey]) -> RestoredAccess:
 
 
 def _end_log(path: Path) -> None:
-    """Take what an old database has in its log over into its file, which is then whole by itself. One that is damaged stays
-    as it is. Raises sqlite3.OperationalError while somebody uses it.
+    """Move the contents of an old database's log into its file, so that the file is complete by itself.
+
+    A damaged database is left as it is. Raises sqlite3.OperationalError while somebody uses it.
     """
     try:
         with closing(sqlite3.connect(path)) as old:
@@ -117,7 +120,7 @@ def _end_log(path: Path) -> None:
 
 
 def _beside(path: Path) -> list[Path]:
-    """Logs of a database file, also of one that is no longer there, and the note that it is damaged."""
+    """Return the paths of a database file's logs and of its damage marker; the file itself need not exist."""
     return [*(path.with_name(path.name + end) for end in ("-wal", "-shm", "-journal")), marker_of(path)]
 
 
@@ -127,7 +130,7 @@ def _remove_beside(path: Path) -> None:
 
 
 def _require_whole(path: Path, file: Path, found: Backup) -> None:
-    """Raises BackupUnusable where a database file is not what a backup says of itself."""
+    """Raise BackupUnusable unless a database file matches the description of its backup."""
     try:
         revision, rows = _content(path, str(path))
     except DatabaseUnusable as error:

@@ -1,6 +1,6 @@
-"""Taking all data over from one database to another, of whatever kind: all of them, compared in the end, or none.
+"""Transferring all data from one database to another of either kind: all rows, compared at the end, or none.
 
-Older releases let NUL into texts, which SQLite keeps and PostgreSQL cannot: there it is escaped (`storage.encoding.text`).
+Older releases allowed NUL in text. SQLite stores it and PostgreSQL cannot: there it is escaped (`storage.encoding.text`).
 """
 
 import math
@@ -20,26 +20,26 @@ from storage.encoding.text import finite, nul_escaped
 from storage.tables import Base
 
 AT_ONCE = 200
-"""Rows on their way at a time."""
+"""Rows transferred per batch."""
 
 
 class NotMoved(RuntimeError):
-    """The data were not taken over and the target is as it was; the message says why."""
+    """The data were not transferred and the target is unchanged; the message states the cause."""
 
 
 @dataclass(frozen=True)
 class TransferReport:
-    """What was taken over. rows: of each table; escaped: texts in which NUL was escaped, of each `table.column` with any."""
+    """Counts of a transfer. rows: rows per table; escaped: texts with escaped NUL per `table.column`, where there are any."""
 
     rows: dict[str, int]
     escaped: dict[str, int]
 
 
 def move(source_url: str, target_url: str) -> TransferReport:
-    """Take over everything into a database that holds no data.
+    """Transfer all data into an empty database.
 
-    The source is brought up to date first, and else left as it is. Raises NotMoved, DatabaseUnusable; also where there is no
-    source, and while a service uses one of them.
+    The source's schema is upgraded first; nothing else in it changes. Raises NotMoved, DatabaseUnusable; also when the source
+    does not exist, and while a service uses one of the two.
     """
     _require_source(source_url)
     with closing(Database(source_url)) as source, closing(Database(target_url)) as target:
@@ -49,7 +49,7 @@ def move(source_url: str, target_url: str) -> TransferReport:
         target.claim()
         with source.engine.connect() as reading, target.for_writing.begin() as writing:
             for one in (reading, writing):
-                if one.dialect.name == "postgresql":  # each waits for the other
+                if one.dialect.name == "postgresql":  # while one works, the other is idle in its transaction
                     one.execute(text("SET LOCAL idle_in_transaction_session_timeout = 0"))
             held = sum(row_counts(writing).values())
             if held:
@@ -65,19 +65,19 @@ def move(source_url: str, target_url: str) -> TransferReport:
 
 
 def _require_source(url: str) -> None:
-    """Raises DatabaseUnusable: a database that is opened to be written to is made where there is none."""
+    """Raise DatabaseUnusable unless the source exists; opening it for writing would create it."""
     require_there(url)
     with lent_engine(url) as engine, engine.connect() as connection:
         require_known(revision_of(connection), f"database {shown(url)}")
 
 
 def _place(database: Database) -> Path | URL:
-    """Where its data are; an SQLite file may go by several names."""
+    """Return the file or URL that identifies a database; an SQLite file may have several names."""
     return file_of(database.engine) or database.engine.url
 
 
 def _tables() -> list[Table]:
-    """The tables in an order in which what is referred to comes first, their JSON so that its null is not the database's."""
+    """Return copies of the tables, referenced tables first; JSON null in their columns stays distinct from SQL NULL."""
     copied = MetaData()
     for table in Base.metadata.sorted_tables:
         for column in table.to_metadata(copied).columns:
@@ -87,14 +87,14 @@ def _tables() -> list[Table]:
 
 
 def _rows(table: Table, connection: Connection) -> Result[Any]:
-    """All rows in the order of their keys; behind the columns, whether each is NULL."""
+    """Return all rows by primary key; behind the columns follows, for each column, whether it is NULL."""
     empty = [column.is_(None) for column in table.columns]
     query = select(*table.columns, *(one.label(f"empty_{i}") for i, one in enumerate(empty)))
     return connection.execute(query.order_by(*table.primary_key.columns), execution_options={"yield_per": AT_ONCE})
 
 
 def _values(table: Table, row: Any) -> tuple[Any, ...]:
-    """What to insert for a row."""
+    """Return the values to insert for a row."""
     found: list[Any] = []
     for value, empty, column in zip(row, row[len(table.columns) :], table.columns, strict=False):
         if empty:
@@ -107,7 +107,7 @@ def _values(table: Table, row: Any) -> tuple[Any, ...]:
 
 
 def _copy(table: Table, reading: Connection, writing: Connection) -> Counter[str]:
-    """Returns in how many texts NUL was escaped."""
+    """Copy a table's rows; return the number of texts per column in which NUL was escaped."""
     names = [column.name for column in table.columns]
     escaped: Counter[str] = Counter()
     with _rows(table, reading) as rows:
@@ -122,7 +122,7 @@ def _copy(table: Table, reading: Connection, writing: Connection) -> Counter[str
 
 
 def _storable(table: Table, values: tuple[Any, ...], writing: Connection) -> tuple[Any, ...]:
-    """Values as the target can hold them. Raises NotMoved where a text is too long then."""
+    """Return a row's values as the target can store them. Raises NotMoved when an escaped text becomes too long."""
     if writing.dialect.name != "postgresql":
         return values
     return tuple(
@@ -146,7 +146,7 @@ def _escaped(table: Table, column: Column[Any], text: str, values: tuple[Any, ..
 
 
 def _compared(table: Table, reading: Connection, writing: Connection) -> int:
-    """How many rows there are; raises NotMoved where one is not the same on both sides."""
+    """Return the number of rows of a table; raise NotMoved when a row differs between the two sides."""
     count = 0
     with _rows(table, reading) as before, _rows(table, writing) as after:
         for old, new in zip_longest(before, after):
@@ -158,13 +158,13 @@ def _compared(table: Table, reading: Connection, writing: Connection) -> int:
 
 
 def _comparable(table: Table, row: Any, writing: Connection) -> list[Any]:
-    """Values of which each equals itself: SQLite has no NaN, there is NULL in its place, and PostgreSQL has no NUL."""
+    """Return a row's values in comparable form: NaN as NULL, as SQLite stores it, and NUL as the target stores it."""
     values = _storable(table, _values(table, row), writing)
     return [None if isinstance(value, float) and math.isnan(value) else value for value in values]
 
 
 def _go_on_counting(table: Table, reading: Connection, writing: Connection) -> None:
-    """The next row gets the number behind the highest one that was ever given, also to a row that is no longer there."""
+    """Set the target's sequence to continue behind the highest number ever given, deleted rows included."""
     highest = max(_highest(table, reading), _highest(table, writing))
     if not highest:
         return
@@ -176,7 +176,8 @@ def _go_on_counting(table: Table, reading: Connection, writing: Connection) -> N
 
 
 def _highest(table: Table, connection: Connection) -> int:
-    """The highest number that a table's rows have or, as far as the database remembers, ever had; 0 where it gives none."""
+    """Return the highest number a table's rows have or, as far as the database remembers, had; 0 without an autoincrement
+    column."""
     column = table.autoincrement_column
     if column is None:
         return 0
@@ -189,12 +190,12 @@ def _highest(table: Table, connection: Connection) -> int:
 
 
 def _counted_by_sqlite(table: Table, connection: Connection) -> bool:
-    """Whether this is SQLite, and it remembers the highest number that it gave to a row of the table."""
+    """Return whether SQLite remembers the highest number that it gave to a row of the table."""
     return connection.dialect.name == "sqlite" and bool(table.dialect_options["sqlite"]["autoincrement"])
 
 
 def _sequence(table: Table, connection: Connection) -> str | None:
-    """Name of what gives the numbers on PostgreSQL; None where nothing does."""
+    """Return the name of the PostgreSQL sequence that numbers a table's rows; None without one."""
     column = table.autoincrement_column
     if column is None or connection.dialect.name != "postgresql":
         return None

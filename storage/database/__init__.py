@@ -1,3 +1,2 @@
-"""The database itself: opening, claim, schema, transactions, damage, disk, and which plants a session sees. It imports
-`tables` and no repository; every repository works in its sessions.
-"""
+"""The database itself: opening, claim, schema, transactions, damage, disk space, and the plants that a session sees. It
+imports `tables` and no repository; every repository works in its sessions."""

@@ -1,8 +1,8 @@
-"""What tells that something was committed: a count of each table's changes, or the store's own mark of what is visible.
+"""Detecting that something was committed: by counts of each table's changes, or by PostgreSQL's snapshot.
 
-SQLite: triggers count the rows written, inside the writer's transaction, so that whoever sees a change sees its count,
-whichever process wrote it; reading the counts takes microseconds. PostgreSQL: counting rows would make writers wait for each
-other; instead its snapshot is asked for, which differs as soon as any transaction has committed.
+SQLite: triggers count the written rows inside the writer's transaction. Whoever sees a change therefore sees its count,
+whichever process wrote it, and reading the counts takes microseconds. PostgreSQL: counting rows would make writers wait for
+each other; its current snapshot is read instead, which changes as soon as any transaction has committed.
 """
 
 import sqlite3
@@ -28,17 +28,17 @@ WATCHED = (
     "alerts",
     "alert_events",
 )
-"""Tables whose changes are counted; a migration that makes one anew has to make its triggers anew."""
+"""Tables whose changes are counted; a migration that recreates one of them has to recreate its triggers."""
 WRITES = ("INSERT", "UPDATE", "DELETE")
 
 
 def trigger_name(table: str, write: str) -> str:
-    """Name of the trigger that counts one kind of write to a table."""
+    """Return the name of the trigger that counts one kind of write to a table."""
     return f"count_{write.lower()}_{table}"
 
 
 class Changes:
-    """Marks of what is committed. waits: whether asking for one waits for another process; then it belongs into a thread."""
+    """Marks of the committed state. waits: whether reading a mark waits for another process and belongs into a thread."""
 
     def __init__(self, database: Database) -> None:
         self._database = database
@@ -49,9 +49,9 @@ class Changes:
         self._lock = threading.Lock()
 
     def mark(self, tables: Sequence[str]) -> Hashable | None:
-        """Differs from an earlier one as soon as something was committed to one of the tables; None where it is not known.
+        """Return a mark that changes as soon as something is committed to one of the tables; None when it is unknown.
 
-        What is read after it was asked for holds all that it stands for, or more. Raises DBAPIError.
+        Data read after the mark are at least as new as the mark. Raises DBAPIError.
         """
         if self.waits:
             with self._database.reading() as session:
@@ -60,12 +60,14 @@ class Changes:
             try:
                 counts = self._counted(self._opened())
             except sqlite3.DatabaseError:
-                return None  # locked for a moment, for which nobody should wait here; or damaged, which who reads is told
+                return None  # locked for a moment, and nobody should wait; or damaged, which the next read reports
         return tuple(counts[table] for table in tables)
 
     def _counted(self, connection: sqlite3.Connection) -> dict[str, int]:
-        """Changes of each table. They are read only after a commit of somebody, of which SQLite knows by one number: with each
-        row that it reads, this thread lets another one of the interpreter compute, and waits for its turn again.
+        """Return the changes of each table.
+
+        The counts are read again only when SQLite's data version shows that somebody has committed: for each row that it
+        reads, this thread gives up the interpreter lock and waits to get it back.
         """
         (version,) = connection.execute("PRAGMA data_version").fetchone()
         if version != self._version:
@@ -74,7 +76,7 @@ class Changes:
         return self._counts
 
     def _opened(self) -> sqlite3.Connection:
-        """A connection outside the pool, on which each statement sees what is committed when it begins."""
+        """Return a connection outside the pool, each of whose statements sees what is committed when it begins."""
         if self._connection is None:
             self._connection = self._database.own_connection(timeout=0.0, isolation_level=None, check_same_thread=False)
             weakref.finalize(self, self._connection.close)

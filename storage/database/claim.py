@@ -1,4 +1,4 @@
-"""The claim on a database: services hold it, on PostgreSQL several share it; whoever replaces the data holds it alone."""
+"""The claim on a database. Services hold it, on PostgreSQL several may share it; whoever replaces the data holds it alone."""
 
 import contextlib
 import fcntl
@@ -16,18 +16,20 @@ from storage.database import file_lock
 from storage.database.private_files import PRIVATE
 
 CLAIM_KEY = 0x52554E444F574E
-"""Number of the advisory lock that is held on a PostgreSQL database."""
+"""Key of the advisory lock that is held on a PostgreSQL database."""
 PATIENCE_S, LOOK_S = 2.0, 0.1
-"""A server takes a moment to notice that who held a claim was killed."""
+"""How long and how often [s] a claim is retried: a server needs a moment to notice that a claim's holder was killed."""
 
 
 class DatabaseUnusable(Unavailable):
-    """The database cannot be opened, claimed or brought up to date; the message says which and why."""
+    """The database cannot be opened, claimed or upgraded; the message names it and the cause."""
 
 
 class Claim:
-    """A lock file beside an SQLite file and a lock on the file itself, an advisory lock on a PostgreSQL database; all of them
-    end with the process.
+    """A claim on a database: a lock file beside an SQLite file and a lock on the file itself, or an advisory lock of
+    PostgreSQL.
+
+    All of these end with the process.
     """
 
     def __init__(self, engine: Engine) -> None:
@@ -40,11 +42,11 @@ class Claim:
         self._asking = threading.Lock()
 
     def take(self, *, shared: bool = False) -> None:
-        """Raises DatabaseUnusable when another one holds it, where shared: alone."""
+        """Take the claim; raise DatabaseUnusable when another process holds it or, where `shared`, holds it alone."""
         held = f"database {self._engine.url!r} is in use by another service: stop that one first"
         self._shared = shared
         if self._engine.dialect.name == "postgresql":
-            # Outside of any transaction: one that is never ended would keep the server from tidying up.
+            # Outside of any transaction: one that never ends would prevent the server's vacuum.
             self._connection = self._engine.connect().execution_options(isolation_level="AUTOCOMMIT")
             lock = func.pg_try_advisory_lock_shared if shared else func.pg_try_advisory_lock
             until = time.monotonic() + PATIENCE_S
@@ -56,7 +58,7 @@ class Claim:
         elif (path := file_of(self._engine)) is not None:
             beside = _beside(path)
             try:
-                beside.touch(mode=PRIVATE)  # whoever may read it may hold it
+                beside.touch(mode=PRIVATE)  # whoever may read the lock file may lock it
                 self._file = beside.open("w")
                 fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
                 if path.is_file():
@@ -69,13 +71,15 @@ class Claim:
                 raise DatabaseUnusable(f"database {self._engine.url!r} cannot be claimed: {error}") from error
 
     def keep(self) -> None:
-        """Take it again where a server that was restarted has forgotten it. Raises DatabaseUnusable, DBAPIError."""
+        """Take the claim again when the server was restarted and has lost it. Raises DatabaseUnusable, DBAPIError."""
         with self._asking:
             self._keep()
 
     def hold(self, number: int, second: int) -> bool:
-        """Hold a further lock of PostgreSQL as long as the claim; False where another connection does, if only one of ours
-        that the server has not given up yet. Raises DatabaseUnusable, DBAPIError.
+        """Hold a further PostgreSQL lock as long as the claim; return False while another connection holds it.
+
+        That connection may be an earlier one of this process which the server has not given up yet. Raises DatabaseUnusable,
+        DBAPIError.
         """
         with self._asking:
             self._keep()
@@ -88,23 +92,23 @@ class Claim:
 
     def _keep(self) -> None:
         if not self._lost and self._connection is None:
-            return  # never taken, or a file's
+            return  # never taken, or the claim on a file
         try:
             if self._connection is not None:
                 self._connection.execute(select(1))
                 return
         except (DBAPIError, PendingRollbackError):  # broken now, or since it was last used
             self.release()
-        self._lost = True  # until it is taken again, however often that fails
+        self._lost = True  # stays set until the claim is taken again
         self.take(shared=self._shared)
         self._lost = False
 
     def release(self) -> None:
-        """Let go of it."""
+        """Release the claim and all further locks."""
         if self._connection is not None:
-            with contextlib.suppress(DBAPIError, PendingRollbackError):  # broken: then the server lets go of it by itself
+            with contextlib.suppress(DBAPIError, PendingRollbackError):  # broken: then the server releases it by itself
                 self._connection.execute(select(func.pg_advisory_unlock_all()))
-            # Given back to the pool, the connection would hold on what the server has not given up.
+            # Returned to the pool, the connection would keep what the server has not released.
             self._connection.invalidate()
             self._connection.close()
             self._connection = None
@@ -118,19 +122,21 @@ class Claim:
 
 
 def file_of(engine: Engine) -> Path | None:
-    """The file of an SQLite database: the one to which links lead, and beside which SQLite puts its log."""
+    """Return the file of an SQLite database with links resolved, as SQLite places its log beside it; None without a file."""
     name = engine.url.database
     return Path(os.path.realpath(name)) if engine.dialect.name == "sqlite" and name and name != ":memory:" else None
 
 
 def in_use(path: Path) -> bool:
-    """Whether another process has the claim on an SQLite file, by whatever name. Raises OSError."""
+    """Return whether another process has the claim on an SQLite file, under whatever name. Raises OSError."""
     return path.is_file() and file_lock.held_by_another(path)
 
 
 def require_own_name(path: Path) -> None:
-    """Raises DatabaseUnusable for another name of an SQLite file that a service has open: SQLite would look for its log beside
-    that name, and find the data without it, or write a second one. Raises OSError.
+    """Raise DatabaseUnusable when the path is another name of an SQLite file that a service has open.
+
+    SQLite would look for the log beside that name: it would miss the data in the real log, or write a second one. Raises
+    OSError.
     """
     if not path.is_file():
         return
@@ -142,8 +148,9 @@ def require_own_name(path: Path) -> None:
 
 
 def require_logs(path: Path) -> None:
-    """Raises DatabaseUnusable for an SQLite file that another process has the claim on, and of which a log is missing: who
-    opens it then makes a second one, and what goes there is lost. Raises OSError.
+    """Raise DatabaseUnusable when another process has claimed an SQLite file and one of its logs is missing.
+
+    Opening the file would create a second log, and what is written to it would be lost. Raises OSError.
     """
     if path.is_file() and file_lock.holder(path) is None and (missing := missing_logs(path)) and in_use(path):
         raise DatabaseUnusable(
@@ -152,17 +159,17 @@ def require_logs(path: Path) -> None:
 
 
 def missing_logs(path: Path) -> list[Path]:
-    """Which of the logs of a store that is open are not there."""
+    """Return the logs of an open store that do not exist."""
     return [one for one in logs_of(path) if not one.exists()]
 
 
 def logs_of(path: Path) -> list[Path]:
-    """What SQLite puts beside the main file while a store is open."""
+    """Return the paths of the files that SQLite keeps beside the main file while a store is open."""
     return [path.with_name(path.name + end) for end in ("-wal", "-shm")]
 
 
 def _is_locked(path: Path) -> bool:
-    """Whether somebody has the lock file beside it."""
+    """Return whether somebody holds the lock file beside a database file."""
     try:
         with _beside(path).open() as file:
             fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)

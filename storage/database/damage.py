@@ -1,4 +1,4 @@
-"""Damage of the store: which errors of the database tell of it, what was met, and that it is told until a check is clean."""
+"""Damage of the store: the errors that indicate it, and its report until a check finds the store whole."""
 
 import json
 import logging
@@ -16,7 +16,7 @@ logger = logging.getLogger(__name__)
 
 LOG_EVERY_S = 60.0
 LARGEST_MACHINE_COUNT = 20
-"""Machines that are named."""
+"""Number of machines that a report names at most."""
 WHOLE_FILE = sqlite3.SQLITE_NOTADB
 PAGES = frozenset(
     {
@@ -26,13 +26,13 @@ PAGES = frozenset(
         sqlite3.SQLITE_IOERR_DATA,
     }
 )
-"""SQLite's errors of a disk that does not give back what was written; all kinds of SQLITE_CORRUPT besides."""
+"""SQLite's errors of a disk that does not return what was written; all kinds of SQLITE_CORRUPT count besides."""
 SQLSTATES = frozenset({"XX001", "XX002"})
 """PostgreSQL's data_corrupted and index_corrupted."""
 
 
 def is_damage(error: BaseException | None) -> bool:
-    """Whether an error, the driver's or around it, says that what is stored cannot be read."""
+    """Return whether an error, the driver's or one around it, says that stored data cannot be read."""
     error = error.orig if isinstance(error, DBAPIError) else error
     code = getattr(error, "sqlite_errorcode", None)
     if code is not None:
@@ -41,21 +41,18 @@ def is_damage(error: BaseException | None) -> bool:
 
 
 def is_of_a_part(error: BaseException) -> bool:
-    """Whether it is damage that need not hinder what concerns other rows."""
+    """Return whether an error is damage that leaves other rows usable."""
     code = getattr(getattr(error, "orig", None), "sqlite_errorcode", 0)
     return is_damage(error) and code & 0xFF != WHOLE_FILE
 
 
 def said(error: BaseException) -> str:
-    """What the database said of damage, without what is stored, which not everybody may see who is told."""
+    """Return the database's message about damage without any stored data, which not every reader of the message may see."""
     return str(getattr(error, "orig", None) or error).partition(" with text ")[0].strip()
 
 
 class Damage:
-    """What was met since a check was clean.
-
-    marker: a file that keeps it over a restart, None without one.
-    """
+    """Record of the damage met since the last clean check. marker: a file that keeps it over a restart; None without one."""
 
     def __init__(self, marker: Path | None) -> None:
         self._marker = marker
@@ -66,13 +63,13 @@ class Damage:
         self._unsaid = 0
         self._log_at = 0.0
         self.met = 0
-        """How often, in this process."""
+        """Number of times damage was met in this process."""
         if marker is not None and marker.exists():
             self._remember(marker)
 
     @property
     def trouble(self) -> str | None:
-        """What is damaged, as far as it is known, and what to do; None where nothing is known."""
+        """Return the damage as far as it is known and the remedy; None when none is known."""
         with self._lock:
             if not self._since:
                 return None
@@ -83,24 +80,24 @@ class Damage:
             )
 
     def note(self, error: BaseException, machine_id: str | None = None) -> None:
-        """Remember an error, and whose data it was about."""
+        """Record an error and the machine whose data it concerned."""
         self._add(said(error), machine_id)
 
     def found(self, findings: list[str]) -> None:
-        """Remember what a check found."""
+        """Record the findings of a check."""
         self._add("; ".join(findings), None)
 
     def watch(self, context: ExceptionContext) -> None:
-        """Listens to the errors of an engine."""
+        """Record damage that an engine reports; a listener for its errors."""
         if is_damage(context.original_exception):
             self.note(context.original_exception, _machine(context))
 
     def concerns(self, machine_id: str) -> None:
-        """Name a machine whose data could not be read."""
+        """Record a machine whose data could not be read."""
         self._add("", machine_id)
 
     def clear(self, *, met: int) -> None:
-        """A check was clean that began when damage had been met so often."""
+        """Clear the record after a clean check, unless damage was met since the check began. met: the count at its begin."""
         with self._lock:
             if met == self.met:
                 self._since = self._words = ""
@@ -143,12 +140,12 @@ class Damage:
 
 
 def marker_of(path: Path) -> Path:
-    """Where it is kept for an SQLite file."""
+    """Return the path of the damage marker of an SQLite file."""
     return path.with_name(path.name + ".damaged")
 
 
 def _machine(context: ExceptionContext) -> str | None:
-    """Whose data a statement was about, where its parameters say so."""
+    """Return the machine that a failed statement concerned, when its parameters name one."""
     for parameters in getattr(context.execution_context, "compiled_parameters", None) or ():
         for name, value in parameters.items():
             one = value[0] if isinstance(value, list | tuple) and len(value) == 1 else value

@@ -1,4 +1,4 @@
-"""How much room the data take, how much is left, and giving back what is free inside an SQLite file."""
+"""Disk space: how much the data take, how much is left, and returning free pages of an SQLite file to the file system."""
 
 import shutil
 from dataclasses import dataclass
@@ -11,16 +11,15 @@ from storage.database.claim import file_of
 from storage.database.engine import Database
 
 INCREMENTAL = 2
-"""SQLite's number of the kind of vacuum that new files have."""
+"""SQLite's number for the kind of vacuum that new files use."""
 PAGES_AT_ONCE = 2_000
-"""Free pages that are given back in one transaction."""
+"""Free pages that are returned in one transaction."""
 
 
 @dataclass(frozen=True)
 class DiskUse:
-    """All in bytes. data: of the database with its log. free, total: of the file system where it lies; None where that is on
-    another machine. budget: how large it may become, None without one.
-    """
+    """Disk space in bytes. data: of the database with its log; free, total: of its file system, None when that is on another
+    machine; budget: the largest allowed size, None without a limit."""
 
     data: int
     free: int | None
@@ -29,9 +28,9 @@ class DiskUse:
 
     @property
     def part(self) -> float | None:
-        """How much of the room is used, from 0 to 1: of the budget or of the file system, whichever is nearer to its end.
+        """Return the used part of the space, from 0 to 1, of the budget or of the file system, whichever is fuller.
 
-        None where neither is known.
+        None when neither is known.
         """
         parts = []
         if self.budget:
@@ -42,7 +41,7 @@ class DiskUse:
 
 
 def used(database: Database, *, budget: int | None) -> DiskUse:
-    """How much room a database takes. Raises DBAPIError, OSError."""
+    """Return the disk space that a database takes. Raises DBAPIError, OSError."""
     path = file_of(database.engine)
     if path is not None:
         return used_by_file(path, budget=budget)
@@ -54,16 +53,16 @@ def used(database: Database, *, budget: int | None) -> DiskUse:
 
 
 def used_by_file(path: Path, *, budget: int | None) -> DiskUse:
-    """The same of an SQLite file, which is not opened. Raises OSError."""
+    """Return the disk space that an SQLite file takes, without opening it. Raises OSError."""
     files = (path, path.with_name(path.name + "-wal"))
     room = shutil.disk_usage(path.parent)
     return DiskUse(sum(one.stat().st_size for one in files if one.exists()), room.free, room.total, budget)
 
 
 def give_back(database: Database) -> int:
-    """Give some free pages of an SQLite file back to the file system; returns how many.
+    """Return some free pages of an SQLite file to the file system; return their number.
 
-    PostgreSQL uses free room again by itself (autovacuum). So does an SQLite file that an older release made, which keeps its
+    PostgreSQL reuses free space by itself (autovacuum). An SQLite file from an older release reuses it too, but keeps its
     size.
     """
     if database.kind != "sqlite":
@@ -76,7 +75,7 @@ def give_back(database: Database) -> int:
         connection = session.connection()
         free = _free_pages(connection)
         driver: Any = connection.connection.driver_connection
-        # It goes on by a page with each row that is asked for, though it has none to show.
+        # The pragma frees one page per row fetched, though the rows are empty.
         driver.execute(f"PRAGMA incremental_vacuum({PAGES_AT_ONCE})").fetchall()
         return free - _free_pages(connection)
 

@@ -1,6 +1,7 @@
-"""The database: opening it, bringing its schema up to date, and transactions.
+"""Opening a database, upgrading its schema, and transactions.
 
-Of both kinds holds: one writes at a time, and who only looks sees one state from its first query to its last.
+For both kinds of database: one transaction writes at a time, and a reading one sees a single state from its first query to its
+last.
 """
 
 import re
@@ -24,27 +25,27 @@ from storage.encoding.text import json_text
 from storage.recent_maximum import Longest
 
 LARGEST_LOG = 64 * 2**20
-"""To this size SQLite's log is cut back at a checkpoint, when readers have let it grow [bytes]."""
+"""Size [bytes] to which a checkpoint cuts SQLite's log back after readers have let it grow."""
 WRITER_KEY = CLAIM_KEY + 1
-"""Number of the advisory lock of PostgreSQL that is held for the time of each writing transaction."""
+"""Key of the PostgreSQL advisory lock that each writing transaction holds."""
 _CONNECTION = {
     "connect_timeout": 5,
     "keepalives_idle": 10,
     "keepalives_interval": 5,
     "keepalives_count": 3,
     "tcp_user_timeout": 10_000,
-    # The server lets go of what a client holds that has vanished, or hangs in the middle of a transaction.
+    # The server releases the locks of a client that has vanished or hangs within a transaction.
     "options": "-c idle_in_transaction_session_timeout=10s "
     "-c tcp_keepalives_idle=5 -c tcp_keepalives_interval=5 -c tcp_keepalives_count=2",
 }
-"""So that a PostgreSQL server that has vanished is noticed [s], and so that it notices that we have."""
+"""Timeouts [s, tcp_user_timeout in ms] by which we notice that a PostgreSQL server vanished, and the server that we did."""
 
 
 class Database:
-    """One database, SQLite or PostgreSQL by URL."""
+    """A database, SQLite or PostgreSQL by URL."""
 
     def __init__(self, url: str) -> None:
-        """Open and migrate. Raises DatabaseUnusable."""
+        """Open a database and upgrade its schema. Raises DatabaseUnusable."""
         self.engine = engine_of(url)
         try:
             bring_up_to_date(self.engine)
@@ -55,43 +56,44 @@ class Database:
         self.url = url
         self._claim = Claim(self.engine)
         self.longest_transaction = Longest()
-        """Of those that write, from when it was their turn until they were durable."""
+        """Durations of the writing transactions, from the beginning of their turn until they are durable."""
         self._files = _kept_files(self.engine)
         self._turn = WriterTurn(self._files, alone=self.kind == "sqlite")
         path = file_of(self.engine)
         self._place = None if path is None else file_lock.use(path)
         self.damage = Damage(None if path is None else marker_of(path))
-        """Of the store, as far as somebody has met it."""
+        """Damage of the store, as far as it has been met."""
         event.listen(self.engine, "handle_error", self.damage.watch)
         consistent = {"isolation_level": "REPEATABLE READ"} if self.kind == "postgresql" else {}
         self.for_reading = self.engine.execution_options(**consistent)
-        """Its transactions see one state from the first query to the last."""
+        """Engine whose transactions see one state from the first query to the last."""
         self.for_writing = self.engine.execution_options(writing="alone")
-        """Its transactions wait for each other; on SQLite they must also have their `turn`."""
+        """Engine whose transactions wait for each other; on SQLite they also need the writers' `turn`."""
         self._reading = sessionmaker(self.for_reading, expire_on_commit=False)
         self._writing = sessionmaker(self.for_writing, expire_on_commit=False)
         self._sharing = sessionmaker(self.engine.execution_options(writing="beside others"), expire_on_commit=False)
 
     @property
     def kind(self) -> str:
-        """`sqlite` or `postgresql`."""
+        """Return `sqlite` or `postgresql`."""
         return self.engine.dialect.name
 
     @property
     def version(self) -> str:
-        """Product and version, such as `SQLite 3.51.3`."""
+        """Return product and version, such as `SQLite 3.51.3`."""
         return versions.named(self.engine)
 
     @property
     def objections(self) -> list[str]:
-        """What is known against that version."""
+        """Return the known objections to the version of the database."""
         return versions.objections(self.engine)
 
     @contextmanager
     def transaction(self, *, beside_others: bool = False) -> Iterator[Session]:
-        """A session whose changes are committed together at the end, or not at all.
+        """Yield a session whose changes are committed together at the end, or not at all.
 
-        beside_others: what it changes is this process's own by a lease, so that PostgreSQL need not let other writers wait.
+        beside_others: this process holds a lease on all that the transaction changes, so that on PostgreSQL other writers need
+        not wait.
         """
         making = self._sharing if beside_others else self._writing
         with self.turn(), self.longest_transaction.measured(), making.begin() as session:
@@ -99,7 +101,7 @@ class Database:
 
     @contextmanager
     def reading(self) -> Iterator[Session]:
-        """A session for looking only."""
+        """Yield a session for reading only."""
         session = self._reading()
         try:
             yield session
@@ -107,25 +109,28 @@ class Database:
             _end_looking(session)
 
     def claim(self, *, shared: bool = False) -> None:
-        """Be the only service on this database until `close`, or one of those that share it, which an SQLite file does not
-        allow. Raises DatabaseUnusable when another one is there.
+        """Claim this database for one service, or for several that share it, until `close`.
+
+        SQLite files cannot be shared. Raises DatabaseUnusable when another service has the claim.
         """
         self._claim.take(shared=shared)
 
     def hold(self, number: int, second: int) -> bool:
-        """Hold an advisory lock of PostgreSQL as long as the claim; False where another connection does. On SQLite there is
-        nobody else.
+        """Hold a PostgreSQL advisory lock as long as the claim; return False while another connection holds it.
+
+        Always True on SQLite, where there is no other process.
         """
         return self._claim.hold(number, second)
 
     @property
     def needs_restart(self) -> bool:
-        """Whether this process cannot go on with the files that it has opened, and nothing is lost by its end."""
+        """Return whether this process cannot go on with its open files, and its end loses nothing."""
         return self._files is not None and not self._files.look() and self._files.saved
 
     def look_after_files(self) -> None:
-        """Save what is in no file any more that has a name. Raises DatabaseUnusable where one of an SQLite store's files was
-        deleted or replaced.
+        """Save data whose file has lost its name.
+
+        Raises DatabaseUnusable when a file of an SQLite store was deleted or replaced.
         """
         files = self._files
         if files is None or files.look():
@@ -134,9 +139,9 @@ class Database:
         raise DatabaseUnusable(files.trouble)
 
     def look_for_damage(self, *, within_s: float, stopped: Callable[[], bool]) -> None:
-        """Look through all pages of an SQLite store of which damage was met; where they are whole, it is over.
+        """Check all pages of a damaged SQLite store; clear the record of the damage when they are whole.
 
-        Of PostgreSQL, and where the time is too short, what was met stays told.
+        On PostgreSQL, and when the time does not suffice, the record stays.
         """
         if self.kind != "sqlite":
             return
@@ -149,7 +154,7 @@ class Database:
             self.damage.clear(met=met)
 
     def own_connection(self, **options: Any) -> sqlite3.Connection:
-        """A connection of the driver outside the pool, to an SQLite store. Raises OperationalError."""
+        """Return a connection of the driver to an SQLite store, outside the pool. Raises OperationalError."""
         where, how = self.engine.dialect.create_connect_args(self.engine.url)
         connect: Callable[..., sqlite3.Connection] = sqlite3.connect
         if self._files is not None:
@@ -157,8 +162,9 @@ class Database:
         return connect(*where, **{**how, **options})
 
     def check(self) -> None:
-        """Raises DatabaseUnusable when the database does not answer, a file of it is no longer there, or another service took
-        it while a PostgreSQL server was away.
+        """Raise DatabaseUnusable unless the database answers, its files exist and the claim still holds.
+
+        The claim is lost when another service took it while a PostgreSQL server was away.
         """
         self.look_after_files()
         try:
@@ -169,10 +175,10 @@ class Database:
             raise DatabaseUnusable(f"the database does not answer: {error.orig}") from error
 
     def close(self) -> None:
-        """Give back all connections and the claim."""
+        """Close all connections and release the claim."""
         self._claim.release()
         if self._files is not None:
-            self._files.look()  # what it says afterwards
+            self._files.look()  # its state is asked for afterwards
         self.engine.dispose()
         if self._files is not None:
             self._files.close()
@@ -181,12 +187,12 @@ class Database:
             self._place = None
 
     def turn(self) -> AbstractContextManager[None]:
-        """Have the turn among the writers of this process, see `storage.database.writer_turn`. Raises OperationalError."""
+        """Take the writers' turn of this process, see `storage.database.writer_turn`. Raises OperationalError."""
         return self._turn.taken()
 
 
 def _kept_files(engine: Engine) -> SqliteFiles | None:
-    """Those of an SQLite store. Raises DatabaseUnusable."""
+    """Open the files of an SQLite store; return None when it has none. Raises DatabaseUnusable."""
     path = file_of(engine)
     if path is None:
         return None
@@ -200,7 +206,7 @@ def _kept_files(engine: Engine) -> SqliteFiles | None:
         try:
             files.require()
         except OperationalError:
-            connection.close()  # nobody else knows of it yet
+            connection.close()  # not in the pool yet: nobody else would close it
             raise
 
     event.listen(engine, "do_connect", lambda *_: files.require())
@@ -212,12 +218,15 @@ def _end_looking(session: Session) -> None:
     try:
         session.close()
     except DBAPIError:
-        # What was read stays read: that the connection broke behind it is the next one's to find out.
+        # The data were read; that the connection broke afterwards is for the next reader to find out.
         session.invalidate()
 
 
 def shown(url: str | URL) -> str:
-    """A URL without its passwords. Of one that cannot be read only how it begins, where there may be one in it."""
+    """Return a URL without its passwords.
+
+    Of a URL that cannot be parsed only the scheme is shown if it may hold a password.
+    """
     try:
         parsed = make_url(url)
     except (ArgumentError, ValueError):
@@ -229,29 +238,32 @@ def shown(url: str | URL) -> str:
 
 
 def require_there(url: str) -> None:
-    """Raises DatabaseUnusable where there is no such file; opening it would make an empty one."""
+    """Raise DatabaseUnusable unless the database file exists: opening it would create an empty one."""
     path = file_of(engine_of(url))
     try:
         there = path is None or path.is_file()
-    except OSError as error:  # of a folder that may not be looked into
+    except OSError as error:  # the folder may not be searched
         raise DatabaseUnusable(f"database {shown(url)} cannot be used: {error}") from error
     if not there:
         raise DatabaseUnusable(f"there is no database file {path}: start the service once, or name the right one")
 
 
 def engine_of(url: str | URL) -> Engine:
-    """Where connections to a database come from; nothing is opened or migrated yet. Raises DatabaseUnusable."""
+    """Return an engine for a database; nothing is opened or migrated yet. Raises DatabaseUnusable."""
     try:
         return _engine(url)
     except (ArgumentError, NoSuchModuleError, ModuleNotFoundError) as error:
         raise DatabaseUnusable(f"database {shown(url)} cannot be used: {error}") from error
-    except ValueError:  # its text may hold a part of the password
+    except ValueError:  # the error's text may hold a part of the password
         raise DatabaseUnusable(f"database {shown(url)} cannot be used: its port is no number") from None
 
 
 @contextmanager
 def lent_engine(url: str | URL) -> Iterator[Engine]:
-    """The same for a while; its connections are closed at the end. Raises DatabaseUnusable, also for what the driver says."""
+    """Yield an engine for a database and close its connections at the end.
+
+    Raises DatabaseUnusable, also for the driver's errors.
+    """
     engine = engine_of(url)
     path = file_of(engine)
     place = file_lock.use(path) if path is not None and path.is_file() else None
@@ -301,15 +313,15 @@ def _configure_sqlite(connection: Any, _record: Any) -> None:
     try:
         connection.execute(f"PRAGMA busy_timeout = {writer_turn.BUSY_TIMEOUT_MS}")
         if connection.execute("PRAGMA page_count").fetchone() == (0,):
-            # Of a new file only; of an older one it would change nothing, and wait for its writer.
+            # For a new file only: on an older one it would have no effect and wait for the file's writer.
             connection.execute("PRAGMA auto_vacuum = INCREMENTAL")
         connection.execute("PRAGMA journal_mode = WAL")
         connection.execute(f"PRAGMA journal_size_limit = {LARGEST_LOG}")
-        # A sample is durable before it counts as received, also when the power fails.
+        # A sample must survive a power failure before it counts as received.
         connection.execute("PRAGMA synchronous = FULL")
         connection.execute("PRAGMA foreign_keys = ON")
     except Exception:
-        connection.close()  # nobody else knows of it yet
+        connection.close()  # not in the pool yet: nobody else would close it
         raise
 
 
@@ -319,7 +331,7 @@ def _begin_sqlite(connection: Any) -> None:
 
 
 def _begin_postgresql(connection: Any) -> None:
-    # What reads before it writes would otherwise have to expect that another one wrote in between.
+    # Without this lock another transaction could write between a transaction's reads and its writes.
     writing = connection.get_execution_options().get("writing")
     if writing:
         connection.exec_driver_sql(f"SET LOCAL lock_timeout = {writer_turn.BUSY_TIMEOUT_MS}")

@@ -1,4 +1,4 @@
-"""Errors of the database and of leases: whom they concern, and the words that they say."""
+"""Errors of the database and of leases: how far they reach, and their messages."""
 
 from collections.abc import Collection
 
@@ -8,7 +8,7 @@ from storage.database.damage import is_of_a_part
 
 
 class NotHeld(RuntimeError):
-    """A lease is another replica's by now."""
+    """A lease is held by another replica, or by none."""
 
     def __init__(self, names: Collection[str]) -> None:
         super().__init__(f"held by another replica, or by none: {', '.join(sorted(names))}")
@@ -16,13 +16,15 @@ class NotHeld(RuntimeError):
 
 
 def concerns_all(error: BaseException) -> bool:
-    """Whether an error is the database's, or of who may write to it: whatever else is tried now would fail as well. Damaged
-    pages hinder only who needs them.
+    """Return whether an error comes from the database as a whole or from a lost lease, so that any further attempt would fail
+    too.
+
+    Damaged pages do not count: they hinder only those who need them.
     """
     of_one = isinstance(error, DataError | IntegrityError) or is_of_a_part(error)
     return isinstance(error, NotHeld | DBAPIError | TimeoutError) and not of_one
 
 
 def words(error: Exception) -> str:
-    """What the database said, or what said that there is none."""
+    """Return the message of the database or, without one, of the error."""
     return str(getattr(error, "orig", None) or error)

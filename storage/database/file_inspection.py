@@ -1,4 +1,4 @@
-"""Looking into an SQLite file that nobody has open, without changing anything: no log is played back, cut or deleted."""
+"""Inspecting an SQLite file that nobody has open, without changing anything: no log is replayed, truncated or deleted."""
 
 import sqlite3
 import time
@@ -13,24 +13,24 @@ from sqlalchemy.pool import NullPool
 from storage.database.schema import revision_of
 
 AS_IT_IS = "mode=ro&immutable=1"
-"""For SQLite: no locks, no logs."""
+"""URI parameters by which SQLite uses neither locks nor logs."""
 _STEPS = 10_000
-"""Of SQLite's machine, between two looks at the clock."""
+"""Number of SQLite's virtual machine instructions between two looks at the clock."""
 
 
 @contextmanager
 def looking_engine(path: Path) -> Iterator[Engine]:
-    """Where connections for looking come from. Not for a file that somebody has open: they may see it half written."""
+    """Yield an engine for inspecting a file that nobody has open; an open one could be seen half written."""
     log = path.with_name(path.name + "-wal")
-    # What a log holds is read from it, through an index of its own; without one the file is taken as it is, and no log made.
+    # A log with contents is read, through its index; without one the file is read as immutable, so that no log is created.
     with _engine(path, AS_IT_IS if not log.exists() or not log.stat().st_size else "mode=ro") as engine:
         yield engine
 
 
 def revision_beside_a_service(path: Path) -> str | None:
-    """The schema's revision as the main file has it, of a store that somebody has open; neither log nor lock is touched.
+    """Return the schema revision in the main file of a store that somebody has open, touching neither log nor lock.
 
-    None where it stands in the log only.
+    None when the revision is in the log only.
     """
     try:
         with _engine(path, AS_IT_IS) as engine, engine.connect() as connection:
@@ -58,9 +58,9 @@ def damages(
     thorough: bool = False,
     stopped: Callable[[], bool] = lambda: False,
 ) -> list[str] | None:
-    """What is wrong with a store's pages, at most five findings; None where the time was too short, or it was stopped.
+    """Return at most five findings of damaged pages; None when the time did not suffice or the check was stopped.
 
-    thorough: whether each index fits its table, too, which takes much longer.
+    thorough: also check that each index matches its table, which takes much longer.
     """
     until = time.monotonic() + within_s
     connection.set_progress_handler(lambda: time.monotonic() > until or stopped(), _STEPS)
@@ -71,7 +71,7 @@ def damages(
         if error.sqlite_errorcode == sqlite3.SQLITE_INTERRUPT:
             return None
         raise
-    except sqlite3.DatabaseError as error:  # not even that much can be read
+    except sqlite3.DatabaseError as error:  # damaged too much for the check itself
         return [str(error)]
     finally:
         connection.set_progress_handler(None, 0)

@@ -1,8 +1,8 @@
-"""A lock on a file itself, by whatever name it goes: a hard link, a bind mount, in another container.
+"""A lock on a file itself, whichever name it is opened by: a hard link, a bind mount, in another container.
 
-It lies on a byte far behind those that SQLite locks, and belongs to an open file description (Linux): SQLite's own locks
-neither end it nor meet it. The other way round they would end: whoever closes any descriptor of a file loses all that SQLite
-has locked in it for the whole process. So a descriptor that was opened here stays open as long as this process uses the file.
+It covers a byte far behind those that SQLite locks, and belongs to an open file description (Linux): SQLite's own locks
+neither end it nor conflict with it. The reverse does not hold: closing any descriptor of a file ends all of SQLite's locks on
+it in the process. A descriptor opened here therefore stays open as long as this process uses the file.
 """
 
 import errno
@@ -14,12 +14,12 @@ from collections import Counter
 from pathlib import Path
 
 KNOWN = hasattr(fcntl, "F_OFD_SETLK")
-"""Whether this system has such locks at all."""
+"""Whether this system has open file description locks at all."""
 _BYTE = 2**62
 _FLOCK = "hhqqi"
-"""`struct flock`: kind of lock, from where `start` counts, start, length, process."""
+"""`struct flock`: kind of lock, origin of `start`, start, length, process."""
 _WITHOUT = (errno.EINVAL, errno.ENOSYS, errno.ENOTSUP)
-"""Said by file systems that know no such locks."""
+"""Errors of file systems without such locks."""
 
 Place = tuple[int, int]
 
@@ -30,7 +30,7 @@ _users: Counter[Place] = Counter()
 
 
 def use(path: Path) -> Place:
-    """Say that SQLite has a file open in this process, until `leave`. Raises OSError."""
+    """Register that SQLite has a file open in this process, until `leave`. Raises OSError."""
     with _guard:
         place = _place(os.stat(path))
         _users[place] += 1
@@ -38,7 +38,7 @@ def use(path: Path) -> Place:
 
 
 def leave(place: Place) -> None:
-    """SQLite has closed it, as far as one user is concerned."""
+    """Register that one user of a file has closed it; close our descriptor behind the last one."""
     with _guard:
         _users[place] -= 1
         if _users[place] <= 0:
@@ -48,9 +48,9 @@ def leave(place: Place) -> None:
 
 
 def take(path: Path) -> Place | None:
-    """Lock a file that is there. Returns what to release; None where the system or its file system knows no such locks.
+    """Lock an existing file; return the handle to release, None when the system or the file system has no such locks.
 
-    Raises BlockingIOError where somebody has it, OSError.
+    Raises BlockingIOError when the file is locked, OSError.
     """
     if not KNOWN:
         return None
@@ -69,20 +69,20 @@ def take(path: Path) -> Place | None:
 
 
 def release(place: Place) -> None:
-    """Unlock it."""
+    """Unlock a file."""
     with _guard:
         _ask(_descriptors[place], fcntl.F_OFD_SETLK, fcntl.F_UNLCK)
         del _taken[place]
 
 
 def holder(path: Path) -> Path | None:
-    """By which name this process holds a file, if it does."""
+    """Return the name by which this process holds a file's lock; None when it does not."""
     with _guard:
         return _taken.get(_place(os.stat(path)))
 
 
 def held_by_another(path: Path) -> bool:
-    """Whether another process holds a file that is there. Raises OSError."""
+    """Return whether another process holds the lock of an existing file. Raises OSError."""
     if not KNOWN:
         return False
     with _guard:

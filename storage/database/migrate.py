@@ -1,4 +1,4 @@
-"""Bringing a database's schema up to date. Only a database that needs it loads this: its library takes a while."""
+"""Migrating a database's schema. Only a database that needs it imports this module: Alembic takes a while to load."""
 
 import alembic.command
 import alembic.config
@@ -10,7 +10,7 @@ from storage.database.schema import MIGRATIONS
 
 
 def upgrade(connection: Connection) -> None:
-    """To the newest revision that this release knows. Raises DatabaseUnusable, DBAPIError."""
+    """Upgrade the schema to the newest revision that this release knows. Raises DatabaseUnusable, DBAPIError."""
     config = alembic.config.Config()
     config.set_main_option("script_location", str(MIGRATIONS))
     config.attributes["connection"] = connection

@@ -1,8 +1,7 @@
-"""A database as somebody sees it who may see some plants only: rows of the others are not there, whatever is asked.
+"""A database as seen by somebody who may see some plants only: rows of other plants do not exist for any query.
 
-Each statement over mapped classes gets the condition on the plant, in the ORM, not in each query: a new query cannot forget
-it. A table for which nothing says which plant its rows belong to has no rows here, and a statement that is not about mapped
-classes is refused.
+The ORM adds the condition on the plant to each statement over mapped classes, so that a new query cannot forget it. A table
+without a known path to a plant has no rows here, and a statement that is not about mapped classes is refused.
 """
 
 from collections.abc import Iterator
@@ -26,19 +25,19 @@ from storage.tables import (
 Plants = frozenset[str]
 PLANTS = "plants"
 EVERY_PLANT = {"every_plant": True}
-"""Execution option of the few statements that must see all, whoever asks."""
+"""Execution option of the few statements that must see all plants, whoever asks."""
 
 
 class NotScoped(RuntimeError):
-    """A statement of which it cannot be said whose rows it reads."""
+    """A statement that cannot be limited to plants, since it is not about mapped classes."""
 
 
 class PlantSession(Session):
-    """A session of somebody who sees some plants."""
+    """A session that sees some plants only."""
 
 
 class PlantScope:
-    """Some plants of a database."""
+    """A view of a database limited to some plants."""
 
     def __init__(self, database: Database, plants: Plants) -> None:
         self._database = database
@@ -48,23 +47,23 @@ class PlantScope:
 
     @contextmanager
     def transaction(self) -> Iterator[Session]:
-        """A session whose changes are committed together at the end, or not at all."""
+        """Yield a session whose changes are committed together at the end, or not at all."""
         with self._database.turn(), self._writing.begin() as session:
             yield session
 
     @contextmanager
     def reading(self) -> Iterator[Session]:
-        """A session for looking only."""
+        """Yield a session for reading only."""
         with self._reading() as session:
             yield session
 
     def check(self) -> None:
-        """As the database's."""
+        """Raise DatabaseUnusable unless the database is usable, see `Database.check`."""
         self._database.check()
 
 
 def plants_of(session: Session) -> Plants | None:
-    """What a session sees; None: everything."""
+    """Return the plants that a session sees; None for all."""
     found: Plants | None = session.info.get(PLANTS)
     return found
 
@@ -76,7 +75,7 @@ def _narrow(state: ORMExecuteState) -> None:
     if state.execution_options.get("every_plant"):
         return
     if state.is_column_load or state.is_relationship_load:
-        return  # of an object that was read under the condition
+        return  # the object itself was read under the condition
     state.statement = state.statement.options(*_criteria(state.session.info[PLANTS]))
 
 

@@ -1,4 +1,4 @@
-"""Archives of PostgreSQL's own tools, `pg_dump -Fc` and `pg_restore`, which belong to its client programs."""
+"""Archives of PostgreSQL's own client programs, `pg_dump -Fc` and `pg_restore`."""
 
 import os
 import shutil
@@ -15,24 +15,26 @@ _INSTALLED = Path("/usr/lib/postgresql")
 _QUERY = {"host": "PGHOST", "port": "PGPORT", "passfile": "PGPASSFILE", "service": "PGSERVICE"} | {
     name: f"PG{name.upper()}" for name in ("sslmode", "sslrootcert", "sslcert", "sslkey")
 }
-"""What a database's URL may say besides, and the variable in which the tools look for it."""
+"""Query parameters of a database URL that are passed on, and the variables in which the tools look for them."""
 _NEUTRAL = ("--no-owner", "--no-privileges", "--no-password")
 
 
 class ToolFailed(RuntimeError):
-    """A tool of PostgreSQL is missing or failed; the message is its own."""
+    """A PostgreSQL tool is missing or failed; the message is the tool's."""
 
 
 def dump(connection: Connection, file: Path) -> None:
-    """Write what a transaction of isolation REPEATABLE READ sees into an archive. Raises ToolFailed."""
-    connection.execute(text("SET LOCAL idle_in_transaction_session_timeout = 0"))  # it waits for the tool
+    """Write what a REPEATABLE READ transaction sees into an archive. Raises ToolFailed."""
+    connection.execute(
+        text("SET LOCAL idle_in_transaction_session_timeout = 0")
+    )  # this transaction is idle while the tool runs
     snapshot = connection.scalar(text("SELECT pg_export_snapshot()"))
     arguments = (f"--schema={_schema(connection)}", f"--snapshot={snapshot}", f"--file={file}", *_NEUTRAL)
     _run("pg_dump", "--format=custom", *arguments, url=connection.engine.url)
 
 
 def load(engine: Engine, file: Path) -> None:
-    """Read an archive in one transaction. Raises ToolFailed."""
+    """Restore an archive in one transaction. Raises ToolFailed."""
     with engine.connect() as connection:
         schema = _schema(connection)
     arguments = (f"--schema={schema}", f"--dbname={engine.url.database}", *_NEUTRAL, str(file))
@@ -41,7 +43,7 @@ def load(engine: Engine, file: Path) -> None:
 
 @contextmanager
 def set_aside(engine: Engine) -> Iterator[None]:
-    """Put all that is there aside while something else comes in; it is put back when that fails. Raises ToolFailed."""
+    """Move all existing objects into another schema during a restore; move them back when it fails. Raises ToolFailed."""
     with engine.begin() as connection:
         schema = _schema(connection)
         if interrupted(connection):
@@ -60,7 +62,7 @@ def set_aside(engine: Engine) -> Iterator[None]:
 
 
 def interrupted(connection: Connection) -> bool:
-    """Whether a restore was killed: what was there before is aside, and what is there now is not to be used."""
+    """Return whether a restore was killed: the old data are set aside, and the present ones must not be used."""
     return connection.engine.dialect.name == "postgresql" and inspect(connection).has_schema(ASIDE)
 
 
@@ -81,7 +83,7 @@ def _move(connection: Connection, old: str, new: str) -> None:
 
 
 def _objects(connection: Connection, schema: str) -> list[str]:
-    """Tables, with all that belongs to them, and functions that belong to no extension, as commands name them."""
+    """Return the tables, and the functions that belong to no extension, as SQL commands name them."""
     functions = """
         SELECT format('FUNCTION %I.%I(%s)', n.nspname, p.proname, pg_get_function_identity_arguments(p.oid))
         FROM pg_proc p JOIN pg_namespace n ON n.oid = p.pronamespace
@@ -102,7 +104,7 @@ def _run(tool: str, *arguments: str, url: URL) -> None:
 
 
 def _environment(url: URL) -> Mapping[str, str]:
-    """Where the tools connect to; in the environment, since everybody can see the arguments of a process."""
+    """Return the connection settings as environment variables: everybody can see the arguments of a process."""
     found = {
         "PGHOST": url.host,
         "PGPORT": None if url.port is None else str(url.port),
@@ -115,7 +117,7 @@ def _environment(url: URL) -> Mapping[str, str]:
 
 
 def _program(tool: str) -> str:
-    """The newest one that is installed: it must not be older than the server. Raises ToolFailed."""
+    """Return the newest installed version of a tool: it must not be older than the server. Raises ToolFailed."""
     versions = sorted(_INSTALLED.glob(f"*/bin/{tool}"), key=lambda path: int(path.parts[-3]))
     found = str(versions[-1]) if versions else shutil.which(tool)
     if found is None:

@@ -1,4 +1,4 @@
-"""Files that hold all data, or what opens it, of which only their owner may read any."""
+"""Private files: those that hold data, or secrets that give access to them, are readable by their owner only."""
 
 import contextlib
 import os
@@ -10,25 +10,27 @@ PRIVATE = 0o600
 PRIVATE_FOLDER = 0o700
 """Mode of folders that hold such files."""
 BESIDE = ("", "-wal", "-shm")
-"""What SQLite puts behind the name of a database file for those that hold its data."""
+"""Suffixes of a database file's name under which SQLite keeps its data."""
 
 
 def prepare(path: Path) -> None:
-    """Create a file that is not there yet, empty and private, for who writes it next: else it had what the umask leaves, and
-    SQLite gives its log the mode of the file. One that is there is left as it is, and what cannot be created is theirs to say.
+    """Create an empty private file for a later writer, unless it exists.
+
+    Otherwise the umask would set its mode, which SQLite copies to its log. A failure to create the file is left for the writer
+    to report.
     """
     with contextlib.suppress(OSError):
-        # Never one that is there: closing it would take SQLite's locks on it from the whole process.
+        # Never open an existing file: closing it would end SQLite's locks on it in the whole process.
         os.close(os.open(path.resolve(), os.O_CREAT | os.O_EXCL | os.O_WRONLY, PRIVATE))
 
 
 def readable_by_others(path: Path) -> list[Path]:
-    """Which of a database's files more than their owner and their group may read or write, by their modes."""
+    """Return those of a database's files whose mode lets others than owner and group read or write them."""
     return [one for one in (path.with_name(path.name + end) for end in BESIDE) if _open_to_others(one)]
 
 
 def _open_to_others(file: Path) -> bool:
     try:
         return bool(file.stat().st_mode & (stat.S_IROTH | stat.S_IWOTH))
-    except FileNotFoundError:  # the log is there only while somebody uses the database
+    except FileNotFoundError:  # the log exists only while somebody uses the database
         return False

@@ -1,4 +1,4 @@
-"""Looking into a database that may be another process's: nothing is created, migrated, written or checkpointed."""
+"""Reading a database that may belong to another process: nothing is created, migrated, written or checkpointed."""
 
 import sqlite3
 from collections.abc import Iterator
@@ -15,7 +15,10 @@ from storage.database.engine import engine_of, shown
 
 @contextmanager
 def looking(url: str) -> Iterator[Session]:
-    """A session for looking, of whatever revision the schema is. Raises DatabaseUnusable, also for what is asked in it."""
+    """Yield a session for reading, whatever revision the schema has.
+
+    Raises DatabaseUnusable, also for errors of its queries.
+    """
     engine = engine_of(url)
     path = file_of(engine)
     if path is not None:
@@ -30,6 +33,6 @@ def looking(url: str) -> Iterator[Session]:
 
 
 def _address(path: Path) -> str:
-    """Of a file without its log nobody reads one: SQLite would make one, and leave it."""
+    """Return a read-only URI; immutable when there is no log, because SQLite would create one and leave it."""
     alone = not path.with_name(path.name + "-wal").exists()
     return f"{path.as_uri()}?mode=ro{'&immutable=1' if alone else ''}"

@@ -1,4 +1,4 @@
-"""Which revision of the schema a database has, which ones this release knows, and how many rows its tables hold."""
+"""Schema revisions of a database and of this release, and the number of rows in its tables."""
 
 from importlib import resources
 from pathlib import Path
@@ -9,18 +9,18 @@ from storage.database.claim import DatabaseUnusable
 from storage.tables import Base, ChangeCountRow
 
 MIGRATIONS = Path(str(resources.files("storage"))) / "migrations"
-"""Whose file names begin with the revision that they lead to, each higher than the one before."""
+"""Folder of the migrations; each file name begins with the revision it leads to, in ascending order."""
 KEPT_BY_ITSELF = frozenset({ChangeCountRow.__tablename__})
-"""Tables that each database fills by itself; they hold no data."""
+"""Tables that each database fills by itself; they hold no data to be copied."""
 
 
 def known_revisions() -> list[str]:
-    """All revisions, the newest first."""
+    """Return all revisions that this release knows, newest first."""
     return sorted((one.name.partition("_")[0] for one in (MIGRATIONS / "versions").glob("[0-9]*.py")), reverse=True)
 
 
 def revision_of(connection: Connection) -> str | None:
-    """The revision of a database; None of one without a schema."""
+    """Return the schema revision of a database; None when it has no schema."""
     if not inspect(connection).has_table("alembic_version"):
         return None
     found: str | None = connection.scalar(text("SELECT version_num FROM alembic_version"))
@@ -28,7 +28,7 @@ def revision_of(connection: Connection) -> str | None:
 
 
 def require_known(revision: str | None, what: str) -> str:
-    """Raises DatabaseUnusable where something is of no revision or of a newer one than this release knows."""
+    """Raise DatabaseUnusable unless this release knows the revision. what: name of the database in the message."""
     known = known_revisions()
     if revision is None:
         raise DatabaseUnusable(f"{what} holds no data of Rundown")
@@ -41,7 +41,7 @@ def require_known(revision: str | None, what: str) -> str:
 
 
 def row_counts(connection: Connection) -> dict[str, int]:
-    """Rows of each of Rundown's tables that are there and hold data, by name."""
+    """Return the number of rows of each existing table that holds data, by name."""
     there = set(inspect(connection).get_table_names())
     return {
         table.name: connection.scalar(select(func.count()).select_from(table)) or 0

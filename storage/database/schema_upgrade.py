@@ -1,4 +1,4 @@
-"""Bringing the schema of a database up to date when it is opened."""
+"""Upgrading the schema of a database when it is opened."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,7 +13,7 @@ from storage.database.schema import known_revisions, revision_of
 def bring_up_to_date(engine: Engine) -> None:
     """Create the schema of a new database, or upgrade an older one.
 
-    Raises DatabaseUnusable where a restore was interrupted, or where others work with an older schema.
+    Raises DatabaseUnusable after an interrupted restore, or while others use an older schema.
     """
     # Under the writer's lock: several processes may open a new database at once.
     with engine.execution_options(writing="alone").begin() as connection:
@@ -30,7 +30,8 @@ def bring_up_to_date(engine: Engine) -> None:
 
 @contextmanager
 def _claimed(engine: Engine, *, older: bool) -> Iterator[None]:
-    """Claim a database whose schema is older: it is not changed under others. Raises DatabaseUnusable where there are some."""
+    """Claim a database with an older schema, which must not change under its users. Raises DatabaseUnusable when there are
+    any."""
     claim = Claim(engine)
     try:
         if older:

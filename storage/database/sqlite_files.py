@@ -1,7 +1,7 @@
-"""The files of an SQLite store that is open: whether they are still those that were opened, and saving what only they hold.
+"""The files of an open SQLite store: checking that they are those that were opened, and saving data that only they hold.
 
-SQLite goes on with a log that was deleted, and nobody is told. Whoever opens the store then, or finds it after a kill, sees it
-without all that is in that log. A checkpoint through a connection that is open still brings all of it into the main file.
+SQLite goes on writing to a log that was deleted, and reports nothing. Whoever opens the store meanwhile, or after a kill,
+misses all that is in that log. A checkpoint through an open connection still moves all of it into the main file.
 """
 
 import sqlite3
@@ -14,14 +14,14 @@ from sqlalchemy.exc import OperationalError
 from storage.database.claim import DatabaseUnusable, logs_of
 
 SAVING_MS = 1_000
-"""How long a checkpoint waits for who reads."""
+"""How long a checkpoint waits for readers."""
 
 
 class SqliteFiles:
-    """The main file, its log and the index of that, as they were opened. What is once gone stays gone until `close`."""
+    """The main file, its log and the log's index, as they were opened. A missing file counts as missing until `close`."""
 
     def __init__(self, path: Path) -> None:
-        """Open a connection that keeps them. Raises sqlite3.Error."""
+        """Open a connection that keeps the files open. Raises sqlite3.Error."""
         self._path = path
         self._keeper = sqlite3.connect(path, isolation_level=None, check_same_thread=False, timeout=SAVING_MS / 1000)
         try:
@@ -35,26 +35,27 @@ class SqliteFiles:
         self._gone: Path | None = None
         self._closed = False
         self.saved = False
-        """Whether one is gone, and the main file holds all that was stored."""
+        """Whether a file is missing and the main file holds all that was stored."""
 
     def look(self) -> bool:
-        """Whether all are there still; costs microseconds."""
+        """Return whether all files still exist; costs microseconds."""
         if self._gone is None:
-            # Closed, the main file is all there is.
+            # After `close` only the main file remains.
             looked_at = [self._path] if self._closed else list(self._opened)
             self._gone = next((one for one in looked_at if _place(one) != self._opened[one]), None)
         return self._gone is None
 
     def require(self) -> None:
-        """Raises OperationalError where one is gone: nothing is to be written then, and no connection opened, which would make
-        a second log.
+        """Raise OperationalError when a file is missing.
+
+        Nothing may be written then, and no connection opened, since it would create a second log.
         """
         if (trouble := self.trouble) is not None:
             raise OperationalError(None, None, DatabaseUnusable(trouble))
 
     @property
     def trouble(self) -> str | None:
-        """Which one is gone, and what to do."""
+        """Return which file is missing and the remedy; None when none is."""
         if self.look():
             return None
         gone = f"{self._gone} was deleted or replaced while the service had it open"
@@ -68,18 +69,21 @@ class SqliteFiles:
         )
 
     def save(self) -> bool:
-        """Bring all that was committed into the main file; returns whether it is there. For who has the writers' turn."""
+        """Move all committed data into the main file; return whether they are there.
+
+        The caller must have the writers' turn.
+        """
         with self._asking:
             if not self.saved and not self._closed:
                 try:
                     _, logged, done = self._keeper.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()
                 except sqlite3.Error:
-                    return False  # its disk is full, say: tried again
+                    return False  # for instance the disk is full: tried again later
                 self.saved = logged == done
             return self.saved
 
     def close(self) -> None:
-        """Look no more. Of the last connection SQLite makes a checkpoint."""
+        """Stop checking the files and close the connection; SQLite makes a checkpoint when it is the last one."""
         with self._asking:
             self._closed = True
             self._keeper.close()

@@ -1,7 +1,7 @@
-"""The turn of the writers of one process: on SQLite one writes at a time, and what it commits is in a file that has a name.
+"""The writers' turn of one process: on SQLite one transaction writes at a time, and its commits end in a file that has a name.
 
-Writers wait here for each other and not in SQLite, in turn and until the checkpoint behind a commit is over: see
-`storage.database.versions`. PostgreSQL orders them itself.
+Writers wait here and not in SQLite, in turn and until the checkpoint after a commit is over: see `storage.database.versions`.
+PostgreSQL serialises its writers by itself.
 """
 
 import threading
@@ -15,21 +15,21 @@ from storage.database.sqlite_files import SqliteFiles
 BUSY_TIMEOUT_MS = 15_000
 """How long a writer waits for its turn."""
 SAVING_TURN_S = 1.0
-"""How long the saving of a log that is gone waits for its turn among writers; it is tried again."""
+"""How long saving a deleted log waits for the writers' turn; it is tried again."""
 
 
 class WriterTurn:
-    """Lets one writer at a time at an SQLite store, and all at once at PostgreSQL."""
+    """Mutual exclusion of the writers of an SQLite store; writers of PostgreSQL pass at once."""
 
     def __init__(self, files: SqliteFiles | None, *, alone: bool) -> None:
-        """Take the store's files, if it has any. alone: whether one writes at a time."""
+        """Set the store's files, if it has any. alone: whether one writes at a time."""
         self._files = files
         self._alone = alone
         self._lock = threading.Lock()
 
     @contextmanager
     def taken(self) -> Iterator[None]:
-        """Have the turn. Raises OperationalError where it does not come, or where a file of the store is gone."""
+        """Hold the turn. Raises OperationalError after a timeout, or when a file of the store is missing."""
         if not self._alone:
             yield
         elif self._lock.acquire(timeout=BUSY_TIMEOUT_MS / 1000):
@@ -43,7 +43,7 @@ class WriterTurn:
             raise OperationalError(None, None, waited)
 
     def save(self, files: SqliteFiles) -> None:
-        """Save what is in no file any more that has a name, if the turn comes soon."""
+        """Save data whose file has lost its name, when the turn comes soon."""
         if not files.saved and self._lock.acquire(timeout=SAVING_TURN_S):
             try:
                 files.save()
@@ -52,7 +52,7 @@ class WriterTurn:
 
     @contextmanager
     def _durably(self) -> Iterator[None]:
-        """Save what is committed to a log that is gone before anybody counts on it. Raises OperationalError."""
+        """Save what was committed to a deleted log before the commit is reported. Raises OperationalError."""
         if self._files is None:
             yield
             return

@@ -1,3 +1,2 @@
-"""Sample blocks and text as they are stored. It imports no other room but the estimator's data types; repositories encode and
-decode by it.
-"""
+"""Sample blocks and text as they are stored. Repositories encode and decode with it; it imports no other room, only the
+estimator's data types."""

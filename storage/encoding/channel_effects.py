@@ -1,4 +1,4 @@
-"""How the effects of single channels' errors on a fit are kept: one compressed block, exact to the bit."""
+"""Storage of the effects of single channels' errors on a fit: one compressed block, exact to the bit."""
 
 import io
 import zlib
@@ -10,11 +10,11 @@ from estimator.arrays import Floats
 from estimator.fit.channel_sensitivity import ChannelEffects
 
 ZIP = b"PK"
-"""With which a block begins that an older release wrote: a file of numpy's."""
+"""Prefix of a block that an older release wrote: a numpy archive."""
 
 
 class _Block(msgspec.Struct, array_like=True):
-    """Arrays as the bytes of little-endian doubles, row by row."""
+    """Arrays as bytes of little-endian doubles, row by row."""
 
     names: tuple[str, ...]
     bias: bytes
@@ -25,7 +25,7 @@ class _Block(msgspec.Struct, array_like=True):
 
 
 def encode(effects: ChannelEffects) -> bytes:
-    """To a block."""
+    """Encode channel effects as a block."""
     block = _Block(
         names=effects.names,
         bias=_bytes(effects.bias),
@@ -38,7 +38,7 @@ def encode(effects: ChannelEffects) -> bytes:
 
 
 def decode(block: bytes) -> ChannelEffects:
-    """From a block."""
+    """Decode a block."""
     if block.startswith(ZIP):
         return _decode_zip(block)
     found = msgspec.msgpack.decode(zlib.decompress(block), type=_Block)

@@ -1,4 +1,4 @@
-"""Samples as arrays, and the compressed block in which they are stored, exact to the bit."""
+"""Arrays of samples, and the compressed block in which they are stored, exact to the bit."""
 
 import struct
 import zlib
@@ -14,10 +14,10 @@ from estimator.phasors.measurement import Measurement
 from estimator.phasors.recorded_run import RecordedRun
 from storage.encoding.packing import pack, shuffled, unpack, unshuffled
 
-_HEADER = struct.Struct("<4sHHII")  # magic, format, channels, samples, checksum of all that and the body
+_HEADER = struct.Struct("<4sHHII")  # magic, format, channels, samples, checksum of channels, samples and body
 _MAGIC = b"RDSB"
 _FORMAT = 4
-_OLDEST_FORMAT = 1  # numbers side by side; before 3 without conditions; 1 without 2× too, and with one bit of status
+_OLDEST_FORMAT = 1  # unpacked numbers up to 3; no conditions before 3; no 2× and one bit of status in 1
 
 
 class DamagedBlock(Damaged):
@@ -49,26 +49,26 @@ class Samples:
 
     @property
     def usable(self) -> NDArray[np.bool_]:
-        """(S, m) where the 1× phasor is good."""
+        """Return (S, m) where the 1× phasor is good."""
         return np.asarray(self.status == ChannelStatus.GOOD)
 
     def __len__(self) -> int:
         return int(self.time.size)
 
     def pick(self, which: NDArray[np.bool_] | NDArray[np.intp] | slice) -> "Samples":
-        """Some of the samples."""
+        """Return some of the samples."""
         return Samples(*(getattr(self, name)[which] for name in _FIELDS))
 
     def between(self, first: int, last: int) -> "Samples":
-        """Samples with first <= time <= last [ns]."""
+        """Return the samples with first <= time <= last [ns]."""
         return self.pick((self.time >= first) & (self.time <= last))
 
     def recorded(self, channels: tuple[str, ...]) -> RecordedRun:
-        """What the quality of a run is judged by."""
+        """Return the samples in the form by which the quality of a run is assessed."""
         return RecordedRun(self.time / 1e9, self.speed, self.phasor, self.status, self.scatter, channels)
 
     def measurement(self) -> Measurement:
-        """What an identification is fed with."""
+        """Return the samples in the form of an identification's input."""
         return Measurement(self.speed, self.direction.astype(float), self.phasor, self.usable, self.scatter)
 
 
@@ -76,7 +76,7 @@ _FIELDS = ("time", "speed", "direction", "phasor", "status", "scatter", "second"
 
 
 def join(parts: Sequence[Samples], *, channels: int) -> Samples:
-    """Several pieces as one, in the order given."""
+    """Concatenate several parts in the order given."""
     if not parts:
         return Samples(
             np.empty(0, np.int64),
@@ -94,14 +94,14 @@ def join(parts: Sequence[Samples], *, channels: int) -> Samples:
 
 
 def mean_conditions(parts: Sequence[Samples], names: Sequence[str]) -> dict[str, float | None]:
-    """Mean of each condition over several pieces by its name, in the document's order; None where it was never measured."""
+    """Return the mean of each condition over several parts by name, in the document's order; None where never measured."""
     table = np.concatenate([np.empty((0, len(names))), *(_wider(part.conditions, len(names)) for part in parts)])
     counts, sums = np.count_nonzero(np.isfinite(table), axis=0), np.nansum(table, axis=0)
     return {name: float(sums[i] / counts[i]) if counts[i] else None for i, name in enumerate(names)}
 
 
 def encode(samples: Samples) -> bytes:
-    """The block that holds the samples."""
+    """Encode samples as a block."""
     count, channels = samples.phasor.shape
     body = b"".join(
         [
@@ -120,7 +120,7 @@ def encode(samples: Samples) -> bytes:
 
 
 def decode(data: bytes) -> Samples:
-    """The samples of a block. Raises DamagedBlock."""
+    """Decode the samples of a block. Raises DamagedBlock."""
     try:
         magic, version, channels, count, checksum = _HEADER.unpack_from(data)
         if magic != _MAGIC or not _OLDEST_FORMAT <= version <= _FORMAT:
@@ -136,7 +136,7 @@ def decode(data: bytes) -> Samples:
 
 
 def _packed(body: memoryview, count: int, channels: int) -> Samples:
-    """Of the format that is written."""
+    """Decode the current format."""
     time = np.cumsum(unshuffled(body, 0, count, "<i8").astype(np.int64))
     speed = unshuffled(body, 8 * count, count, "<f8").astype(np.float64)
     at = 16 * count
@@ -159,7 +159,7 @@ def _packed(body: memoryview, count: int, channels: int) -> Samples:
 
 
 def _parts(values: NDArray[np.complex128]) -> NDArray[np.float64]:
-    """(S, 2 m) real and imaginary parts side by side, to the bit."""
+    """Return (S, 2 m) real and imaginary parts side by side, to the bit."""
     return np.ascontiguousarray(values).view(np.float64)
 
 
@@ -168,7 +168,7 @@ def _complex(parts: NDArray[np.float64]) -> NDArray[np.complex128]:
 
 
 def _plain(body: memoryview, count: int, channels: int, version: int) -> Samples:
-    """Of the formats of older releases."""
+    """Decode the formats of older releases."""
     values = count * channels
     at = 0
 
@@ -194,7 +194,7 @@ def _plain(body: memoryview, count: int, channels: int, version: int) -> Samples
 
 
 def _wider(conditions: NDArray[np.float64], width: int) -> NDArray[np.float64]:
-    """Conditions (S, k) with columns of NaN up to a width: what an older block did not know was not measured."""
+    """Return conditions (S, k) padded with columns of NaN to a width: an older block lacks conditions added later."""
     missing = np.full((len(conditions), max(width - conditions.shape[1], 0)), np.nan)
     return np.hstack([conditions, missing]) if missing.shape[1] else conditions
 

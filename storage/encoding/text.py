@@ -1,4 +1,4 @@
-"""Text and JSON as every database takes them: no NUL and no halves of characters, no NaN and no infinity."""
+"""Text and JSON that every database accepts: no NUL, no lone surrogates, no NaN and no infinity."""
 
 import json
 import math
@@ -7,22 +7,23 @@ from typing import Any
 
 
 def plain_text(text: str) -> str:
-    """Control characters and halves of characters escaped: PostgreSQL takes no NUL, and nothing takes half a character."""
+    """Return a text with control characters and lone surrogates escaped: PostgreSQL rejects NUL, and every database lone
+    surrogates."""
     return "".join(c if c.isprintable() or c == " " else c.encode("unicode_escape").decode() for c in text)
 
 
 def plain_lines(text: str) -> str:
-    """The same of each of its lines."""
+    """Return a text of several lines, each escaped by `plain_text`."""
     return "\n".join(map(plain_text, text.split("\n")))
 
 
 def nul_escaped(text: str) -> str:
-    """A text that holds NUL with `\\x00` for it and its backslashes doubled, so that `nul_back` can tell; another as it is."""
+    """Return a text with NUL as `\\x00` and backslashes doubled, for `nul_back`; a text without NUL unchanged."""
     return text.replace("\\", "\\\\").replace("\0", "\\x00") if "\0" in text else text
 
 
 def nul_back(text: str) -> str:
-    """What `nul_escaped` was given, if that changed it."""
+    """Return the text that `nul_escaped` was given, if that changed it."""
     return re.sub(r"\\(\\|x00)", lambda found: "\\" if found[1] == "\\" else "\0", text) if "\\x00" in text else text
 
 
@@ -35,7 +36,7 @@ def json_text(value: Any) -> str:
 
 
 def finite(value: Any) -> Any:
-    """The same with null wherever a number is none."""
+    """Return a value with null in place of NaN and infinite numbers."""
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     if isinstance(value, dict):

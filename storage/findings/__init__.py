@@ -1,3 +1,2 @@
 """Repositories of jobs, identifications, derived quantities, diagnoses and trends. They import `tables`, `encoding` and
-`measurements`; the service's `identification` and `monitoring` file what they found here.
-"""
+`measurements`; the service's `identification` and `monitoring` store their results here."""

@@ -1,4 +1,4 @@
-"""Repository of the quantities derived from identifications; their history: `storage.findings.trends`."""
+"""Repository of the quantities derived from identifications; for their history see `storage.findings.trends`."""
 
 from collections.abc import Sequence
 
@@ -10,7 +10,7 @@ from storage.tables import DerivedRow, IdentificationRow
 
 
 def add(session: Session, identification: IdentificationRow, quantities: Sequence[Derived]) -> None:
-    """Store what was derived from a stored identification, in that order."""
+    """Store the quantities derived from a stored identification, in their order."""
     rows = [
         {
             "identification_id": identification.id,
@@ -26,17 +26,17 @@ def add(session: Session, identification: IdentificationRow, quantities: Sequenc
         }
         for place, one in enumerate(quantities)
     ]
-    if rows:  # many at once: as objects of the session they would cost several times as much within the writer's turn
+    if rows:  # bulk insert: as ORM objects they would take several times as long within the writer's turn
         session.execute(insert(DerivedRow), rows)
 
 
 def of_identification(session: Session, identification_id: int) -> Sequence[DerivedRow]:
-    """All quantities derived from one identification, in the order in which they were stored."""
+    """Return all quantities derived from one identification, in the order in which they were stored."""
     query = select(DerivedRow).where(DerivedRow.identification_id == identification_id).order_by(DerivedRow.place)
     return session.scalars(query).all()
 
 
 def value(session: Session, identification_id: int, name: str) -> float | None:
-    """The value of one derived quantity; None where there is none."""
+    """Return the value of one derived quantity; None when there is none."""
     row = session.get(DerivedRow, (identification_id, name))
     return None if row is None else row.value

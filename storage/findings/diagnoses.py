@@ -1,4 +1,5 @@
-"""Repository of diagnoses: what each identification said of its machine when it was filed, and against which baseline."""
+"""Repository of diagnoses: the causes that each identification indicated when it was filed, and the baseline it was compared
+with."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -13,7 +14,7 @@ from storage.tables import DiagnosisRow, IdentificationRow
 def keep(
     session: Session, of: IdentificationRow, *, baseline: Sequence[int], runs: int, causes: list[dict[str, Any]]
 ) -> DiagnosisRow:
-    """Store what an identification led to. baseline: ids that it was compared with; runs: how many were looked at together."""
+    """Store the diagnosis of an identification. baseline: ids it was compared with; runs: number of runs assessed together."""
     row = session.get(DiagnosisRow, of.id)
     if row is None:
         row = DiagnosisRow(identification_id=of.id, machine_id=of.machine_id, measured_at=of.measured_at)
@@ -24,12 +25,12 @@ def keep(
 
 
 def of_identification(session: Session, identification_id: int) -> DiagnosisRow | None:
-    """The diagnosis that an identification led to; None where its baseline was not complete."""
+    """Return the diagnosis of an identification; None when its baseline was not complete."""
     return session.get(DiagnosisRow, identification_id)
 
 
 def newest(session: Session, machine_id: str) -> DiagnosisRow | None:
-    """The diagnosis of a machine's newest run that has one."""
+    """Return the diagnosis of a machine's newest run that has one."""
     query = select(DiagnosisRow).where(DiagnosisRow.machine_id == machine_id)
     query = query.order_by(DiagnosisRow.measured_at.desc(), DiagnosisRow.identification_id.desc())
     return session.scalars(query.limit(1)).one_or_none()

@@ -1,4 +1,4 @@
-"""Repository of identifications and of the parameter history that they make."""
+"""Repository of identifications and of the parameter histories that they form."""
 
 import math
 from collections.abc import Sequence
@@ -23,14 +23,14 @@ from storage.tables import EstimateRow, IdentificationRow, RunRow
 
 
 class IdentificationUnknown(Missing):
-    """No identification of that id."""
+    """There is no identification with this id."""
 
     subject = "identification"
 
 
 @dataclass(frozen=True)
 class Origin:
-    """What an identification was made from: machine revision, job, runs and options."""
+    """The inputs of an identification: machine revision, job, runs and options."""
 
     machine_id: str
     revision: int
@@ -47,7 +47,7 @@ class Origin:
 
 @dataclass(frozen=True)
 class Like:
-    """What identifications must have in common to be compared: one of these machine revisions, kind of run, slow-roll vectors.
+    """Conditions under which identifications are comparable: one of these machine revisions, kind of run, slow-roll vectors.
 
     since: measured at that time or later [ns].
     """
@@ -112,18 +112,18 @@ def add(session: Session, origin: Origin, result: Identification) -> Identificat
         }
         for estimate in result.estimates
     ]
-    if estimates_of:  # many at once: as objects of the session they would cost several times as much within the writer's turn
+    if estimates_of:  # bulk insert: as ORM objects they would take several times as long within the writer's turn
         session.execute(insert(EstimateRow), estimates_of)
     return row
 
 
 def of_job(session: Session, job_id: int) -> int | None:
-    """Id of the identification that a job has led to; None while it has led to none."""
+    """Return the id of the identification that a job has produced; None while there is none."""
     return session.scalar(select(IdentificationRow.id).where(IdentificationRow.job_id == job_id))
 
 
 def get(session: Session, identification_id: int) -> IdentificationRow:
-    """With its covariance. Raises IdentificationUnknown."""
+    """Return an identification with its covariance. Raises IdentificationUnknown."""
     row = session.get(IdentificationRow, identification_id, options=[undefer(IdentificationRow.covariance)])
     if row is None:
         raise IdentificationUnknown(identification_id)
@@ -131,20 +131,20 @@ def get(session: Session, identification_id: int) -> IdentificationRow:
 
 
 def estimates(session: Session, identification_id: int) -> Sequence[EstimateRow]:
-    """All estimates of one identification, in the order of the machine's document."""
+    """Return all estimates of one identification, in the order of the machine's document."""
     query = select(EstimateRow).where(EstimateRow.identification_id == identification_id)
     order = {name.removesuffix(".real"): i for i, name in enumerate(get(session, identification_id).coordinates)}
     return sorted(session.scalars(query).all(), key=lambda row: order.get(row.parameter, len(order)))
 
 
 def covariance(row: IdentificationRow) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
-    """Covariance matrix over `row.coordinates`; direct terms as logarithms, else SI."""
+    """Return the covariance matrix over `row.coordinates`; direct terms as logarithms, else SI."""
     size = len(row.coordinates)
     return np.frombuffer(row.covariance, "<f8").reshape(size, size)
 
 
 def point(session: Session, identification_id: int) -> np.ndarray[tuple[int], np.dtype[np.float64]] | None:
-    """Values over the row's coordinates, as `Identification.point`; None where an older release identified.
+    """Return the values over the row's coordinates, as `Identification.point`; None for an identification by an older release.
 
     Raises IdentificationUnknown.
     """
@@ -163,7 +163,10 @@ def of_machine(
     limit: int | None = None,
     after: Keys | None = None,
 ) -> Sequence[IdentificationRow]:
-    """Identifications of a machine measured between two times [ns], newest first; after: time and id of the one before."""
+    """Return the identifications of a machine measured between two times [ns], newest first.
+
+    after: (time, id) of the last one of the page before.
+    """
     query = select(IdentificationRow).where(IdentificationRow.machine_id == machine_id)
     query = ordered(query, (IdentificationRow.measured_at, IdentificationRow.id), after)
     query = between(query, IdentificationRow.measured_at, first, last)
@@ -171,13 +174,13 @@ def of_machine(
 
 
 def first_accepted(session: Session, machine_id: str, like: Like, *, limit: int) -> Sequence[IdentificationRow]:
-    """The first accepted identifications of single runs that are alike, oldest first."""
+    """Return the first accepted identifications of single runs that meet `like`, oldest first."""
     query = _accepted_runs(machine_id, like)
     return session.scalars(query.order_by(IdentificationRow.measured_at, IdentificationRow.id).limit(limit)).all()
 
 
 def first_of(session: Session, machine_id: str, *, revision: int, slow_roll_version: int | None) -> IdentificationRow | None:
-    """The first accepted identification of a single run under a revision and slow-roll version, of any kind of run."""
+    """Return the first accepted identification of a single run of any kind, under a revision and slow-roll version."""
     query = select(IdentificationRow).where(
         IdentificationRow.machine_id == machine_id,
         IdentificationRow.revision == revision,
@@ -193,9 +196,9 @@ def first_of(session: Session, machine_id: str, *, revision: int, slow_roll_vers
 def newest(
     session: Session, machine_id: str, like: Like, *, limit: int, last: int | None = None, accepted: bool = True
 ) -> Sequence[IdentificationRow]:
-    """The newest identifications of single runs that are alike, measured up to a time [ns], newest first.
+    """Return the newest identifications of single runs that meet `like`, measured up to a time [ns], newest first.
 
-    accepted: only those; otherwise the refused ones as well.
+    accepted: only accepted ones; otherwise the refused ones as well.
     """
     query = _accepted_runs(machine_id, like) if accepted else _runs(machine_id, like)
     if last is not None:
@@ -205,7 +208,7 @@ def newest(
 
 
 def newest_of_a_run(session: Session, machine_id: str) -> IdentificationRow | None:
-    """The newest accepted identification of a single run, of any kind, that counts."""
+    """Return the newest accepted identification of a single run of any kind, see `counting`."""
     query = select(IdentificationRow).where(IdentificationRow.machine_id == machine_id, IdentificationRow.accepted)
     query = query.where(IdentificationRow.scope == RUN, IdentificationRow.id.in_(counting(machine_id)))
     query = query.where(IdentificationRow.measured_at <= now() + TOLERANCE)
@@ -214,7 +217,7 @@ def newest_of_a_run(session: Session, machine_id: str) -> IdentificationRow | No
 
 
 def is_newest(session: Session, row: IdentificationRow) -> bool:
-    """Whether no single run of the same kind was measured later, and this one not in the future."""
+    """Return whether no single run of the same kind was measured later, and this one not in the future."""
     latest = now() + TOLERANCE
     query = select(IdentificationRow.id).where(IdentificationRow.machine_id == row.machine_id, IdentificationRow.scope == RUN)
     query = query.where(IdentificationRow.run_kind == row.run_kind, IdentificationRow.id.in_(counting(row.machine_id)))
@@ -223,9 +226,9 @@ def is_newest(session: Session, row: IdentificationRow) -> bool:
 
 
 def named(session: Session, machine_id: str, like: Like, ids: Sequence[int]) -> Sequence[IdentificationRow]:
-    """Those of some identifications that are accepted and alike, oldest first; whenever they were measured.
+    """Return the accepted ones of some identifications that meet `like`, whenever they were measured, oldest first.
 
-    For a run that was identified again stands the identification that counts now.
+    Where a run was identified again, the identification that counts now is returned.
     """
     same_runs = select(cast(IdentificationRow.run_ids, Text)).where(IdentificationRow.id.in_(ids))
     query = _accepted_runs(machine_id, replace(like, since=0))
@@ -234,11 +237,12 @@ def named(session: Session, machine_id: str, like: Like, ids: Sequence[int]) -> 
 
 
 def counting(machine_id: str) -> Select[int]:
-    """Ids of the identifications that trends, baselines and alerts use.
+    """Return a query for the ids of the identifications that trends, baselines and alerts use.
 
-    A run may be identified again: after late samples, or with other slow-roll vectors in force. Of the identifications with
-    the usual options (scope RUN, not VARIANT) the newest accepted one counts, and where none is accepted the newest. The
-    others stay readable. One of a run that was discarded since, for late samples have joined it to another, counts no more.
+    A run may be identified again: after late samples, or with other slow-roll vectors in force. Among a run's identifications
+    with the usual options (scope RUN, not VARIANT) the newest accepted one counts or, without any accepted one, the newest.
+    The others stay readable. Identifications of a run that was discarded since, because late samples joined it to another run,
+    do not count.
     """
     gone = select(RunRow.id).where(RunRow.machine_id == machine_id, RunRow.state == DISCARDED)
     newest = func.row_number().over(
@@ -256,7 +260,10 @@ def _accepted_runs(machine_id: str, like: Like) -> Select[IdentificationRow]:
 
 
 def _runs(machine_id: str, like: Like) -> Select[IdentificationRow]:
-    """Without what a clock that was wrong dated in the future: it would be the newest for as long as that takes to come."""
+    """Return a query for single runs that meet `like`.
+
+    Runs that a wrong clock dated in the future are left out: one of these would remain the newest until that time comes.
+    """
     return (
         select(IdentificationRow)
         .where(IdentificationRow.machine_id == machine_id, IdentificationRow.revision.in_(like.revisions))
@@ -270,7 +277,7 @@ def _runs(machine_id: str, like: Like) -> Select[IdentificationRow]:
 
 
 def fit(row: IdentificationRow) -> ObservedFit | None:
-    """What an identification says of its machine; None where an older release identified."""
+    """Return the fit of an identification for comparison; None for an identification by an older release."""
     if row.point is None or row.channel_effects is None:
         return None
     return ObservedFit(
@@ -287,7 +294,7 @@ def fit(row: IdentificationRow) -> ObservedFit | None:
 
 
 def logarithmic_point(session: Session, row: IdentificationRow) -> Point:
-    """The direct terms that the data determined, as logarithms, with their covariance."""
+    """Return the direct terms that the data determined, as logarithms, with their covariance."""
     query = (
         select(EstimateRow.parameter, EstimateRow.value)
         .where(EstimateRow.identification_id == row.id)
@@ -302,7 +309,8 @@ def logarithmic_point(session: Session, row: IdentificationRow) -> Point:
 
 
 def points(session: Session, rows: Sequence[IdentificationRow]) -> dict[int, Point]:
-    """Per identification all coordinates that the data determined, with covariance; direct terms as logarithms, else SI."""
+    """Return per identification all coordinates that the data determined, with covariance; direct terms as logarithms, else
+    SI."""
     whole = [row for row in rows if row.point is not None]
     found = _estimated(session, [row for row in rows if row.point is None])
     unknown: dict[int, set[str]] = {row.id: set() for row in whole}
@@ -316,7 +324,7 @@ def points(session: Session, rows: Sequence[IdentificationRow]) -> dict[int, Poi
 
 
 def _estimated(session: Session, rows: Sequence[IdentificationRow]) -> dict[int, dict[str, float]]:
-    """The same numbers from the estimates, of identifications of older releases, which did not keep their points."""
+    """Return the coordinates from the estimates, for identifications by older releases, which did not store their points."""
     found: dict[int, dict[str, float]] = {row.id: {} for row in rows}
     wanted = (EstimateRow.identification_id, EstimateRow.parameter, EstimateRow.value, EstimateRow.imaginary)
     query = select(*wanted).where(EstimateRow.identification_id.in_(found), EstimateRow.value.is_not(None))

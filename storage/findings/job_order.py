@@ -1,22 +1,22 @@
-"""The scheduler of identification jobs: which of those that wait is taken next, whichever replica takes it.
+"""Order of the identification jobs: which waiting job is taken next, whichever replica takes it.
 
-The order:
+1. Jobs are ordered by priority, over all plants. First come jobs that the service itself requests (AUTOMATIC: a run was
+closed, runs are pooled), since alerts depend on them. Then come single identifications requested by a person (ASKED), then
+bulk requests (RECOMPUTED), last jobs that crashed their process or exceeded its time or memory (TRIED). Requests by people of
+one plant thus delay no automatic job of another plant.
 
-1. By priority, over all plants. First what the service asks for by itself (AUTOMATIC: a run was closed, runs are gathered):
-   alerts follow from it. Then single identifications that a person asks for (ASKED), then many at once (RECOMPUTED), last what
-   has cost its process its life, or more time or memory than it may (TRIED). So what people of one plant ask for keeps no
-   automatic job of another plant waiting.
-2. Within a priority the plants take turns, a job each: one with a single job waits for one job of each other plant at most,
-   however many those have waiting.
-3. Within a turn, and within a plant, the oldest first.
+2. Within a priority the plants take turns of one job each: a plant with a single job waits for at most one job of each other
+plant, however many those have queued.
 
-Two rules beside it. The last free process of a replica is kept for automatic jobs (`behind`, where there are two processes or
-more): they need not wait until something long that was asked for is computed either. And what has waited for OVERDUE_S behind
-better priorities is taken all the same, once in OVERDUE_SHARE jobs, so that nothing waits for ever.
+3. Within a turn, and within a plant, the oldest job comes first.
 
-Turns are fair queueing (start times of virtual time): a job gets its `turn` when it is queued, the one behind its plant's
-newest job, but none before the turn that is being computed now. All of this stands in the rows, and taking the next jobs reads
-as many rows from an index as it takes. The service bounds how many jobs a person may have waiting.
+Two rules complement the order. The last free process of a replica with two or more is reserved for automatic jobs (`behind`),
+so that they need not wait for a long requested one. A job that has waited longer than OVERDUE_S behind better priorities is
+taken once in every OVERDUE_SHARE jobs, so that none waits for ever.
+
+Turns are fair queueing by virtual start times: a queued job gets the `turn` after its plant's newest job, but none before the
+turn that is being computed. All of this is stored in the rows, and taking the next jobs reads only as many rows from an index
+as it takes. The service limits how many jobs a person may have waiting.
 """
 
 from collections.abc import Sequence
@@ -35,7 +35,7 @@ OVERDUE_SHARE = 10
 
 
 def next_turn(session: Session, plant: str, priority: int) -> int:
-    """The turn of a job that a plant queues now."""
+    """Return the turn of a job that a plant queues now."""
     newest, oldest = JobRow.turn.desc(), JobRow.turn.asc()
     present = _turn(session, RUNNING, newest, priority=priority)
     if present is None:
@@ -45,9 +45,9 @@ def next_turn(session: Session, plant: str, priority: int) -> int:
 
 
 def next_jobs(session: Session, limit: int, *, behind: int, overdue: bool) -> list[JobRow]:
-    """At most `limit` jobs in their order, which nobody else is taking.
+    """Return at most `limit` jobs in their order that nobody else is taking, and lock them.
 
-    behind: how many of them may be other than automatic. overdue: whether one of these comes first that has waited too long.
+    behind: how many of them may be other than automatic. overdue: whether a job that has waited too long comes first.
     """
     rows = _overdue(session) if overdue and limit > 0 and behind > 0 else []
     rows += _taken(session, JobRow.priority == AUTOMATIC, limit - len(rows))
@@ -57,7 +57,7 @@ def next_jobs(session: Session, limit: int, *, behind: int, overdue: bool) -> li
 
 
 def _overdue(session: Session) -> list[JobRow]:
-    """The one of the first jobs of each priority that has waited longest, if that is too long."""
+    """Return the job that has waited longest among the first of each priority, if it is overdue."""
     first = [row for priority in (ASKED, RECOMPUTED, TRIED) for row in _taken(session, JobRow.priority == priority, 1)]
     late = [row for row in first if row.created_at < now() - int(1e9 * OVERDUE_S)]
     return sorted(late, key=lambda row: row.created_at)[:1]
@@ -72,9 +72,10 @@ def _taken(session: Session, which: ColumnElement[bool], limit: int) -> Sequence
 
 
 def _turn(session: Session, state: str, order: UnaryExpression[int], **like: object) -> int | None:
-    """The first turn of the jobs in a state. Turns are between plants, so all of them count, whoever asks.
+    """Return the first turn, in the given order, of the jobs in a state.
 
-    Not by max() and min(): where PostgreSQL expects few rows it reads all there are for these.
+    Turns are shared by all plants, so jobs of every plant count, whoever asks. The query avoids max() and min(), for which
+    PostgreSQL reads all rows where it expects few.
     """
     query = select(JobRow.turn).filter_by(state=state, **like).order_by(order).limit(1)
     return session.scalar(query, execution_options=EVERY_PLANT)

@@ -20,17 +20,17 @@ from storage.paging import Keys, ordered
 from storage.tables import JobRow, ReplicaRow
 
 DONE, FAILED, QUARANTINED = "done", "failed", "quarantined"
-"""State of a job. What costs its process its life, or more time or memory than it may, is put aside at last: quarantined."""
+"""Final states of a job; one that crashed its process or exceeded its time or memory too often ends as quarantined."""
 STATES = (QUEUED, RUNNING, DONE, FAILED, QUARANTINED)
 
 RUN, GATHERED, VARIANT = "run", "gathered", "variant"
-"""Scope of a job: one run as usual, the newest runs gathered so far, or one run with other options, which no trend follows."""
+"""Scope of a job: one run as usual, the newest runs pooled, or one run with other options, which no trend follows."""
 
 LARGEST_ATTEMPTS = 3
 
 
 class JobUnknown(Missing):
-    """No job of that id."""
+    """There is no job with this id."""
 
     subject = "job"
 
@@ -45,9 +45,9 @@ def ask(
     asked_by: str | None = None,
     priority: int = AUTOMATIC,
 ) -> JobRow | None:
-    """Queue an identification of these runs; None when the same was asked for before, with the same options.
+    """Queue an identification of these runs; return None when it was requested before with the same options.
 
-    asked_by: identity of the person who asks for it; priority: as of `storage.findings.job_order`. Raises MachineUnknown.
+    asked_by: identity of the person who requests it; priority: see `storage.findings.job_order`. Raises MachineUnknown.
     """
     if asked(session, scope=scope, run_ids=run_ids, options=options) is not None:
         return None
@@ -74,7 +74,7 @@ def ask(
 
 
 def asked(session: Session, *, scope: str, run_ids: list[int], options: dict[str, Any] | None = None) -> JobRow | None:
-    """The job that was asked for with the same runs and options."""
+    """Return the job that was requested with the same runs and options; None when there is none."""
     return session.scalars(select(JobRow).where(JobRow.request == _request(scope, run_ids, options))).first()
 
 
@@ -88,9 +88,10 @@ def _request(scope: str, run_ids: list[int], options: dict[str, Any] | None) -> 
 def take(
     session: Session, limit: int, *, holder: int | None = None, behind: int | None = None, overdue: bool = False
 ) -> Sequence[JobRow]:
-    """The next jobs by `storage.findings.job_order` that no other replica is taking, marked as running.
+    """Mark the next jobs by `storage.findings.job_order` as running and return them.
 
-    holder: number of the replica, which gets none when it was taken for gone meanwhile. behind, overdue: as of `next_jobs`.
+    holder: number of the replica, which gets no jobs when it has been declared dead meanwhile. behind, overdue: as of
+    `next_jobs`.
     """
     if holder is not None and session.get(ReplicaRow, holder) is None:
         return []
@@ -104,12 +105,12 @@ def take(
 
 def finish(row: JobRow, *, state: str, error: str | None = None) -> None:
     """Record how a job ended: DONE, FAILED or QUARANTINED with the reason."""
-    # What was raised may quote what came from outside.
+    # An error's message may quote text from outside.
     row.state, row.error, row.finished_at = state, None if error is None else plain_text(error), now()
 
 
 def put_back(session: Session, row: JobRow, error: str) -> None:
-    """Queue a job again that has cost its worker its life or more than it may; after several times it is put aside."""
+    """Queue a job again that crashed its worker or exceeded a limit; quarantine it after LARGEST_ATTEMPTS attempts."""
     if row.attempts >= LARGEST_ATTEMPTS:
         finish(row, state=QUARANTINED, error=f"given up after {row.attempts} attempts: {error}")
     else:
@@ -118,12 +119,12 @@ def put_back(session: Session, row: JobRow, error: str) -> None:
 
 
 def put_back_unhurt(row: JobRow) -> None:
-    """Queue a job again that nobody computes any more, in the turn that it had: that says nothing against the job."""
+    """Queue a job again, in its turn and without counting the attempt, when its worker went away for another reason."""
     row.state, row.attempts, row.holder = QUEUED, max(0, row.attempts - 1), None
 
 
 def put_back_running(session: Session, *, living: Collection[int] = ()) -> int:
-    """Queue again what is running with none of the living replicas. Returns how many."""
+    """Queue running jobs again whose replica is not alive; return their number."""
     rows = [row for row in session.scalars(select(JobRow).where(JobRow.state == RUNNING)) if row.holder not in living]
     for row in rows:
         put_back_unhurt(row)
@@ -131,12 +132,12 @@ def put_back_running(session: Session, *, living: Collection[int] = ()) -> int:
 
 
 def held_by(session: Session, holder: int | None) -> Sequence[JobRow]:
-    """What a replica is computing; None: the only process on its database."""
+    """Return the jobs that a replica is computing; holder None: the only process on its database."""
     return session.scalars(select(JobRow).where(JobRow.state == RUNNING, JobRow.holder == holder)).all()
 
 
 def waiting(session: Session, *, automatic: bool = False) -> bool:
-    """Whether any job is queued; automatic: one that nobody asked for."""
+    """Return whether any job is queued; automatic: count only those that no person requested."""
     query = select(JobRow.id).where(JobRow.state == QUEUED)
     if automatic:
         query = query.where(JobRow.priority == AUTOMATIC)
@@ -144,12 +145,12 @@ def waiting(session: Session, *, automatic: bool = False) -> bool:
 
 
 def waiting_of(session: Session, *, asked_by: str, most: int) -> int:
-    """How many jobs wait that somebody asked for, of whichever plant; counted no further than `most`."""
+    """Return how many jobs requested by somebody are queued, of any plant; counts up to `most`."""
     return _counted(session, JobRow.asked_by == asked_by, most)
 
 
 def asked_of_machine(session: Session, machine_id: str, *, most: int) -> int:
-    """How many jobs of a machine wait that people asked for; counted no further than `most`."""
+    """Return how many jobs of a machine requested by people are queued; counts up to `most`."""
     return _counted(session, (JobRow.machine_id == machine_id) & JobRow.asked_by.is_not(None), most)
 
 
@@ -159,7 +160,7 @@ def _counted(session: Session, which: ColumnElement[bool], most: int) -> int:
 
 
 def get(session: Session, job_id: int) -> JobRow:
-    """Raises JobUnknown."""
+    """Return a job by id; raise JobUnknown when there is none."""
     row = session.get(JobRow, job_id)
     if row is None:
         raise JobUnknown(job_id)
@@ -167,12 +168,12 @@ def get(session: Session, job_id: int) -> JobRow:
 
 
 def of_machine(session: Session, machine_id: str, *, limit: int, after: Keys | None = None) -> Sequence[JobRow]:
-    """The newest jobs of a machine, newest first; after: id of the one before."""
+    """Return the jobs of a machine, newest first. after: id of the last one of the page before."""
     query = ordered(select(JobRow).where(JobRow.machine_id == machine_id), (JobRow.id,), after)
     return session.scalars(query.limit(limit)).all()
 
 
 def count(session: Session) -> dict[str, int]:
-    """How many jobs are in each state."""
+    """Return the number of jobs in each state."""
     query = select(JobRow.state, func.count()).group_by(JobRow.state)
     return {state: number for state, number in session.execute(query)}  # noqa: C416 - dict() loses the types

@@ -1,4 +1,4 @@
-"""Histories of parameters in columns: what a trend is drawn from."""
+"""Histories of parameters in columns, from which trends are drawn."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -27,16 +27,17 @@ TABLES = (
     "derived_quantities",
     "baselines",
 )
-"""What histories, and what they are compared with, are read from."""
+"""Tables from which histories, and the baselines they are compared with, are read."""
 Stamp = tuple[int | None, ...]
-"""Equal as long as nothing was stored that could change a machine's histories or what they are compared with."""
+"""A stamp that stays equal as long as nothing was stored that could change a machine's histories or their baselines."""
 
 
 @dataclass(frozen=True)
 class ParameterHistory:
-    """One parameter or derived quantity at n identifications, oldest first; (n,) each. Times [ns since 1970]; NaN: no value.
+    """One parameter or derived quantity at n identifications, oldest first; (n,) each.
 
-    standard_error: of a parameter's value; imaginary: of an unbalance, whose value is the real part.
+    Times [ns since 1970]; NaN: no value. standard_error: of a parameter's value; imaginary: of an unbalance, whose value is
+    the real part.
     """
 
     unit: str | None
@@ -52,16 +53,16 @@ class ParameterHistory:
     identification: Integers
     revision: Integers
     slow_roll_version: Integers
-    """0: none was subtracted."""
+    """Version of the slow-roll vectors that were subtracted; 0 for none."""
 
     def __len__(self) -> int:
         return len(self.measured_at)
 
 
 def histories(session: Session, machine_id: str, names: Sequence[str], *, scope: str) -> dict[str, ParameterHistory]:
-    """The whole history of each parameter or derived quantity: one point per run, see `identifications.counting`.
+    """Return the whole history of each parameter or derived quantity, one point per run, see `identifications.counting`.
 
-    Unknown ones are empty.
+    Unknown names have an empty history.
     """
     found = {
         name: _history(list(rows)) for name, rows in groupby(_rows(session, machine_id, names, scope), key=lambda row: row[0])
@@ -70,7 +71,7 @@ def histories(session: Session, machine_id: str, names: Sequence[str], *, scope:
 
 
 def _rows(session: Session, machine_id: str, names: Sequence[str], scope: str) -> Iterator[Sequence[Any]]:
-    """Rows by name and time: estimates, then derived quantities, which have other names."""
+    """Yield rows by name and time: estimates, then derived quantities, whose names are distinct."""
     estimate, derived = EstimateRow, DerivedRow
     of_estimate = estimate.parameter, estimate.unit, estimate.measured_at, estimate.value, estimate.lower, estimate.upper
     of_derived = derived.name, derived.unit, derived.measured_at, derived.value, derived.lower, derived.upper
@@ -100,7 +101,7 @@ def _rows(session: Session, machine_id: str, names: Sequence[str], scope: str) -
 
 
 def stamp(session: Session, machine_id: str) -> Stamp:
-    """What a machine's histories depend on, in a few numbers."""
+    """Return the stamp of everything that a machine's histories depend on."""
     newest = select(func.max(IdentificationRow.id)).where(IdentificationRow.machine_id == machine_id)
     gone = select(RunRow.id).where(RunRow.machine_id == machine_id, RunRow.state == DISCARDED).subquery()
     baseline = select(func.max(BaselineRow.id)).where(BaselineRow.machine_id == machine_id)

@@ -1,3 +1,2 @@
 """Repositories of machine documents, baselines, limits, calibrations, slow-roll vectors, timelines and the fleet. They import
-`tables` and `encoding`; every part of the service asks them for the document in force.
-"""
+`tables` and `encoding`; every part of the service reads the document in force from here."""

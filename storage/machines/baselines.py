@@ -1,4 +1,4 @@
-"""Repository of baselines: from when on, or from which identifications, a machine is compared with itself."""
+"""Repository of baselines: the identifications, or the time from which on, that a machine is compared with."""
 
 from collections.abc import Sequence
 
@@ -13,7 +13,7 @@ from storage.tables import BaselineRow
 def begin(
     session: Session, machine_id: str, *, since: int, identification_ids: list[int] | None, reason: str, by: str
 ) -> BaselineRow:
-    """A new baseline: of the first identifications measured at `since` or later [ns], or of those that are named."""
+    """Add a baseline of the first identifications measured at `since` or later [ns], or of the named ones."""
     row = BaselineRow(
         machine_id=machine_id,
         since=since,
@@ -28,7 +28,8 @@ def begin(
 
 
 def in_force(session: Session, machine_id: str, *, at: int) -> BaselineRow | None:
-    """The baseline for what was measured at a time [ns]; None before the first: then the machine's first runs are it."""
+    """Return the baseline for measurements at a time [ns]; None before the first, when the machine's first runs are the
+    baseline."""
     query = select(BaselineRow).where(BaselineRow.machine_id == machine_id, BaselineRow.since <= at)
     return session.scalars(query.order_by(BaselineRow.since.desc(), BaselineRow.id.desc()).limit(1)).one_or_none()
 
@@ -36,6 +37,9 @@ def in_force(session: Session, machine_id: str, *, at: int) -> BaselineRow | Non
 def of_machine(
     session: Session, machine_id: str, *, limit: int | None = None, after: Keys | None = None
 ) -> Sequence[BaselineRow]:
-    """All baselines of a machine that a person or a maintenance began, newest first; after: beginning and id."""
+    """Return the baselines of a machine that a person or a maintenance began, newest first.
+
+    after: (since, id) of the last one of the page before.
+    """
     query = select(BaselineRow).where(BaselineRow.machine_id == machine_id)
     return session.scalars(ordered(query, (BaselineRow.since, BaselineRow.id), after).limit(limit)).all()

@@ -1,4 +1,4 @@
-"""Repository of calibrations: when which channel was calibrated, by whom, with what certificate."""
+"""Repository of calibrations: which channel was calibrated when, by whom and with which certificate."""
 
 from collections.abc import Sequence
 
@@ -11,7 +11,7 @@ from storage.tables import CalibrationRow
 
 
 def add(session: Session, machine_id: str, *, channel: str, at: int, certificate: str, by: str) -> CalibrationRow:
-    """Note that a channel was calibrated at a moment [ns]."""
+    """Record that a channel was calibrated at a time [ns]."""
     row = CalibrationRow(machine_id=machine_id, channel=channel, at=at, certificate=certificate, by=by, created_at=now())
     session.add(row)
     session.flush()
@@ -28,7 +28,7 @@ def of_machine(
     limit: int,
     after: Keys | None = None,
 ) -> Sequence[CalibrationRow]:
-    """Calibrations between two moments [ns], newest first; after: moment and id of the one before."""
+    """Return calibrations between two times [ns], newest first. after: (time, id) of the last one of the page before."""
     query = select(CalibrationRow).where(CalibrationRow.machine_id == machine_id)
     if channel is not None:
         query = query.where(CalibrationRow.channel == channel)

@@ -1,4 +1,5 @@
-"""All machines at a glance: what each last did, what is open, how much happened since a time; in few queries."""
+"""Overview of all machines in few queries: their last run and identification, open alerts, and counts of events since a
+time."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,7 +23,7 @@ from storage.tables import (
 
 @dataclass(frozen=True)
 class RunGlance:
-    """A run. Times in ns since 1970; time_last: None while it is open."""
+    """A run in the overview. Times in ns since 1970; time_last: None while it is open."""
 
     id: int
     kind: str
@@ -33,7 +34,7 @@ class RunGlance:
 
 @dataclass(frozen=True)
 class IdentificationGlance:
-    """An identification."""
+    """An identification in the overview."""
 
     id: int
     measured_at: int
@@ -43,7 +44,7 @@ class IdentificationGlance:
 
 @dataclass(frozen=True)
 class ListedMachine:
-    """One machine in a list. minimum_rpm, maximum_rpm: its speed range."""
+    """A machine in a list. minimum_rpm, maximum_rpm: its speed range."""
 
     id: str
     plant: str
@@ -56,7 +57,7 @@ class ListedMachine:
 
 @dataclass(frozen=True)
 class MachineGlance:
-    """What is happening to one machine."""
+    """The overview of one machine."""
 
     machine: ListedMachine
     last_run: RunGlance | None
@@ -65,22 +66,22 @@ class MachineGlance:
     """Open alerts by severity."""
     unacknowledged: int
     since: dict[str, int]
-    """What happened since the time asked for: counts by kind."""
+    """Number of events by kind since the time asked for."""
 
 
 TABLES = ("machines", "machine_revisions", "runs", "identifications", "alerts", "alert_events", "timeline")
-"""What glances are read from."""
+"""Tables from which the overview is read."""
 UNACKNOWLEDGED = ("unacknowledged", "returned", "latched_unacknowledged")
 
 
 def stamp(session: Session) -> tuple[int | None, ...]:
-    """Equal as long as no machine was created or revised."""
+    """Return a stamp that stays equal as long as no machine was created or revised."""
     query = select(func.count(), func.sum(MachineRow.revision), func.max(MachineRow.created_at)).select_from(MachineRow)
     return tuple(session.execute(query).one())
 
 
 def every(session: Session) -> list[ListedMachine]:
-    """All machines by id. Their documents are not read, but for what is listed."""
+    """Return all machines by id, reading only the listed parts of their documents."""
     limits = RevisionRow.document["speed_range"]
     query = select(
         MachineRow.id,
@@ -96,7 +97,7 @@ def every(session: Session) -> list[ListedMachine]:
 
 
 def glances(session: Session, machines: Sequence[ListedMachine], *, since: int) -> list[MachineGlance]:
-    """What is happening to machines, and how much happened since a time [ns]."""
+    """Return the overview of some machines, with the number of events since a time [ns]."""
     query = select(
         MachineRow.id,
         _newest(RunRow.id, RunRow.machine_id, RunRow.time_first),
@@ -131,7 +132,7 @@ def glances(session: Session, machines: Sequence[ListedMachine], *, since: int) 
 
 
 def collectors(session: Session) -> dict[str, str]:
-    """Where the run collection of each machine stands, as JSON text: with every block of samples some of a thousand change."""
+    """Return the state of each machine's run collection as JSON text; some of a thousand change with every sample block."""
     rows = session.execute(select(CollectorRow.machine_id, cast(CollectorRow.state, Text)))
     return {machine_id: state for machine_id, state in rows}  # noqa: C416
 
@@ -141,7 +142,7 @@ def _in_force() -> ColumnElement[bool]:
 
 
 def _newest(number: Any, machine_id: Any, time: Any) -> ScalarSelect[Any]:
-    """Id of a machine's newest row that is not of the future, from the index over machine and time."""
+    """Return a query for the id of a machine's newest row not in the future, from the index over machine and time."""
     return (
         select(number)
         .where(machine_id == MachineRow.id, time <= latest())
@@ -180,7 +181,7 @@ def _happened(session: Session, since: int) -> dict[str, dict[str, int]]:
 
 
 def _by_machine(machine_id: Any, wanted: ColumnElement[bool]) -> Any:
-    # Not grouped by the column itself: SQLite would walk its index, and with it years of wide rows, to count those of a day.
+    # Grouping by the column itself would make SQLite walk its index, and years of wide rows, to count those of a day.
     group = machine_id.concat("")
     return select(group, func.count()).where(wanted).group_by(group)
 

@@ -1,4 +1,4 @@
-"""Repository of the limits that people set for machines: versions that are never changed, the newest in force."""
+"""Repository of the limits that people set for machines: immutable versions, of which the newest is in force."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -22,11 +22,11 @@ def add(session: Session, machine_id: str, *, document: dict[str, Any], by: str,
 
 
 def in_force(session: Session, machine_id: str) -> LimitsRow | None:
-    """The newest version; None while nobody has set any."""
+    """Return the newest version; None while nobody has set any."""
     return next(iter(versions(session, machine_id, limit=1)), None)
 
 
 def versions(session: Session, machine_id: str, *, limit: int, after: Keys | None = None) -> Sequence[LimitsRow]:
-    """The newest versions, newest first; after: the one before."""
+    """Return the versions, newest first. after: the last version of the page before."""
     query = ordered(select(LimitsRow).where(LimitsRow.machine_id == machine_id), (LimitsRow.version,), after)
     return session.scalars(query.limit(limit)).all()

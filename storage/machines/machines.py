@@ -15,23 +15,23 @@ from storage.tables import MachineRow, RevisionRow
 
 
 class MachineExists(Conflict):
-    """A machine of that id is there already."""
+    """A machine with this id exists already."""
 
 
 class MachineUnknown(Missing):
-    """No machine of that id."""
+    """There is no machine with this id."""
 
     subject = "machine"
 
 
 class RevisionUnknown(MachineUnknown):
-    """The machine is there, but no such revision of its document."""
+    """The machine exists, but not this revision of its document."""
 
     subject = "revision"
 
 
 class PlantChanged(Conflict):
-    """A revision may not move a machine to another plant: its key on the wire would change."""
+    """A revision must not move a machine to another plant: its key on the wire would change."""
 
 
 def create(session: Session, machine: Machine) -> RevisionRow:
@@ -41,7 +41,7 @@ def create(session: Session, machine: Machine) -> RevisionRow:
     session.add(MachineRow(id=machine.id, plant=machine.plant, revision=1, created_at=now()))
     try:
         session.flush()
-    except IntegrityError as error:  # one that this session does not see
+    except IntegrityError as error:  # the id of a machine that this session does not see
         raise MachineExists(f"the id '{machine.id}' is taken: choose another") from error
     return _add_revision(session, machine, 1, None)
 
@@ -63,7 +63,7 @@ def revise(session: Session, machine: Machine) -> RevisionRow:
 
 
 def get(session: Session, machine_id: str) -> MachineRow:
-    """Raises MachineUnknown."""
+    """Return a machine by id; raise MachineUnknown when there is none."""
     row = session.get(MachineRow, machine_id)
     if row is None:
         raise MachineUnknown(machine_id)
@@ -71,27 +71,27 @@ def get(session: Session, machine_id: str) -> MachineRow:
 
 
 def some(session: Session, machine_ids: Collection[str]) -> Sequence[MachineRow]:
-    """Those of these machines that are known."""
+    """Return those of these machines that are known."""
     return session.scalars(select(MachineRow).where(MachineRow.id.in_(machine_ids))).all()
 
 
 def every(session: Session) -> Sequence[MachineRow]:
-    """All machines, by id."""
+    """Return all machines, by id."""
     return session.scalars(select(MachineRow).order_by(MachineRow.id)).all()
 
 
 def ids(session: Session) -> Sequence[str]:
-    """Ids of all machines, in order."""
+    """Return the ids of all machines, in order."""
     return session.scalars(select(MachineRow.id).order_by(MachineRow.id)).all()
 
 
 def lock(session: Session, machine_id: str) -> None:
-    """Keep other transactions that ask for this from concluding anything about the machine until this one ends."""
+    """Lock a machine until this transaction ends, against other transactions that draw conclusions about it."""
     session.execute(select(MachineRow.id).where(MachineRow.id == machine_id).with_for_update())
 
 
 def revision(session: Session, machine_id: str, number: int) -> RevisionRow:
-    """Raises MachineUnknown, of a machine that is there RevisionUnknown."""
+    """Return a revision of a machine. Raises MachineUnknown, for a known machine RevisionUnknown."""
     row = session.get(RevisionRow, (machine_id, number))
     if row is None:
         raise RevisionUnknown(f"{number} of machine '{get(session, machine_id).id}'")
@@ -101,19 +101,19 @@ def revision(session: Session, machine_id: str, number: int) -> RevisionRow:
 def revisions(
     session: Session, machine_id: str, *, limit: int | None = None, after: Keys | None = None
 ) -> Sequence[RevisionRow]:
-    """All revisions of a machine, oldest first; after: the one before."""
+    """Return all revisions of a machine, oldest first. after: the last revision of the page before."""
     query = select(RevisionRow).where(RevisionRow.machine_id == machine_id)
     return session.scalars(ordered(query, (RevisionRow.revision,), after, descending=False).limit(limit)).all()
 
 
 def document(session: Session, machine_id: str, number: int | None = None) -> Machine:
-    """The machine's document, by default the revision in force. Raises MachineUnknown."""
+    """Return the machine's document, by default the revision in force. Raises MachineUnknown."""
     number = get(session, machine_id).revision if number is None else number
     return parse_machine(revision(session, machine_id, number).document)
 
 
 def comparable(session: Session, machine_id: str, number: int) -> list[int]:
-    """Revisions without a break around a given one under which identifications can be compared with its own, ascending.
+    """Return the contiguous revisions around a given one whose identifications are comparable with its own, ascending.
 
     Raises MachineUnknown.
     """
@@ -121,7 +121,8 @@ def comparable(session: Session, machine_id: str, number: int) -> list[int]:
 
 
 def measured_alike(session: Session, machine_id: str, number: int) -> list[int]:
-    """Those of them whose samples have the same channels and operating conditions, in the same order, ascending.
+    """Return the comparable revisions whose samples have the same channels and operating conditions in the same order,
+    ascending.
 
     Raises MachineUnknown.
     """
@@ -132,15 +133,17 @@ def measured_alike(session: Session, machine_id: str, number: int) -> list[int]:
 
 @dataclass(frozen=True)
 class _Span:
-    """Revisions without a break that are the same train with the same operating conditions. conditions: their names."""
+    """Contiguous revisions of the same train with the same operating conditions. conditions: their names."""
 
     revisions: range
     conditions: tuple[str, ...]
 
 
 def _spans(session: Session, machine_id: str, number: int) -> list[_Span]:
-    """Of the revisions that can be compared with a given one. Only the first document of each span is read: there are as many
-    as there were changes of the operating conditions, however many revisions there are.
+    """Return the spans of revisions comparable with a given one.
+
+    Only the first document of each span is read: their number is that of the changes of operating conditions, however many
+    revisions there are.
     """
     same = revision(session, machine_id, number).same_since
     query = (
@@ -161,7 +164,7 @@ def _spans(session: Session, machine_id: str, number: int) -> list[_Span]:
 
 
 def _add_revision(session: Session, machine: Machine, number: int, before: tuple[RevisionRow, Machine] | None) -> RevisionRow:
-    """before: the revision in force until now, and its document."""
+    """Store a revision. before: the revision in force until now, and its document."""
     same = alike = number
     if before is not None and machine.is_the_same_train_as(before[1]):
         same = before[0].same_since

@@ -1,8 +1,8 @@
-"""Repository of slow-roll vectors: versions that are never changed, and which of them is in force.
+"""Repository of slow-roll vectors: immutable versions, and which of them is in force.
 
-Samples and runs keep what was measured. A vector belongs to a probe as it was when the vector was made: where the document
-in question puts the channel elsewhere on the shaft, at another angle or another sensitivity, the vector is doubtful and is
-left out.
+Samples and runs keep the measured values. A vector belongs to a probe as it was when the vector was made: when a document
+places the channel elsewhere on the shaft, at another angle or with another sensitivity, the vector is doubtful and is left
+out.
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,25 +22,25 @@ from storage.paging import Keys, ordered
 from storage.tables import SlowRollRow
 
 GIVEN, CAPTURED = "given", "captured"
-"""Where vectors come from: a person, or stored samples."""
+"""Origin of vectors: entered by a person, or captured from stored samples."""
 
 _OF_THE_PROBE = ("shaft", "station", "angle_deg", "sensitivity")
 
 
 class SlowRollUnknown(Missing):
-    """No slow-roll vectors of that version."""
+    """There are no slow-roll vectors of this version."""
 
     subject = "slow-roll vectors"
 
     @property
     def detail(self) -> str:
-        """Say which vectors are not there."""
+        """Return a message that names the missing vectors."""
         return f"no {self.subject}: {self.args[0]}"
 
 
 @dataclass(frozen=True)
 class Provenance:
-    """Where vectors come from. Speeds [rad/s] and times [ns] of the samples that they were captured from, else None."""
+    """Origin of vectors. Speeds [rad/s] and times [ns] are those of the samples they were captured from, else None."""
 
     origin: str
     comment: str = ""
@@ -91,7 +91,7 @@ def add(
 
 
 def get(session: Session, machine_id: str, version: int) -> SlowRollRow:
-    """Raises SlowRollUnknown."""
+    """Return a version of a machine's vectors; raise SlowRollUnknown when there is none."""
     row = session.get(SlowRollRow, (machine_id, version))
     if row is None:
         raise SlowRollUnknown(f"version {version} of machine '{machine_id}'")
@@ -99,13 +99,13 @@ def get(session: Session, machine_id: str, version: int) -> SlowRollRow:
 
 
 def versions(session: Session, machine_id: str, *, limit: int, after: Keys | None = None) -> Sequence[SlowRollRow]:
-    """The newest versions, newest first; after: the one before."""
+    """Return the versions, newest first. after: the last version of the page before."""
     query = ordered(select(SlowRollRow).where(SlowRollRow.machine_id == machine_id), (SlowRollRow.version,), after)
     return session.scalars(query.limit(limit)).all()
 
 
 def put_in_force(session: Session, machine_id: str, version: int | None) -> None:
-    """What identifications subtract from now on; None: nothing. Raises MachineUnknown, SlowRollUnknown."""
+    """Set the version that identifications subtract from now on; None: none. Raises MachineUnknown, SlowRollUnknown."""
     row = machines.get(session, machine_id)
     if version is not None:
         get(session, machine_id, version)
@@ -113,7 +113,7 @@ def put_in_force(session: Session, machine_id: str, version: int | None) -> None
 
 
 def vectors(row: SlowRollRow, machine: Machine) -> SlowRoll:
-    """The vectors that hold for a document's channels."""
+    """Return the vectors that are valid for a document's channels."""
     left_out = doubtful(row, machine)
     vector = np.full(len(machine.probes), complex(np.nan, np.nan))
     error = np.full(len(machine.probes), np.nan)
@@ -125,7 +125,7 @@ def vectors(row: SlowRollRow, machine: Machine) -> SlowRoll:
 
 
 def doubtful(row: SlowRollRow, machine: Machine) -> dict[str, str]:
-    """Channels of a document that have no vector, or one that no longer holds, and why."""
+    """Return the channels of a document without a valid vector, and why."""
     found = {}
     for probe in machine.probes:
         held = row.vectors.get(probe.id)

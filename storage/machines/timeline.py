@@ -11,7 +11,7 @@ from storage.tables import TimelineRow
 
 
 def add(session: Session, machine_id: str, *, at: int, kind: str, text: str, by: str) -> TimelineRow:
-    """Put an entry on a machine's timeline at a moment [ns]."""
+    """Add an entry to a machine's timeline at a time [ns]."""
     row = TimelineRow(machine_id=machine_id, at=at, kind=kind, text=text, by=by, created_at=now())
     session.add(row)
     session.flush()
@@ -27,7 +27,7 @@ def of_machine(
     limit: int,
     after: Keys | None = None,
 ) -> Sequence[TimelineRow]:
-    """Entries between two moments [ns], newest first; after: moment and id of the one before."""
+    """Return the entries between two times [ns], newest first. after: (time, id) of the last one of the page before."""
     query = select(TimelineRow).where(TimelineRow.machine_id == machine_id)
     query = between(query, TimelineRow.at, first, last)
     return session.scalars(ordered(query, (TimelineRow.at, TimelineRow.id), after).limit(limit)).all()

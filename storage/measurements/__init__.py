@@ -1,3 +1,2 @@
 """Repositories of sample blocks, sources, runs and the quarantine. They import `tables` and `encoding`; the journal writes
-them, workers read them.
-"""
+through them and workers read."""

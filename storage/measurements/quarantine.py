@@ -1,4 +1,4 @@
-"""Repository of rejected input: counted for ever, kept as long as there is room."""
+"""Repository of rejected input: the counts are kept for ever, the payloads while there is room."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,9 +17,9 @@ KEPT_BYTES = 4096
 
 @dataclass(frozen=True)
 class Rejection:
-    """A message or sample that was not taken, with the reason and what would have been right; count: it stands for so many.
+    """A rejected message or sample, with the reason and what would have been right.
 
-    size: of the whole payload, where this is not all of it [bytes].
+    count: number of rejections it represents; size: of the whole payload [bytes], when `payload` is only a part of it.
     """
 
     received_at: int
@@ -43,13 +43,16 @@ class Rejection:
         payload: bytes,
         size: int | None = None,
     ) -> Self:
-        """A message, of which no more waits in memory than will be kept. size: of all of it, where the payload is not."""
+        """Return the rejection of a message with its payload cut to what will be kept.
+
+        size: of the whole payload, when `payload` is a part.
+        """
         whole = len(payload) if size is None else size
         return cls(received_at, key, machine_id, reason, detail, payload[:KEPT_BYTES], size=whole)
 
 
 def add(session: Session, rejections: Sequence[Rejection]) -> None:
-    """Keep and count rejections; the oldest are let go beyond KEPT_ROWS."""
+    """Store and count rejections; delete the oldest beyond KEPT_ROWS."""
     for one in rejections[-KEPT_ROWS:]:
         session.add(
             QuarantineRow(
@@ -64,7 +67,7 @@ def add(session: Session, rejections: Sequence[Rejection]) -> None:
         )
     for reason in sorted({one.reason for one in rejections}):
         count = sum(one.count for one in rejections if one.reason == reason)
-        # Added up in the database, to which other replicas add as well.
+        # Incremented in the database, since other replicas add to it as well.
         adding = update(QuarantineCountRow).where(QuarantineCountRow.reason == reason)
         known = session.execute(adding.values(count=QuarantineCountRow.count + count))
         if cast("CursorResult[Any]", known).rowcount == 0:
@@ -77,7 +80,7 @@ def add(session: Session, rejections: Sequence[Rejection]) -> None:
 def newest(
     session: Session, *, reason: str | None, machine_id: str | None, limit: int, after: Keys | None = None
 ) -> Sequence[QuarantineRow]:
-    """The newest rejections that are still kept, newest first; after: id of the one before."""
+    """Return the rejections that are still kept, newest first. after: id of the last one of the page before."""
     query = ordered(select(QuarantineRow), (QuarantineRow.id,), after).limit(limit)
     if reason is not None:
         query = query.where(QuarantineRow.reason == reason)
@@ -87,15 +90,15 @@ def newest(
 
 
 def counts(session: Session) -> dict[str, int]:
-    """How much was ever rejected, by reason."""
+    """Return the number of all rejections so far, by reason."""
     query = select(QuarantineCountRow.reason, QuarantineCountRow.count).order_by(QuarantineCountRow.reason)
     return {reason: count for reason, count in session.execute(query)}  # noqa: C416 - dict() loses the types
 
 
 def purge(session: Session, *, before: int | None, reason: str | None) -> int:
-    """Let go of entries that were received before a moment [ns] or have a reason, or both; the counts stay as they are.
+    """Delete entries received before a time [ns], or with a reason, or both; return their number.
 
-    Returns how many were let go.
+    The counts stay as they are.
     """
     query = delete(QuarantineRow)
     if before is not None:

@@ -1,4 +1,4 @@
-"""Repository of runs and of where each machine's run collection stands."""
+"""Repository of runs and of the state of each machine's run collection."""
 
 import struct
 import zlib
@@ -22,30 +22,30 @@ from storage.tables import CollectorRow, MachineStateRow, RunRow
 if TYPE_CHECKING:
     from estimator.phasors.quality import Quality
 
-_FLAGS = struct.Struct("<HII")  # format, samples, channels; then the flags, compressed
+_FLAGS = struct.Struct("<HII")  # format, samples, channels; the compressed flags follow
 _FLAGS_FORMAT = 1
 
 OPEN, ENDED, CLOSED, DISCARDED = "open", "ended", "closed", "discarded"
-"""State of a run. An ended one is over, and its samples are still to be gathered."""
+"""States of a run; an ended one is over, but its samples are still to be collected."""
 LEFT_OUT = "late_samples_left_out"
-"""Field of `runs.coverage`: samples that came too late even for a run made anew."""
+"""Field of `runs.coverage`: number of samples that came too late even for a rebuilt run."""
 CROSSED = "critical_speeds_rpm"
-"""Field of `runs.coverage`: critical speeds of the document's model that lie between the run's speeds [r/min]."""
+"""Field of `runs.coverage`: critical speeds of the document's model within the run's speed range [r/min]."""
 LAST_TIME = 2**63 - 1
 
 
 class RunUnknown(Missing):
-    """No run of that id."""
+    """There is no run with this id."""
 
     subject = "run"
 
 
 class SamplesReleased(Gone):
-    """A run's samples were let go of, as the settings for retention ask for."""
+    """A run's samples were deleted according to the retention settings."""
 
 
 def open_run(session: Session, machine_id: str, *, revision: int, kind: str, direction: int, time_first: int) -> RunRow:
-    """Record that a run has begun. Where another one begins at the very same instant, it begins a nanosecond later."""
+    """Record that a run has begun; when another one begins at the same time, it begins a nanosecond later."""
     row = RunRow(
         machine_id=machine_id,
         revision=revision,
@@ -66,43 +66,43 @@ def open_run(session: Session, machine_id: str, *, revision: int, kind: str, dir
 
 
 def free_start(session: Session, machine_id: str, time: int) -> int:
-    """The first moment from a time on [ns] at which no other run of the machine begins."""
+    """Return the first time [ns] from the given one on at which no other run of the machine begins."""
     while session.scalars(select(RunRow.id).where(RunRow.machine_id == machine_id, RunRow.time_first == time)).first():
         time += 1
     return time
 
 
 def current(session: Session, machine_id: str) -> RunRow | None:
-    """The open run of a machine."""
+    """Return the open run of a machine; None when there is none."""
     query = select(RunRow).where(RunRow.machine_id == machine_id, RunRow.state == OPEN)
     return session.scalars(query).one_or_none()
 
 
 def unfinished(session: Session, machine_id: str) -> Sequence[RunRow]:
-    """Runs of a machine that are open, or whose samples are still to be gathered."""
+    """Return the runs of a machine that are open, or whose samples are still to be collected."""
     return session.scalars(select(RunRow).where(RunRow.machine_id == machine_id, RunRow.state.in_((OPEN, ENDED)))).all()
 
 
 def end(row: RunRow, *, first: int, last: int, reason: str) -> None:
-    """Record that a sweep is over: it lasted from first to last [ns]. Its samples are to be gathered."""
+    """Record that a sweep is over and lasted from first to last [ns]; its samples are still to be collected."""
     row.state, row.reason, row.time_last = ENDED, reason, last
     row.extent = {"first": first, "last": last}
 
 
 def end_collected(row: RunRow, *, times: Sequence[int], reason: str) -> None:
-    """Record that a rolling collection is over: it consists of the samples at these times [ns], ascending."""
+    """Record that a rolling collection is over and consists of the samples at these times [ns], ascending."""
     row.state, row.reason, row.time_last = ENDED, reason, times[-1]
     row.extent = {"times": list(times)}
 
 
 def ended(session: Session) -> Sequence[tuple[int, str]]:
-    """Id and machine of every run whose samples are still to be gathered, in the order of their beginning."""
+    """Return id and machine of every run whose samples are still to be collected, in the order of their beginning."""
     query = select(RunRow.id, RunRow.machine_id).where(RunRow.state == ENDED).order_by(RunRow.time_first, RunRow.id)
     return [(number, machine_id) for number, machine_id in session.execute(query)]
 
 
 def extent(session: Session, run_id: int) -> dict[str, Any]:
-    """What an ended run is to be made of, see `end` and `end_collected`. Raises RunUnknown."""
+    """Return the extent of an ended run, see `end` and `end_collected`. Raises RunUnknown."""
     row = session.get(RunRow, run_id, options=[undefer(RunRow.extent)])
     if row is None:
         raise RunUnknown(run_id)
@@ -118,17 +118,17 @@ def close(
     coverage: Coverage | None = None,
     data: bytes | None = None,
 ) -> None:
-    """Freeze a run with its samples. `state` is CLOSED, or DISCARDED when the run is not worth an identification.
+    """Freeze a run with its samples; `state` is CLOSED, or DISCARDED when the run is not worth an identification.
 
-    data: the samples encoded, where that was done before.
+    data: the encoded samples, when they were encoded before.
     """
     row.state = state
     row.reason = reason
     row.extent = None
     row.count = len(samples)
-    row.data, row.released_at = data or encode(samples), None  # made anew, it has its samples again
+    row.data, row.released_at = data or encode(samples), None  # a rebuilt run has its samples again
     row.coverage = None if coverage is None else asdict(coverage) | {CROSSED: None, LEFT_OUT: 0}
-    row.quality = row.flags = None  # of other samples, if there is any
+    row.quality = row.flags = None  # belonged to other samples, if set
     if len(samples):
         row.time_last = max(int(samples.time[-1]), row.time_first)
         row.speed_minimum = float(np.min(samples.speed))
@@ -136,20 +136,20 @@ def close(
 
 
 def keep_crossed(session: Session, run_id: int, critical_speeds_rpm: Sequence[float]) -> None:
-    """Note the critical speeds of the document's model that a run has crossed [r/min]. Raises RunUnknown."""
+    """Store the critical speeds of the document's model that a run has crossed [r/min]. Raises RunUnknown."""
     row = get(session, run_id)
     if row.coverage is not None:
         row.coverage = row.coverage | {CROSSED: list(critical_speeds_rpm)}
 
 
 def leave_out(row: RunRow, count: int) -> None:
-    """Note samples that came when a run could not be made anew any more: they are counted, and not part of it."""
-    if row.coverage is not None:  # it is null in a run without samples
+    """Count samples that came after a run could no longer be rebuilt; they are not part of it."""
+    if row.coverage is not None:  # null for a run without samples
         row.coverage = row.coverage | {LEFT_OUT: row.coverage.get(LEFT_OUT, 0) + count}
 
 
 def touching(session: Session, machine_id: str, *, revision: int, first: int, last: int) -> Sequence[RunRow]:
-    """Sweeps of one revision that overlap the time from first to last [ns], oldest first; open ones among them."""
+    """Return the sweeps of one revision that overlap the time from first to last [ns], open ones included, oldest first."""
     query = (
         select(RunRow)
         .where(RunRow.machine_id == machine_id, RunRow.revision == revision, RunRow.kind != ROLLING)
@@ -160,7 +160,7 @@ def touching(session: Session, machine_id: str, *, revision: int, first: int, la
 
 
 def end_before(session: Session, row: RunRow, time: int) -> int:
-    """When the last other sweep of a run's machine ended that was over by a time [ns]; 0 when there was none."""
+    """Return when the last other sweep of a run's machine ended that was over by a time [ns]; 0 when there is none."""
     query = select(func.max(RunRow.time_last)).where(
         RunRow.machine_id == row.machine_id, RunRow.kind != ROLLING, RunRow.id != row.id
     )
@@ -168,7 +168,7 @@ def end_before(session: Session, row: RunRow, time: int) -> int:
 
 
 def get(session: Session, run_id: int) -> RunRow:
-    """Raises RunUnknown."""
+    """Return a run by id; raise RunUnknown when there is none."""
     row = session.get(RunRow, run_id)
     if row is None:
         raise RunUnknown(run_id)
@@ -176,7 +176,7 @@ def get(session: Session, run_id: int) -> RunRow:
 
 
 def samples(session: Session, run_id: int) -> Samples | None:
-    """The samples of a closed run; None while it is open. Raises RunUnknown, SamplesReleased, DamagedBlock."""
+    """Return the samples of a closed run; None while it is open. Raises RunUnknown, SamplesReleased, DamagedBlock."""
     row = session.get(RunRow, run_id, options=[undefer(RunRow.data)])
     if row is None:
         raise RunUnknown(run_id)
@@ -185,7 +185,7 @@ def samples(session: Session, run_id: int) -> Samples | None:
 
 
 def read(run_id: int, data: bytes) -> Samples:
-    """What is stored of a run. Raises DamagedBlock."""
+    """Decode the stored samples of a run. Raises DamagedBlock."""
     try:
         return decode(data)
     except DamagedBlock as error:
@@ -193,7 +193,7 @@ def read(run_id: int, data: bytes) -> Samples:
 
 
 def keep_quality(session: Session, run_id: int, quality: "Quality") -> None:
-    """Store what was found of a run: a summary, and each phasor's flags. Raises RunUnknown."""
+    """Store the quality of a run: a summary, and each phasor's flags. Raises RunUnknown."""
     row = get(session, run_id)
     row.quality = {
         "points": int(quality.flags.size),
@@ -207,7 +207,7 @@ def keep_quality(session: Session, run_id: int, quality: "Quality") -> None:
 
 
 def flags(session: Session, run_id: int) -> NDArray[np.uint16] | None:
-    """Flags (S, m) of a run's phasors, see `estimator.phasors.quality.Flag`; None while it was not judged.
+    """Return the flags (S, m) of a run's phasors, see `estimator.phasors.quality.Flag`; None before they were assessed.
 
     Raises RunUnknown, SamplesReleased, DamagedBlock.
     """
@@ -236,7 +236,7 @@ def _require_kept(row: RunRow) -> None:
 
 
 def before(session: Session, row: RunRow) -> RunRow | None:
-    """The closed run before another, of the same machine, revision, kind and sense of rotation."""
+    """Return the closed run before another of the same machine, revision, kind and sense of rotation; None without one."""
     query = (
         select(RunRow)
         .where(RunRow.machine_id == row.machine_id, RunRow.revision == row.revision, RunRow.state == CLOSED)
@@ -260,14 +260,17 @@ def of_machine(
     limit: int | None = None,
     after: Keys | None = None,
 ) -> Sequence[RunRow]:
-    """Runs of a machine that began between two times [ns], newest first; after: beginning and id of the one before."""
+    """Return the runs of a machine that began between two times [ns], newest first.
+
+    after: (beginning, id) of the last one of the page before.
+    """
     query = ordered(select(RunRow).where(RunRow.machine_id == machine_id), (RunRow.time_first, RunRow.id), after)
     query = between(query, RunRow.time_first, first, last)
     return session.scalars(query.limit(limit)).all()
 
 
 def newest_closed(session: Session, machine_id: str, *, revision: int, limit: int) -> Sequence[RunRow]:
-    """The newest closed sweeps of one revision whose samples are still held, newest first."""
+    """Return the newest closed sweeps of one revision whose samples are still stored, newest first."""
     query = (
         select(RunRow)
         .where(RunRow.machine_id == machine_id, RunRow.revision == revision, RunRow.state == CLOSED)
@@ -284,13 +287,13 @@ def collectors(session: Session, machine_ids: Collection[str]) -> Sequence[Colle
 
 
 def collector_state(session: Session, machine_id: str) -> dict[str, Any] | None:
-    """Where the machine's collection stood when its newest samples were stored."""
+    """Return the state of the machine's run collection when its newest samples were stored; None before any."""
     row = session.get(CollectorRow, machine_id)
     return None if row is None else row.state
 
 
 def save_collector_state(session: Session, machine_id: str, state: dict[str, Any]) -> None:
-    """Keep where the machine's collection stands."""
+    """Store the state of the machine's run collection."""
     row = session.get(CollectorRow, machine_id)
     if row is None:
         session.add(CollectorRow(machine_id=machine_id, state=state))
@@ -299,7 +302,7 @@ def save_collector_state(session: Session, machine_id: str, state: dict[str, Any
 
 
 def add_state(session: Session, machine_id: str, *, since: int, mode: str, speed: float | None) -> None:
-    """Note what a machine does from a time on [ns]; speed: then, where known [rad/s]."""
+    """Store the operating mode of a machine from a time on [ns]. speed: at that time, when known [rad/s]."""
     session.add(MachineStateRow(machine_id=machine_id, since=since, mode=mode, speed=speed))
 
 
@@ -312,9 +315,10 @@ def states(
     limit: int | None = None,
     after: Keys | None = None,
 ) -> Sequence[MachineStateRow]:
-    """What a machine did, newest first: every state that began between two times [ns]; after: beginning and id.
+    """Return the states of a machine that began between two times [ns], newest first.
 
-    Without a last time those of the future are left out: a clock that was ahead must not hide the present.
+    after: (beginning, id) of the last one of the page before. Without `last`, states in the future are left out: a clock that
+    was ahead must not hide the present.
     """
     last = latest() if last is None else last
     query = select(MachineStateRow).where(MachineStateRow.machine_id == machine_id)

@@ -1,4 +1,4 @@
-"""Repository of sample blocks and of how far each source has been received."""
+"""Repository of sample blocks and of the reception state of each source."""
 
 import logging
 from collections.abc import Collection, Iterable, Iterator, Sequence
@@ -16,7 +16,7 @@ from storage.tables import SampleBlockRow, SourceRow
 logger = logging.getLogger(__name__)
 
 EVER = -(2**63), 2**63 - 1
-"""Before and behind all times that a store can count [ns]."""
+"""Before and after all times that a store can hold [ns]."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class SourceKey:
 
 @dataclass(frozen=True)
 class Totals:
-    """Samples of all sources of a machine together; last_time: of the newest one [ns] that is not of the future, else 0."""
+    """Counts of all sources of a machine together. last_time: of the newest sample that is not in the future [ns], else 0."""
 
     machine_id: str
     received: int
@@ -49,9 +49,10 @@ def add_block(
     samples: Samples,
     received_at: int | None = None,
 ) -> None:
-    """Store samples of one source, of which `first_sequence` is the number of one that no other block holds.
+    """Store samples of one source.
 
-    received_at: when the last of them came, by this machine's clock [ns].
+    first_sequence: number of one of them, which no other block holds; received_at: when the last of them came, by this
+    machine's clock [ns].
     """
     session.add(
         SampleBlockRow(
@@ -81,11 +82,11 @@ def between(
     largest: int | None = None,
     damaged: list[str] | None = None,
 ) -> Samples:
-    """Samples of one revision with first <= time <= last [ns], by time; `channels` shapes the answer where there are none.
+    """Return the samples of one revision with first <= time <= last [ns], by time.
 
-    also: further revisions, measured alike.
-    largest: where there may be more of them, every second, third, … is taken, so that not many more than this are in memory.
-    damaged: gets what is wrong with each block that cannot be read; such blocks are left out.
+    channels: number of columns when there are no samples; also: further revisions, measured alike; largest: when there are
+    more samples, only every second, third, … one is taken, so that not many more than this are in memory; damaged: receives a
+    message for each unreadable block, which is left out.
     """
     within = (
         (SampleBlockRow.machine_id == machine_id)
@@ -118,7 +119,7 @@ def at(
     times: Sequence[int],
     damaged: list[str] | None = None,
 ) -> Samples:
-    """Samples of one revision at these times [ns], ascending; where several sources tell of an instant, one of them.
+    """Return the samples of one revision at these times [ns], ascending; one per time when several sources have it.
 
     damaged: as of `between`.
     """
@@ -153,10 +154,10 @@ def latest(
     first: int | None = None,
     last: int | None = None,
 ) -> Samples:
-    """The newest samples of one revision, by time; `channels` shapes the answer where there are none.
+    """Return the newest samples of one revision, by time.
 
-    also: further revisions, measured alike.
-    first, last: only samples with first <= time <= last [ns]; None: without an end there.
+    channels: number of columns when there are no samples; also: further revisions, measured alike; first, last: only samples
+    with first <= time <= last [ns], None: without that limit.
     """
     query = (
         select(SampleBlockRow.id, SampleBlockRow.data, SampleBlockRow.time_last)
@@ -171,7 +172,7 @@ def latest(
     newest = _by_time([], channels)
     with session.execute(query) as blocks:
         for number, data, time_last in blocks:
-            # Blocks of several sources overlap in time: stop only at one that is older than all that is wanted.
+            # Blocks of several sources overlap in time: stop only at one that is older than all samples found.
             if len(newest) == count and time_last < newest.time[0]:
                 break
             for whole in _readable(machine_id, [(number, data)]):
@@ -183,20 +184,21 @@ def latest(
 
 
 def newest_time(session: Session, machine_id: str, *, until: int) -> int | None:
-    """Time of a machine's newest sample among the blocks that ended by a time [ns]; None where there is none."""
+    """Return the time of a machine's newest sample in blocks that ended by a time [ns]; None when there is none."""
     block = SampleBlockRow
     return session.scalar(select(func.max(block.time_last)).where(block.machine_id == machine_id, block.time_last <= until))
 
 
 def newest_receipt(session: Session) -> int | None:
-    """When the newest samples of any source came, by the service's clock then [ns]; None before any."""
+    """Return when the newest samples of any source came, by the service's clock at that time [ns]; None before any."""
     return session.scalar(select(func.max(SourceRow.last_received_at)))
 
 
 def sources(
     session: Session, machine_id: str | None = None, *, limit: int | None = None, after: Keys | None = None
 ) -> Sequence[SourceRow]:
-    """Known sources, of one machine or of all, by machine, name and epoch; after: these of the one before."""
+    """Return the known sources, of one machine or of all, by machine, name and epoch. after: these of the last of the page
+    before."""
     query = select(SourceRow)
     if machine_id is not None:
         query = query.where(SourceRow.machine_id == machine_id)
@@ -205,7 +207,7 @@ def sources(
 
 
 def totals(session: Session) -> list[Totals]:
-    """What was received, per machine, by id."""
+    """Return the counts of received samples per machine, by id."""
     row = SourceRow
     sums = [func.sum(column) for column in (row.received, row.duplicates, row.lost, row.late)]
     newest = func.max(case((row.last_time <= latest_time(), row.last_time), else_=0))
@@ -214,14 +216,14 @@ def totals(session: Session) -> list[Totals]:
 
 
 def known_sources(session: Session, keys: Collection[SourceKey]) -> Sequence[SourceRow]:
-    """Return those of these starts of sources that were heard of."""
+    """Return those of these starts of sources that are known."""
     row = SourceRow
     wanted = [(key.machine_id, key.source, key.epoch) for key in keys]
     return session.scalars(select(row).where(tuple_(row.machine_id, row.source, row.epoch).in_(wanted))).all()
 
 
 def source(session: Session, key: SourceKey) -> SourceRow:
-    """How far a source has been received; a new row when it was never heard of."""
+    """Return the reception state of a source; a new row when the source is unknown."""
     row = session.get(SourceRow, (key.machine_id, key.source, key.epoch))
     if row is None:
         row = SourceRow(
@@ -240,7 +242,7 @@ def source(session: Session, key: SourceKey) -> SourceRow:
 
 
 def _readable(machine_id: str, blocks: Iterable[tuple[int, bytes]], damaged: list[str] | None = None) -> Iterator[Samples]:
-    """What these blocks hold, by id. One that a disk has damaged is left out, so that it does not take others with it."""
+    """Yield the samples of the blocks, by id; a block that a disk has damaged is left out, so that the others stay usable."""
     for number, data in blocks:
         try:
             yield decode(data)

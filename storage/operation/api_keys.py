@@ -1,4 +1,4 @@
-"""Repository of API keys: found by their prefix, of which only the hash of the whole is kept. Rows stay for ever."""
+"""Repository of API keys: each is found by its prefix, and only a hash of the whole key is stored. Rows are never deleted."""
 
 from collections.abc import Sequence
 
@@ -9,17 +9,17 @@ from storage.clock import now
 from storage.tables import ApiKeyRow
 
 USE_NOTED_EVERY_NS = 600 * 1_000_000_000
-"""When a key was last used is written no more often than this [ns]: reading must not become writing."""
+"""Shortest interval at which the last use of a key is stored [ns]: reading must not become writing."""
 
 
 class KeyUnknown(KeyError):
-    """No key of that prefix."""
+    """There is no key with this prefix."""
 
 
 def add(
     session: Session, *, prefix: str, key_hash: str, name: str, role: str, plants: Sequence[str] | None, expires_at: int
 ) -> ApiKeyRow:
-    """A new key. plants: None for all; expires_at: [ns]."""
+    """Add a key. plants: None for all; expires_at: [ns]."""
     row = ApiKeyRow(
         prefix=prefix,
         hash=key_hash,
@@ -35,12 +35,12 @@ def add(
 
 
 def find(session: Session, prefix: str) -> ApiKeyRow | None:
-    """The key of a prefix, valid or not."""
+    """Return the key of a prefix, valid or not; None when there is none."""
     return session.scalars(select(ApiKeyRow).where(ApiKeyRow.prefix == prefix)).one_or_none()
 
 
 def get(session: Session, prefix: str) -> ApiKeyRow:
-    """Raises KeyUnknown."""
+    """Return the key of a prefix; raise KeyUnknown when there is none."""
     row = find(session, prefix)
     if row is None:
         raise KeyUnknown(prefix)
@@ -48,55 +48,55 @@ def get(session: Session, prefix: str) -> ApiKeyRow:
 
 
 def every(session: Session) -> Sequence[ApiKeyRow]:
-    """All keys, oldest first."""
+    """Return all keys, oldest first."""
     return session.scalars(select(ApiKeyRow).order_by(ApiKeyRow.id)).all()
 
 
 def are_there(session: Session) -> bool:
-    """Whether there ever was a key: one that is revoked or has expired must not leave the door open."""
+    """Return whether there ever was a key: a revoked or expired key must not leave the service open."""
     return session.scalars(select(ApiKeyRow.id).limit(1)).first() is not None
 
 
 def waits(row: ApiKeyRow) -> bool:
-    """Whether a restore brought a key back of which nobody knows whether it was revoked since.
+    """Return whether a restore brought back a key that may have been revoked since.
 
-    Its end has a minus sign then: no release opens anything with it.
+    Its expiry is negative then, so that no release accepts it.
     """
     return row.revoked_at is None and row.expires_at < 0
 
 
 def waiting(session: Session) -> int:
-    """How many keys wait for a confirmation."""
+    """Return how many keys wait for a confirmation."""
     query = select(func.count()).select_from(ApiKeyRow).where(ApiKeyRow.revoked_at.is_(None), ApiKeyRow.expires_at < 0)
     return session.scalar(query) or 0
 
 
 def confirm(row: ApiKeyRow) -> None:
-    """Let a key that waits be good again, until it ends."""
+    """Make a waiting key valid again, until its expiry."""
     row.expires_at = abs(row.expires_at)
 
 
 def valid(row: ApiKeyRow, *, at: int) -> bool:
-    """Whether a key opens something at a moment [ns]."""
+    """Return whether a key is valid at a time [ns]."""
     return row.revoked_at is None and at < row.expires_at
 
 
 def revoke(row: ApiKeyRow) -> None:
-    """It opens nothing more. One that is revoked already stays as it is."""
+    """Revoke a key; one that is revoked already stays as it is."""
     if row.revoked_at is None:
         row.revoked_at = now()
 
 
 def end_by(row: ApiKeyRow, moment: int) -> None:
-    """Let a key expire at a moment [ns] if it would not anyway."""
+    """Let a key expire at a time [ns], unless it expires earlier."""
     row.expires_at = min(row.expires_at, moment)
 
 
 def note_use(session: Session, prefix: str) -> None:
-    """Write down that a key was used now."""
+    """Store that a key was used now."""
     get(session, prefix).last_used_at = now()
 
 
 def use_is_stale(row: ApiKeyRow, *, at: int) -> bool:
-    """Whether a use at a moment [ns] is worth writing down."""
+    """Return whether a use at a time [ns] is to be stored."""
     return row.last_used_at is None or at - row.last_used_at > USE_NOTED_EVERY_NS

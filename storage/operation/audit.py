@@ -1,7 +1,7 @@
-"""Repository of the audit trail: append-only, each entry bound to the one before by a hash.
+"""Repository of the audit trail: append-only, each entry chained to the one before by a hash.
 
-Who can write to the database file can forge the whole chain from some entry on; the newest number and hash, noted elsewhere,
-show that too (`verify`, known).
+Whoever can write to the database file can forge the whole chain from some entry on; the newest number and hash, recorded
+elsewhere, reveal that too (`verify`, known).
 """
 
 import hashlib
@@ -21,17 +21,17 @@ from storage.paging import Keys, ordered
 from storage.tables import AuditHeadRow, AuditRow
 
 BEGINNING = "0" * 64
-"""What the first entry is bound to."""
+"""The hash that the first entry is chained to."""
 HEAD = 1
 SURROGATES = re.compile("[\ud800-\udfff]")
-"""What is read in the place of bytes that are no UTF-8."""
+"""Characters that are read in place of bytes that are not UTF-8."""
 LOCK = 0x525541554449
-"""Number of PostgreSQL's advisory lock: one writer at a time, or two entries would follow the same one."""
+"""Key of PostgreSQL's advisory lock for one writer at a time: otherwise two entries could follow the same one."""
 
 
 @dataclass(frozen=True)
 class AuditedOperation:
-    """What happened. who: principal; operation: what was asked; target: on what; outcome: what became of it."""
+    """An audited operation. who: principal; operation: what was requested; target: its object; outcome: its result."""
 
     who: str
     address: str
@@ -42,14 +42,14 @@ class AuditedOperation:
 
 @dataclass(frozen=True)
 class Break:
-    """Where the chain does not hold, and why."""
+    """A place where the chain is broken, and why."""
 
     number: int
     reason: str
 
 
 def append(session: Session, entry: AuditedOperation) -> AuditRow:
-    """Write an entry, in the transaction of what it tells of."""
+    """Append an entry, within the transaction of the operation it records."""
     if session.get_bind().dialect.name == "postgresql":
         session.execute(text("SELECT pg_advisory_xact_lock(:number)"), {"number": LOCK})
     head = session.get(AuditHeadRow, HEAD)
@@ -68,32 +68,32 @@ def append(session: Session, entry: AuditedOperation) -> AuditRow:
     )
     row.hash = digest(row)
     session.add(row)
-    session.flush()  # the database lets the head follow only an entry that is there
+    session.flush()  # the database accepts only an existing entry as the head
     head.number, head.hash = row.number, row.hash
     session.flush()
     return row
 
 
 def digest(row: AuditRow, *, text_as: Callable[[str], str] = str) -> str:
-    """SHA-256 of an entry and the hash before it. text_as: what its texts are taken as."""
+    """Return the SHA-256 of an entry and the hash before it. text_as: conversion of its texts."""
     texts = [text_as(one) for one in (row.who, row.address, row.operation, row.target, row.outcome)]
     said = [row.previous, row.number, row.at, *texts]
     return hashlib.sha256(json.dumps(said, ensure_ascii=False, separators=(",", ":")).encode()).hexdigest()
 
 
 def newest(session: Session, *, limit: int, after: Keys | None = None) -> Sequence[AuditRow]:
-    """Entries, newest first; after: number of the one before."""
+    """Return the entries, newest first. after: number of the last one of the page before."""
     return session.scalars(ordered(select(AuditRow), (AuditRow.number,), after).limit(limit)).all()
 
 
 def head(session: Session) -> tuple[int, str]:
-    """Number and hash of the newest entry."""
+    """Return number and hash of the newest entry."""
     row = session.get(AuditHeadRow, HEAD)
     return (0, BEGINNING) if row is None else (row.number, row.hash)
 
 
 def holds(session: Session, noted: tuple[int, str]) -> bool:
-    """Whether the entry of a number and hash noted before is still there, as it was."""
+    """Return whether the entry with a number and hash recorded before still exists unchanged."""
     number, digest = noted
     if number == 0:
         return True
@@ -102,7 +102,7 @@ def holds(session: Session, noted: tuple[int, str]) -> bool:
 
 
 def verify(session: Session, *, known: Collection[tuple[int, str]] = ()) -> list[Break]:
-    """Every place where an entry was changed, taken away, put in or moved. known: numbers and hashes noted before."""
+    """Return every place where an entry was changed, removed, inserted or moved. known: numbers and hashes recorded before."""
     with _bytes_as_they_are(session):
         return list(_breaks(session, known))
 
@@ -119,7 +119,7 @@ def _breaks(session: Session, known: Collection[tuple[int, str]]) -> Iterator[Br
             yield Break(number + 1, f"missing: the entry behind {number} is {row.number}")
         elif row.previous != previous and wrong is None:
             yield Break(row.number, "does not follow the entry before it")
-        # An entry of an older release may hold NUL, which a move to PostgreSQL has escaped.
+        # An entry by an older release may hold NUL, which a transfer to PostgreSQL has escaped.
         if wrong is not None:
             yield Break(row.number, f"was changed: its `{wrong[0]}` is no {wrong[1]}")
         elif row.hash != digest(row) and row.hash != digest(row, text_as=nul_back):
@@ -137,7 +137,8 @@ def _breaks(session: Session, known: Collection[tuple[int, str]]) -> Iterator[Br
 
 
 def _of_another_kind(row: AuditRow) -> tuple[str, str] | None:
-    """The first column that holds something else than it should, and what it should hold: SQLite takes anything."""
+    """Return the first column with a value of a wrong type, and the right type: SQLite accepts any; None when all are
+    right."""
     if not isinstance(row.at, int):
         return "at", "number"
     for name in ("who", "address", "operation", "target", "outcome", "previous", "hash"):
@@ -152,7 +153,7 @@ def _is_text(value: object) -> bool:
 
 @contextmanager
 def _bytes_as_they_are(session: Session) -> Iterator[None]:
-    """Read texts that are no UTF-8 as well, so that it can be said where they are."""
+    """Read texts that are not UTF-8 as well, so that their place can be reported."""
     connection = session.connection()
     driver: Any = connection.connection.driver_connection
     if connection.dialect.name != "sqlite":

@@ -1,4 +1,4 @@
-"""Repository of browser sessions: who logged in on the page, until when."""
+"""Repository of browser sessions: who is logged in on the page, and until when."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ from storage.clock import now
 from storage.tables import BrowserSessionRow
 
 MOST = 50
-"""That one principal may have at a time: who logs in again and again ends the oldest ones."""
+"""Largest number of sessions of one principal; further logins end the oldest ones."""
 
 
 def begin(
@@ -23,7 +23,7 @@ def begin(
     token: str,
     expires_at: int,
 ) -> BrowserSessionRow:
-    """A new session; those that have ended by themselves are forgotten, and so are the oldest of too many."""
+    """Add a session; delete those that have expired, and the oldest beyond MOST."""
     moment = now()
     session.execute(delete(BrowserSessionRow).where(BrowserSessionRow.expires_at <= moment))
     theirs = (BrowserSessionRow.name == name) & BrowserSessionRow.key_prefix.is_not_distinct_from(key_prefix)
@@ -44,11 +44,11 @@ def begin(
 
 
 def find(session: Session, cookie_hash: str, *, at: int) -> BrowserSessionRow | None:
-    """The session of a cookie, if it goes on at a moment [ns]."""
+    """Return the session of a cookie; None unless it is valid at a time [ns]."""
     row = session.get(BrowserSessionRow, cookie_hash)
     return row if row is not None and at < row.expires_at else None
 
 
 def end(session: Session, cookie_hash: str) -> None:
-    """Log out."""
+    """Delete the session of a cookie."""
     session.execute(delete(BrowserSessionRow).where(BrowserSessionRow.hash == cookie_hash))

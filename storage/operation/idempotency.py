@@ -1,4 +1,4 @@
-"""Repository of idempotency keys: what a client already asked for under a key of its own, and what it was answered."""
+"""Repository of idempotency keys: requests that clients made under a key of their own, and the responses."""
 
 from dataclasses import dataclass
 
@@ -9,12 +9,12 @@ from storage.clock import now
 from storage.tables import IdempotencyKeyRow
 
 KEPT_NS = 24 * 3600 * 1_000_000_000
-"""A key is known for a day [ns]."""
+"""How long a key is kept [ns]: one day."""
 
 
 @dataclass(frozen=True)
 class StoredResponse:
-    """What was answered. headers: those that belong to the answer itself."""
+    """A response to a request. headers: those that belong to the response itself."""
 
     status: int
     headers: list[list[str]]
@@ -22,7 +22,10 @@ class StoredResponse:
 
 
 def claim(session: Session, key: str, fingerprint: str) -> IdempotencyKeyRow | None:
-    """Take a key; where it was taken before, its row, and nothing is changed. Keys older than a day are forgotten."""
+    """Store a new key and return None, or return the row of a known one unchanged.
+
+    Keys older than a day are deleted.
+    """
     moment = now()
     session.execute(delete(IdempotencyKeyRow).where(IdempotencyKeyRow.created_at < moment - KEPT_NS))
     row = session.get(IdempotencyKeyRow, key)
@@ -32,18 +35,18 @@ def claim(session: Session, key: str, fingerprint: str) -> IdempotencyKeyRow | N
 
 
 def answered(session: Session, key: str, answer: StoredResponse) -> None:
-    """Keep what was answered under a key that was taken."""
+    """Store the response to the request of a key."""
     row = session.get_one(IdempotencyKeyRow, key)
     row.status, row.headers, row.body = answer.status, answer.headers, answer.body
 
 
 def release(session: Session, key: str) -> None:
-    """Forget a key: nothing was changed under it."""
+    """Delete a key under which nothing was changed."""
     session.execute(delete(IdempotencyKeyRow).where(IdempotencyKeyRow.key == key))
 
 
 def forget_answers_with(session: Session, text: bytes) -> int:
-    """Forget the keys whose answers hold a text; returns how many there were."""
+    """Delete the keys whose responses contain a text; return their number."""
     held = select(IdempotencyKeyRow.key, IdempotencyKeyRow.body).where(IdempotencyKeyRow.body.is_not(None))
     found = [key for key, body in session.execute(held) if body is not None and text in body]
     for key in found:

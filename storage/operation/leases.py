@@ -1,7 +1,7 @@
-"""Repository of leases: parts of the work of which each is done by one replica at a time.
+"""Repository of leases: each part of the work is done by one replica at a time.
 
-Who writes on the strength of a lease calls `require` in the same transaction: a lease that is taken over meanwhile makes the
-takeover wait for that transaction, or the transaction fail, so that two replicas never both write.
+Whoever writes under a lease calls `require` in the same transaction: a takeover then waits for that transaction, or the
+transaction fails, so that two replicas never both write.
 """
 
 from collections.abc import Collection, Sequence
@@ -15,23 +15,23 @@ from storage.tables import LeaseRow
 
 
 def ensure(session: Session, names: Collection[str]) -> None:
-    """Make leases that nobody holds where there are none of these names."""
+    """Create free leases for those of these names that have none."""
     known = set(session.scalars(select(LeaseRow.name).where(LeaseRow.name.in_(names))))
     session.add_all(LeaseRow(name=name, holder=None, since=clock(session)) for name in sorted(set(names) - known))
 
 
 def held(session: Session, *, holder: int) -> set[str]:
-    """The leases of a replica."""
+    """Return the leases of a replica."""
     return set(session.scalars(select(LeaseRow.name).where(LeaseRow.holder == holder)))
 
 
 def holders(session: Session) -> dict[str, int | None]:
-    """Who holds each lease."""
+    """Return the holder of each lease; None for a free one."""
     return {row.name: row.holder for row in session.execute(select(LeaseRow.name, LeaseRow.holder).order_by(LeaseRow.name))}
 
 
 def take(session: Session, names: Sequence[str], *, holder: int, most: int) -> set[str]:
-    """Take at most so many of those of these leases that nobody holds. Never waits for another replica."""
+    """Take at most `most` of these leases that are free; never waits for another replica."""
     query = select(LeaseRow).where(LeaseRow.name.in_(names), LeaseRow.holder.is_(None)).order_by(LeaseRow.name)
     moment, taken = clock(session), set()
     for row in session.scalars(query.limit(most).with_for_update(skip_locked=True)):
@@ -41,17 +41,17 @@ def take(session: Session, names: Sequence[str], *, holder: int, most: int) -> s
 
 
 def give_back(session: Session, names: Collection[str], *, holder: int) -> None:
-    """Hold these no longer. Waits for what is being written on the strength of them."""
+    """Release these leases; waits for transactions that write under them."""
     session.execute(update(LeaseRow).where(LeaseRow.name.in_(names), LeaseRow.holder == holder).values(holder=None))
 
 
 def give_back_all(session: Session, *, holder: int) -> None:
-    """Leave nothing to a replica that is gone."""
+    """Release all leases of a replica that is gone."""
     session.execute(update(LeaseRow).where(LeaseRow.holder == holder).values(holder=None))
 
 
 def require(session: Session, names: Collection[str], *, holder: int) -> None:
-    """Raises NotHeld unless all these leases are the replica's, and stay so until this transaction ends."""
+    """Raise NotHeld unless all these leases are the replica's; they stay so until this transaction ends."""
     query = select(LeaseRow.name).where(LeaseRow.name.in_(names), LeaseRow.holder == holder).with_for_update(read=True)
     missing = set(names) - set(session.scalars(query))
     if missing:

@@ -1,4 +1,4 @@
-"""Repository of logins under way at an issuer: what is needed when the browser comes back, to whichever replica."""
+"""Repository of logins in progress at an issuer: the state needed when the browser returns, to whichever replica."""
 
 from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
@@ -7,11 +7,11 @@ from storage.clock import now
 from storage.tables import LoginRow
 
 MOST = 1000
-"""Anybody may begin one: beyond so many the oldest are forgotten."""
+"""Largest number of logins in progress, since anybody may begin one; beyond it the oldest are deleted."""
 
 
 def begin(session: Session, *, state_hash: str, browser_hash: str, verifier: str, nonce: str, expires_at: int) -> None:
-    """Note one; those that came to no end in their time are forgotten."""
+    """Store a login in progress; delete those that have expired."""
     session.execute(delete(LoginRow).where(LoginRow.expires_at <= now()))
     kept = select(LoginRow.state_hash).order_by(LoginRow.expires_at.desc()).limit(MOST - 1)
     session.execute(delete(LoginRow).where(LoginRow.state_hash.not_in(kept.scalar_subquery())))
@@ -21,7 +21,7 @@ def begin(session: Session, *, state_hash: str, browser_hash: str, verifier: str
 
 
 def take(session: Session, state_hash: str, *, at: int) -> LoginRow | None:
-    """One that goes on at a moment [ns], once."""
+    """Return a login that is valid at a time [ns], and delete it: it works once."""
     row = session.scalars(select(LoginRow).where(LoginRow.state_hash == state_hash).with_for_update()).one_or_none()
     if row is None:
         return None

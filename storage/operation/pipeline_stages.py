@@ -1,4 +1,4 @@
-"""Counts that tell how far the work of a stretch of time has come."""
+"""Counts of the pipeline's stages over a stretch of time."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -24,7 +24,7 @@ from storage.tables import (
 
 @dataclass(frozen=True)
 class StageFigures:
-    """Counts since a time, if the name does not say that they are of now; latest times in ns since 1970, None before any."""
+    """Counts since a time, except those named `_now` and `_ever`; newest times in ns since 1970, None before any."""
 
     machines_now: int
     newest_sample: int | None
@@ -49,7 +49,7 @@ class StageFigures:
 
 
 def figures(session: Session, *, since: int, overdue: int) -> StageFigures:
-    """The counts since a time [ns]; overdue: deliveries whose next try should have been by that time [ns] are overdue."""
+    """Return the counts since a time [ns]. overdue: deliveries whose next attempt lies before that time [ns] are overdue."""
 
     def one(query: Any) -> Any:
         return session.scalar(query)

@@ -1,8 +1,8 @@
-"""Repository of the processes that work on one database: who is there, and who is gone.
+"""Repository of the processes that work on one database: which are alive, and which are gone.
 
-On PostgreSQL a replica holds an advisory lock under its number on a connection of its own: a process that is killed loses it
-at once. One that hangs, or whose host is cut off, is gone when it has not said for LEASE_S that it lives. An SQLite file
-belongs to one process (`Database.claim`): whatever else is written there is of an earlier one.
+On PostgreSQL a replica holds an advisory lock under its number on a connection of its own: a killed process loses it at once.
+One that hangs, or whose host is cut off, counts as gone when it has sent no heartbeat for LEASE_S. An SQLite file belongs to
+one process (`Database.claim`): all other rows there are of earlier processes.
 """
 
 from collections.abc import Sequence
@@ -14,16 +14,16 @@ from storage.clock import now
 from storage.tables import ReplicaRow
 
 LEASE_S = 15.0
-"""A replica that has not been heard of for so long is gone."""
+"""Time without a heartbeat after which a replica counts as gone."""
 LOCK_CLASS = 0x52554E44
-"""First number of the replicas' advisory locks; the second is the replica's own."""
+"""First key of the replicas' advisory locks; the second is the replica's number."""
 
 _LOCKS = table("pg_locks", column("locktype"), column("classid"), column("objid"), column("database"), column("granted"))
 _DATABASES = table("pg_database", column("oid"), column("datname"))
 
 
 def join(session: Session, *, role: str, host: str, process: int) -> int:
-    """Note a new replica; returns its number."""
+    """Register a new replica; return its number."""
     moment = clock(session)
     row = ReplicaRow(role=role, host=host, process=process, started_at=moment, seen_at=moment)
     session.add(row)
@@ -32,7 +32,7 @@ def join(session: Session, *, role: str, host: str, process: int) -> int:
 
 
 def beat(session: Session, number: int) -> bool:
-    """Say that a replica lives. False when it was taken for gone meanwhile: then it holds nothing any more."""
+    """Store a heartbeat of a replica; return False when it was declared gone meanwhile and has lost its leases."""
     row = session.get(ReplicaRow, number)
     if row is None:
         return False
@@ -41,28 +41,28 @@ def beat(session: Session, number: int) -> bool:
 
 
 def every(session: Session) -> Sequence[ReplicaRow]:
-    """All that are written down, by number."""
+    """Return all registered replicas, by number."""
     return session.scalars(select(ReplicaRow).order_by(ReplicaRow.id)).all()
 
 
 def gone(session: Session, *, me: int) -> list[ReplicaRow]:
-    """Replicas that do not live any more. me: number of the replica that asks."""
+    """Return the replicas that are not alive any more. me: number of the replica that asks."""
     others = [row for row in every(session) if row.id != me]
     if session.get_bind().dialect.name != "postgresql":
         return others
     held, oldest = _holding(session), clock(session) - int(LEASE_S * 1e9)
-    # A server that has just started has forgotten all locks: who lives takes them again in a moment.
+    # A server that has just started has lost all locks; living replicas take them again in a moment.
     telling = _started(session) < oldest
     return [row for row in others if (telling and row.id not in held) or row.seen_at < oldest]
 
 
 def forget(session: Session, number: int) -> None:
-    """Strike a replica out."""
+    """Delete a replica."""
     session.execute(delete(ReplicaRow).where(ReplicaRow.id == number))
 
 
 def clock(session: Session) -> int:
-    """The database's clock [ns]; of an SQLite file this process's own."""
+    """Return the database's clock [ns]; for an SQLite file this process's own."""
     if session.get_bind().dialect.name != "postgresql":
         return now()
     epoch = func.extract("epoch", func.clock_timestamp())

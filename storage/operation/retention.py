@@ -1,6 +1,6 @@
-"""Letting go of samples that are old enough: sample blocks, then the samples of runs. Everything else is kept for ever.
+"""Retention: deleting sample blocks, and then the samples of runs, that are old enough. Everything else is kept for ever.
 
-Each call is a part of one small transaction of its own, so that ingest never waits long for it.
+Each call is part of a small transaction of its own, so that ingest never waits long for it.
 """
 
 from collections.abc import Sequence
@@ -15,12 +15,12 @@ from storage.machines import machines
 from storage.tables import BaselineRow, IdentificationRow, JobRow, RetentionRow, RunRow, SampleBlockRow
 
 KEPT_RUNS = 20
-"""Newest runs of a machine that always keep their samples: they may be identified together yet."""
+"""Number of a machine's newest runs that always keep their samples: they may still be identified together."""
 
 
 @dataclass(frozen=True)
 class Extent:
-    """How many blocks or runs, and from when to when [ns]."""
+    """A number of blocks or runs, and the time that they cover [ns]."""
 
     count: int
     first: int
@@ -28,35 +28,35 @@ class Extent:
 
 
 def cut_off(session: Session, tier: str) -> tuple[int, int] | None:
-    """Cut-off and allowance of a tier [ns]; None where none is kept yet."""
+    """Return cut-off and allowance of a tier [ns]; None before any was stored."""
     row = session.get(RetentionRow, tier)
     return None if row is None else (row.cut_off, row.allowance)
 
 
 def keep_cut_off(session: Session, tier: str, *, time: int, allowance: int) -> None:
-    """Remember cut-off and allowance of a tier [ns]."""
+    """Store cut-off and allowance of a tier [ns]."""
     session.merge(RetentionRow(tier=tier, cut_off=time, allowance=allowance))
 
 
 def is_empty(session: Session) -> bool:
-    """Whether no samples are held, neither as received nor of runs."""
+    """Return whether no samples are stored, neither as received nor in runs."""
     return not any(session.scalar(select(column).limit(1)) is not None for column in (SampleBlockRow.id, RunRow.id))
 
 
 def newest_sample(session: Session, machine_id: str) -> int | None:
-    """Time of the newest sample of a machine [ns]; None where it has none."""
+    """Return the time of a machine's newest sample [ns]; None when it has none."""
     return session.scalar(select(func.max(SampleBlockRow.time_last)).where(SampleBlockRow.machine_id == machine_id))
 
 
 def has_blocks(session: Session, machine_id: str, *, before: int) -> bool:
-    """Whether a machine has sample blocks that ended before a time [ns]."""
+    """Return whether a machine has sample blocks that ended before a time [ns]."""
     return session.scalar(_ended_blocks(machine_id, before).limit(1)) is not None
 
 
 def release_blocks(session: Session, machine_id: str, *, before: int, limit: int) -> int:
-    """Delete the oldest sample blocks of a machine that ended before a time [ns], at most so many; returns how many.
+    """Delete at most `limit` of the oldest sample blocks of a machine that ended before a time [ns]; return their number.
 
-    The machine remembers how far back its blocks reach.
+    The machine's row records how far back its blocks reach.
     """
     block = SampleBlockRow
     rows = session.execute(_ended_blocks(machine_id, before).order_by(block.time_last, block.id).limit(limit)).all()
@@ -68,7 +68,7 @@ def release_blocks(session: Session, machine_id: str, *, before: int, limit: int
 
 
 def extent_of_blocks(session: Session, machine_id: str, *, before: int) -> Extent | None:
-    """The sample blocks of a machine that ended before a time [ns]; None where there are none."""
+    """Return the extent of a machine's sample blocks that ended before a time [ns]; None when there are none."""
     block = SampleBlockRow
     query = select(func.count(), func.min(block.time_first), func.max(block.time_last))
     count, first, last = session.execute(query.where(block.machine_id == machine_id, block.time_last < before)).one()
@@ -81,7 +81,7 @@ def _ended_blocks(machine_id: str, before: int) -> Select[int, int]:
 
 
 def has_runs(session: Session, machine_id: str, *, before: int, baseline_runs: int) -> bool:
-    """Whether `release_runs` has anything to let go of."""
+    """Return whether `release_runs` would delete anything."""
     ended = _ended_runs(machine_id, before)
     if session.scalar(ended.limit(1)) is None:
         return False
@@ -90,7 +90,7 @@ def has_runs(session: Session, machine_id: str, *, before: int, baseline_runs: i
 
 
 def extent_of_runs(session: Session, machine_id: str, *, before: int, baseline_runs: int) -> Extent | None:
-    """The runs of which `release_runs` lets go of the samples; None where there are none."""
+    """Return the extent of the runs whose samples `release_runs` would delete; None when there are none."""
     needed = needed_runs(session, machine_id, baseline_runs=baseline_runs)
     ended = _ended_runs(machine_id, before).where(RunRow.id.not_in(needed)).subquery()
     query = select(func.count(), func.min(RunRow.time_first), func.max(RunRow.time_last))
@@ -99,16 +99,16 @@ def extent_of_runs(session: Session, machine_id: str, *, before: int, baseline_r
 
 
 def release_runs(session: Session, machine_id: str, *, before: int, baseline_runs: int, limit: int) -> int:
-    """Let go of the samples of a machine's runs that ended before a time [ns], the oldest first, but of those that are needed.
+    """Delete the samples of at most `limit` runs that ended before a time [ns] and are not needed, oldest first.
 
-    What is known of the runs stays. baseline_runs: as in `needed_runs`. Returns how many there were.
+    The rows of the runs stay. baseline_runs: as in `needed_runs`. Returns the number of runs.
     """
     run = RunRow
     needed = needed_runs(session, machine_id, baseline_runs=baseline_runs)
     old = session.scalars(
         _ended_runs(machine_id, before).where(run.id.not_in(needed)).order_by(run.time_first).limit(limit).with_for_update()
     ).all()
-    # Until they were locked, late samples may have reopened one.
+    # Late samples may have reopened one before the rows were locked.
     still = set(old) - needed_runs(session, machine_id, baseline_runs=baseline_runs)
     session.execute(update(run).where(run.id.in_(still)).values(data=None, flags=None, released_at=now()))
     return len(old)
@@ -120,9 +120,9 @@ def _ended_runs(machine_id: str, before: int) -> Select[int]:
 
 
 def needed_runs(session: Session, machine_id: str, *, baseline_runs: int) -> set[int]:
-    """Runs whose samples are still needed: the machine's newest, those that wait for an identification, those of a baseline.
+    """Return the runs whose samples are still needed: the newest, those awaiting an identification, those of a baseline.
 
-    baseline_runs: identifications that make a baseline where none are named.
+    baseline_runs: number of identifications that form a baseline without named ones.
     """
     run, job = RunRow, JobRow
     newest = select(run.id).where(run.machine_id == machine_id).order_by(run.time_first.desc()).limit(KEPT_RUNS)
@@ -134,7 +134,7 @@ def needed_runs(session: Session, machine_id: str, *, baseline_runs: int) -> set
 
 
 def _of_baselines(session: Session, machine_id: str, baseline_runs: int) -> Sequence[list[int]]:
-    """Runs of the identifications that make the baselines, those of the machine's first runs among them."""
+    """Return the runs of the identifications that form baselines, including the one of the machine's first runs."""
     begun = session.scalars(select(BaselineRow).where(BaselineRow.machine_id == machine_id)).all()
     made = IdentificationRow
     named = [number for row in begun for number in row.identification_ids or ()]

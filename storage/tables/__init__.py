@@ -1,4 +1,4 @@
-"""The tables. Times are nanoseconds since 1970 in UTC; physical values are SI."""
+"""The tables of the store. Times are nanoseconds since 1970 in UTC; physical values are SI."""
 
 from storage.tables.alerting import AlertEventRow, AlertRow, DeliveryRow, SubscriptionPlantRow, SubscriptionRow, SuppressionRow
 from storage.tables.base import Base

@@ -1,4 +1,4 @@
-"""Alerts, what happened to them, and who is told."""
+"""Tables of alerts, their events, suppressions, subscriptions and deliveries."""
 
 from typing import Any
 
@@ -9,9 +9,9 @@ from storage.tables.base import Base, Key, Name
 
 
 class AlertRow(Base):
-    """A statement about a machine that wants a person's attention: one episode, one open per machine, rule and element.
+    """An alert: one episode of a finding, at most one open per machine, rule and element.
 
-    condition, severity, latching, suppressions: see `service.alerts.lifecycle`; state: what is to be seen of them.
+    condition, severity, latching, suppressions: see `service.alerts.lifecycle`; state: derived from these for display.
     """
 
     __tablename__ = "alerts"
@@ -50,7 +50,7 @@ class AlertRow(Base):
 
 
 class AlertEventRow(Base):
-    """One transition of an alert, or a comment on it: who, when, why. Only ever added to."""
+    """One transition of an alert, or a comment on it: who, when, why. Rows are only added."""
 
     __tablename__ = "alert_events"
     __table_args__ = (UniqueConstraint("alert_id", "number"), Index(None, "machine_id", "at"), Index(None, "at"))
@@ -74,7 +74,7 @@ class AlertEventRow(Base):
 
 
 class SuppressionRow(Base):
-    """A shelving, a suppression by design or a removal from service, of all that its fields match; null matches anything."""
+    """A shelving, a suppression by design or a removal from service of all that its fields match; null matches anything."""
 
     __tablename__ = "suppressions"
     __table_args__ = (Index(None, "machine_id", "ended_at"),)
@@ -93,7 +93,7 @@ class SuppressionRow(Base):
 
 
 class SubscriptionRow(Base):
-    """Who is told of alert events: a webhook, an Alertmanager, a mailbox, the zenoh network."""
+    """A recipient of alert events: a webhook, an Alertmanager, a mailbox, the zenoh network."""
 
     __tablename__ = "subscriptions"
 
@@ -109,7 +109,7 @@ class SubscriptionRow(Base):
 
 
 class SubscriptionPlantRow(Base):
-    """A plant of whose events a subscription tells; one without any tells of all."""
+    """A plant whose events a subscription receives; a subscription without any receives all."""
 
     __tablename__ = "subscription_plants"
 
@@ -118,7 +118,7 @@ class SubscriptionPlantRow(Base):
 
 
 class DeliveryRow(Base):
-    """One event on its way to one subscription: the outbox, written with the event itself."""
+    """The delivery of one event to one subscription: the outbox, written together with the event."""
 
     __tablename__ = "deliveries"
     __table_args__ = (

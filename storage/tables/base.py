@@ -1,16 +1,16 @@
-"""What all tables share. Times are nanoseconds since 1970 in UTC; physical values are SI."""
+"""Base and column types of all tables. Times are nanoseconds since 1970 in UTC; physical values are SI."""
 
 from typing import Any
 
 from sqlalchemy import JSON, BigInteger, Integer, MetaData, String
 from sqlalchemy.orm import DeclarativeBase
 
-# SQLite numbers only INTEGER primary keys by itself.
+# SQLite generates numbers only for INTEGER primary keys.
 Key = BigInteger().with_variant(Integer, "sqlite")
 
 
 def Name(length: int) -> String:
-    """A short text that lists are ordered by: by its letters' codes on every database, not in the language of a server."""
+    """Return the type of a short text that every database sorts by code points, whatever the server's language."""
     return String(length).with_variant(String(length, collation="C"), "postgresql")
 
 
@@ -23,7 +23,7 @@ NAMING = {
 
 
 class Base(DeclarativeBase):
-    """Parent of all tables."""
+    """Base class of all tables."""
 
     metadata = MetaData(naming_convention=NAMING)
     type_annotation_map = {  # noqa: RUF012

@@ -1,4 +1,4 @@
-"""What was found: identification jobs, their results and what follows from them."""
+"""Tables of identification jobs, their results and the findings derived from them."""
 
 from typing import Any
 
@@ -9,7 +9,7 @@ from storage.tables.base import Base, Key, Name
 
 
 class JobRow(Base):
-    """An identification that is to be computed, is being computed, or was. options: what differs from the usual."""
+    """An identification job: queued, running or finished. options: the settings that differ from the usual ones."""
 
     __tablename__ = "identification_jobs"
     __table_args__ = (
@@ -23,10 +23,10 @@ class JobRow(Base):
     machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"))
     plant: Mapped[str] = mapped_column(Name(64), server_default="?")
     priority: Mapped[int] = mapped_column(server_default="0")
-    """With `turn` when it is taken, see `storage.findings.job_order`."""
+    """Determines with `turn` when the job is taken, see `storage.findings.job_order`."""
     turn: Mapped[int] = mapped_column(server_default="0")
     asked_by: Mapped[str | None] = mapped_column(Name(255))
-    """Identity of the person who asked for it; null where the service did by itself."""
+    """Identity of the person who requested it; null when the service did by itself."""
     scope: Mapped[str] = mapped_column(Name(16))
     run_ids: Mapped[list[int]]
     request: Mapped[str] = mapped_column(Name(200), unique=True)
@@ -37,11 +37,11 @@ class JobRow(Base):
     error: Mapped[str | None] = mapped_column(Text)
     options: Mapped[dict[str, Any] | None]
     holder: Mapped[int | None]
-    """The replica that computes it, see `storage.operation.replicas`."""
+    """Number of the replica that computes it, see `storage.operation.replicas`."""
 
 
 class IdentificationRow(Base):
-    """One finished fit, with what is needed to repeat it."""
+    """One finished fit, with all that is needed to repeat it."""
 
     __tablename__ = "identifications"
     __table_args__ = (
@@ -73,7 +73,7 @@ class IdentificationRow(Base):
     code_version: Mapped[str] = mapped_column(Name(64))
     coordinates: Mapped[list[str]]
     covariance: Mapped[bytes] = mapped_column(LargeBinary, deferred=True)
-    # Null where an older release identified.
+    # Null for identifications by older releases.
     noise_relative: Mapped[float | None]
     noise_floor: Mapped[float | None]
     outliers: Mapped[dict[str, Any] | None]
@@ -81,11 +81,11 @@ class IdentificationRow(Base):
     slow_roll_version: Mapped[int | None]
     channel_effects: Mapped[bytes | None] = mapped_column(LargeBinary, deferred=True)
     conditions: Mapped[dict[str, Any] | None]
-    """Mean of each operating condition over the runs, null where it was not measured; null as a whole where none is named."""
+    """Mean of each operating condition over the runs, null for one not measured; null as a whole without any."""
 
 
 class DiagnosisRow(Base):
-    """What an identification said of its machine when it was filed. baseline: the ids that it was compared with."""
+    """The diagnosis of an identification when it was filed. baseline: ids of those it was compared with."""
 
     __tablename__ = "diagnoses"
     __table_args__ = (Index(None, "machine_id", "measured_at"),)
@@ -100,7 +100,7 @@ class DiagnosisRow(Base):
 
 
 class EstimateRow(Base):
-    """One parameter of one identification: the parameter history. Values are null where the data do not determine them."""
+    """One parameter of one identification, a point of its history. Values are null when the data do not determine them."""
 
     __tablename__ = "estimates"
     __table_args__ = (Index(None, "machine_id", "parameter", "measured_at"),)
@@ -122,7 +122,7 @@ class EstimateRow(Base):
 
 
 class DerivedRow(Base):
-    """One quantity derived from an identification. Values are null for a `reason`."""
+    """One quantity derived from an identification. Values may be null, for a `reason`."""
 
     __tablename__ = "derived_quantities"
     __table_args__ = (Index(None, "machine_id", "name", "measured_at"),)

@@ -1,4 +1,4 @@
-"""What is known and said of machines: documents, corrections, limits, baselines, notes."""
+"""Tables of machines: documents, slow-roll vectors, limits, baselines, calibrations, notes."""
 
 from typing import Any
 
@@ -18,13 +18,13 @@ class MachineRow(Base):
     revision: Mapped[int]
     created_at: Mapped[int]
     slow_roll_version: Mapped[int | None]
-    """Slow-roll vectors that new identifications subtract."""
+    """Version of the slow-roll vectors that new identifications subtract."""
     blocks_since: Mapped[int | None]
-    """Sample blocks that ended before that time were let go of, see `storage.operation.retention`; null where none were."""
+    """Sample blocks that ended before this time were deleted, see `storage.operation.retention`; null for none."""
 
 
 class SlowRollRow(Base):
-    """Slow-roll vectors of a machine's channels; never changed. Samples and runs keep what was measured, without them."""
+    """Slow-roll vectors of a machine's channels; never changed. Samples and runs keep the measured values, without them."""
 
     __tablename__ = "slow_roll_vectors"
 
@@ -34,7 +34,7 @@ class SlowRollRow(Base):
     origin: Mapped[str] = mapped_column(Name(16))
     direction: Mapped[int]
     vectors: Mapped[dict[str, Any]]
-    """Per channel real and imaginary part, rms of the complex error [m] and the probe that it is of, or why there is none."""
+    """Per channel real and imaginary part, rms of the complex error [m] and its probe, or why there is no vector."""
     speed_minimum: Mapped[float | None]
     speed_maximum: Mapped[float | None]
     time_first: Mapped[int | None]
@@ -53,9 +53,9 @@ class RevisionRow(Base):
     document: Mapped[dict[str, Any]]
     created_at: Mapped[int]
     same_since: Mapped[int] = mapped_column(server_default="1")
-    """First of the revisions up to this one, without a break, that are the same train, …"""
+    """First of the contiguous revisions up to this one that describe the same train."""
     alike_since: Mapped[int] = mapped_column(server_default="1")
-    """… and of those that have the same operating conditions as well."""
+    """First of the contiguous revisions up to this one with the same train and the same operating conditions."""
 
 
 class TimelineRow(Base):
@@ -74,7 +74,7 @@ class TimelineRow(Base):
 
 
 class CalibrationRow(Base):
-    """A channel was calibrated: when, by whom, and what the certificate says. Never changed."""
+    """A calibration of a channel: when, by whom, and with which certificate. Never changed."""
 
     __tablename__ = "calibrations"
     __table_args__ = (Index(None, "machine_id", "at"),)
@@ -89,9 +89,9 @@ class CalibrationRow(Base):
 
 
 class BaselineRow(Base):
-    """From when on a machine is compared with itself: the first identifications behind `since`, or those that are named.
+    """A baseline: the first identifications from `since` on, or the named ones.
 
-    Never changed: a newer one takes its place and this one stays readable.
+    Never changed: a newer one replaces it and this one stays readable.
     """
 
     __tablename__ = "baselines"
@@ -114,7 +114,7 @@ class LimitsRow(Base):
     machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"), primary_key=True)
     version: Mapped[int] = mapped_column(primary_key=True)
     document: Mapped[dict[str, Any]]
-    """As in `service.monitoring.limits`, whole: later defaults change nothing that was set."""
+    """Limits as in `service.monitoring.limits`, complete: later defaults change nothing that was set."""
     at: Mapped[int]
     by: Mapped[str] = mapped_column(Name(120))
     comment: Mapped[str] = mapped_column(Text)

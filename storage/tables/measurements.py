@@ -1,4 +1,4 @@
-"""What was measured: sources, samples, states, runs, and what was refused."""
+"""Tables of measurements: sources, samples, states, runs and rejected input."""
 
 from typing import Any
 
@@ -9,7 +9,7 @@ from storage.tables.base import Base, Key, Name
 
 
 class SourceRow(Base):
-    """How far one start (epoch) of one source has been received."""
+    """Reception state of one start (epoch) of one source."""
 
     __tablename__ = "sources"
 
@@ -23,9 +23,9 @@ class SourceRow(Base):
     late: Mapped[int]
     last_time: Mapped[int]
     last_received_at: Mapped[int | None]
-    """When the newest of them came, by the service's clock [ns]; `last_time` is by the source's."""
+    """When the newest samples came, by the service's clock [ns]; `last_time` is by the source's."""
     missing: Mapped[list[list[int]] | None]
-    """Sequence numbers that never came, while they may still come: [first, last, after, before], the latter times [ns]."""
+    """Sequence gaps that may still be filled: [first, last, after, before], the latter two times [ns]."""
 
 
 class SampleBlockRow(Base):
@@ -48,12 +48,12 @@ class SampleBlockRow(Base):
     time_first: Mapped[int]
     time_last: Mapped[int]
     received_at: Mapped[int | None]
-    """When the last of them came, by the service's clock [ns]; None for blocks of before it was kept."""
+    """When the last of the samples came, by the service's clock [ns]; null in blocks of older releases."""
     data: Mapped[bytes] = mapped_column(LargeBinary)
 
 
 class CollectorRow(Base):
-    """Where a machine's run collection stands, stored with the samples that brought it there."""
+    """State of a machine's run collection, stored with the samples that led to it."""
 
     __tablename__ = "collectors"
 
@@ -62,7 +62,7 @@ class CollectorRow(Base):
 
 
 class MachineStateRow(Base):
-    """What a machine did from a moment on, until the next row."""
+    """Operating mode of a machine from a time on, until the next row."""
 
     __tablename__ = "machine_states"
     __table_args__ = (Index(None, "machine_id", "since"),)
@@ -75,7 +75,7 @@ class MachineStateRow(Base):
 
 
 class RunRow(Base):
-    """A run-up, a run-down, or a rolling collection. Once closed it carries its own samples; late ones make it anew."""
+    """A run-up, a run-down or a rolling collection. Once closed it holds its own samples; late ones rebuild it."""
 
     __tablename__ = "runs"
     __table_args__ = (
@@ -100,21 +100,21 @@ class RunRow(Base):
     count: Mapped[int | None]
     data: Mapped[bytes | None] = mapped_column(LargeBinary, deferred=True)
     extent: Mapped[dict[str, Any] | None] = mapped_column(deferred=True)
-    """What a run that is over is still to be made of, see `storage.measurements.runs`; null before that and afterwards."""
-    # Null in runs that an older release collected.
+    """Samples that an ended run is to be made of, see `storage.measurements.runs`; null before its end and once closed."""
+    # Null in runs collected by older releases.
     reopened_at: Mapped[int | None]
-    """When late samples made it anew the last time."""
+    """When late samples last rebuilt it."""
     times_reopened: Mapped[int | None]
     coverage: Mapped[dict[str, Any] | None]
     quality: Mapped[dict[str, Any] | None]
     flags: Mapped[bytes | None] = mapped_column(LargeBinary, deferred=True)
-    """What is wrong with each point of each channel, see `storage.measurements.runs`."""
+    """Flags of each point of each channel, see `storage.measurements.runs`."""
     released_at: Mapped[int | None]
-    """When its samples were let go of, see `storage.operation.retention`; null while it has them."""
+    """When its samples were deleted, see `storage.operation.retention`; null while it has them."""
 
 
 class QuarantineRow(Base):
-    """A rejected message or sample, as far as it is kept, and why it was rejected."""
+    """A rejected message or sample, as far as it is kept, and the reason."""
 
     __tablename__ = "quarantine"
     __table_args__ = (Index(None, "reason"),)
@@ -130,7 +130,7 @@ class QuarantineRow(Base):
 
 
 class QuarantineCountRow(Base):
-    """How much was ever rejected for each reason, whether or not it is still kept."""
+    """Number of rejections so far for each reason, kept or not."""
 
     __tablename__ = "quarantine_counts"
 

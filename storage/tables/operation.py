@@ -1,4 +1,4 @@
-"""The service itself: its processes, who may ask it, and what was done."""
+"""Tables of the service itself: processes, leases, retention, access and audit."""
 
 from sqlalchemy import Index, LargeBinary, String, Text
 from sqlalchemy.orm import Mapped, mapped_column
@@ -7,7 +7,7 @@ from storage.tables.base import Base, Key, Name
 
 
 class IdempotencyKeyRow(Base):
-    """A key under which a client asks for something once, and what it was answered; status is null until then."""
+    """A key under which a client makes a request only once, and the response; status is null until there is one."""
 
     __tablename__ = "idempotency_keys"
     __table_args__ = (Index(None, "created_at"),)
@@ -21,7 +21,7 @@ class IdempotencyKeyRow(Base):
 
 
 class ReplicaRow(Base):
-    """A process of the service that works on this database. Numbers are never given twice."""
+    """A process of the service that works on this database. Numbers are never reused."""
 
     __tablename__ = "replicas"
     __table_args__ = {"sqlite_autoincrement": True}  # noqa: RUF012
@@ -32,11 +32,11 @@ class ReplicaRow(Base):
     process: Mapped[int]
     started_at: Mapped[int]
     seen_at: Mapped[int]
-    """By the database's clock, like `started_at`: hosts may differ."""
+    """Last heartbeat by the database's clock, like `started_at`: hosts may differ."""
 
 
 class LeaseRow(Base):
-    """A part of the work that one replica at a time does; nobody where `holder` is null."""
+    """A part of the work that one replica at a time does; free when `holder` is null."""
 
     __tablename__ = "leases"
 
@@ -46,8 +46,10 @@ class LeaseRow(Base):
 
 
 class RetentionRow(Base):
-    """How far a tier of retention has come. cut_off: what ended before that may be let go of [ns]; allowance: how much further
-    than the time served it may move [ns].
+    """Progress of a tier of retention.
+
+    cut_off: what ended before it may be deleted [ns]; allowance: how much further than the elapsed service time it may move
+    [ns].
     """
 
     __tablename__ = "retention"
@@ -58,7 +60,7 @@ class RetentionRow(Base):
 
 
 class ChangeCountRow(Base):
-    """How often rows of a table were written, see `storage.database.change_counts`; on SQLite only."""
+    """Number of rows written to a table, see `storage.database.change_counts`; on SQLite only."""
 
     __tablename__ = "change_counts"
 
@@ -67,7 +69,8 @@ class ChangeCountRow(Base):
 
 
 class ApiKeyRow(Base):
-    """An API key, of which only the hash is kept. prefix: by which it is found, and spoken of; plants: null for all."""
+    """An API key, of which only the hash is stored. prefix: identifies the key in look-ups and messages; plants: null for
+    all."""
 
     __tablename__ = "api_keys"
 
@@ -84,7 +87,7 @@ class ApiKeyRow(Base):
 
 
 class BrowserSessionRow(Base):
-    """Somebody who logged in on the page. hash: of the cookie; key_prefix: the API key it was done with, if it was one."""
+    """A login on the page. hash: of the cookie; key_prefix: of the API key it was made with, if any."""
 
     __tablename__ = "browser_sessions"
     __table_args__ = (Index(None, "expires_at"),)
@@ -95,13 +98,14 @@ class BrowserSessionRow(Base):
     plants: Mapped[list[str] | None]
     key_prefix: Mapped[str | None] = mapped_column(String(16))
     token: Mapped[str] = mapped_column(String(64))
-    """What a change must bring along, so that another site's page cannot make it."""
+    """Token that every change must carry, so that another site's page cannot make it."""
     created_at: Mapped[int]
     expires_at: Mapped[int]
 
 
 class LoginRow(Base):
-    """A login under way at an issuer. Hashes of the state that it comes back with and of the cookie of who began it."""
+    """A login in progress at an issuer, with hashes of the state it returns with and of the cookie of the browser that began
+    it."""
 
     __tablename__ = "logins"
     __table_args__ = (Index(None, "expires_at"),)
@@ -130,7 +134,7 @@ class AuditRow(Base):
 
 
 class AuditHeadRow(Base):
-    """The newest entry of the audit trail: its last rows cannot be taken away without this one being forged as well."""
+    """The head of the audit trail: its last rows cannot be removed without forging this one as well."""
 
     __tablename__ = "audit_head"
 
