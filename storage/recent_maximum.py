@@ -8,7 +8,7 @@ from contextlib import contextmanager
 PERIOD_S = 60.0
 
 
-class Longest:
+class RecentMaximum:
     """The longest of the durations [s] that were noted in this period and in the one before."""
 
     def __init__(self) -> None:

@@ -244,7 +244,7 @@ def store_identification(
     machine_id: str = KEY.machine,
 ) -> IdentificationRow:
     """Ask for an identification of a run, take the job and file this outcome."""
-    job = jobs.ask(session, machine_id, scope=scope, run_ids=[run_id])
+    job = jobs.enqueue(session, machine_id, scope=scope, run_ids=[run_id])
     assert job is not None
     jobs.finish(job, state=jobs.DONE)
     origin = Origin(

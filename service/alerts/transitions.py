@@ -188,7 +188,7 @@ def release(session: Session, begun: SuppressionRow, person: Person) -> None:
 
 def release_over(session: Session) -> int:
     """End every suppression whose time is over. Returns how many."""
-    over = suppressions.over(session, now())
+    over = suppressions.expired(session, now())
     for one in over:
         release(session, one, Person(SERVICE, "its time is over"))
     return len(over)
@@ -196,7 +196,7 @@ def release_over(session: Session) -> int:
 
 def any_over(session: Session) -> bool:
     """Whether the time of any suppression is over."""
-    return bool(suppressions.over(session, now()))
+    return bool(suppressions.expired(session, now()))
 
 
 def _matching(session: Session, one: SuppressionRow) -> list[AlertRow]:

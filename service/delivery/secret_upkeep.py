@@ -11,7 +11,7 @@ from service.delivery.signing import PREFIX
 from service.delivery.signing_secrets import SigningSecrets, is_plain, is_sealed
 from storage.alerts import deliveries
 from storage.backup import scrubbing
-from storage.backup.scrubbing import NotScrubbed
+from storage.backup.scrubbing import ScrubFailed
 from storage.database.engine import Database
 from storage.operation import idempotency
 from storage.tables import SubscriptionRow
@@ -50,7 +50,7 @@ class SecretWatch:
     def look(self) -> None:
         """Look at all of them; what is new is logged. Raises DBAPIError."""
         with self._database.reading() as session:
-            found = SecretReport.at(deliveries.with_secret(session), self._secrets)
+            found = SecretReport.at(deliveries.list_subscriptions_with_secret(session), self._secrets)
         for words in found.unsigned:
             if words not in self._found.unsigned:
                 logger.error(words)
@@ -70,7 +70,7 @@ class SecretWatch:
 def opened(database: Database, settings: Settings) -> SigningSecrets:
     """Open the secrets of a service that starts: make a key where one may be, seal what is plain or under an older key."""
     with database.reading() as session:
-        sealed = any(is_sealed(row.secret) for row in deliveries.with_secret(session))
+        sealed = any(is_sealed(row.secret) for row in deliveries.list_subscriptions_with_secret(session))
     # Where something is sealed already, a new key would only hide that the right one is missing.
     secrets = SigningSecrets.of(settings, make=not sealed)
     if secrets.sealing is None:
@@ -81,7 +81,7 @@ def opened(database: Database, settings: Settings) -> SigningSecrets:
             scrubbing.scrub(database)
     except DBAPIError as error:
         logger.error("secrets of webhooks stay as they are: %s", error.orig)
-    except NotScrubbed as error:
+    except ScrubFailed as error:
         logger.warning("copies of secrets that lay plain may be left: %s", error)
     return secrets
 
@@ -89,12 +89,12 @@ def opened(database: Database, settings: Settings) -> SigningSecrets:
 def seal(database: Database, secrets: SigningSecrets) -> int:
     """Seal what lies plain or under an older key; returns how many lay plain. Raises DBAPIError."""
     with database.reading() as session:
-        if not any(secrets.renewed(row) for row in deliveries.with_secret(session)):
+        if not any(secrets.renewed(row) for row in deliveries.list_subscriptions_with_secret(session)):
             return 0
     with database.transaction() as session:
         scrubbing.overwrite_deleted(session)
         plain = again = 0
-        for row in deliveries.with_secret(session):
+        for row in deliveries.list_subscriptions_with_secret(session):
             if (renewed := secrets.renewed(row)) is not None:
                 plain, again = plain + is_plain(row.secret), again + is_sealed(row.secret)
                 row.secret = renewed

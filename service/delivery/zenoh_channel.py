@@ -74,7 +74,7 @@ class LastStates:
             query.drop()
             return
         with query, self._lock, self._database.reading() as reading:
-            plants = {row.id: row.plant for row in machines.every(reading)}
+            plants = {row.id: row.plant for row in machines.list_all(reading)}
             for row in alerts.find(reading, machine_id=None, only_open=True, limit=10_000):
                 try:
                     event = alert_event(alerts.history(reading, row.id)[-1])

@@ -38,8 +38,8 @@ from storage.database import disk, schema
 from storage.database.claim import DatabaseUnusable, file_of, in_use, missing_logs, require_own_name
 from storage.database.disk import DiskUse
 from storage.database.engine import Database, engine_of
-from storage.database.errors import words as words_of
-from storage.database.file_inspection import damages, looking_engine, revision_beside_a_service
+from storage.database.errors import error_message as words_of
+from storage.database.file_inspection import damages, inspection_engine, revision_beside_a_service
 from storage.database.private_files import readable_by_others
 from storage.database.versions import named, objections
 
@@ -139,7 +139,7 @@ def _file_in_use(settings: Settings, path: Path) -> Iterator[CheckResult]:
 
 def _file(settings: Settings, path: Path) -> Iterator[CheckResult]:
     """Read a file that nobody has open, and leave it as it is."""
-    with looking_engine(path) as engine, engine.connect() as connection:
+    with inspection_engine(path) as engine, engine.connect() as connection:
         revision = schema.revision_of(connection)
         yield from _version(engine)
         yield from _readable(path)
@@ -226,7 +226,7 @@ def _subscription_kinds(engine: Engine) -> Iterator[CheckResult]:
     what = "subscriptions"
     try:
         with Session(engine) as session:
-            unknown = [(row.name, row.kind) for row in deliveries.every(session) if not is_channel(row.kind)]
+            unknown = [(row.name, row.kind) for row in deliveries.list_subscriptions(session) if not is_channel(row.kind)]
     except SQLAlchemyError as error:
         yield CheckResult("warning", what, f"cannot be looked at: {words_of(error)}")
         return
@@ -238,7 +238,7 @@ def _webhook_secrets(settings: Settings, engine: Engine) -> Iterator[CheckResult
     what = "webhook secrets"
     try:
         with Session(engine) as session:
-            rows = deliveries.with_secret(session)
+            rows = deliveries.list_subscriptions_with_secret(session)
             found = SecretReport.at(rows, SigningSecrets.of(settings))
     except SQLAlchemyError as error:
         yield CheckResult("warning", what, f"cannot be looked at: {words_of(error)}")

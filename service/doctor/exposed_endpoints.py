@@ -24,7 +24,7 @@ from service.security.operations import ApiOperation
 from storage.database.claim import DatabaseUnusable, file_of
 from storage.database.engine import engine_of
 from storage.database.private_files import readable_by_others
-from storage.database.read_only import looking
+from storage.database.read_only import read_only_session
 from storage.operation import api_keys
 
 Level = Literal["open", "weak", "guarded", "local"]
@@ -74,8 +74,8 @@ def credentials_asked(settings: Settings) -> tuple[bool, str]:
     """Tell whether the API asks who somebody is, and which settings make it so."""
     path = file_of(engine_of(settings.database))
     try:
-        with looking(settings.database) as session:
-            there = api_keys.are_there(session)
+        with read_only_session(settings.database) as session:
+            there = api_keys.any_exist(session)
         told = "there are API keys" if there else "there is no API key"
     except DatabaseUnusable as error:
         there = False

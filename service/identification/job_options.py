@@ -78,7 +78,7 @@ def ask(session: Session, run_id: int, request: Request, asker: Asker) -> JobRow
         return options | ({_AGAIN: again} if again else {})
 
     def asked(again: int) -> JobRow | None:
-        return jobs.asked(session, scope=scope, run_ids=[run_id], options=repeated(again))
+        return jobs.find_request(session, scope=scope, run_ids=[run_id], options=repeated(again))
 
     again = _first_missing(lambda number: asked(number) is not None)
     newest = asked(again - 1) if again else None
@@ -86,7 +86,7 @@ def ask(session: Session, run_id: int, request: Request, asker: Asker) -> JobRow
         return newest
     by = asker.identity[:LONGEST_IDENTITY]
     asker.quota.require(session, by=by, machine_id=run.machine_id)
-    queued = jobs.ask(
+    queued = jobs.enqueue(
         session,
         run.machine_id,
         scope=scope,

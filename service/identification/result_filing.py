@@ -20,7 +20,7 @@ from service.workers.executor import TaskRefused
 from service.workers.process_pool import Interrupted, Stuck
 from service.workers.time_limit import OutOfTime
 from storage.database.engine import Database
-from storage.database.errors import concerns_all
+from storage.database.errors import is_database_wide
 from storage.findings import derived, identifications, jobs
 from storage.machines import machines
 from storage.measurements import runs
@@ -77,7 +77,7 @@ class ResultFiling:
         except MemoryError:
             raise  # of the moment, not of the result
         except Exception as error:
-            if concerns_all(error):
+            if is_database_wide(error):
                 raise  # so is this
             logger.exception("the result of job %d cannot be stored", taken.job_id)
             self._held.fail(taken.job_id, f"its result cannot be stored: {type(error).__name__}: {error}")
@@ -114,11 +114,11 @@ class ResultFiling:
             machines.lock(session, row.machine_id)
             if reopened(session, row) != taken.reopened:
                 logger.info("job %d is computed again: late samples have made its run anew meanwhile", taken.job_id)
-                jobs.put_back_unhurt(row)
+                jobs.requeue_uncounted(row)
                 return
             if row.scope == jobs.RUN:
-                runs.keep_quality(session, row.run_ids[0], outcome.qualities[0])
-                runs.keep_crossed(session, row.run_ids[0], outcome.crossed[0])
+                runs.store_quality(session, row.run_ids[0], outcome.qualities[0])
+                runs.store_crossed_speeds(session, row.run_ids[0], outcome.crossed[0])
             if outcome.identification is None:
                 jobs.finish(row, state=jobs.FAILED, error=outcome.error)
                 logger.warning("identification job %d failed: %s", taken.job_id, outcome.error)

@@ -57,7 +57,7 @@ def _beginning(session: Session, row: JobRow, revision: int, slow_roll_version: 
 
 def _earlier(session: Session, row: JobRow) -> tuple[str, bytes] | None:
     """Return the run that a run is compared with: the one before it of the same kind, revision and sense of rotation."""
-    before = runs.before(session, runs.get(session, row.run_ids[0]))
+    before = runs.previous_run(session, runs.get(session, row.run_ids[0]))
     if before is None:
         return None
     try:

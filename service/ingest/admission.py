@@ -14,7 +14,7 @@ from service.journal.refusals import Refusals
 from service.resilience.internal_errors import see_log
 from service.wire import Key, OwnFault, Reason, Rejected, SampleBatch, decode_batch, decode_body, require_size
 from storage.clock import now
-from storage.database.errors import concerns_all
+from storage.database.errors import is_database_wide
 from storage.measurements.quarantine import Rejection
 
 logger = logging.getLogger(__name__)
@@ -46,7 +46,7 @@ class Admission:
             self.refuse(message, key.machine, rejected)
             return None
         except Exception as error:
-            if concerns_all(error):
+            if is_database_wide(error):
                 raise
             logger.exception("a message under %s cannot be looked at", message.key)
             self._refuse(message, key.machine, "unexpected_error", see_log(error))
@@ -80,7 +80,7 @@ class Admission:
         except NotStoring:
             raise
         except Exception as error:
-            if concerns_all(error):
+            if is_database_wide(error):
                 raise
             logger.exception("%s: a batch over HTTP cannot be looked at", machine)
             self._refuse(message, machine, "unexpected_error", see_log(error))

@@ -21,7 +21,7 @@ from service.journal.write_batch import WriteBatch
 from service.recovery.gap_recovery import GapRecovery
 from service.replication.work_share import Share
 from service.wire import ALL_LIVE, ALL_SAMPLES
-from storage.database.errors import NotHeld
+from storage.database.errors import LeaseLost
 
 logger = logging.getLogger(__name__)
 
@@ -125,7 +125,7 @@ class IngestCycle:
         while (submission := self._submissions.take()) is not None:
             submission.promise.set_exception(NotStoring(trouble))
 
-    def drop_taken_over(self, error: NotHeld) -> None:
+    def drop_taken_over(self, error: LeaseLost) -> None:
         """Drop what is another replica's to store."""
         logger.warning("machines were taken over by another replica: %s", error)
         self.write_batch.drop(error.names)

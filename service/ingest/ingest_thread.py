@@ -10,8 +10,8 @@ from service.journal.http_queue import Submissions
 from service.journal.journal import Journal
 from service.replication.work_share import Share, Whole
 from service.resilience.supervised_thread import UNEXPECTED, SupervisedThread
-from storage.database.errors import NotHeld, concerns_all, words
-from storage.recent_maximum import Longest
+from storage.database.errors import LeaseLost, error_message, is_database_wide
+from storage.recent_maximum import RecentMaximum
 
 logger = logging.getLogger(__name__)
 
@@ -38,7 +38,7 @@ class Ingest(SupervisedThread):
         super().__init__("ingest", failure="samples cannot be stored", retry_s=RETRY_S)
         self._submissions = Submissions() if submissions is None else submissions
         self._cycle = IngestCycle(session, journal, self._submissions, share or Whole(), silence_s=silence_s)
-        self._longest_cycle = Longest()
+        self._longest_cycle = RecentMaximum()
         self._errors = 0  # that nobody foresaw, in a row
         self._began = time.monotonic()  # the cycle
 
@@ -110,29 +110,31 @@ class Ingest(SupervisedThread):
 
     def failed(self, error: Exception) -> float:
         """Go on after an error: one message must never end the ingest of all others."""
-        if isinstance(error, NotHeld):
+        if isinstance(error, LeaseLost):
             self._cycle.drop_taken_over(error)
             return CYCLE_S
-        if concerns_all(error):
-            logger.error("samples cannot be stored, trying again: %s", words(error))
+        if is_database_wide(error):
+            logger.error("samples cannot be stored, trying again: %s", error_message(error))
         else:
             logger.error("unexpected error in ingest, going on", exc_info=error)
             self._errors += 1
         if not self._hinders(error):
             return 0.0
-        trouble = words(error) if concerns_all(error) else UNEXPECTED
+        trouble = error_message(error) if is_database_wide(error) else UNEXPECTED
         self.trouble = self._submissions.trouble = trouble
         self._cycle.refuse_all(trouble)
         return RETRY_S
 
     def _hinders(self, error: Exception) -> bool:
         """Return whether an error hinders storing: the first unforeseen one in a row does not."""
-        return not isinstance(error, NotHeld) and (concerns_all(error) or self._errors > 1)
+        return not isinstance(error, LeaseLost) and (is_database_wide(error) or self._errors > 1)
 
     def _give_up(self, error: Exception) -> None:
         """Say how much is given up of what could not be stored while stopping."""
         count = len(self._cycle.inbox) + len(self._cycle.write_batch)
-        logger.error("at the end %d messages are not stored; only sources' logs have them still: %s", count, words(error))
+        logger.error(
+            "at the end %d messages are not stored; only sources' logs have them still: %s", count, error_message(error)
+        )
 
     def _run_cycle(self) -> int:
         """Run a cycle; return how many messages were taken."""

@@ -11,7 +11,7 @@ from service.journal.write_batch import WriteBatch
 from service.recovery.gap_recovery import GapRecovery
 from service.replication.work_share import Share
 from service.wire import Key, Rejected
-from storage.database.errors import concerns_all, words
+from storage.database.errors import error_message, is_database_wide
 
 LARGEST_CYCLE = 1_000
 """Messages that are held at once."""
@@ -62,7 +62,7 @@ class Intake:
             try:
                 self._publication(message)
             except Exception as error:
-                if concerns_all(error):
+                if is_database_wide(error):
                     self._inbox.put_back(message)
                 raise
             self._pacing.pause()
@@ -76,7 +76,7 @@ class Intake:
             try:
                 self._submission(submission)
             except Exception as error:
-                submission.promise.set_exception(NotStoring(words(error) if concerns_all(error) else UNFORESEEN))
+                submission.promise.set_exception(NotStoring(error_message(error) if is_database_wide(error) else UNFORESEEN))
                 raise
         self.is_behind |= time.monotonic() >= ends
         return count

@@ -191,7 +191,7 @@ def _load(session: Session, arrived: list[Arrived]) -> list[object]:
     """Load all rows that these batches need, in three queries instead of several each; the session finds them while held."""
     machine_ids = {one.batch.machine for one in arrived}
     return [
-        *machines.some(session, machine_ids),
+        *machines.by_ids(session, machine_ids),
         *samples.known_sources(session, {one.source for one in arrived}),
         *runs.collectors(session, machine_ids),
     ]

@@ -10,7 +10,7 @@ from service.journal import rejections
 from service.journal.batch import Arrived, StoreOutcome
 from service.journal.http_queue import NotStoring
 from service.journal.journal import Journal
-from storage.database.errors import concerns_all
+from storage.database.errors import is_database_wide
 from storage.measurements.quarantine import Rejection
 
 logger = logging.getLogger(__name__)
@@ -38,7 +38,7 @@ class Refusals:
         try:
             yield
         except Exception as error:
-            if concerns_all(error):
+            if is_database_wide(error):
                 raise
             self.put_aside(arrived, error, promise)
 
@@ -66,7 +66,7 @@ class Refusals:
             try:
                 self._journal.store([], [one])
             except Exception as error:
-                if concerns_all(error):
+                if is_database_wide(error):
                     raise
                 logger.exception("a message of %s, refused as %s, cannot be put aside", one.machine_id, one.reason)
             del self.rejections[0]

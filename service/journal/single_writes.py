@@ -15,7 +15,7 @@ from service.journal.http_queue import UNFORESEEN, NotStoring
 from service.journal.journal import Journal
 from service.journal.refusals import Refusals
 from service.journal.source_backoff import SourceBackoff
-from storage.database.errors import concerns_all
+from storage.database.errors import is_database_wide
 from storage.measurements.samples import SourceKey
 
 MOST_TRIES = 50
@@ -93,7 +93,7 @@ class SingleWrites:
             except IntegrityError:
                 (outcome,) = self._journal.store([one.arrived], [])
         except Exception as error:
-            if concerns_all(error):
+            if is_database_wide(error):
                 raise
             self._refusals.put_aside(one.arrived, error, one.promise)
             return False

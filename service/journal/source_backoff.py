@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from service.resilience.backoff import Backoff
-from storage.database.errors import concerns_all
+from storage.database.errors import is_database_wide
 from storage.measurements.samples import SourceKey
 
 logger = logging.getLogger(__name__)
@@ -60,7 +60,7 @@ class SourceBackoff:
         try:
             yield
         except Exception as error:
-            if concerns_all(error):
+            if is_database_wide(error):
                 raise
             logger.exception("%s, source %s: its log cannot be asked", source.machine_id, source.source)
             self.failed(source)

@@ -16,7 +16,7 @@ from service.journal.single_writes import SingleWrites
 from service.journal.source_backoff import SourceBackoff
 from service.replication.work_share import lease_of
 from service.resilience.bounded_dict import BoundedDict
-from storage.database.errors import concerns_all
+from storage.database.errors import is_database_wide
 from storage.measurements.samples import SourceKey
 
 logger = logging.getLogger(__name__)
@@ -75,7 +75,7 @@ class WriteBatch:
         try:
             self._store_together()
         except Exception as error:
-            if concerns_all(error):
+            if is_database_wide(error):
                 raise
             logger.error("%d messages cannot be stored together: one by one", len(self._held), exc_info=error)
             self._single_writes.begin(self._held)

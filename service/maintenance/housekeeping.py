@@ -17,7 +17,7 @@ from service.resilience.supervised_thread import SupervisedThread
 from storage.clock import now, to_datetime
 from storage.database import disk
 from storage.database.engine import Database
-from storage.database.errors import concerns_all
+from storage.database.errors import is_database_wide
 from storage.machines import machines
 from storage.operation import retention
 
@@ -80,7 +80,7 @@ class Housekeeping(SupervisedThread):
         """Let go of all that is old enough. Raises what the database raises, and at the end what failed of a machine."""
         moment = now()
         with self._database.reading() as session:
-            every = [row.id for row in machines.every(session)]
+            every = [row.id for row in machines.list_all(session)]
         self._move_cut_offs(every, moment)
         failed: Exception | None = None
         waiting: set[str] = set()
@@ -90,14 +90,14 @@ class Housekeeping(SupervisedThread):
                     if not self._release(tier, machine_id, moment):
                         waiting.add(machine_id)
             except Exception as error:
-                if concerns_all(error):
+                if is_database_wide(error):
                     raise
                 logger.exception("%s: its old samples are not let go of; those of the others are", machine_id)
                 failed = error
             if not self._goes_on():
                 return
         self._tell_waiting(waiting, moment)
-        while disk.give_back(self._database) and self._goes_on(PAUSE_S):
+        while disk.release_free_pages(self._database) and self._goes_on(PAUSE_S):
             pass
         if failed is not None:
             raise failed
@@ -154,7 +154,7 @@ class Housekeeping(SupervisedThread):
             for tier in self._tiers:
                 cut_off = _moved(session, tier, moment, served) or self._cut_offs[tier.name]
                 self._cut_offs[tier.name] = cut_off
-                retention.keep_cut_off(session, tier.name, time=cut_off.time, allowance=cut_off.allowance)
+                retention.store_cut_off(session, tier.name, time=cut_off.time, allowance=cut_off.allowance)
         self._counted_to += served
 
     def _release(self, tier: Tier, machine_id: str, moment: int) -> bool:

@@ -24,7 +24,7 @@ from service.workers.process_pool import Interrupted, Stuck
 from service.workers.time_limit import OutOfTime
 from storage.database.damage import is_damage
 from storage.database.engine import Database
-from storage.database.errors import concerns_all
+from storage.database.errors import is_database_wide
 from storage.findings import identifications, jobs
 from storage.machines import machines
 from storage.measurements import quarantine
@@ -85,7 +85,7 @@ class AssessmentQueue:
             try:
                 context = self._load(due)
             except Exception as error:
-                if concerns_all(error):
+                if is_database_wide(error):
                     raise
                 self._give_up(due, error)
                 continue
@@ -142,7 +142,7 @@ class AssessmentQueue:
                     conclusions.apply(session, stored, context, assessment, state)
                     jobs.finish(row, state=jobs.DONE)
         except Exception as error:
-            if concerns_all(error):
+            if is_database_wide(error):
                 raise  # it is tried again
             self._give_up(due, error)
         else:
@@ -150,7 +150,7 @@ class AssessmentQueue:
 
     def _give_up(self, due: DueAssessment, error: Exception) -> None:
         if is_damage(error):
-            self._database.damage.concerns(due.machine_id)
+            self._database.damage.record_machine(due.machine_id)
         with self._database.transaction() as session:
             row = self._held.own(session, due.job_id)
             if row is not None:

@@ -53,7 +53,7 @@ def revise(session: Session, machine: Machine) -> RevisionRow:
     """
     before = machines.get(session, machine.id).revision
     row = machines.revise(session, machine)
-    if before not in machines.comparable(session, machine.id, row.revision):
+    if before not in machines.comparable_revisions(session, machine.id, row.revision):
         for alert in alerts.open_alerts(session, machine.id):
             comment = f"a new baseline begins: revision {row.revision} describes the machine otherwise"
             transitions.clear_alert(session, alert, comment=comment)

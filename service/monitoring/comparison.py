@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from sqlalchemy.orm import Session
 
 from storage.findings import identifications
-from storage.findings.identifications import Like
+from storage.findings.identifications import ComparisonGroup
 from storage.machines import baselines, machines
 from storage.tables import BaselineRow, IdentificationRow
 
@@ -30,7 +30,7 @@ class ComparisonTerms:
 
     identification: IdentificationRow
     began: BaselineRow | None
-    like: Like
+    like: ComparisonGroup
 
 
 @dataclass(frozen=True)
@@ -64,8 +64,8 @@ class Compared:
 def terms_of(session: Session, stored: IdentificationRow) -> ComparisonTerms:
     """Read on which terms an identification is compared. Raises MachineUnknown."""
     began = baselines.in_force(session, stored.machine_id, at=stored.measured_at)
-    like = Like(
-        revisions=tuple(machines.comparable(session, stored.machine_id, stored.revision)),
+    like = ComparisonGroup(
+        revisions=tuple(machines.comparable_revisions(session, stored.machine_id, stored.revision)),
         run_kind=stored.run_kind,
         slow_roll_version=stored.slow_roll_version,
         since=0 if began is None else began.since,
@@ -118,9 +118,11 @@ def alike_speeds(row: IdentificationRow, baseline: Sequence[IdentificationRow]) 
 
 
 def baseline_of(
-    session: Session, machine_id: str, like: Like, began: BaselineRow | None, *, baseline_runs: int
+    session: Session, machine_id: str, like: ComparisonGroup, began: BaselineRow | None, *, baseline_runs: int
 ) -> tuple[Sequence[IdentificationRow], int]:
     """The identifications that make a baseline so far, oldest first, and how many it needs."""
     if began is None or began.identification_ids is None:
         return identifications.first_accepted(session, machine_id, like, limit=baseline_runs), baseline_runs
-    return identifications.named(session, machine_id, like, began.identification_ids), len(set(began.identification_ids))
+    return identifications.accepted_among(session, machine_id, like, began.identification_ids), len(
+        set(began.identification_ids)
+    )

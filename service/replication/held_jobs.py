@@ -43,13 +43,13 @@ class HeldJobs:
         """Put a job back for another attempt, or aside where it has had as many as it may."""
         with self._database.transaction() as session:
             if (row := self.own(session, job_id)) is not None:
-                jobs.put_back(session, row, error)
+                jobs.requeue(session, row, error)
 
     def put_back_unhurt(self, job_id: int) -> None:
         """Put a job back without an attempt being counted."""
         with self._database.transaction() as session:
             if (row := self.own(session, job_id)) is not None:
-                jobs.put_back_unhurt(row)
+                jobs.requeue_uncounted(row)
 
     def fail(self, job_id: int, error: str) -> None:
         """Finish a job as failed for a reason."""
@@ -65,7 +65,7 @@ class HeldJobs:
             row = self.own(session, job_id)
             if row is not None:
                 if damaged:
-                    self._database.damage.concerns(row.machine_id)
+                    self._database.damage.record_machine(row.machine_id)
                 jobs.finish(row, state=jobs.FAILED, error=f"its data cannot be read: {error}")
 
     def finish(self, job_id: int) -> None:
@@ -77,8 +77,8 @@ class HeldJobs:
     def put_back_left(self) -> None:
         """Put back what an earlier process left unfinished, and what replicas left that are no longer there."""
         with self._database.transaction() as session:
-            living = [row.id for row in replicas.every(session)] if self._share.holder is not None else []
-            left = jobs.put_back_running(session, living=living)
+            living = [row.id for row in replicas.list_all(session)] if self._share.holder is not None else []
+            left = jobs.requeue_running(session, living=living)
         if left:
             logger.info("%d identifications were interrupted and are computed again", left)
 
@@ -88,4 +88,4 @@ class HeldJobs:
             for row in jobs.held_by(session, self._share.holder):
                 if row.id not in known:
                     logger.warning("job %d was taken and not begun; it is taken again", row.id)
-                    jobs.put_back_unhurt(row)
+                    jobs.requeue_uncounted(row)

@@ -81,10 +81,10 @@ class Leasing(SupervisedThread):
         with self._database.transaction() as session:
             joined = not alive
             number = self._join(session) if joined or self._number is None else self._number
-            left = jobs.put_back_running(session, living=[row.id for row in replicas.every(session)])
+            left = jobs.requeue_running(session, living=[row.id for row in replicas.list_all(session)])
             if left:
                 logger.warning("%d identifications were left by replicas that are gone; they are computed again", left)
-            for row in replicas.gone(session, me=number):
+            for row in replicas.expired(session, me=number):
                 logger.warning("replica %d (%s on %s) is gone; its work is taken over", row.id, row.role, row.host)
                 _bury(session, row.id)
             held = self._settle(session, number)
@@ -100,7 +100,7 @@ class Leasing(SupervisedThread):
         if not self._database.hold(replicas.LOCK_CLASS, number):
             return False
         with self._database.transaction(beside_others=True) as session:
-            return replicas.beat(session, number)
+            return replicas.heartbeat(session, number)
 
     def _join(self, session: Session) -> int:
         number = replicas.join(session, role=self._role, host=socket.gethostname(), process=os.getpid())
@@ -111,13 +111,13 @@ class Leasing(SupervisedThread):
 
     def _settle(self, session: Session, number: int) -> frozenset[str]:
         held = leases.held(session, holder=number)
-        roles = [row.role for row in replicas.every(session)]
+        roles = [row.role for row in replicas.list_all(session)]
         for role, names in (("ingest", INGEST), ("identify", (DELIVERY, GATHERING, RETENTION))):
             mine = sorted(held & set(names))
             sharing = sum(other in (role, "all") for other in roles)
             fair = math.ceil(len(names) / sharing) if self._role in (role, "all") else 0
             if surplus := mine[fair:]:
-                leases.give_back(session, surplus, holder=number)
+                leases.release(session, surplus, holder=number)
                 held -= set(surplus)
             elif len(mine) < fair:
                 held |= leases.take(session, names, holder=number, most=fair - len(mine))
@@ -126,7 +126,7 @@ class Leasing(SupervisedThread):
 
 def _bury(session: Session, number: int) -> None:
     """Free what a replica held and was computing."""
-    leases.give_back_all(session, holder=number)
+    leases.release_all(session, holder=number)
     for row in jobs.held_by(session, number):
-        jobs.put_back_unhurt(row)
+        jobs.requeue_uncounted(row)
     replicas.forget(session, number)

@@ -148,7 +148,7 @@ def _record(session: Session, machine: Machine, revision: int, direction: int, e
 
 
 def _end(session: Session, machine_id: str, event: RunEnded) -> None:
-    row = runs.current(session, machine_id)
+    row = runs.open_run_of(session, machine_id)
     if row is not None:
         runs.end(row, first=event.start, last=event.time, reason=event.reason)
 
@@ -173,6 +173,6 @@ def _roll(session: Session, machine: Machine, now: CollectionState, fresh: Sampl
             session, machine.id, revision=now.revision, kind=ROLLING, direction=now.direction, time_first=times[0]
         )
         reason = f"{100 * now.bins.coverage:.0f} % of the speed bins hold samples"
-        runs.end_collected(row, times=times, reason=reason)
+        runs.end_rolling(row, times=times, reason=reason)
     # The next run shares no sample with this one: what is compared later must be independent.
     now.bins, now.rolled_at = SpeedBins.empty(machine), now.seen

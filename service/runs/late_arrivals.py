@@ -38,7 +38,7 @@ class LateArrivals:
 
     def note(self, session: Session, machine_id: str, now: CollectionState, times: NDArray[int64]) -> None:
         """Note in `now` what must be sorted in; what lies in the open run will be read when that is closed."""
-        row = runs.current(session, machine_id)
+        row = runs.open_run_of(session, machine_id)
         if row is not None:
             times = times[times < row.time_first]
         if times.size:

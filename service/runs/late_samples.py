@@ -80,7 +80,7 @@ def by_run(session: Session, machine_id: str, windows: Sequence[Window]) -> list
     inside: set[int] = set()
     for window in windows:
         revision, first, last, _ = window
-        here = {row.id for row in runs.touching(session, machine_id, revision=revision, first=first, last=last)}
+        here = {row.id for row in runs.overlapping(session, machine_id, revision=revision, first=first, last=last)}
         if merged and merged[-1][0] == revision and here & inside:
             merged[-1] = _joined(merged[-1], window)
             inside |= here
@@ -110,7 +110,7 @@ def plan(session: Session, machine_id: str, window: Window, *, patience_s: float
     found = LateSamplesPlan(machine_id, window, basis=_basis(session, machine_id, window))
     if machine.collection.runs == ROLLING:
         return found
-    beside = runs.touching(session, machine_id, revision=revision, first=first - BESIDE, last=last + BESIDE)
+    beside = runs.overlapping(session, machine_id, revision=revision, first=first - BESIDE, last=last + BESIDE)
     before = round(1e9 * machine.collection.pre_trigger_s)
     # So near to a run they may lengthen it.
     near = max(OperatingLimits.of(machine).sweep.gap, before)
@@ -138,7 +138,7 @@ def still_holds(session: Session, found: LateSamplesPlan) -> bool:
 
 def _basis(session: Session, machine_id: str, window: Window) -> tuple[object, ...]:
     revision, first, last, _ = window
-    beside = runs.touching(session, machine_id, revision=revision, first=first - BESIDE, last=last + BESIDE)
+    beside = runs.overlapping(session, machine_id, revision=revision, first=first - BESIDE, last=last + BESIDE)
     known = [(row.id, row.state, row.time_first, row.time_last, row.times_reopened) for row in beside]
     return machines.get(session, machine_id).blocks_since, *known
 
@@ -171,7 +171,7 @@ def apply(session: Session, found: LateSamplesPlan) -> None:
     machine_id, (revision, _, _, count) = found.machine_id, found.window
     for run_id in found.left_out:
         # Made anew from the blocks that are left, runs would lose what they have.
-        runs.leave_out(runs.get(session, run_id), count)
+        runs.add_left_out_samples(runs.get(session, run_id), count)
     if found.left_out:
         logger.warning("%s: %d samples came too late for their run, whose blocks %s", machine_id, count, found.why)
         told = damaged_blocks(found.damaged, run_id=found.left_out[0], machine_id=machine_id)

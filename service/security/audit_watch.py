@@ -38,7 +38,7 @@ class AuditWatch(SupervisedThread):
     def look(self, *, tell: bool = False) -> None:
         """Compare with what was noted last, and note the newest entry. tell: in the log as well, which has it once a day."""
         with self._database.reading() as session:
-            held, newest = audit.holds(session, self._noted), audit.head(session)
+            held, newest = audit.is_intact(session, self._noted), audit.head(session)
         if not held:
             number, digest = self._noted
             words = f"the audit trail was changed: entry {number}, which was there before, is not there as it was"

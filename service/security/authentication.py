@@ -174,7 +174,7 @@ class Authentication:
 
     def _keys_are_there(self) -> bool:
         with self._database.reading() as session:
-            return keys.are_there(session)
+            return keys.any_exist(session)
 
     def _note_use(self, prefix: str) -> None:
         try:

@@ -55,14 +55,14 @@ def by_name(session: Session, name: str) -> SubscriptionRow | None:
     return session.scalars(query).one_or_none()
 
 
-def told_of(row: SubscriptionRow) -> list[str] | None:
+def subscribed_plants(row: SubscriptionRow) -> list[str] | None:
     """The plants of whose events a subscription tells; None for all."""
     return [one.plant for one in row.told_of] or None
 
 
-def tells(row: SubscriptionRow, plant: str) -> bool:
+def covers_plant(row: SubscriptionRow, plant: str) -> bool:
     """Whether a subscription tells of a plant's events."""
-    plants = told_of(row)
+    plants = subscribed_plants(row)
     return plants is None or plant in plants
 
 
@@ -74,12 +74,12 @@ def get(session: Session, subscription_id: int) -> SubscriptionRow:
     return row
 
 
-def every(session: Session, *, limit: int | None = None, after: Keys | None = None) -> Sequence[SubscriptionRow]:
+def list_subscriptions(session: Session, *, limit: int | None = None, after: Keys | None = None) -> Sequence[SubscriptionRow]:
     """All subscriptions, by id; after: the one before."""
     return session.scalars(ordered(select(SubscriptionRow), (SubscriptionRow.id,), after, descending=False).limit(limit)).all()
 
 
-def with_secret(session: Session) -> Sequence[SubscriptionRow]:
+def list_subscriptions_with_secret(session: Session) -> Sequence[SubscriptionRow]:
     """Those that have a secret, whoever may see them, by id."""
     query = select(SubscriptionRow).where(SubscriptionRow.secret.is_not(None)).order_by(SubscriptionRow.id)
     return session.scalars(query.execution_options(**EVERY_PLANT)).all()
@@ -110,7 +110,7 @@ def queue(session: Session, event: AlertEventRow) -> None:
     # Also of those that whoever made the event happen may not see.
     query = select(SubscriptionRow).where(SubscriptionRow.state == ACTIVE).execution_options(**EVERY_PLANT)
     for row in session.scalars(query):
-        if tells(row, machine.plant):
+        if covers_plant(row, machine.plant):
             queue_for(session, row, event)
 
 
@@ -161,7 +161,7 @@ def delivery(session: Session, delivery_id: int) -> DeliveryRow:
     return row
 
 
-def again(row: DeliveryRow) -> None:
+def redeliver(row: DeliveryRow) -> None:
     """Deliver once more, now."""
     row.state, row.attempts, row.next_try_at, row.answer = PENDING, 0, now(), None
 

@@ -73,7 +73,7 @@ def of_alert(session: Session, machine_id: str, *, rule: str, element: str) -> S
     return session.scalars(query.order_by(SuppressionRow.id)).all()
 
 
-def over(session: Session, moment: int) -> Sequence[SuppressionRow]:
+def expired(session: Session, moment: int) -> Sequence[SuppressionRow]:
     """Suppressions whose time is over at a moment [ns] and that have not been ended yet.
 
     Over is also the time of one that has yet to begin, for the clock was set back: it would last longer than anybody wanted.

@@ -36,7 +36,7 @@ class Backup:
     rows: dict[str, int]
 
 
-def described_by(file: Path) -> Path:
+def description_path(file: Path) -> Path:
     """What stands beside a backup."""
     return file.with_name(file.name + ".json")
 
@@ -44,7 +44,7 @@ def described_by(file: Path) -> Path:
 def read(file: Path) -> Backup:
     """What a backup is, its checksum verified. Raises BackupUnusable."""
     try:
-        values: dict[str, Any] = json.loads(described_by(file).read_text())
+        values: dict[str, Any] = json.loads(description_path(file).read_text())
         found = Backup(**values)
         digest = synced_digest(file)
     except (OSError, ValueError, TypeError) as error:
@@ -52,7 +52,7 @@ def read(file: Path) -> Backup:
     if found.format != FORMAT:
         raise BackupUnusable(f"{file} is a backup of format {found.format}, not {FORMAT}")
     if digest != found.sha256:
-        raise BackupUnusable(f"{file} is damaged: its SHA-256 is {digest}, {described_by(file).name} says {found.sha256}")
+        raise BackupUnusable(f"{file} is damaged: its SHA-256 is {digest}, {description_path(file).name} says {found.sha256}")
     return found
 
 
@@ -94,13 +94,13 @@ def new_file(path: Path) -> Iterator[None]:
         raise
 
 
-def put_down(part: Path, file: Path, made: Backup) -> None:
+def finalise(part: Path, file: Path, made: Backup) -> None:
     """Give a backup its name, and write beside it what it is. Raises FileExistsError where somebody was faster."""
     with new_file(file):  # so that what is replaced is our own; links, which would do it in one step, not every disk has
         part.replace(file)
-        with new_file(described_by(file)):
-            described_by(file).write_text(json.dumps(asdict(made), indent=1) + "\n")
-            synced_digest(described_by(file))
+        with new_file(description_path(file)):
+            description_path(file).write_text(json.dumps(asdict(made), indent=1) + "\n")
+            synced_digest(description_path(file))
             sync_folder(file.parent)
 
 

@@ -15,7 +15,7 @@ LARGEST = 2 * 2**30
 """A larger file is not written anew at a start: it would take minutes, and as much room again [bytes]."""
 
 
-class NotScrubbed(RuntimeError):
+class ScrubFailed(RuntimeError):
     """Copies may be left in the file; the message says why and what takes them out."""
 
 
@@ -41,10 +41,10 @@ def scrub(database: Database) -> None:
                 driver.execute("VACUUM")
             busy, _, _ = driver.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()
     except (DBAPIError, sqlite3.Error, OSError) as error:
-        raise NotScrubbed(f"{path} could not be written anew ({error}): {by_hand}") from error
+        raise ScrubFailed(f"{path} could not be written anew ({error}): {by_hand}") from error
     finally:
         database.engine.dispose()  # its connections still overwrite what they delete
     if busy:
-        raise NotScrubbed(f"another program reads {path}: {by_hand}")
+        raise ScrubFailed(f"another program reads {path}: {by_hand}")
     if not small:
-        raise NotScrubbed(f"{path} is too large to be written anew at a start: {by_hand}")
+        raise ScrubFailed(f"{path} is too large to be written anew at a start: {by_hand}")

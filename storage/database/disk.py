@@ -60,7 +60,7 @@ def used_by_file(path: Path, *, budget: int | None) -> DiskUse:
     return DiskUse(sum(one.stat().st_size for one in files if one.exists()), room.free, room.total, budget)
 
 
-def give_back(database: Database) -> int:
+def release_free_pages(database: Database) -> int:
     """Give some free pages of an SQLite file back to the file system; returns how many.
 
     PostgreSQL uses free room again by itself (autovacuum). So does an SQLite file that an older release made, which keeps its

@@ -21,7 +21,7 @@ from storage.database.schema_upgrade import bring_up_to_date
 from storage.database.sqlite_files import SqliteFiles
 from storage.database.writer_turn import WriterTurn
 from storage.encoding.text import json_text
-from storage.recent_maximum import Longest
+from storage.recent_maximum import RecentMaximum
 
 LARGEST_LOG = 64 * 2**20
 """To this size SQLite's log is cut back at a checkpoint, when readers have let it grow [bytes]."""
@@ -51,10 +51,10 @@ class Database:
         except (DBAPIError, DatabaseUnusable, OSError) as error:
             self.engine.dispose()
             cause = error.orig if isinstance(error, DBAPIError) else error
-            raise DatabaseUnusable(f"database {shown(url)} cannot be used: {cause}") from error
+            raise DatabaseUnusable(f"database {redacted_url(url)} cannot be used: {cause}") from error
         self.url = url
         self._claim = Claim(self.engine)
-        self.longest_transaction = Longest()
+        self.longest_transaction = RecentMaximum()
         """Of those that write, from when it was their turn until they were durable."""
         self._files = _kept_files(self.engine)
         self._turn = WriterTurn(self._files, alone=self.kind == "sqlite")
@@ -104,7 +104,7 @@ class Database:
         try:
             yield session
         finally:
-            _end_looking(session)
+            _close_reading(session)
 
     def claim(self, *, shared: bool = False) -> None:
         """Be the only service on this database until `close`, or one of those that share it, which an SQLite file does not
@@ -123,7 +123,7 @@ class Database:
         """Whether this process cannot go on with the files that it has opened, and nothing is lost by its end."""
         return self._files is not None and not self._files.look() and self._files.saved
 
-    def look_after_files(self) -> None:
+    def save_lost_files(self) -> None:
         """Save what is in no file any more that has a name. Raises DatabaseUnusable where one of an SQLite store's files was
         deleted or replaced.
         """
@@ -133,7 +133,7 @@ class Database:
         self._turn.save(files)
         raise DatabaseUnusable(files.trouble)
 
-    def look_for_damage(self, *, within_s: float, stopped: Callable[[], bool]) -> None:
+    def check_integrity(self, *, within_s: float, stopped: Callable[[], bool]) -> None:
         """Look through all pages of an SQLite store of which damage was met; where they are whole, it is over.
 
         Of PostgreSQL, and where the time is too short, what was met stays told.
@@ -144,7 +144,7 @@ class Database:
         with closing(self.own_connection(check_same_thread=False)) as connection:
             found = damages(connection, within_s=within_s, thorough=True, stopped=stopped)
         if found:
-            self.damage.found(found)
+            self.damage.record_findings(found)
         elif found is not None:
             self.damage.clear(met=met)
 
@@ -160,7 +160,7 @@ class Database:
         """Raises DatabaseUnusable when the database does not answer, a file of it is no longer there, or another service took
         it while a PostgreSQL server was away.
         """
-        self.look_after_files()
+        self.save_lost_files()
         try:
             with self.reading() as session:
                 session.execute(select(1))
@@ -194,7 +194,7 @@ def _kept_files(engine: Engine) -> SqliteFiles | None:
         files = SqliteFiles(path)
     except sqlite3.Error as error:
         engine.dispose()
-        raise DatabaseUnusable(f"database {shown(engine.url)} cannot be used: {error}") from error
+        raise DatabaseUnusable(f"database {redacted_url(engine.url)} cannot be used: {error}") from error
 
     def require_behind(connection: Any, _record: Any) -> None:
         try:
@@ -208,7 +208,7 @@ def _kept_files(engine: Engine) -> SqliteFiles | None:
     return files
 
 
-def _end_looking(session: Session) -> None:
+def _close_reading(session: Session) -> None:
     try:
         session.close()
     except DBAPIError:
@@ -216,7 +216,7 @@ def _end_looking(session: Session) -> None:
         session.invalidate()
 
 
-def shown(url: str | URL) -> str:
+def redacted_url(url: str | URL) -> str:
     """A URL without its passwords. Of one that cannot be read only how it begins, where there may be one in it."""
     try:
         parsed = make_url(url)
@@ -228,13 +228,13 @@ def shown(url: str | URL) -> str:
     return parsed.update_query_dict(hidden).render_as_string(hide_password=True)
 
 
-def require_there(url: str) -> None:
+def require_file(url: str) -> None:
     """Raises DatabaseUnusable where there is no such file; opening it would make an empty one."""
     path = file_of(engine_of(url))
     try:
         there = path is None or path.is_file()
     except OSError as error:  # of a folder that may not be looked into
-        raise DatabaseUnusable(f"database {shown(url)} cannot be used: {error}") from error
+        raise DatabaseUnusable(f"database {redacted_url(url)} cannot be used: {error}") from error
     if not there:
         raise DatabaseUnusable(f"there is no database file {path}: start the service once, or name the right one")
 
@@ -244,13 +244,13 @@ def engine_of(url: str | URL) -> Engine:
     try:
         return _engine(url)
     except (ArgumentError, NoSuchModuleError, ModuleNotFoundError) as error:
-        raise DatabaseUnusable(f"database {shown(url)} cannot be used: {error}") from error
+        raise DatabaseUnusable(f"database {redacted_url(url)} cannot be used: {error}") from error
     except ValueError:  # its text may hold a part of the password
-        raise DatabaseUnusable(f"database {shown(url)} cannot be used: its port is no number") from None
+        raise DatabaseUnusable(f"database {redacted_url(url)} cannot be used: its port is no number") from None
 
 
 @contextmanager
-def lent_engine(url: str | URL) -> Iterator[Engine]:
+def temporary_engine(url: str | URL) -> Iterator[Engine]:
     """The same for a while; its connections are closed at the end. Raises DatabaseUnusable, also for what the driver says."""
     engine = engine_of(url)
     path = file_of(engine)
@@ -258,7 +258,7 @@ def lent_engine(url: str | URL) -> Iterator[Engine]:
     try:
         yield engine
     except DBAPIError as error:
-        raise DatabaseUnusable(f"database {shown(url)} cannot be used: {error.orig}") from error
+        raise DatabaseUnusable(f"database {redacted_url(url)} cannot be used: {error.orig}") from error
     finally:
         engine.dispose()
         if place is not None:
@@ -270,7 +270,7 @@ def _engine(url: str | URL) -> Engine:
     dialect = parsed.get_dialect().name
     if dialect == "sqlite" and "uri" in parsed.query:
         raise DatabaseUnusable(
-            f"database {shown(url)} cannot be used: `uri` is not taken: name the file itself, as in sqlite:////folder/name.db"
+            f"database {redacted_url(url)} cannot be used: `uri` is not taken: name the file itself, as in sqlite:////folder/name.db"
         )
     engine = create_engine(
         url, pool_pre_ping=True, connect_args=_CONNECTION if dialect == "postgresql" else {}, json_serializer=json_text

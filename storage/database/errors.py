@@ -4,10 +4,10 @@ from collections.abc import Collection
 
 from sqlalchemy.exc import DataError, DBAPIError, IntegrityError, TimeoutError
 
-from storage.database.damage import is_of_a_part
+from storage.database.damage import is_confined
 
 
-class NotHeld(RuntimeError):
+class LeaseLost(RuntimeError):
     """A lease is another replica's by now."""
 
     def __init__(self, names: Collection[str]) -> None:
@@ -15,14 +15,14 @@ class NotHeld(RuntimeError):
         self.names = frozenset(names)
 
 
-def concerns_all(error: BaseException) -> bool:
+def is_database_wide(error: BaseException) -> bool:
     """Whether an error is the database's, or of who may write to it: whatever else is tried now would fail as well. Damaged
     pages hinder only who needs them.
     """
-    of_one = isinstance(error, DataError | IntegrityError) or is_of_a_part(error)
-    return isinstance(error, NotHeld | DBAPIError | TimeoutError) and not of_one
+    of_one = isinstance(error, DataError | IntegrityError) or is_confined(error)
+    return isinstance(error, LeaseLost | DBAPIError | TimeoutError) and not of_one
 
 
-def words(error: Exception) -> str:
+def error_message(error: Exception) -> str:
     """What the database said, or what said that there is none."""
     return str(getattr(error, "orig", None) or error)

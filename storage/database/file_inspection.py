@@ -12,18 +12,18 @@ from sqlalchemy.pool import NullPool
 
 from storage.database.schema import revision_of
 
-AS_IT_IS = "mode=ro&immutable=1"
+UNCHANGED = "mode=ro&immutable=1"
 """For SQLite: no locks, no logs."""
 _STEPS = 10_000
 """Of SQLite's machine, between two looks at the clock."""
 
 
 @contextmanager
-def looking_engine(path: Path) -> Iterator[Engine]:
+def inspection_engine(path: Path) -> Iterator[Engine]:
     """Where connections for looking come from. Not for a file that somebody has open: they may see it half written."""
     log = path.with_name(path.name + "-wal")
     # What a log holds is read from it, through an index of its own; without one the file is taken as it is, and no log made.
-    with _engine(path, AS_IT_IS if not log.exists() or not log.stat().st_size else "mode=ro") as engine:
+    with _engine(path, UNCHANGED if not log.exists() or not log.stat().st_size else "mode=ro") as engine:
         yield engine
 
 
@@ -33,7 +33,7 @@ def revision_beside_a_service(path: Path) -> str | None:
     None where it stands in the log only.
     """
     try:
-        with _engine(path, AS_IT_IS) as engine, engine.connect() as connection:
+        with _engine(path, UNCHANGED) as engine, engine.connect() as connection:
             return revision_of(connection)
     except DatabaseError:
         return None

@@ -10,11 +10,11 @@ from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
 
 from storage.database.claim import DatabaseUnusable, file_of
-from storage.database.engine import engine_of, shown
+from storage.database.engine import engine_of, redacted_url
 
 
 @contextmanager
-def looking(url: str) -> Iterator[Session]:
+def read_only_session(url: str) -> Iterator[Session]:
     """A session for looking, of whatever revision the schema is. Raises DatabaseUnusable, also for what is asked in it."""
     engine = engine_of(url)
     path = file_of(engine)
@@ -24,7 +24,7 @@ def looking(url: str) -> Iterator[Session]:
         with Session(engine) as session:
             yield session
     except DBAPIError as error:
-        raise DatabaseUnusable(f"database {shown(url)} cannot be used: {error.orig}") from error
+        raise DatabaseUnusable(f"database {redacted_url(url)} cannot be used: {error.orig}") from error
     finally:
         engine.dispose()
 

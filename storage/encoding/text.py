@@ -17,11 +17,11 @@ def plain_lines(text: str) -> str:
 
 
 def nul_escaped(text: str) -> str:
-    """A text that holds NUL with `\\x00` for it and its backslashes doubled, so that `nul_back` can tell; another as it is."""
+    """A text that holds NUL with `\\x00` for it and its backslashes doubled, so that `nul_unescaped` can tell; another as it is."""
     return text.replace("\\", "\\\\").replace("\0", "\\x00") if "\0" in text else text
 
 
-def nul_back(text: str) -> str:
+def nul_unescaped(text: str) -> str:
     """What `nul_escaped` was given, if that changed it."""
     return re.sub(r"\\(\\|x00)", lambda found: "\\" if found[1] == "\\" else "\0", text) if "\\x00" in text else text
 

@@ -10,7 +10,7 @@ from storage.clock import now
 from storage.tables import DiagnosisRow, IdentificationRow
 
 
-def keep(
+def add(
     session: Session, of: IdentificationRow, *, baseline: Sequence[int], runs: int, causes: list[dict[str, Any]]
 ) -> DiagnosisRow:
     """Store what an identification led to. baseline: ids that it was compared with; runs: how many were looked at together."""

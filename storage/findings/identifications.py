@@ -46,7 +46,7 @@ class Origin:
 
 
 @dataclass(frozen=True)
-class Like:
+class ComparisonGroup:
     """What identifications must have in common to be compared: one of these machine revisions, kind of run, slow-roll vectors.
 
     since: measured at that time or later [ns].
@@ -170,7 +170,7 @@ def of_machine(
     return session.scalars(query.limit(limit)).all()
 
 
-def first_accepted(session: Session, machine_id: str, like: Like, *, limit: int) -> Sequence[IdentificationRow]:
+def first_accepted(session: Session, machine_id: str, like: ComparisonGroup, *, limit: int) -> Sequence[IdentificationRow]:
     """The first accepted identifications of single runs that are alike, oldest first."""
     query = _accepted_runs(machine_id, like)
     return session.scalars(query.order_by(IdentificationRow.measured_at, IdentificationRow.id).limit(limit)).all()
@@ -191,7 +191,7 @@ def first_of(session: Session, machine_id: str, *, revision: int, slow_roll_vers
 
 
 def newest(
-    session: Session, machine_id: str, like: Like, *, limit: int, last: int | None = None, accepted: bool = True
+    session: Session, machine_id: str, like: ComparisonGroup, *, limit: int, last: int | None = None, accepted: bool = True
 ) -> Sequence[IdentificationRow]:
     """The newest identifications of single runs that are alike, measured up to a time [ns], newest first.
 
@@ -204,10 +204,10 @@ def newest(
     return session.scalars(query.order_by(*order).limit(limit)).all()
 
 
-def newest_of_a_run(session: Session, machine_id: str) -> IdentificationRow | None:
+def newest_of_single_run(session: Session, machine_id: str) -> IdentificationRow | None:
     """The newest accepted identification of a single run, of any kind, that counts."""
     query = select(IdentificationRow).where(IdentificationRow.machine_id == machine_id, IdentificationRow.accepted)
-    query = query.where(IdentificationRow.scope == RUN, IdentificationRow.id.in_(counting(machine_id)))
+    query = query.where(IdentificationRow.scope == RUN, IdentificationRow.id.in_(counted_ids(machine_id)))
     query = query.where(IdentificationRow.measured_at <= now() + TOLERANCE)
     order = (IdentificationRow.measured_at.desc(), IdentificationRow.id.desc())
     return session.scalars(query.order_by(*order).limit(1)).one_or_none()
@@ -217,12 +217,14 @@ def is_newest(session: Session, row: IdentificationRow) -> bool:
     """Whether no single run of the same kind was measured later, and this one not in the future."""
     latest = now() + TOLERANCE
     query = select(IdentificationRow.id).where(IdentificationRow.machine_id == row.machine_id, IdentificationRow.scope == RUN)
-    query = query.where(IdentificationRow.run_kind == row.run_kind, IdentificationRow.id.in_(counting(row.machine_id)))
+    query = query.where(IdentificationRow.run_kind == row.run_kind, IdentificationRow.id.in_(counted_ids(row.machine_id)))
     query = query.where(IdentificationRow.measured_at > row.measured_at, IdentificationRow.measured_at <= latest)
     return row.measured_at <= latest and session.scalars(query.limit(1)).first() is None
 
 
-def named(session: Session, machine_id: str, like: Like, ids: Sequence[int]) -> Sequence[IdentificationRow]:
+def accepted_among(
+    session: Session, machine_id: str, like: ComparisonGroup, ids: Sequence[int]
+) -> Sequence[IdentificationRow]:
     """Those of some identifications that are accepted and alike, oldest first; whenever they were measured.
 
     For a run that was identified again stands the identification that counts now.
@@ -233,7 +235,7 @@ def named(session: Session, machine_id: str, like: Like, ids: Sequence[int]) -> 
     return session.scalars(query.order_by(IdentificationRow.measured_at, IdentificationRow.id)).all()
 
 
-def counting(machine_id: str) -> Select[int]:
+def counted_ids(machine_id: str) -> Select[int]:
     """Ids of the identifications that trends, baselines and alerts use.
 
     A run may be identified again: after late samples, or with other slow-roll vectors in force. Of the identifications with
@@ -251,11 +253,11 @@ def counting(machine_id: str) -> Select[int]:
     return select(ranked.c.id).where(ranked.c.place == 1)
 
 
-def _accepted_runs(machine_id: str, like: Like) -> Select[IdentificationRow]:
+def _accepted_runs(machine_id: str, like: ComparisonGroup) -> Select[IdentificationRow]:
     return _runs(machine_id, like).where(IdentificationRow.accepted)
 
 
-def _runs(machine_id: str, like: Like) -> Select[IdentificationRow]:
+def _runs(machine_id: str, like: ComparisonGroup) -> Select[IdentificationRow]:
     """Without what a clock that was wrong dated in the future: it would be the newest for as long as that takes to come."""
     return (
         select(IdentificationRow)
@@ -263,7 +265,7 @@ def _runs(machine_id: str, like: Like) -> Select[IdentificationRow]:
         .where(IdentificationRow.measured_at >= like.since, IdentificationRow.measured_at <= now() + TOLERANCE)
         .where(IdentificationRow.scope == RUN, IdentificationRow.run_kind == like.run_kind)
         .where(IdentificationRow.slow_roll_version == like.slow_roll_version)
-        .where(IdentificationRow.id.in_(counting(machine_id)))
+        .where(IdentificationRow.id.in_(counted_ids(machine_id)))
         .options(undefer(IdentificationRow.covariance), undefer(IdentificationRow.point))
         .options(undefer(IdentificationRow.channel_effects))
     )

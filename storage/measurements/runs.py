@@ -72,7 +72,7 @@ def free_start(session: Session, machine_id: str, time: int) -> int:
     return time
 
 
-def current(session: Session, machine_id: str) -> RunRow | None:
+def open_run_of(session: Session, machine_id: str) -> RunRow | None:
     """The open run of a machine."""
     query = select(RunRow).where(RunRow.machine_id == machine_id, RunRow.state == OPEN)
     return session.scalars(query).one_or_none()
@@ -89,7 +89,7 @@ def end(row: RunRow, *, first: int, last: int, reason: str) -> None:
     row.extent = {"first": first, "last": last}
 
 
-def end_collected(row: RunRow, *, times: Sequence[int], reason: str) -> None:
+def end_rolling(row: RunRow, *, times: Sequence[int], reason: str) -> None:
     """Record that a rolling collection is over: it consists of the samples at these times [ns], ascending."""
     row.state, row.reason, row.time_last = ENDED, reason, times[-1]
     row.extent = {"times": list(times)}
@@ -102,7 +102,7 @@ def ended(session: Session) -> Sequence[tuple[int, str]]:
 
 
 def extent(session: Session, run_id: int) -> dict[str, Any]:
-    """What an ended run is to be made of, see `end` and `end_collected`. Raises RunUnknown."""
+    """What an ended run is to be made of, see `end` and `end_rolling`. Raises RunUnknown."""
     row = session.get(RunRow, run_id, options=[undefer(RunRow.extent)])
     if row is None:
         raise RunUnknown(run_id)
@@ -135,20 +135,20 @@ def close(
         row.speed_maximum = float(np.max(samples.speed))
 
 
-def keep_crossed(session: Session, run_id: int, critical_speeds_rpm: Sequence[float]) -> None:
+def store_crossed_speeds(session: Session, run_id: int, critical_speeds_rpm: Sequence[float]) -> None:
     """Note the critical speeds of the document's model that a run has crossed [r/min]. Raises RunUnknown."""
     row = get(session, run_id)
     if row.coverage is not None:
         row.coverage = row.coverage | {CROSSED: list(critical_speeds_rpm)}
 
 
-def leave_out(row: RunRow, count: int) -> None:
+def add_left_out_samples(row: RunRow, count: int) -> None:
     """Note samples that came when a run could not be made anew any more: they are counted, and not part of it."""
     if row.coverage is not None:  # it is null in a run without samples
         row.coverage = row.coverage | {LEFT_OUT: row.coverage.get(LEFT_OUT, 0) + count}
 
 
-def touching(session: Session, machine_id: str, *, revision: int, first: int, last: int) -> Sequence[RunRow]:
+def overlapping(session: Session, machine_id: str, *, revision: int, first: int, last: int) -> Sequence[RunRow]:
     """Sweeps of one revision that overlap the time from first to last [ns], oldest first; open ones among them."""
     query = (
         select(RunRow)
@@ -192,7 +192,7 @@ def read(run_id: int, data: bytes) -> Samples:
         raise DamagedBlock(f"the samples of run {run_id} cannot be read: {error}") from error
 
 
-def keep_quality(session: Session, run_id: int, quality: "Quality") -> None:
+def store_quality(session: Session, run_id: int, quality: "Quality") -> None:
     """Store what was found of a run: a summary, and each phasor's flags. Raises RunUnknown."""
     row = get(session, run_id)
     row.quality = {
@@ -235,7 +235,7 @@ def _require_kept(row: RunRow) -> None:
         )
 
 
-def before(session: Session, row: RunRow) -> RunRow | None:
+def previous_run(session: Session, row: RunRow) -> RunRow | None:
     """The closed run before another, of the same machine, revision, kind and sense of rotation."""
     query = (
         select(RunRow)

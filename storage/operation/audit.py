@@ -16,7 +16,7 @@ from sqlalchemy import select, text
 from sqlalchemy.orm import Session
 
 from storage.clock import now
-from storage.encoding.text import nul_back, plain_text
+from storage.encoding.text import nul_unescaped, plain_text
 from storage.paging import Keys, ordered
 from storage.tables import AuditHeadRow, AuditRow
 
@@ -92,7 +92,7 @@ def head(session: Session) -> tuple[int, str]:
     return (0, BEGINNING) if row is None else (row.number, row.hash)
 
 
-def holds(session: Session, noted: tuple[int, str]) -> bool:
+def is_intact(session: Session, noted: tuple[int, str]) -> bool:
     """Whether the entry of a number and hash noted before is still there, as it was."""
     number, digest = noted
     if number == 0:
@@ -122,7 +122,7 @@ def _breaks(session: Session, known: Collection[tuple[int, str]]) -> Iterator[Br
         # An entry of an older release may hold NUL, which a move to PostgreSQL has escaped.
         if wrong is not None:
             yield Break(row.number, f"was changed: its `{wrong[0]}` is no {wrong[1]}")
-        elif row.hash != digest(row) and row.hash != digest(row, text_as=nul_back):
+        elif row.hash != digest(row) and row.hash != digest(row, text_as=nul_unescaped):
             yield Break(row.number, "was changed")
         if noted.get(row.number, set()) - {row.hash}:
             yield Break(row.number, "is not the entry that was noted")

@@ -31,7 +31,7 @@ def join(session: Session, *, role: str, host: str, process: int) -> int:
     return row.id
 
 
-def beat(session: Session, number: int) -> bool:
+def heartbeat(session: Session, number: int) -> bool:
     """Say that a replica lives. False when it was taken for gone meanwhile: then it holds nothing any more."""
     row = session.get(ReplicaRow, number)
     if row is None:
@@ -40,14 +40,14 @@ def beat(session: Session, number: int) -> bool:
     return True
 
 
-def every(session: Session) -> Sequence[ReplicaRow]:
+def list_all(session: Session) -> Sequence[ReplicaRow]:
     """All that are written down, by number."""
     return session.scalars(select(ReplicaRow).order_by(ReplicaRow.id)).all()
 
 
-def gone(session: Session, *, me: int) -> list[ReplicaRow]:
+def expired(session: Session, *, me: int) -> list[ReplicaRow]:
     """Replicas that do not live any more. me: number of the replica that asks."""
-    others = [row for row in every(session) if row.id != me]
+    others = [row for row in list_all(session) if row.id != me]
     if session.get_bind().dialect.name != "postgresql":
         return others
     held, oldest = _holding(session), clock(session) - int(LEASE_S * 1e9)

@@ -33,7 +33,7 @@ def cut_off(session: Session, tier: str) -> tuple[int, int] | None:
     return None if row is None else (row.cut_off, row.allowance)
 
 
-def keep_cut_off(session: Session, tier: str, *, time: int, allowance: int) -> None:
+def store_cut_off(session: Session, tier: str, *, time: int, allowance: int) -> None:
     """Remember cut-off and allowance of a tier [ns]."""
     session.merge(RetentionRow(tier=tier, cut_off=time, allowance=allowance))
 

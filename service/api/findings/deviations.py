@@ -116,7 +116,7 @@ def _compared(request: Request, session: Session, machine_id: str, which: int | 
 
 def _chosen(session: Session, machine_id: str, which: int | None) -> IdentificationRow:
     if which is None:
-        newest = identifications.newest_of_a_run(session, machine_id)
+        newest = identifications.newest_of_single_run(session, machine_id)
         if newest is None:
             raise IdentificationUnknown(f"of machine '{machine_id}' was accepted yet")
         return newest

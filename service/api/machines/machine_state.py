@@ -83,7 +83,7 @@ def progress(kind: str, now: CollectionState, *, minimum_rpm: float, maximum_rpm
 
 
 def _open_run(session: Session, machine: Machine, now: CollectionState) -> OpenRun | None:
-    row = runs.current(session, machine.id)
+    row = runs.open_run_of(session, machine.id)
     if row is None:
         return None
     limits = machine.speed_range

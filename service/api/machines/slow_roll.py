@@ -242,7 +242,7 @@ def _stored(session: Session, machine_id: str, body: SlowRollIn) -> tuple[Machin
         raise Unsuitable(f"from must be before to, by at most {LONGEST_CAPTURE_S // 86_400} days")
     revision = machines.get(session, machine_id).revision
     document = machines.document(session, machine_id, revision)
-    channels, also = len(document.probes), machines.measured_alike(session, machine_id, revision)
+    channels, also = len(document.probes), machines.revisions_with_same_channels(session, machine_id, revision)
     return document, samples.between(
         session,
         machine_id,

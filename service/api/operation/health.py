@@ -16,7 +16,7 @@ from service.security.requirement import ADMIN, ANYBODY, VIEWER
 from service.wire import OwnFault, Reason
 from storage.database.claim import DatabaseUnusable
 from storage.database.engine import Database
-from storage.database.errors import concerns_all
+from storage.database.errors import is_database_wide
 from storage.measurements import quarantine, samples
 
 router = APIRouter(tags=["operations"])
@@ -51,7 +51,7 @@ async def looked_at(request: Request) -> HealthReport:
     except DatabaseUnusable as error:
         unanswered = str(error)
     except DBAPIError as error:
-        if concerns_all(error):
+        if is_database_wide(error):
             unanswered = f"the database does not answer: {error.orig}"
     parts["database"] = unanswered or kept.damage.trouble or "ok"
     return HealthReport(parts, counts, answers=unanswered is None)

@@ -23,7 +23,7 @@ from service.wire import OwnFault, Reason
 from storage.alerts import deliveries
 from storage.clock import now
 from storage.database.claim import DatabaseUnusable
-from storage.database.errors import concerns_all
+from storage.database.errors import is_database_wide
 from storage.findings import jobs
 from storage.measurements import quarantine, samples
 from storage.measurements.samples import Totals
@@ -149,7 +149,7 @@ async def read_metrics(request: Request) -> Response:
         try:
             kept = await run_in_threadpool(_kept, database(request))
         except (DatabaseUnusable, DBAPIError) as error:
-            answers = not concerns_all(error) and not isinstance(error, DatabaseUnusable)
+            answers = not is_database_wide(error) and not isinstance(error, DatabaseUnusable)
             parts["database"] = state.database.damage.trouble or str(error)
     gauges["rundown_database_answers"] = int(answers)
     gauges["rundown_store_damaged"] = int(state.database.damage.trouble is not None)

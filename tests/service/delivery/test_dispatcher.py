@@ -304,7 +304,7 @@ def test_a_delivery_is_given_up_when_the_schedule_is_over_and_can_be_asked_for_a
         assert rows(plant, subscription)[0].attempts == 3
         http.well.set()
         with plant.transaction() as session:
-            deliveries.again(deliveries.delivery(session, rows(plant, subscription)[0].id))
+            deliveries.redeliver(deliveries.delivery(session, rows(plant, subscription)[0].id))
         wait_until(lambda: states(plant, subscription) == ["delivered"])
     assert len({one.headers["webhook-id"] for one in http.received}) == 1
 

@@ -182,19 +182,19 @@ def test_plain_secrets_of_an_older_release_are_sealed_and_leave_no_copy(stores: 
             for number, secret in enumerate(plain):
                 deliveries.subscribe(session, kind="webhook", name=f"{number}", target=TARGET, secret=secret)
                 idempotency.claim(session, f"key {number}", "")
-                idempotency.answered(session, f"key {number}", told(secret))
+                idempotency.store_response(session, f"key {number}", told(secret))
             idempotency.claim(session, "other", "")
-            idempotency.answered(session, "other", StoredResponse(201, [], b"{}"))
+            idempotency.store_response(session, "other", StoredResponse(201, [], b"{}"))
         with database.transaction() as session:  # these leave their pages behind
             keep_deleted(session)
             for number in range(20):
                 idempotency.release(session, f"key {number}")
-            for row in deliveries.with_secret(session):
+            for row in deliveries.list_subscriptions_with_secret(session):
                 row.reason = "x" * 300
         secrets = secret_upkeep.opened(database, Settings(database=url))
         assert held(tmp_path, *plain) == []
         with database.reading() as session:
-            rows = deliveries.with_secret(session)
+            rows = deliveries.list_subscriptions_with_secret(session)
             assert [secrets.reveal(row) for row in rows] == plain
             assert SecretReport.at(rows, secrets) == SecretReport([], [])
         with database.transaction() as session:

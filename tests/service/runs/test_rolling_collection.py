@@ -102,7 +102,7 @@ def test_a_restart_at_any_message_changes_nothing(rolling: Database, new_databas
 
 
 def test_what_is_remembered_is_bounded(rolling: Database, journal: PromptJournal, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("storage.measurements.runs.end_collected", lambda *_args, **_more: None)
+    monkeypatch.setattr("storage.measurements.runs.end_rolling", lambda *_args, **_more: None)
     send(journal, wander(3000, high=1500.0), 0, 3000)
     with rolling.reading() as session:
         now = standing(session, KEY.machine)

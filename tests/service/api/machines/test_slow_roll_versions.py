@@ -26,7 +26,7 @@ from storage.database.engine import Database
 from storage.database.plant_scope import PlantScope
 from storage.encoding.sample_blocks import Samples, encode
 from storage.findings import identifications, jobs, trends
-from storage.findings.identifications import Like
+from storage.findings.identifications import ComparisonGroup
 from storage.machines import machines
 from storage.measurements import runs
 from tests.asking import PREFIX, Api, problem
@@ -357,13 +357,13 @@ def test_an_old_run_is_identified_again_without_its_slow_roll(train: tuple[Datab
 
 
 def test_the_newest_accepted_identification_of_a_run_counts(plant: Database) -> None:
-    like = Like(revisions=(1,), run_kind="run-down")
+    like = ComparisonGroup(revisions=(1,), run_kind="run-down")
     with plant.transaction() as session:
         first = store_identification(session, identification({"coupling.C1.kxx": 1.1}), run_id=1).id
         other = store_identification(session, identification(), run_id=2, measured_at=START + 1).id
 
         def again(accepted: bool, scope: str = jobs.RUN) -> int:
-            job = jobs.ask(session, "pump-7", scope=scope, run_ids=[1], options={"again": len(made), "scope": scope})
+            job = jobs.enqueue(session, "pump-7", scope=scope, run_ids=[1], options={"again": len(made), "scope": scope})
             assert job is not None
             origin = identifications.Origin("pump-7", 1, job.id, scope, "run-down", [1], START, {"starts": 10}, "0.1.0")
             made.append(identifications.add(session, origin, identification(accepted=accepted)).id)
@@ -385,7 +385,7 @@ def test_the_newest_accepted_identification_of_a_run_counts(plant: Database) -> 
         assert counted() == ([first, other], [first, other])
         second = again(accepted=True)
         assert counted() == ([second, other], [second, other])
-        pinned = identifications.named(session, "pump-7", like, [first])
+        pinned = identifications.accepted_among(session, "pump-7", like, [first])
         assert [row.id for row in pinned] == [second]  # a baseline of named identifications follows
         assert identifications.get(session, first).accepted  # the older ones stay readable
         assert len(identifications.of_machine(session, "pump-7")) == 5
@@ -394,7 +394,7 @@ def test_the_newest_accepted_identification_of_a_run_counts(plant: Database) -> 
 def test_of_a_run_that_was_never_accepted_the_newest_identification_shows(plant: Database) -> None:
     with plant.transaction() as session:
         store_identification(session, identification(accepted=False), run_id=1)
-        job = jobs.ask(session, "pump-7", scope=jobs.RUN, run_ids=[1], options={"reopened": True})
+        job = jobs.enqueue(session, "pump-7", scope=jobs.RUN, run_ids=[1], options={"reopened": True})
         assert job is not None
         origin = identifications.Origin("pump-7", 1, job.id, jobs.RUN, "run-down", [1], START, {}, "0.1.0")
         newest = identifications.add(session, origin, identification(accepted=False)).id
