@@ -84,8 +84,8 @@ def restore(url: str, file: Path, *, overwrite: bool = False) -> Restored:
     with temporary_engine(url) as engine:
         if engine.dialect.name != found.kind:
             raise BackupUnusable(
-                f"{file} is a backup of {found.kind}, {redacted_url(url)} is of {engine.dialect.name}: restore it to a database "
-                "of its own kind, then take it over with `rundown move`"
+                f"{file} is a backup of {found.kind}, {redacted_url(url)} is of {engine.dialect.name}: restore it to a "
+                "database of its own kind, then take it over with `rundown move`"
             )
         claim = Claim(engine)
         try:
