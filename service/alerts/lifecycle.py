@@ -54,7 +54,7 @@ CALLING = frozenset({AlertCondition.UNACKNOWLEDGED, AlertCondition.RETURNED, Ale
 
 
 @dataclass(frozen=True)
-class AlertStanding:
+class AlertStatus:
     """Where an alert stands. severity: of its cause, also after it is gone; latching: whether a person must reset it."""
 
     condition: AlertCondition = AlertCondition.NORMAL
@@ -119,7 +119,7 @@ class Forbidden(Conflict):
     """The event is not allowed where the alert stands; the message says why and what would be right."""
 
 
-def advance(standing: AlertStanding, event: Event) -> AlertStanding:
+def advance(standing: AlertStatus, event: Event) -> AlertStatus:
     """The next standing; an equal one when the event changes nothing. Raises Forbidden."""
     match event:
         case Raised(severity):
@@ -136,14 +136,14 @@ def advance(standing: AlertStanding, event: Event) -> AlertStanding:
             return _released(standing, suppression)
 
 
-def _raised(standing: AlertStanding, severity: Severity) -> AlertStanding:
+def _raised(standing: AlertStatus, severity: Severity) -> AlertStatus:
     worse = severity > standing.severity
     if standing.condition is AlertCondition.ACKNOWLEDGED and not worse:
         return replace(standing, severity=severity)
     return replace(standing, condition=AlertCondition.UNACKNOWLEDGED, severity=severity)
 
 
-def _cleared(standing: AlertStanding) -> AlertStanding:
+def _cleared(standing: AlertStatus) -> AlertStatus:
     if standing.condition not in ACTIVE:
         return standing
     seen = standing.condition is AlertCondition.ACKNOWLEDGED
@@ -155,7 +155,7 @@ def _cleared(standing: AlertStanding) -> AlertStanding:
     return replace(standing, condition=AlertCondition.NORMAL if gone else AlertCondition.RETURNED)
 
 
-def _acknowledged(standing: AlertStanding) -> AlertStanding:
+def _acknowledged(standing: AlertStatus) -> AlertStatus:
     if standing.closed:
         raise Forbidden("the alert is closed: there is nothing to acknowledge")
     if standing.suppressions:
@@ -170,7 +170,7 @@ def _acknowledged(standing: AlertStanding) -> AlertStanding:
     return replace(standing, condition=following[standing.condition])
 
 
-def _reset(standing: AlertStanding) -> AlertStanding:
+def _reset(standing: AlertStatus) -> AlertStatus:
     if standing.condition not in LATCHED:
         raise Forbidden(f"the alert is {standing.condition}, not latched: only a latched alert is reset")
     if standing.condition is AlertCondition.LATCHED_UNACKNOWLEDGED:
@@ -178,7 +178,7 @@ def _reset(standing: AlertStanding) -> AlertStanding:
     return replace(standing, condition=AlertCondition.NORMAL)
 
 
-def _released(standing: AlertStanding, suppression: Suppression) -> AlertStanding:
+def _released(standing: AlertStatus, suppression: Suppression) -> AlertStatus:
     if suppression not in standing.suppressions:
         raise Forbidden(f"the alert is not {suppression}")
     left = standing.suppressions - {suppression}

@@ -14,7 +14,7 @@ from estimator.errors import Invalid
 from service.alerts.lifecycle import (
     Acknowledged,
     AlertCondition,
-    AlertStanding,
+    AlertStatus,
     Cleared,
     Event,
     Forbidden,
@@ -71,9 +71,9 @@ class Person:
     comment: str = ""
 
 
-def standing(row: AlertRow) -> AlertStanding:
+def status_of(row: AlertRow) -> AlertStatus:
     """Where a stored alert stands."""
-    return AlertStanding(
+    return AlertStatus(
         condition=AlertCondition(row.condition),
         severity=Severity(row.severity),
         latching=row.latching,
@@ -97,28 +97,28 @@ def raise_alert(session: Session, machine_id: str, *, rule: str, element: str, f
             latching=finding.latching,
         )
         row.suppressions = sorted({one.kind for one in suppressions.of_alert(session, machine_id, rule=rule, element=element)})
-        row.state = standing(row).state
+        row.state = status_of(row).state
     else:
         row.message, row.evidence, row.latching = finding.message, finding.evidence, finding.latching
         row.identification_id, row.measured_at = finding.identification_id, finding.measured_at
         row.updated_at = now()
-    _happen(session, row, Raised(finding.severity), "raised", Person(SERVICE))
+    _apply_event(session, row, Raised(finding.severity), "raised", Person(SERVICE))
     return row
 
 
 def clear_alert(session: Session, row: AlertRow, *, comment: str = "") -> None:
     """The cause is gone."""
-    _happen(session, row, Cleared(), "cleared", Person(SERVICE, comment))
+    _apply_event(session, row, Cleared(), "cleared", Person(SERVICE, comment))
 
 
 def acknowledge(session: Session, row: AlertRow, person: Person) -> None:
     """A person has seen it. Raises Forbidden."""
-    _happen(session, row, Acknowledged(), "acknowledged", person)
+    _apply_event(session, row, Acknowledged(), "acknowledged", person)
 
 
 def reset(session: Session, row: AlertRow, person: Person) -> None:
     """A person unlatches it. Raises Forbidden."""
-    _happen(session, row, Reset(), "reset", person)
+    _apply_event(session, row, Reset(), "reset", person)
 
 
 def comment(session: Session, row: AlertRow, person: Person) -> None:
@@ -133,7 +133,7 @@ def shelve(session: Session, row: AlertRow, person: Person, *, until: int) -> No
     """
     if row.closed_at is not None:
         raise Forbidden("the alert is closed: only an open alert is shelved")
-    if Suppression.SHELVED in standing(row).suppressions:
+    if Suppression.SHELVED in status_of(row).suppressions:
         raise Forbidden("the alert is shelved already: end that first")
     moment = now()
     if not moment < until <= moment + LONGEST_SHELVING_NS:
@@ -169,7 +169,7 @@ def suppress(
         session, machine_id, kind=kind, rule=rule, element=element, until=until, by=person.name, comment=person.comment
     )
     for row in _matching(session, begun):
-        _happen(session, row, Suppressed(kind), kind.value, person)
+        _apply_event(session, row, Suppressed(kind), kind.value, person)
     return begun
 
 
@@ -182,11 +182,11 @@ def release(session: Session, begun: SuppressionRow, person: Person) -> None:
     kind = Suppression(begun.kind)
     for row in _matching(session, begun):
         left = {one.kind for one in suppressions.of_alert(session, row.machine_id, rule=row.rule, element=row.element)}
-        if kind not in left and kind in standing(row).suppressions:
-            _happen(session, row, Released(kind), f"{kind.value}_ended", person)
+        if kind not in left and kind in status_of(row).suppressions:
+            _apply_event(session, row, Released(kind), f"{kind.value}_ended", person)
 
 
-def release_over(session: Session) -> int:
+def release_expired(session: Session) -> int:
     """End every suppression whose time is over. Returns how many."""
     over = suppressions.expired(session, now())
     for one in over:
@@ -194,7 +194,7 @@ def release_over(session: Session) -> int:
     return len(over)
 
 
-def any_over(session: Session) -> bool:
+def any_expired(session: Session) -> bool:
     """Whether the time of any suppression is over."""
     return bool(suppressions.expired(session, now()))
 
@@ -207,9 +207,9 @@ def _matching(session: Session, one: SuppressionRow) -> list[AlertRow]:
     ]
 
 
-def _happen(session: Session, row: AlertRow, event: Event, kind: str, person: Person) -> None:
+def _apply_event(session: Session, row: AlertRow, event: Event, kind: str, person: Person) -> None:
     """Move an alert on; an event that changes nothing is none."""
-    before = standing(row)
+    before = status_of(row)
     after = advance(before, event)
     if after == before:
         return

@@ -67,7 +67,7 @@ class SecretWatch:
         return {"rundown_webhooks_unsigned": len(self._found.unsigned)}
 
 
-def opened(database: Database, settings: Settings) -> SigningSecrets:
+def open_secrets(database: Database, settings: Settings) -> SigningSecrets:
     """Open the secrets of a service that starts: make a key where one may be, seal what is plain or under an older key."""
     with database.reading() as session:
         sealed = any(is_sealed(row.secret) for row in deliveries.list_subscriptions_with_secret(session))

@@ -115,7 +115,7 @@ def _server(settings: Settings, engine: Engine) -> Iterator[CheckResult]:
         yield from _subscription_kinds(engine)
     engine.dispose()
     if revision == schema.known_revisions()[0]:  # opening an older one would bring it up to date
-        yield _room(settings, lambda budget: _used(settings, budget))
+        yield _disk_room(settings, lambda budget: _used(settings, budget))
 
 
 def _file_in_use(settings: Settings, path: Path) -> Iterator[CheckResult]:
@@ -134,7 +134,7 @@ def _file_in_use(settings: Settings, path: Path) -> Iterator[CheckResult]:
         if revision
         else CheckResult("ok", "schema", "is the running service's, and not in its main file yet")
     )
-    yield _room(settings, lambda budget: disk.used_by_file(path, budget=budget))
+    yield _disk_room(settings, lambda budget: disk.used_by_file(path, budget=budget))
 
 
 def _file(settings: Settings, path: Path) -> Iterator[CheckResult]:
@@ -149,7 +149,7 @@ def _file(settings: Settings, path: Path) -> Iterator[CheckResult]:
             yield from _subscription_kinds(engine)
         yield from _keys(connection)
         yield _pages(cast(sqlite3.Connection, connection.connection.driver_connection), path)
-    yield _room(settings, lambda budget: disk.used_by_file(path, budget=budget))
+    yield _disk_room(settings, lambda budget: disk.used_by_file(path, budget=budget))
 
 
 def _keys(connection: Connection) -> Iterator[CheckResult]:
@@ -207,7 +207,7 @@ def _used(settings: Settings, budget: int | None) -> DiskUse:
         return disk.used(database, budget=budget)
 
 
-def _room(settings: Settings, used: Callable[[int | None], DiskUse]) -> CheckResult:
+def _disk_room(settings: Settings, used: Callable[[int | None], DiskUse]) -> CheckResult:
     try:
         use = used(int(settings.disk_budget_gb * 1e9) or None)
     except (DatabaseUnusable, SQLAlchemyError, OSError) as error:

@@ -42,7 +42,7 @@ WIDE = 1 << 24
 
 
 @dataclass(frozen=True)
-class Door:
+class ExposedEndpoint:
     """Something that can be reached. asks: what of who comes; lets: what anybody may do who gives no more than that;
     because: the settings that make it so.
     """
@@ -56,7 +56,7 @@ class Door:
     because: str
 
 
-def doors(settings: Settings) -> list[Door]:
+def exposed_endpoints(settings: Settings) -> list[ExposedEndpoint]:
     """Return all endpoints that can be reached, worst first."""
     found = [
         _api(settings, list(every_operation())),
@@ -88,7 +88,7 @@ def credentials_asked(settings: Settings) -> tuple[bool, str]:
     )
 
 
-def _api(settings: Settings, operations: Sequence[ApiOperation]) -> Door:
+def _api(settings: Settings, operations: Sequence[ApiOperation]) -> ExposedEndpoint:
     asked, told = credentials_asked(settings)
     reach, why = _reach_of_api(settings)
     encrypted = bool(settings.tls_certificate) or (reach == PROXY and settings.public_url.startswith("https:"))
@@ -106,7 +106,7 @@ def _api(settings: Settings, operations: Sequence[ApiOperation]) -> Door:
         asks = f"{NOBODY}; {tls}"
         changing = sum(not one.methods <= SAFE_METHODS for one in operations)
         lets = f"everything: {len(operations)} operations, of which {changing} change something"
-    return Door(level, "REST API, page and metrics", address, reach, asks, lets, because)
+    return ExposedEndpoint(level, "REST API, page and metrics", address, reach, asks, lets, because)
 
 
 def _reach_of_api(settings: Settings) -> tuple[str, str]:
@@ -130,7 +130,7 @@ def _named(operations: Iterable[ApiOperation]) -> str:
     return ", ".join(f"{min(one.methods - {'HEAD'}, default='HEAD')} {one.path}" for one in operations)
 
 
-def _endpoint(settings: Settings, endpoint: str) -> Door:
+def _endpoint(settings: Settings, endpoint: str) -> ExposedEndpoint:
     """Describe an endpoint on which the service is a zenoh router."""
     reached = bool(beyond([endpoint]))
     certificates = endpoint.partition("/")[0] in ENCRYPTED and bool(settings.zenoh_tls_ca)
@@ -149,7 +149,7 @@ def _endpoint(settings: Settings, endpoint: str) -> Door:
         level = "open" if reached else level
         asks, lets = NOBODY, everything
         because += f"no zenoh_access{_twice(settings, level) if reached else ''}"
-    return Door(level, "zenoh, for sources", endpoint, NETWORK if reached else MACHINE, asks, lets, because)
+    return ExposedEndpoint(level, "zenoh, for sources", endpoint, NETWORK if reached else MACHINE, asks, lets, because)
 
 
 def _rules(file: Path) -> str:
@@ -163,12 +163,12 @@ def _rules(file: Path) -> str:
     )
 
 
-def _router(endpoint: str) -> Door:
+def _router(endpoint: str) -> ExposedEndpoint:
     """Describe a router of somebody else, to which the service connects."""
     inside = not beyond([endpoint])
     clear = endpoint.partition("/")[0] not in ENCRYPTED
     level: Level = "local" if inside else "weak" if clear else "guarded"
-    return Door(
+    return ExposedEndpoint(
         level,
         "zenoh router",
         endpoint,
@@ -179,7 +179,7 @@ def _router(endpoint: str) -> Door:
     )
 
 
-def _database(settings: Settings) -> Iterator[Door]:
+def _database(settings: Settings) -> Iterator[ExposedEndpoint]:
     url = make_url(settings.database)
     if url.get_dialect().name != "postgresql":
         return
@@ -188,7 +188,7 @@ def _database(settings: Settings) -> Iterator[Door]:
     inside = not host or host.startswith("/") or is_loopback(host)
     checked = mode in CHECKED_TLS
     level: Level = "local" if inside else "guarded" if checked else "weak"
-    yield Door(
+    yield ExposedEndpoint(
         level,
         "PostgreSQL",
         f"{host or 'a socket'}:{url.port or 5432}",
@@ -199,13 +199,13 @@ def _database(settings: Settings) -> Iterator[Door]:
     )
 
 
-def _scheduler(settings: Settings) -> Iterator[Door]:
+def _scheduler(settings: Settings) -> Iterator[ExposedEndpoint]:
     if not settings.dask_scheduler:
         return
     where = urlsplit(settings.dask_scheduler)
     inside, tls = is_loopback(where.hostname or ""), where.scheme == "tls"
     level: Level = "local" if inside else "guarded" if tls else "open"
-    yield Door(
+    yield ExposedEndpoint(
         level,
         "Dask scheduler",
         settings.dask_scheduler,
@@ -216,12 +216,12 @@ def _scheduler(settings: Settings) -> Iterator[Door]:
     )
 
 
-def _inner_network(network: ipaddress.IPv4Network | ipaddress.IPv6Network) -> Door:
+def _inner_network(network: ipaddress.IPv4Network | ipaddress.IPv6Network) -> ExposedEndpoint:
     """Describe a private network to which the service posts."""
     own = any(network.overlaps(one) for one in map(ipaddress.ip_network, OWN) if one.version == network.version)
     level: Level = "weak" if own or network.num_addresses > WIDE else "guarded"
     also = ", among them addresses of the service's machine itself" if own else ""
-    return Door(
+    return ExposedEndpoint(
         level,
         "inner addresses for webhooks",
         str(network),
@@ -232,7 +232,7 @@ def _inner_network(network: ipaddress.IPv4Network | ipaddress.IPv6Network) -> Do
     )
 
 
-def _files(settings: Settings) -> Iterator[Door]:
+def _files(settings: Settings) -> Iterator[ExposedEndpoint]:
     """Yield files that others on this machine may read or write; those of a secret end the start besides."""
     path = file_of(engine_of(settings.database))
     database = [] if path is None else readable_by_others(path)
@@ -249,7 +249,7 @@ def _files(settings: Settings) -> Iterator[Door]:
     folders = [Path(one) for one in (settings.backups, settings.webhook_secrets_folder) if one]
     inside = [file for folder in folders for file in _within(folder)]
     for file in [*database, *(one for one in [*others, *inside] if _open_to_others(one, settings))]:
-        yield Door(
+        yield ExposedEndpoint(
             "weak",
             "file",
             str(file),
@@ -277,7 +277,7 @@ def _open_to_others(file: Path, settings: Settings) -> bool:
     return bool(mode & forbidden) and stat.S_ISREG(mode)
 
 
-def written(door: Door) -> str:
+def endpoint_lines(door: ExposedEndpoint) -> str:
     """Write an endpoint for people."""
     lines = (
         f"{door.level:8s} {door.what}: {door.address}",

@@ -189,15 +189,15 @@ class Agent:
         if batch is None:
             return
         position = msgspec.json.encode(self._progress).decode()
-        if self._insist(lambda: self._source.publish(batch, position=position), stop):
+        if self._publish_with_retry(lambda: self._source.publish(batch, position=position), stop):
             self._samples += len(batch.time_ns)
 
     def _settle(self, stop: threading.Event) -> None:
         """Wait until all is in the log."""
-        if self._insist(self._source.log.flush, stop):
+        if self._publish_with_retry(self._source.log.flush, stop):
             self.conditions.block([])
 
-    def _insist(self, action: Callable[[], None], stop: threading.Event) -> bool:
+    def _publish_with_retry(self, action: Callable[[], None], stop: threading.Event) -> bool:
         """Do something with the log, again and again while it cannot be used; False when stopped before it was done."""
         while True:
             try:

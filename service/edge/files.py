@@ -112,7 +112,7 @@ def _timed(
     going_on = anchor is not None
     back = 0
     for values in pieces:
-        seconds = _believed(values[-1])
+        seconds = _checked_rate(values[-1])
         measured = _rate_of(seconds)
         rate = measured if rate is None else rate
         if rate is None or (measured is not None and abs(measured / rate - 1.0) > RATE_TOLERANCE):
@@ -142,7 +142,7 @@ def _timed(
         conditions.happened("time_reversed", name, f"{back} rows are not later than those before them")
 
 
-def _believed(seconds: Floats) -> Floats:
+def _checked_rate(seconds: Floats) -> Floats:
     """Return times without those that no recording has, and without single ones ahead of the row after them."""
     believed = np.where(np.abs(seconds) <= LONGEST_S, seconds, np.nan)
     middle = believed[1:-1]

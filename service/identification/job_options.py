@@ -28,7 +28,7 @@ RULES = tuple(QualityRules.model_fields)
 _VERSION, _AGAIN = "slow_roll_version", "again"
 
 
-class NotToIdentify(Conflict):
+class NotIdentifiable(Conflict):
     """The run cannot be identified, and why."""
 
 
@@ -46,7 +46,7 @@ class Request:
 
 
 @dataclass(frozen=True)
-class Asker:
+class Requester:
     """Who asks. identity: unambiguous; quota: how many may wait; priority: of one identification, or of many at once."""
 
     identity: str
@@ -54,17 +54,17 @@ class Asker:
     priority: int = ASKED
 
 
-def ask(session: Session, run_id: int, request: Request, asker: Asker) -> JobRow:
+def request_identification(session: Session, run_id: int, request: Request, asker: Requester) -> JobRow:
     """Queue an identification of a closed run; the job that waits or runs already where the same was asked for.
 
     With the usual options it takes the earlier one's place in trends and baselines, otherwise it stands beside them.
-    Raises RunUnknown, NotToIdentify, SlowRollUnknown, QuotaExceeded.
+    Raises RunUnknown, NotIdentifiable, SlowRollUnknown, QuotaExceeded.
     """
     run = runs.get(session, run_id)
     if run.state != runs.CLOSED:
-        raise NotToIdentify(f"run {run_id} is {run.state}; only closed runs are identified")
+        raise NotIdentifiable(f"run {run_id} is {run.state}; only closed runs are identified")
     if run.released_at is not None:
-        raise NotToIdentify(f"run {run_id} no longer has its samples, as the retention of runs says")
+        raise NotIdentifiable(f"run {run_id} no longer has its samples, as the retention of runs says")
     version = chosen_version(session, run.machine_id, request.slow_roll)
     usual = asdict(Options())
     fit = {name: value for name in usual if (value := getattr(request, name, None)) is not None and value != usual[name]}

@@ -68,7 +68,7 @@ class JobSubmission:
                 future.add_done_callback(lambda _: self._wake())
             except ExecutorUnavailable as error:
                 unavailable = error
-                self._held.put_back_unhurt(taken.job_id)
+                self._held.requeue_uncounted(taken.job_id)
         if unavailable is not None:
             raise unavailable
 
@@ -102,7 +102,7 @@ class JobSubmission:
                 row = jobs.get(session, taken.job_id)
                 return task(session, row, self._options, timeout_s=self._timeout_s)
         except MemoryError as error:
-            self._held.put_back(taken.job_id, f"its data need more memory than there is: {error}")
+            self._held.requeue(taken.job_id, f"its data need more memory than there is: {error}")
             return None
         except Exception as error:
             if is_database_wide(error):

@@ -17,7 +17,7 @@ from service.identification.task_builder import origin, reopened
 from service.monitoring.assessment_queue import AssessmentQueue, DueAssessment
 from service.replication.held_jobs import HeldJobs
 from service.workers.executor import TaskRefused
-from service.workers.process_pool import Interrupted, Stuck
+from service.workers.process_pool import Interrupted, WorkerStuck
 from service.workers.time_limit import OutOfTime
 from storage.database.engine import Database
 from storage.database.errors import is_database_wide
@@ -86,22 +86,22 @@ class ResultFiling:
         """Put a job back whose error is not its own, or may be another one the next time; let any other fail."""
         if isinstance(error, BrokenProcessPool):
             logger.error("the process that computed job %d died; it is tried again", job_id)
-            self._held.put_back(job_id, str(error))
-        elif isinstance(error, Stuck):
+            self._held.requeue(job_id, str(error))
+        elif isinstance(error, WorkerStuck):
             logger.error("job %d was given up with what computed it; it is tried three times: %s", job_id, error)
             self._stuck.append((time.monotonic(), str(error)))
             self.stuck_count += 1
-            self._held.put_back(job_id, f"Stuck: {error}")
+            self._held.requeue(job_id, f"Stuck: {error}")
         elif isinstance(error, TaskRefused | Interrupted):
             logger.warning("job %d is taken again: %s", job_id, error)
-            self._held.put_back_unhurt(job_id)
+            self._held.requeue_uncounted(job_id)
         elif isinstance(error, CancelledError):
             logger.warning("job %d was lost with what computed it; it is tried again", job_id)
-            self._held.put_back_unhurt(job_id)
+            self._held.requeue_uncounted(job_id)
         elif isinstance(error, OutOfTime | MemoryError):
             # Beside less other work it may have enough of both: that is tried as often as after a death.
             logger.error("job %d took more than it may; it is tried three times: %s", job_id, type(error).__name__)
-            self._held.put_back(job_id, f"{type(error).__name__}: {error}")
+            self._held.requeue(job_id, f"{type(error).__name__}: {error}")
         else:
             self._held.fail(job_id, f"{type(error).__name__}: {error}")
 

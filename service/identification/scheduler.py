@@ -15,7 +15,7 @@ from service.identification.result_filing import ResultFiling
 from service.identification.worker_tasks import TASKS
 from service.monitoring.assessment_queue import AssessmentQueue
 from service.replication.held_jobs import HeldJobs
-from service.replication.work_share import GATHERING, Share, Whole
+from service.replication.work_share import GATHERING, Share, WholeShare
 from service.workers.executor import ExecutorUnavailable
 from service.workers.executors import executor_of
 from storage.database.engine import Database
@@ -33,7 +33,7 @@ class JobScheduler:
         """Begin nothing yet. share: what of the work is this replica's; all of it where there is only one."""
         self._database = database
         self._settings = settings
-        self._share = share or Whole()
+        self._share = share or WholeShare()
         self._executor = executor_of(settings, TASKS)
         self._held = HeldJobs(database, self._share)
         self._computing: ComputingJobs = {}
@@ -59,7 +59,7 @@ class JobScheduler:
 
     def start(self) -> None:
         """Put back what an earlier process left unfinished, then begin."""
-        self._held.put_back_left()
+        self._held.requeue_unfinished()
         self._thread.start()
 
     def stop(self) -> None:
@@ -128,4 +128,4 @@ class JobScheduler:
     def _put_back_lost(self) -> None:
         """Put back own jobs of which nothing is known here: they were taken when the database's answer got lost."""
         computing = {taken.job_id for taken in self._computing.values()}
-        self._held.put_back_lost(computing | self._assessments.job_ids)
+        self._held.requeue_lost(computing | self._assessments.job_ids)

@@ -7,12 +7,12 @@ import zenoh
 
 from service.ingest.clock_doubt import OwnClock
 from service.ingest.inbox import PublishedMessage
-from service.journal.batch import Arrived
+from service.journal.batch import ArrivedBatch
 from service.journal.http_queue import UNFORESEEN, NotStoring, Submission
 from service.journal.journal import Journal
 from service.journal.refusals import Refusals
 from service.resilience.internal_errors import see_log
-from service.wire import Key, OwnFault, Reason, Rejected, SampleBatch, decode_batch, decode_body, require_size
+from service.wire import InternalErrorReason, Key, Reason, Rejected, SampleBatch, decode_batch, decode_body, require_size
 from storage.clock import now
 from storage.database.errors import is_database_wide
 from storage.measurements.quarantine import Rejection
@@ -31,7 +31,7 @@ class Admission:
         self._refusals = refusals
         self._own_clock = own_clock
 
-    def published(self, key: Key, message: PublishedMessage) -> Arrived | None:
+    def published(self, key: Key, message: PublishedMessage) -> ArrivedBatch | None:
         """Return a message that was published as a batch; None when it is refused or has to wait.
 
         Raises what concerns all.
@@ -51,13 +51,13 @@ class Admission:
             logger.exception("a message under %s cannot be looked at", message.key)
             self._refuse(message, key.machine, "unexpected_error", see_log(error))
             return None
-        return Arrived(batch, message.key, message.payload, message.received_at)
+        return ArrivedBatch(batch, message.key, message.payload, message.received_at)
 
-    def replied(self, key: Key, reply: zenoh.Sample) -> Arrived | None:
+    def replied(self, key: Key, reply: zenoh.Sample) -> ArrivedBatch | None:
         """Return what a log has answered as a batch; None when it is refused or has to wait. Raises what concerns all."""
         return self.published(key, replace(PublishedMessage.of(reply), key=key.samples))
 
-    def submitted(self, submission: Submission) -> Arrived:
+    def submitted(self, submission: Submission) -> ArrivedBatch:
         """Return a body that came over HTTP as a batch.
 
         Raises Rejected or NotStoring when it is refused, and what concerns all.
@@ -85,7 +85,7 @@ class Admission:
             logger.exception("%s: a batch over HTTP cannot be looked at", machine)
             self._refuse(message, machine, "unexpected_error", see_log(error))
             raise NotStoring(UNFORESEEN) from error
-        return Arrived(batch, message.key, body, message.received_at)
+        return ArrivedBatch(batch, message.key, body, message.received_at)
 
     def _withholds(self, batch: SampleBatch) -> bool:
         if not self._own_clock.withholds(batch):
@@ -97,7 +97,9 @@ class Admission:
         """Keep a message that was not taken. machine: None where its key names none."""
         self._refuse(message, machine, rejected.reason, rejected.detail)
 
-    def _refuse(self, message: PublishedMessage, machine: str | None, reason: Reason | OwnFault, detail: str) -> None:
+    def _refuse(
+        self, message: PublishedMessage, machine: str | None, reason: Reason | InternalErrorReason, detail: str
+    ) -> None:
         rejection = Rejection.of_message(
             received_at=message.received_at,
             key=message.key,

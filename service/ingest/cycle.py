@@ -121,7 +121,7 @@ class IngestCycle:
     def refuse_all(self, trouble: str) -> None:
         """Tell all who wait that what they sent is not known to be durable, and why."""
         self.write_batch.forget_progress()
-        self.write_batch.break_promises(NotStoring(trouble))
+        self.write_batch.fail_waiting(NotStoring(trouble))
         while (submission := self._submissions.take()) is not None:
             submission.promise.set_exception(NotStoring(trouble))
 

@@ -90,7 +90,7 @@ class Intake:
                 self._admission.refuse(message, None, rejected)
             return
         if self._share.owns(key.machine) and (arrived := self._admission.published(key, message)) is not None:
-            with self._write_batch.refusals.guarding(arrived):
+            with self._write_batch.refusals.quarantining_on_error(arrived):
                 self._recovery.place(key, arrived)
 
     def _submission(self, submission: Submission) -> None:
@@ -105,5 +105,5 @@ class Intake:
             where = f"source '{arrived.batch.source}' of machine '{submission.machine}'"
             submission.promise.set_exception(NotStoring(f"unexpected errors with {where}; it is tried again later"))
             return
-        with refusals.guarding(arrived, submission.promise):
+        with refusals.quarantining_on_error(arrived, submission.promise):
             self._write_batch.take(arrived, submission.promise)

@@ -36,7 +36,7 @@ class IngestChecks:
             self._next = 0.0
 
     def check_if_due(self) -> None:
-        """Do the checks, if they are due. Raises NotHeld."""
+        """Do the checks, if they are due. Raises LeaseLost."""
         if time.monotonic() < self._next:
             return
         self._next = time.monotonic() + (TAIL_CHECK_S if self._own_clock.doubt is None else DOUBTED_CHECK_S)
@@ -47,7 +47,7 @@ class IngestChecks:
 
 
 def _tried(trouble: str, check: Callable[[], None]) -> str | None:
-    """Do a check; return why it could not be done. Raises NotHeld."""
+    """Do a check; return why it could not be done. Raises LeaseLost."""
     try:
         check()
     except LeaseLost:

@@ -47,7 +47,7 @@ class Submission:
     promise: Future[StoreOutcome] = field(default_factory=Future)
 
 
-class Taking(Protocol):
+class SubmissionSink(Protocol):
     """Takes bodies: the queue of this process's ingest, or whatever hands them on to another's."""
 
     @property

@@ -14,11 +14,11 @@ import numpy as np
 from sqlalchemy.orm import Session
 
 from estimator.machine.document import Machine
-from service.journal.batch import Arrived, StoreOutcome
+from service.journal.batch import ArrivedBatch, StoreOutcome
 from service.journal.numbering import Numbering, Pending
 from service.journal.pacing import Pacing
 from service.journal.sequence_gaps import SequenceGap, stored_gaps
-from service.replication.work_share import Share, Whole
+from service.replication.work_share import Share, WholeShare
 from service.runs.collector import Collector
 from service.runs.silence import SilentMachines
 from service.wire import Rejected, SampleBatch, SourceReceived, to_samples
@@ -41,7 +41,7 @@ class Journal:
     def __init__(self, database: Database, collector: Collector, share: Share | None = None) -> None:
         self._database = database
         self._collector = collector
-        self._share = share or Whole()
+        self._share = share or WholeShare()
         self._numbering = Numbering()
         self._silent_machines = SilentMachines(database, collector, self._share)
         self._plants: dict[str, str] = {}
@@ -101,10 +101,12 @@ class Journal:
         if len(wrong) == len(batch.time_ns):
             raise Rejected(wrong[0].reason, f"{wrong[0].detail}, and so with all others: set the source's clock")
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection], *, within_s: float = math.inf) -> list[StoreOutcome]:
+    def store(
+        self, arrived: list[ArrivedBatch], rejections: list[Rejection], *, within_s: float = math.inf
+    ) -> list[StoreOutcome]:
         """Store batches, in order, and rejections; return what became of each batch.
 
-        Raises what the database raises, and NotHeld for machines that are another replica's by now; then nothing was stored.
+        Raises what the database raises, and LeaseLost for machines that are another replica's by now; then nothing was stored.
         within_s: after so long [s] no further batch is taken, and the outcomes of fewer are returned; of one at least.
         """
         try:
@@ -134,7 +136,7 @@ class Journal:
         return known
 
     def _store(
-        self, session: Session, arrived: list[Arrived], rejections: list[Rejection], *, ends: float
+        self, session: Session, arrived: list[ArrivedBatch], rejections: list[Rejection], *, ends: float
     ) -> list[StoreOutcome]:
         pending = Pending(rejections=list(rejections))
         documents: Documents = {}
@@ -187,7 +189,7 @@ class Journal:
             self.pacing.pause()
 
 
-def _load(session: Session, arrived: list[Arrived]) -> list[object]:
+def _load(session: Session, arrived: list[ArrivedBatch]) -> list[object]:
     """Load all rows that these batches need, in three queries instead of several each; the session finds them while held."""
     machine_ids = {one.batch.machine for one in arrived}
     return [

@@ -10,7 +10,7 @@ from sqlalchemy.orm import Session
 
 from estimator.machine.document import Machine
 from service.journal import rejections, sequence_gaps
-from service.journal.batch import LARGEST_GAP, Arrived, StoreOutcome
+from service.journal.batch import LARGEST_GAP, ArrivedBatch, StoreOutcome
 from service.journal.plausibility import Plausibility
 from service.journal.sequence_gaps import FilledPart, SequenceGap
 from service.resilience.bounded_dict import BoundedDict
@@ -32,7 +32,7 @@ class Pending:
     rejections: list[Rejection] = field(default_factory=list)
     outcomes: list[StoreOutcome] = field(default_factory=list)
 
-    def add(self, arrived: Arrived, kept: Samples, *, first: int) -> None:
+    def add(self, arrived: ArrivedBatch, kept: Samples, *, first: int) -> None:
         """Add the samples of a batch that are stored, the first of them under its number."""
         self.parts[arrived.source].append(kept)
         self.first.setdefault(arrived.source, first)
@@ -49,7 +49,7 @@ class Numbering:
         """Forget what is known of the sources; all of it is in the store."""
         self._plausibility.clear()
 
-    def add(self, session: Session, pending: Pending, arrived: Arrived, machine: Machine) -> StoreOutcome:
+    def add(self, session: Session, pending: Pending, arrived: ArrivedBatch, machine: Machine) -> StoreOutcome:
         """Add what is new of a batch to `pending`, and note in its source's row how far the source has come.
 
         Its samples are known already, fill gaps that were counted as lost, or follow what came so far.

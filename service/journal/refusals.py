@@ -7,7 +7,7 @@ from concurrent.futures import Future
 from contextlib import contextmanager
 
 from service.journal import rejections
-from service.journal.batch import Arrived, StoreOutcome
+from service.journal.batch import ArrivedBatch, StoreOutcome
 from service.journal.http_queue import NotStoring
 from service.journal.journal import Journal
 from storage.database.errors import is_database_wide
@@ -33,16 +33,16 @@ class Refusals:
         self._promises.append((promise, answer))
 
     @contextmanager
-    def guarding(self, arrived: Arrived, promise: Future[StoreOutcome] | None = None) -> Iterator[None]:
+    def quarantining_on_error(self, arrived: ArrivedBatch, promise: Future[StoreOutcome] | None = None) -> Iterator[None]:
         """Put a batch aside where an unforeseen error occurs within: it is the trouble of this batch alone."""
         try:
             yield
         except Exception as error:
             if is_database_wide(error):
                 raise
-            self.put_aside(arrived, error, promise)
+            self.quarantine(arrived, error, promise)
 
-    def put_aside(self, arrived: Arrived, error: Exception, promise: Future[StoreOutcome] | None = None) -> None:
+    def quarantine(self, arrived: ArrivedBatch, error: Exception, promise: Future[StoreOutcome] | None = None) -> None:
         """Quarantine a batch that cannot be stored, and refuse the promise of whoever waits."""
         rejection, answer = rejections.of_error(arrived, error)
         if isinstance(answer, NotStoring):
@@ -75,7 +75,7 @@ class Refusals:
         if not self.rejections:
             self._answer()
 
-    def break_promises(self, answer: Exception) -> None:
+    def fail_waiting(self, answer: Exception) -> None:
         """Answer all who wait, though what was refused is not kept yet."""
         for promise, _ in self._promises:
             promise.set_exception(answer)

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable
 
 from sqlalchemy.exc import IntegrityError
 
-from service.journal.batch import Held, StoreOutcome
+from service.journal.batch import HeldBatch, StoreOutcome
 from service.journal.http_queue import UNFORESEEN, NotStoring
 from service.journal.journal import Journal
 from service.journal.refusals import Refusals
@@ -37,14 +37,14 @@ class SingleWrites:
         refusals: Refusals,
         backoff: SourceBackoff,
         *,
-        acknowledge: Callable[[Held, StoreOutcome], None],
+        acknowledge: Callable[[HeldBatch, StoreOutcome], None],
     ) -> None:
         self._journal = journal
         self._refusals = refusals
         self._backoff = backoff
         self._acknowledge = acknowledge
-        self._waiting: deque[Held] = deque()
-        self._left: list[Held] = []
+        self._waiting: deque[HeldBatch] = deque()
+        self._left: list[HeldBatch] = []
         self._stored: set[SourceKey] = set()
         self._failed: Counter[SourceKey] = Counter()
 
@@ -52,7 +52,7 @@ class SingleWrites:
         """Return how many batches are held."""
         return len(self._waiting) + len(self._left)
 
-    def begin(self, held: Iterable[Held]) -> None:
+    def begin(self, held: Iterable[HeldBatch]) -> None:
         """Begin a pass through these batches."""
         self._waiting.extend(held)
 
@@ -74,18 +74,18 @@ class SingleWrites:
                 return set()
         return self._end()
 
-    def take_back(self) -> list[Held]:
+    def abandon(self) -> list[HeldBatch]:
         """Give up the pass; return the batches that are neither stored nor put aside."""
         held = [*self._left, *self._waiting]
         self._reset()
         return held
 
-    def change(self, change: Callable[[list[Held]], list[Held]]) -> None:
+    def change(self, change: Callable[[list[HeldBatch]], list[HeldBatch]]) -> None:
         """Change what is held."""
         self._waiting = deque(change(list(self._waiting)))
         self._left = change(self._left)
 
-    def _store(self, one: Held) -> bool:
+    def _store(self, one: HeldBatch) -> bool:
         """Store a batch, or put it aside. Tried twice: what another replica wrote at the same moment is there then."""
         try:
             try:
@@ -95,7 +95,7 @@ class SingleWrites:
         except Exception as error:
             if is_database_wide(error):
                 raise
-            self._refusals.put_aside(one.arrived, error, one.promise)
+            self._refusals.quarantine(one.arrived, error, one.promise)
             return False
         self._acknowledge(one, outcome)
         return True

@@ -25,7 +25,7 @@ class SourceBackoff:
         self._backoff = Backoff[SourceKey](free=FREE_FAILURES)
         self._on_pause: list[Callable[[SourceKey], None]] = []
 
-    def on_pause(self, drop: Callable[[SourceKey], None]) -> None:
+    def call_on_pause(self, drop: Callable[[SourceKey], None]) -> None:
         """Register what drops the state that is kept of a source when it is paused."""
         self._on_pause.append(drop)
 
@@ -55,7 +55,7 @@ class SourceBackoff:
             self._backoff.succeeded(source)
 
     @contextmanager
-    def isolating(self, source: SourceKey) -> Iterator[None]:
+    def pausing_on_error(self, source: SourceKey) -> Iterator[None]:
         """Pause a source where an unforeseen error occurs within: it is the trouble of this source alone."""
         try:
             yield

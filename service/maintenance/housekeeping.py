@@ -9,10 +9,10 @@ from sqlalchemy.orm import Session
 
 from service.configuration.settings import Settings
 from service.maintenance.disk_watch import DiskWatch
-from service.maintenance.retention_cut_offs import CutOff, advanced
+from service.maintenance.retention_cut_offs import CutOff, advanced_cut_off
 from service.maintenance.retention_tiers import Blocks, Runs, Tier, first_cut_off, tiers_of
-from service.replication.work_share import RETENTION, Share, Whole
-from service.resilience.heap_trim import give_back
+from service.replication.work_share import RETENTION, Share, WholeShare
+from service.resilience.heap_trim import release_free_memory
 from service.resilience.supervised_thread import SupervisedThread
 from storage.clock import now, to_datetime
 from storage.database import disk
@@ -38,7 +38,7 @@ class Housekeeping(SupervisedThread):
 
     def __init__(self, database: Database, settings: Settings, share: Share | None = None) -> None:
         super().__init__("housekeeping", failure="housekeeping is put off", retry_s=LOOK_S)
-        self._share = Whole() if share is None else share
+        self._share = WholeShare() if share is None else share
         self._database = database
         self._disk = DiskWatch(database, budget=int(settings.disk_budget_gb * 1e9) or None)
         self._looked_at = time.monotonic()
@@ -111,7 +111,7 @@ class Housekeeping(SupervisedThread):
     def look(self) -> None:
         """Look at disk and memory."""
         self._looked_at = time.monotonic()
-        give_back()
+        release_free_memory()
         self.unseen = _tried(self._disk.look)
 
     def turn(self) -> float:
@@ -198,7 +198,7 @@ def _tried(work: Callable[[], None]) -> str | None:
 def _moved(session: Session, tier: Tier, moment: int, served: int) -> CutOff | None:
     """Return the cut-off of a tier after so much more time was served [ns]; None where none is kept yet."""
     kept = retention.cut_off(session, tier.name)
-    return None if kept is None else advanced(CutOff(*kept), wanted=moment - tier.kept, served=served)
+    return None if kept is None else advanced_cut_off(CutOff(*kept), wanted=moment - tier.kept, served=served)
 
 
 def _waiting_words(machine_ids: set[str], moment: int) -> str:

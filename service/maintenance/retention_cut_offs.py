@@ -16,7 +16,7 @@ class CutOff:
     allowance: int = DAY_NS
 
 
-def begun(*, wanted: int, oldest: int | None, kept: int) -> CutOff:
+def initial_cut_off(*, wanted: int, oldest: int | None, kept: int) -> CutOff:
     """Where a store begins to keep one. All times [ns].
 
     wanted: what clock and settings ask for. oldest: of what would be let go of at once, None where nothing would be. kept: how
@@ -28,7 +28,7 @@ def begun(*, wanted: int, oldest: int | None, kept: int) -> CutOff:
     return CutOff(min(oldest, wanted) - kept)
 
 
-def advanced(before: CutOff, *, wanted: int, served: int) -> CutOff:
+def advanced_cut_off(before: CutOff, *, wanted: int, served: int) -> CutOff:
     """The cut-off moves towards what is wanted, by the time served since then and once by the allowance. All times [ns].
 
     Where that does not suffice it moves by the time served alone: what lies behind it waits for a person. Where it is further

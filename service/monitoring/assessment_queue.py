@@ -20,7 +20,7 @@ from service.monitoring.assessment_task import assess_in_time
 from service.replication.held_jobs import HeldJobs
 from service.resilience.internal_errors import unexpected_error
 from service.workers.executor import Executor, TaskRefused
-from service.workers.process_pool import Interrupted, Stuck
+from service.workers.process_pool import Interrupted, WorkerStuck
 from service.workers.time_limit import OutOfTime
 from storage.database.damage import is_damage
 from storage.database.engine import Database
@@ -117,7 +117,7 @@ class AssessmentQueue:
             assessment = future.result()
         except (CancelledError, TaskRefused, Interrupted):
             logger.warning("an assessment of %s was lost with what computed it; it is tried again", due.machine_id)
-        except (BrokenProcessPool, Stuck, OutOfTime, MemoryError) as error:
+        except (BrokenProcessPool, WorkerStuck, OutOfTime, MemoryError) as error:
             self._attempts[due.job_id] += 1
             logger.error("identification %d cannot be judged: %s", due.identification_id, error or type(error).__name__)
             if self._attempts[due.job_id] >= LARGEST_ATTEMPTS:

@@ -20,7 +20,7 @@ class BaselineRefused(Conflict):
     """The named identifications make no baseline; the message says why."""
 
 
-class NotYet(Invalid):
+class BaselineInFuture(Invalid):
     """A baseline would begin in the future: until then the machine is the old one."""
 
 
@@ -33,9 +33,11 @@ def begin(
     by: str,
     identification_ids: list[int] | None = None,
 ) -> BaselineRow:
-    """Begin a baseline and clear the alerts that rested on the one before. Raises BaselineRefused, NotYet."""
+    """Begin a baseline and clear the alerts that rested on the one before. Raises BaselineRefused, BaselineInFuture."""
     if since > now() + TOLERANCE:
-        raise NotYet("a baseline begins when the work is done, not in the future: say it then, and note the plan as a note")
+        raise BaselineInFuture(
+            "a baseline begins when the work is done, not in the future: say it then, and note the plan as a note"
+        )
     if identification_ids is not None:
         _require(session, machine_id, identification_ids)
     row = baselines.begin(session, machine_id, since=since, identification_ids=identification_ids, reason=reason, by=by)
@@ -61,7 +63,7 @@ def revise(session: Session, machine: Machine) -> RevisionRow:
 
 
 def note(session: Session, machine_id: str, *, at: int, kind: str, text: str, by: str) -> TimelineRow:
-    """Put an entry on the timeline; a maintenance begins a baseline. Raises NotYet."""
+    """Put an entry on the timeline; a maintenance begins a baseline. Raises BaselineInFuture."""
     row = timeline.add(session, machine_id, at=at, kind=kind, text=text, by=by)
     if kind == MAINTENANCE:
         begin(session, machine_id, since=at, reason=text, by=by)

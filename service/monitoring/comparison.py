@@ -102,11 +102,11 @@ def compared_with(
     if terms.began is None and baseline:
         # What was refused before the machine's first good run belongs to nothing.
         after = [row for row in after if row.measured_at >= baseline[0].measured_at]
-    after = [row for row in after if alike_speeds(row, baseline)]
+    after = [row for row in after if covers_same_speeds(row, baseline)]
     return Compared(stored, terms.began, wanted, baseline, after[-longest:])
 
 
-def alike_speeds(row: IdentificationRow, baseline: Sequence[IdentificationRow]) -> bool:
+def covers_same_speeds(row: IdentificationRow, baseline: Sequence[IdentificationRow]) -> bool:
     """Whether a run covers about the speeds of the baseline's: a sweep of a few speeds sees another part of the machine."""
     if not baseline:
         return True

@@ -16,11 +16,11 @@ from storage.tables import IdentificationRow
 def points(session: Session, found: Compared, rows: Sequence[IdentificationRow]) -> list[Point]:
     """All that some of these identifications determined, as under the mean operating conditions of the baseline."""
     known = identifications.points(session, rows)
-    adjusted = like_conditions(session, found).adjusted
+    adjusted = condition_adjustment(session, found).adjusted
     return [adjusted(known[row.id], row.conditions or {}) for row in rows]
 
 
-def like_conditions(session: Session, found: Compared) -> Adjustment:
+def condition_adjustment(session: Session, found: Compared) -> Adjustment:
     """How parameters followed the operating conditions over the baseline; adjusts nothing where too little was measured."""
     row = found.identification
     conditions = machines.document(session, row.machine_id, row.revision).conditions

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import zenoh
 
-from service.journal.batch import Arrived
+from service.journal.batch import ArrivedBatch
 from service.journal.source_backoff import SourceBackoff
 from service.recovery.gap_recall import GapRecall
 from service.recovery.known_logs import KnownLogs
@@ -39,10 +39,10 @@ class Waiting:
 
     key: Key
     deadline: float
-    arrived: list[Arrived]
+    arrived: list[ArrivedBatch]
     next_try: float = 0.0
 
-    def add(self, arrived: Arrived) -> None:
+    def add(self, arrived: ArrivedBatch) -> None:
         """Let one more batch wait, or leave it to the log where too many do."""
         if len(self.arrived) < LARGEST_WAITING:
             bisect.insort(self.arrived, arrived, key=lambda one: one.batch.sequence)
@@ -82,7 +82,7 @@ class GapRecovery:
         )
         self._ceased = False
         self.waiting: dict[SourceKey, Waiting] = {}
-        backoff.on_pause(self.leave)
+        backoff.call_on_pause(self.leave)
 
     @property
     def is_asking(self) -> bool:
@@ -121,7 +121,7 @@ class GapRecovery:
         self._replays.leave(source)
         self._recall.leave(source)
 
-    def place(self, key: Key, arrived: Arrived) -> None:
+    def place(self, key: Key, arrived: ArrivedBatch) -> None:
         """Take a published batch, let it wait for what is missing before it, or leave it to its source's log."""
         source = arrived.source
         self._recall.note_live(key, source)
@@ -168,11 +168,11 @@ class GapRecovery:
         self.live.collect_roll()
         self._quiet.collect()
         for source in list(self.waiting):
-            with self._backoff.isolating(source):
+            with self._backoff.pausing_on_error(source):
                 self._release_if_complete(source)
         count = self._recall.collect()
         for source in self._replays.under_way():
-            with self._backoff.isolating(source):
+            with self._backoff.pausing_on_error(source):
                 taken, ended = self._replays.collect(source, most=most - count)
                 count += taken
                 if ended is not None:
@@ -181,7 +181,7 @@ class GapRecovery:
                 return count
         for source, waiting in list(self.waiting.items()):
             if waiting.next_try <= time.monotonic():
-                with self._backoff.isolating(source):
+                with self._backoff.pausing_on_error(source):
                     self._replays.ask(waiting.key, source)
         return count
 
@@ -189,7 +189,7 @@ class GapRecovery:
         """Take what waits of sources whose logs have never answered as it is: nobody else has it."""
         for source, waiting in list(self.waiting.items()):
             if not self._logs.has_answered(source) and self._share.owns(source.machine_id):
-                with self._backoff.isolating(source):
+                with self._backoff.pausing_on_error(source):
                     for arrived in waiting.arrived:
                         self._sink.take(arrived)
             self.waiting.pop(source, None)

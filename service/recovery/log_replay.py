@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import zenoh
 
-from service.journal.batch import LARGEST_GAP, Arrived
+from service.journal.batch import LARGEST_GAP, ArrivedBatch
 from service.journal.source_backoff import SourceBackoff
 from service.recovery import log_queries
 from service.recovery.known_logs import KnownLogs
@@ -113,6 +113,6 @@ class LogReplays:
             self._fruitless[source] = replay.first
 
 
-def is_behind_gap(arrived: Arrived, sink: BatchSink) -> bool:
+def is_behind_gap(arrived: ArrivedBatch, sink: BatchSink) -> bool:
     """Return whether samples before those of a batch have not come."""
     return 0 < arrived.batch.sequence - sink.next_sequence(arrived.source) <= LARGEST_GAP

@@ -39,13 +39,13 @@ class HeldJobs:
         logger.warning("job %d was taken over by another replica: its result is left to that one", job_id)
         return None
 
-    def put_back(self, job_id: int, error: str) -> None:
+    def requeue(self, job_id: int, error: str) -> None:
         """Put a job back for another attempt, or aside where it has had as many as it may."""
         with self._database.transaction() as session:
             if (row := self.own(session, job_id)) is not None:
                 jobs.requeue(session, row, error)
 
-    def put_back_unhurt(self, job_id: int) -> None:
+    def requeue_uncounted(self, job_id: int) -> None:
         """Put a job back without an attempt being counted."""
         with self._database.transaction() as session:
             if (row := self.own(session, job_id)) is not None:
@@ -74,7 +74,7 @@ class HeldJobs:
             if (row := self.own(session, job_id)) is not None:
                 jobs.finish(row, state=jobs.DONE)
 
-    def put_back_left(self) -> None:
+    def requeue_unfinished(self) -> None:
         """Put back what an earlier process left unfinished, and what replicas left that are no longer there."""
         with self._database.transaction() as session:
             living = [row.id for row in replicas.list_all(session)] if self._share.holder is not None else []
@@ -82,7 +82,7 @@ class HeldJobs:
         if left:
             logger.info("%d identifications were interrupted and are computed again", left)
 
-    def put_back_lost(self, known: Collection[int]) -> None:
+    def requeue_lost(self, known: Collection[int]) -> None:
         """Put back jobs that were taken when the database's answer got lost. known: ids of those at work here."""
         with self._database.transaction() as session:
             for row in jobs.held_by(session, self._share.holder):

@@ -44,7 +44,7 @@ class Leasing(SupervisedThread):
         if self._number is not None:
             try:
                 with self._database.transaction() as session:
-                    _bury(session, self._number)
+                    _release_dead(session, self._number)
             except DBAPIError as error:
                 logger.warning("the others are not told that this replica leaves; they will notice: %s", error.orig)
 
@@ -86,7 +86,7 @@ class Leasing(SupervisedThread):
                 logger.warning("%d identifications were left by replicas that are gone; they are computed again", left)
             for row in replicas.expired(session, me=number):
                 logger.warning("replica %d (%s on %s) is gone; its work is taken over", row.id, row.role, row.host)
-                _bury(session, row.id)
+                _release_dead(session, row.id)
             held = self._settle(session, number)
         if joined:
             logger.info("this process is replica %d, role %s", number, self._role)
@@ -124,7 +124,7 @@ class Leasing(SupervisedThread):
         return frozenset(held)
 
 
-def _bury(session: Session, number: int) -> None:
+def _release_dead(session: Session, number: int) -> None:
     """Free what a replica held and was computing."""
     leases.release_all(session, holder=number)
     for row in jobs.held_by(session, number):

@@ -36,10 +36,10 @@ class Share(Protocol):
         """Tell whether it does this work for all, as far as it knows."""
 
     def require(self, session: Session, machine_ids: Collection[str]) -> None:
-        """Raise NotHeld unless these machines are its own until the transaction ends."""
+        """Raise LeaseLost unless these machines are its own until the transaction ends."""
 
 
-class Whole:
+class WholeShare:
     """All of it: the share of a process that is alone on its database."""
 
     holder: int | None = None

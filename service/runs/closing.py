@@ -9,13 +9,13 @@ import time
 
 from sqlalchemy.orm import Session
 
-from service.replication.work_share import Share, Whole
+from service.replication.work_share import Share, WholeShare
 from service.resilience.backoff import Backoff
 from service.resilience.internal_errors import damaged_blocks, unexpected_error
 from service.resilience.supervised_thread import SupervisedThread
 from service.runs import late_samples
 from service.runs.collector import Collector
-from service.runs.run_samples import Gathered, gathered
+from service.runs.run_samples import RunContent, gather
 from storage.database.damage import is_damage
 from storage.database.engine import Database
 from storage.database.errors import LeaseLost, is_database_wide
@@ -44,7 +44,7 @@ class Closing(SupervisedThread):
         super().__init__("closing", failure="runs cannot be closed", retry_s=RETRY_S)
         self._database = database
         self._collector = collector
-        self._share = share or Whole()
+        self._share = share or WholeShare()
         self._run_backoff = Backoff[int]()
         self._machine_backoff = Backoff[str]()
         self._next_late = 0.0
@@ -92,7 +92,7 @@ class Closing(SupervisedThread):
         try:
             with self._database.reading() as session:
                 row = runs.get(session, run_id)
-                found, version = gathered(session, row), _version(row)
+                found, version = gather(session, row), _version(row)
             with self._database.transaction(beside_others=True) as session:
                 self._share.require(session, [machine_id])
                 row = runs.get(session, run_id)
@@ -161,7 +161,7 @@ def _version(row: RunRow) -> tuple[object, ...]:
     return row.state, row.time_first, row.time_last, row.times_reopened
 
 
-def _close_with(session: Session, row: RunRow, found: Gathered) -> None:
+def _close_with(session: Session, row: RunRow, found: RunContent) -> None:
     """Close a run with what was gathered, and ask for its identification; a run made anew is identified anew."""
     weakness, reason = found.weakness, row.reason or ""
     quarantine.add(session, damaged_blocks(found.damaged, run_id=row.id, machine_id=row.machine_id))

@@ -14,7 +14,7 @@ from estimator.machine.document import Machine
 from estimator.runs.operating_state import Event, ModeChanged, OperatingLimits, advance, silence
 from estimator.runs.segmentation import RunEnded, RunStarted
 from estimator.runs.speed_bins import ROLLING, SpeedBins, filled
-from service.runs.collection_state import CollectionState, standing, standings
+from service.runs.collection_state import CollectionState, state_of, states_of
 from service.runs.late_arrivals import LATE_PATIENCE_S, LateArrivals
 from storage.clock import FUTURE_TOLERANCE, is_ahead, latest
 from storage.encoding.sample_blocks import Samples
@@ -49,10 +49,10 @@ class Collector:
         """Note that a machine sends, though nothing of it is taken now."""
         self._heard[machine_id] = time.monotonic()
 
-    def look_again(self, machine_ids: Collection[str]) -> None:
+    def recheck(self, machine_ids: Collection[str]) -> None:
         """Look once more at machines for which nothing of what was done is stored."""
         self._silent.difference_update(machine_ids)
-        self.late.look_again(machine_ids)
+        self.late.recheck(machine_ids)
 
     def seen(self, session: Session, machine_id: str) -> int:
         """Return the time of the newest sample that run collection knows of [ns]; what comes later but lies before is late."""
@@ -63,7 +63,7 @@ class Collector:
         """Take newly stored samples of one machine, by time. Those before the newest one known are late."""
         self._heard[machine.id] = time.monotonic()
         self._silent.discard(machine.id)
-        now = standing(session, machine.id) or CollectionState(revision)
+        now = state_of(session, machine.id) or CollectionState(revision)
         limits = OperatingLimits.of(machine)
         if now.revision != revision:
             _revise(session, machine.id, now, revision)
@@ -92,7 +92,7 @@ class Collector:
 
     def note_idle(self, session: Session, machine_ids: Collection[str]) -> None:
         """Leave alone, until samples come, those of these machines of which it is not known what they do."""
-        known = standings(session, machine_ids)
+        known = states_of(session, machine_ids)
         self._silent |= {
             one for one in machine_ids if one not in known or not (known[one].is_under_way or known[one].is_of_the_future)
         }
@@ -100,7 +100,7 @@ class Collector:
     def end_silent(self, session: Session, machine_id: str) -> None:
         """End the open run of a machine that has fallen silent."""
         self._silent.add(machine_id)
-        now = standing(session, machine_id)
+        now = state_of(session, machine_id)
         if now is None or not (now.is_under_way or now.is_of_the_future):
             return
         _silence(session, machine_id, now, reason="the source fell silent")

@@ -7,7 +7,7 @@ from numpy import int64
 from numpy.typing import NDArray
 from sqlalchemy.orm import Session
 
-from service.runs.collection_state import CollectionState, standing, standings
+from service.runs.collection_state import CollectionState, state_of, states_of
 from service.runs.late_samples import Window, add_late, remove_window
 from storage.measurements import runs
 
@@ -32,7 +32,7 @@ class LateArrivals:
         self._heard.clear()
         self._settled.clear()
 
-    def look_again(self, machine_ids: Collection[str]) -> None:
+    def recheck(self, machine_ids: Collection[str]) -> None:
         """Look once more whether samples of these machines wait."""
         self._settled.difference_update(machine_ids)
 
@@ -54,14 +54,14 @@ class LateArrivals:
 
     def note_settled(self, session: Session, machine_ids: Collection[str]) -> None:
         """Leave alone, until samples come late, those of these machines of which none wait."""
-        known = standings(session, machine_ids)
+        known = states_of(session, machine_ids)
         self._settled |= {one for one in machine_ids if one not in known or not known[one].late}
 
     def patience(self, session: Session, machine_id: str) -> float | None:
         """Return how long more late samples of a machine are waited for [s]; None while they still come, or where there are
         none.
         """
-        now = standing(session, machine_id)
+        now = state_of(session, machine_id)
         if now is None or not now.late:
             self._settled.add(machine_id)
             return None
@@ -74,12 +74,12 @@ class LateArrivals:
 
     def windows(self, session: Session, machine_id: str) -> list[Window]:
         """Return where samples of a machine came late and are not sorted in, ascending."""
-        now = standing(session, machine_id)
+        now = state_of(session, machine_id)
         return [] if now is None else now.late
 
     def take(self, session: Session, machine_id: str, window: Window) -> bool:
         """Note that a window, as of `late.by_run`, is sorted in; False where more came into it since."""
-        now = standing(session, machine_id)
+        now = state_of(session, machine_id)
         left = None if now is None else remove_window(now.late, window)
         if now is None or left is None:
             return False

@@ -24,7 +24,7 @@ LARGEST_READ = 1_600_000
 
 
 @dataclass(frozen=True)
-class Gathered:
+class RunContent:
     """What an ended run consists of. data: the samples encoded. weakness: why it is not worth an identification, if it is not.
 
     coverage: None without samples. damaged: what is wrong with blocks that it is without.
@@ -42,7 +42,7 @@ def largest_read(channels: int) -> int:
     return max(1, LARGEST_READ // channels)
 
 
-def gathered(session: Session, row: RunRow) -> Gathered:
+def gather(session: Session, row: RunRow) -> RunContent:
     """The samples of an ended run, by time."""
     machine = machines.document(session, row.machine_id, row.revision)
     extent = runs.extent(session, row.id)
@@ -59,7 +59,7 @@ def gathered(session: Session, row: RunRow) -> Gathered:
     else:
         held = _sweep(session, machine, row, first=extent["first"], last=extent["last"], damaged=damaged)
     duration = float(held.time[-1] - held.time[0]) / 1e9 if len(held) else 0.0
-    return Gathered(
+    return RunContent(
         held,
         encode(held),
         _weakness(machine, held),

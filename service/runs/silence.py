@@ -93,10 +93,10 @@ class SilentMachines:
             pause = self._backoff.failed(error.machine_id, at_once=True)
             self._database.damage.record_machine(error.machine_id)
             logger.error("%s: its run cannot be ended; tried again in %.0f s", error.machine_id, pause)
-            self._collector.look_again(done)
+            self._collector.recheck(done)
             return [one for one in due if one != error.machine_id]
         except BaseException:
-            self._collector.look_again(done)
+            self._collector.recheck(done)
             raise
         return left
 
@@ -111,7 +111,7 @@ class SilentMachines:
             if is_damage(error):
                 raise _Damaged(machine_id) from error
             pause = self._backoff.failed(machine_id)
-            self._collector.look_again([machine_id])
+            self._collector.recheck([machine_id])
             logger.exception("%s: its run cannot be ended; tried again in %.0f s", machine_id, pause)
             what = "its run cannot be ended"
             quarantine.add(session, [unexpected_error(error, of=f"runs of {machine_id}", machine_id=machine_id, what=what)])

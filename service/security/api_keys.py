@@ -87,7 +87,7 @@ def principal(row: ApiKeyRow) -> Principal:
     return Principal(row.name, Role.of(row.role), plants, "key", f"key {row.prefix}")
 
 
-def opens(row: ApiKeyRow | None, text: str) -> bool:
+def is_valid_secret(row: ApiKeyRow | None, text: str) -> bool:
     """Tell whether this is that key, and valid."""
     given = key_hash(text)
     return hmac.compare_digest(row.hash if row else "", given) and row is not None and api_keys.valid(row, at=now())

@@ -23,7 +23,7 @@ class LoginFailed(ValueError):
 
 
 @dataclass(frozen=True)
-class Begun:
+class LoginAttempt:
     """A login that begins. url: where the browser goes; state: what it comes back with.
 
     verifier, nonce: for its end, known to nobody else.
@@ -57,7 +57,7 @@ class OpenId:
         self._lock = threading.Lock()
         self._found: tuple[float, dict[str, Any]] | None = None
 
-    def begin(self) -> Begun:
+    def begin(self) -> LoginAttempt:
         """Return a new login. Blocks. Raises LoginFailed."""
         state, nonce, verifier = (secrets.token_urlsafe(32) for _ in range(3))
         challenge = urlsafe_b64encode(hashlib.sha256(verifier.encode()).digest()).rstrip(b"=").decode()
@@ -71,7 +71,7 @@ class OpenId:
             "code_challenge": challenge,
             "code_challenge_method": "S256",
         }
-        return Begun(f"{self._endpoint('authorization_endpoint')}?{urlencode(asked)}", state, verifier, nonce)
+        return LoginAttempt(f"{self._endpoint('authorization_endpoint')}?{urlencode(asked)}", state, verifier, nonce)
 
     def finish(self, answer: Mapping[str, str], *, verifier: str) -> str:
         """Return the ID token of a login that was begun here, not checked yet. Blocks. Raises LoginFailed."""

@@ -98,7 +98,7 @@ def simulate(
         truths = TruthFile(file)
         seeds = np.random.SeedSequence(plan.seed).spawn(len(machines))
         lives = [
-            _Life(session, machine, story, plan, truths, np.random.default_rng(seed), stop)
+            _SimulatedMachine(session, machine, story, plan, truths, np.random.default_rng(seed), stop)
             for (machine, story), seed in zip(machines, seeds, strict=True)
         ]
         threads = [threading.Thread(target=life.live, name=life.machine.id) for life in lives]
@@ -111,7 +111,7 @@ def simulate(
             file.close()
 
 
-class _Life:
+class _SimulatedMachine:
     """One machine's life: its drawn truth, its story, its pace."""
 
     def __init__(

@@ -13,7 +13,7 @@ from service.wire.conversion import (
 from service.wire.encodings import BINARY, ENCODINGS, JSON, MESSAGEPACK, decode_batch, decode_body, encode_batch, encode_body
 from service.wire.frame import LARGEST_MESSAGE, frame, require_size, unframed
 from service.wire.keys import ALL_LIVE, ALL_RECEIVED, ALL_SAMPLES, ALL_SUBMIT, IDENTIFIER, Key
-from service.wire.rejection import Fault, OwnFault, Reason, Rejected
+from service.wire.rejection import Fault, InternalErrorReason, Reason, Rejected
 from service.wire.schema import (
     DIRECTIONS,
     LARGEST_BATCH,
@@ -50,7 +50,7 @@ __all__ = [
     "WIRE_SCHEMA",
     "Fault",
     "Key",
-    "OwnFault",
+    "InternalErrorReason",
     "Reason",
     "Received",
     "Rejected",

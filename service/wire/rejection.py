@@ -24,7 +24,7 @@ Reason = Literal[
 ]
 """Why a message, a sample or a channel's value is rejected."""
 
-OwnFault = Literal["unexpected_error", "damaged_block"]
+InternalErrorReason = Literal["unexpected_error", "damaged_block"]
 """Why something is missing with which nothing was wrong when it came: an error of the service, or of what keeps its data."""
 
 

@@ -1,8 +1,8 @@
 """A pool of worker processes on this machine, each with one task at a time.
 
 A process has a thread that talks with it through a pipe, and may wait for it for ever. One more thread watches the time: a
-process that is over its time is killed (SIGKILL, which ends stopped ones as well), its task ends in Stuck, and a new process
-takes its slot. Nothing waits for a process that the kernel does not let die, as in input that hangs.
+process that is over its time is killed (SIGKILL, which ends stopped ones as well), its task ends in WorkerStuck, and a new
+process takes its slot. Nothing waits for a process that the kernel does not let die, as in input that hangs.
 """
 
 import logging
@@ -40,7 +40,7 @@ DEATH_S = 2.0
 HERE = b"here"
 
 
-class Stuck(RuntimeError):
+class WorkerStuck(RuntimeError):
     """A process did not answer in its time, and was killed."""
 
 
@@ -134,7 +134,7 @@ class ProcessPool:
         if (silent := slot.silent_s()) is not None:
             logger.error("a worker process has not answered for %.0f s: it is killed and replaced", silent)
             self._slots[number] = _Slot(self._waiting, self._setup)
-            slot.give_up(Stuck(f"its process did not answer for {silent:.0f} s and was killed"))
+            slot.give_up(WorkerStuck(f"its process did not answer for {silent:.0f} s and was killed"))
 
 
 class _Slot:

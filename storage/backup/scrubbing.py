@@ -27,7 +27,7 @@ def overwrite_deleted(session: Session) -> None:
 
 
 def scrub(database: Database) -> None:
-    """Write an SQLite file anew without what was deleted, and cut its log. For who is alone with it. Raises NotScrubbed."""
+    """Write an SQLite file anew without what was deleted, and cut its log. For who is alone with it. Raises ScrubFailed."""
     path = file_of(database.engine)
     if path is None:
         return

@@ -38,8 +38,8 @@ class TransferReport:
 def move(source_url: str, target_url: str) -> TransferReport:
     """Take over everything into a database that holds no data.
 
-    The source is brought up to date first, and else left as it is. Raises NotMoved, DatabaseUnusable; also where there is no
-    source, and while a service uses one of them.
+    The source is brought up to date first, and else left as it is. Raises TransferFailed, DatabaseUnusable; also where there is
+    no source, and while a service uses one of them.
     """
     _require_source(source_url)
     with closing(Database(source_url)) as source, closing(Database(target_url)) as target:
@@ -122,7 +122,7 @@ def _copy(table: Table, reading: Connection, writing: Connection) -> Counter[str
 
 
 def _storable(table: Table, values: tuple[Any, ...], writing: Connection) -> tuple[Any, ...]:
-    """Values as the target can hold them. Raises NotMoved where a text is too long then."""
+    """Values as the target can hold them. Raises TransferFailed where a text is too long then."""
     if writing.dialect.name != "postgresql":
         return values
     return tuple(
@@ -146,7 +146,7 @@ def _escaped(table: Table, column: Column[Any], text: str, values: tuple[Any, ..
 
 
 def _compared(table: Table, reading: Connection, writing: Connection) -> int:
-    """How many rows there are; raises NotMoved where one is not the same on both sides."""
+    """How many rows there are; raises TransferFailed where one is not the same on both sides."""
     count = 0
     with _rows(table, reading) as before, _rows(table, writing) as after:
         for old, new in zip_longest(before, after):

@@ -17,7 +17,7 @@ def plain_lines(text: str) -> str:
 
 
 def nul_escaped(text: str) -> str:
-    """A text that holds NUL with `\\x00` for it and its backslashes doubled, so that `nul_unescaped` can tell; another as is."""
+    """A text that holds NUL with `\\x00` for it and its backslashes doubled, so that `nul_unescaped` can tell; else as is."""
     return text.replace("\\", "\\\\").replace("\0", "\\x00") if "\0" in text else text
 
 

@@ -49,7 +49,7 @@ PAGES = 8
 
 
 @dataclass(frozen=True)
-class Told:
+class StreamEvent:
     """An event and what a stream says of it, in bytes that all clients share: copies would be what memory goes into.
 
     event: None where what is stored cannot be told.
@@ -68,7 +68,7 @@ class Client:
     """
 
     joined: int
-    queue: asyncio.Queue[Told | None] = field(default_factory=lambda: asyncio.Queue(QUEUE_SIZE))
+    queue: asyncio.Queue[StreamEvent | None] = field(default_factory=lambda: asyncio.Queue(QUEUE_SIZE))
     slow: bool = False
 
 
@@ -82,7 +82,7 @@ class Broadcaster:
         self._task: asyncio.Task[None] | None = None
         self._last = 0
         self._ended = False
-        self._pages: OrderedDict[int, list[Told]] = OrderedDict()
+        self._pages: OrderedDict[int, list[StreamEvent]] = OrderedDict()
         self._lock = threading.Lock()  # of the pages
         self.trouble: str | None = None
         """Why those who listen are told nothing at the moment."""
@@ -119,7 +119,7 @@ class Broadcaster:
                 client.queue.put_nowait(None)
         self._clients.clear()
 
-    def page(self, after: int) -> list[Told]:
+    def page(self, after: int) -> list[StreamEvent]:
         """Return some events behind a number, oldest first; none only where there are no more."""
         first = after // PAGE * PAGE
         with self._lock:
@@ -132,9 +132,9 @@ class Broadcaster:
                         self._pages.popitem(last=False)
         return [one for one in page if one.number > after]
 
-    def _read(self, after: int) -> list[Told]:
+    def _read(self, after: int) -> list[StreamEvent]:
         with self._database.reading() as session:
-            return [_told(row) for row in alerts.events_after(session, after, limit=PAGE)]
+            return [_stream_event(row) for row in alerts.events_after(session, after, limit=PAGE)]
 
     def newest(self) -> int:
         """Return the number of the newest event."""
@@ -158,7 +158,7 @@ class Broadcaster:
                 self.trouble = None  # nobody's
                 return
 
-    def _hand_out(self, one: Told) -> None:
+    def _hand_out(self, one: StreamEvent) -> None:
         self._last = one.number
         for client in list(self._clients):
             if client.queue.full():
@@ -168,21 +168,21 @@ class Broadcaster:
                 client.queue.put_nowait(one)
 
 
-def _told(row: AlertEventRow) -> Told:
+def _stream_event(row: AlertEventRow) -> StreamEvent:
     """Return an event as a stream tells it; one that cannot be told must not stop those behind it."""
     try:
         event = alert_event(row)
-        return Told(row.id, event, _text(event))
+        return StreamEvent(row.id, event, _text(event))
     except (ValueError, OverflowError):
         logger.exception("alert event %d cannot be told in streams", row.id)
-        return Told(row.id, None)
+        return StreamEvent(row.id, None)
 
 
 def _text(event: AlertEvent) -> bytes:
     return f"id: {event.id}\nevent: alert\ndata: {event.model_dump_json()}\n\n".encode()
 
 
-async def _anybody_still() -> bool:
+async def _still_authenticated() -> bool:
     return True
 
 
@@ -190,7 +190,7 @@ def _everything(_event: AlertEvent) -> bool:
     return True
 
 
-def _for(sees: Callable[[AlertEvent], bool], one: Told) -> bool:
+def _for(sees: Callable[[AlertEvent], bool], one: StreamEvent) -> bool:
     return one.event is not None and sees(one.event)
 
 
@@ -199,7 +199,7 @@ async def stream(
     after: int | None,
     *,
     sees: Callable[[AlertEvent], bool] = _everything,
-    still: Callable[[], Awaitable[bool]] = _anybody_still,
+    still: Callable[[], Awaitable[bool]] = _still_authenticated,
 ) -> AsyncGenerator[bytes]:
     """Yield events behind `after` that the client sees, or from now on, for ever; first the id behind which they begin.
 

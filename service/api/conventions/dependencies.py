@@ -13,7 +13,7 @@ from fastapi.exceptions import RequestValidationError
 from sqlalchemy.orm import Session
 
 from service.api.conventions.times import Time
-from service.identification.job_options import Asker
+from service.identification.job_options import Requester
 from service.identification.job_quota import JobQuota
 from service.security.principal import Principal
 from service.security.store import Store
@@ -34,9 +34,9 @@ def principal(request: Request) -> Principal:
     return cast(Principal, request.state.principal)
 
 
-def asker(request: Request, priority: int = ASKED) -> Asker:
+def requester(request: Request, priority: int = ASKED) -> Requester:
     """Return who asks for identifications, and how many of theirs may wait."""
-    return Asker(principal(request).identity, cast(JobQuota, request.app.state.job_quota), priority)
+    return Requester(principal(request).identity, cast(JobQuota, request.app.state.job_quota), priority)
 
 
 async def _reading(request: Request) -> AsyncIterator[Session]:

@@ -26,7 +26,7 @@ Row = dict[str, Any]
 
 
 @dataclass(frozen=True)
-class _KeptRow:
+class _CachedRow:
     """A row as JSON, and what it was made of. standing: where run collection stood, as JSON; None before samples."""
 
     glance: MachineGlance
@@ -40,7 +40,7 @@ class Overview:
     def __init__(self, database: Database) -> None:
         self._changes = Changes(database)
         self._glances: tuple[Hashable, list[MachineGlance]] | None = None
-        self._rows: dict[str, _KeptRow] = {}
+        self._rows: dict[str, _CachedRow] = {}
         self._lock = threading.Lock()
 
     def rows(self, session: Session, machines: Sequence[ListedMachine], *, since: int) -> list[msgspec.Raw]:
@@ -64,7 +64,7 @@ class Overview:
         kept = self._rows.get(glance.machine.id)
         if kept is None or kept.standing != standing or (kept.glance is not glance and kept.glance != glance):
             known = None if standing is None else CollectionState.restored(msgspec.json.decode(standing))
-            kept = _KeptRow(glance, standing, msgspec.Raw(msgspec.json.encode(_row(glance, known))))
+            kept = _CachedRow(glance, standing, msgspec.Raw(msgspec.json.encode(_row(glance, known))))
             self._rows[glance.machine.id] = kept
         return kept.row
 

@@ -13,7 +13,7 @@ from service.api.conventions.times import Time
 from service.api.operation import rendering, schemas
 from service.configuration.release import VERSION
 from service.security.requirement import ADMIN, ANYBODY, VIEWER
-from service.wire import OwnFault, Reason
+from service.wire import InternalErrorReason, Reason
 from storage.database.claim import DatabaseUnusable
 from storage.database.engine import Database
 from storage.database.errors import is_database_wide
@@ -38,7 +38,7 @@ class HealthReport:
     answers: bool
 
 
-async def looked_at(request: Request) -> HealthReport:
+async def health_report(request: Request) -> HealthReport:
     """Look at how the parts are doing now."""
     kept = cast(Database, request.app.state.database)
     parts: dict[str, str] = request.app.state.parts()
@@ -58,7 +58,7 @@ async def looked_at(request: Request) -> HealthReport:
 
 
 async def _health(request: Request) -> schemas.Health:
-    look = await looked_at(request)
+    look = await health_report(request)
     parts = look.parts
     kept = cast(Database, request.app.state.database)
     # A stream without a peer is waiting, not broken.
@@ -124,7 +124,7 @@ def list_sources(session: Reading, paging: BySource) -> list[schemas.SourceOut]:
     return [rendering.source(row) for row in paging.page(rows, lambda row: (row.machine_id, row.source, row.epoch))]
 
 
-WhichReason = Annotated[Reason | OwnFault | None, Query(description="only entries with this reason")]
+WhichReason = Annotated[Reason | InternalErrorReason | None, Query(description="only entries with this reason")]
 
 
 @router.get("/quarantine", operation_id="read_quarantine", dependencies=[VIEWER])

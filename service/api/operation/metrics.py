@@ -16,10 +16,10 @@ from prometheus_client.registry import Collector
 from sqlalchemy.exc import DBAPIError
 
 from service.api.conventions.dependencies import database
-from service.api.operation.health import looked_at
+from service.api.operation.health import health_report
 from service.security.requirement import VIEWER
 from service.security.store import Store
-from service.wire import OwnFault, Reason
+from service.wire import InternalErrorReason, Reason
 from storage.alerts import deliveries
 from storage.clock import now
 from storage.database.claim import DatabaseUnusable
@@ -143,7 +143,7 @@ async def read_metrics(request: Request) -> Response:
         gauges["rundown_http_queue_batches"] = len(state.submissions)
         gauges["rundown_ingest_storing"] = int(state.submissions.trouble is None)
     # Only the parts: the jobs that are counted there are of all plants, whoever asks.
-    look = await looked_at(request)
+    look = await health_report(request)
     parts, answers, kept = look.parts, look.answers, _StoreFigures()
     if answers:
         try:
@@ -163,7 +163,7 @@ def _kept(store: Store) -> _StoreFigures:
         totals = samples.totals(session)
         by_state = _of_every(jobs.STATES, jobs.count(session))
         on_their_way = _of_every(deliveries.STATES, deliveries.counts(session))
-        rejected = _of_every((*get_args(Reason), *get_args(OwnFault)), quarantine.counts(session))
+        rejected = _of_every((*get_args(Reason), *get_args(InternalErrorReason)), quarantine.counts(session))
         ages = _ages(totals)
         silent = sum(seconds > SILENT_S for seconds in ages.values())
         return _StoreFigures(_bounded(totals), ages, silent, rejected, by_state, on_their_way)

@@ -24,7 +24,7 @@ from service.delivery.dispatcher import Dispatcher
 from service.delivery.outbox import AT_ONCE
 from service.delivery.zenoh_channel import LastStates
 from service.messaging.session import open_session
-from service.replication.work_share import Whole
+from service.replication.work_share import WholeShare
 from service.secrets.sealing import Sealing
 from storage.alerts import alerts, deliveries
 from storage.database.engine import Database
@@ -254,7 +254,7 @@ def test_what_nobody_expected_is_told_of_until_it_is_over(
 ) -> None:
     monkeypatch.setattr(dispatcher_module, "RETRY_S", 0.05)
 
-    class Confused(Whole):
+    class Confused(WholeShare):
         clear = False
 
         def leads(self, work: str) -> bool:

@@ -16,7 +16,7 @@ from service.maintenance.disk_watch import warning
 from service.maintenance.housekeeping import Housekeeping
 from service.maintenance.retention_cut_offs import DAY_NS
 from service.maintenance.retention_tiers import Blocks, Runs, tiers_of
-from service.replication.work_share import Whole
+from service.replication.work_share import WholeShare
 from service.runs.collector import Collector
 from storage.database import disk
 from storage.database.disk import DiskUse
@@ -394,7 +394,7 @@ def test_a_round_that_fails_is_told_of_until_one_does_not(plant: Database, monke
     one.stop()
 
 
-class _Elsewhere(Whole):
+class _Elsewhere(WholeShare):
     """The share of a replica that does what one does for all at first, and then another one does it."""
 
     leading = True

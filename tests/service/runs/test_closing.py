@@ -9,7 +9,7 @@ from service.journal.journal import Journal
 from service.runs import closing
 from service.runs.closing import Closing
 from service.runs.collector import Collector
-from service.runs.run_samples import Gathered, gathered
+from service.runs.run_samples import RunContent, gather
 from storage.database.engine import Database
 from storage.findings import jobs
 from storage.measurements import runs
@@ -62,8 +62,8 @@ def test_storing_goes_on_while_a_run_is_being_closed(
 ) -> None:
     begun, go_on = threading.Event(), threading.Event()
 
-    def slowly(session: Session, row: RunRow) -> Gathered:
-        found = gathered(session, row)
+    def slowly(session: Session, row: RunRow) -> RunContent:
+        found = gather(session, row)
         begun.set()
         assert go_on.wait(10.0)
         return found
@@ -85,9 +85,9 @@ def test_storing_goes_on_while_a_run_is_being_closed(
 def test_what_comes_late_while_a_run_is_being_closed_is_sorted_in(
     plant: Database, journal: Journal, collector: Collector, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def late_meanwhile(session: Session, row: RunRow) -> Gathered:
-        found = gathered(session, row)
-        monkeypatch.setattr(closing, "gathered", gathered)
+    def late_meanwhile(session: Session, row: RunRow) -> RunContent:
+        found = gather(session, row)
+        monkeypatch.setattr(closing, "gathered", gather)
         threading.Thread(target=lambda: send(journal, 50, 60)).start()
         wait_until(lambda: collector.late.may_wait(KEY.machine))
         return found

@@ -54,7 +54,7 @@ def opening(url: str, made: dict[str, tuple[str, str]]) -> set[str]:
     with closing(Database(url)) as database, database.reading() as session:
         assert browser_sessions.find(session, "cookie", at=now()) is None
         assert audit.verify(session) == []
-        return {name for name, (prefix, text) in made.items() if api_keys.opens(keys.find(session, prefix), text)}
+        return {name for name, (prefix, text) in made.items() if api_keys.is_valid_secret(keys.find(session, prefix), text)}
 
 
 def test_what_was_revoked_stays_so(database: Database, made: dict[str, tuple[str, str]], tmp_path: Path) -> None:
