@@ -25,8 +25,8 @@ class Executor(Protocol):
     def submit(self, limit_s: float, work: Callable[[A], R], task: A) -> Future[R]:
         """Compute `work(task)`. work: a function of a module, which keeps to its own time limit of `limit_s` [s].
 
-        The future ends in what the task raises, in BrokenProcessPool or WorkerStuck where its process died or stopped answering,
-        in TaskRefused or Interrupted, or is cancelled where the executor lost it. Raises ExecutorUnavailable.
+        The future ends in what the task raises, in BrokenProcessPool or WorkerStuck where its process died or stopped
+        answering, in TaskRefused or Interrupted, or is cancelled where the executor lost it. Raises ExecutorUnavailable.
         """
 
     def look(self) -> None:

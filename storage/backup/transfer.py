@@ -38,8 +38,8 @@ class TransferReport:
 def move(source_url: str, target_url: str) -> TransferReport:
     """Take over everything into a database that holds no data.
 
-    The source is brought up to date first, and else left as it is. Raises TransferFailed, DatabaseUnusable; also where there is
-    no source, and while a service uses one of them.
+    The source is brought up to date first, and else left as it is. Raises TransferFailed, DatabaseUnusable; also where there
+    is no source, and while a service uses one of them.
     """
     _require_source(source_url)
     with closing(Database(source_url)) as source, closing(Database(target_url)) as target:
