@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
 from estimator.signal.keyphasor import ShaftAngle
@@ -200,9 +201,8 @@ def track_block(
     # One layout in memory, so that sums round alike wherever the waveforms come from.
     signals = np.ascontiguousarray(waveforms[:, first : first + time.size], dtype=float)
     ranges = rails if isinstance(rails, list) else [rails] * len(signals)
-    faults = tuple(
-        waveform_fault(one, samples_per_turn=per_turn, rails=rail) for one, rail in zip(signals, ranges, strict=True)
-    )
+    pairs = zip(signals, ranges, strict=True)
+    faults = tuple(waveform_fault(signal, samples_per_turn=per_turn, rails=one) for signal, one in pairs)
     lost = np.array([fault in UNUSABLE for fault in faults], dtype=bool)
     signals = np.where(lost[:, None], 0.0, signals) if lost.any() else signals
     signals = signals - signals.mean(axis=1, keepdims=True)
