@@ -68,7 +68,7 @@ def test_storing_goes_on_while_a_run_is_being_closed(
         assert go_on.wait(10.0)
         return found
 
-    monkeypatch.setattr(closing, "gathered", slowly)
+    monkeypatch.setattr(closing, "gather", slowly)
     thread = Closing(plant, collector)
     thread.start()
     try:
@@ -87,7 +87,7 @@ def test_what_comes_late_while_a_run_is_being_closed_is_sorted_in(
 ) -> None:
     def late_meanwhile(session: Session, row: RunRow) -> RunContent:
         found = gather(session, row)
-        monkeypatch.setattr(closing, "gathered", gather)
+        monkeypatch.setattr(closing, "gather", gather)
         threading.Thread(target=lambda: send(journal, 50, 60)).start()
         wait_until(lambda: collector.late.may_wait(KEY.machine))
         return found
@@ -96,7 +96,7 @@ def test_what_comes_late_while_a_run_is_being_closed_is_sorted_in(
     send(journal, 60, len(CYCLE))
     both = Closing(plant, collector)
     both.sort_in_late()  # nothing yet
-    monkeypatch.setattr(closing, "gathered", late_meanwhile)
+    monkeypatch.setattr(closing, "gather", late_meanwhile)
     both.close_ended()
     assert (only_run(plant).state, only_run(plant).count) == (runs.CLOSED, 75)
     both.sort_in_late()
