@@ -72,7 +72,7 @@ def step(session: Session, identification_id: int, rng: random.Random) -> None:
             transitions.release(session, rng.choice(held), ANNA)
 
     def expired() -> None:
-        transitions.release_over(session)
+        transitions.release_expired(session)
 
     def on_alert(act: Callable[[Session, AlertRow], None]) -> Callable[[], None]:
         return lambda: None if row is None else act(session, row)

@@ -168,7 +168,7 @@ def run(folder: Path, transitions: int, seed: int) -> str:
             time.sleep(0.1)
         memory.append(process.memory_info().rss / 1e6)
         with database.reading() as session:
-            gone = sum(row.state == "disabled" for row in deliveries.every(session))
+            gone = sum(row.state == "disabled" for row in deliveries.list_subscriptions(session))
     database.close()
     stream = quantiles([times.heard[event] - moment for event, moment in times.committed.items() if event in times.heard])
     webhook = quantiles([moment - times.committed[event] for (event, _), moment in times.taken.items()])

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 PERIOD_S = 60.0
 
 
-class Longest:
+class RecentMaximum:
     """The longest duration [s] noted in this period or the one before."""
 
     def __init__(self) -> None:

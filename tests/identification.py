@@ -37,7 +37,7 @@ def close_run(database: Database, train: Machine, *, seed: int, start_s: int, as
         row = runs.open_run(session, train.id, revision=1, kind="run-down", direction=1, time_first=int(held.time[0]))
         runs.close(row, samples=held, state=runs.CLOSED, reason="the speed left the speed range")
         if ask:
-            jobs.ask(session, train.id, scope=jobs.RUN, run_ids=[row.id])
+            jobs.enqueue(session, train.id, scope=jobs.RUN, run_ids=[row.id])
         return row.id
 
 

@@ -22,7 +22,7 @@ from estimator.machine.rules import Noise
 from estimator.phasors.channel_status import ChannelStatus
 from estimator.rotor.condensation import condense
 from estimator.units import rpm_to_rad_per_s
-from service.journal.batch import Arrived
+from service.journal.batch import ArrivedBatch
 from service.wire import WIRE_SCHEMA, Key, SampleBatch, encode_batch
 from storage.encoding.sample_blocks import Samples
 from storage.findings import identifications, jobs
@@ -114,9 +114,9 @@ def sweep_rpm(first: float, last: float, count: int = 40) -> list[float]:
     return list(map(float, np.linspace(first, last, count)))
 
 
-def arrived(one: SampleBatch, *, received_at: int = START + 86_400 * SECOND) -> Arrived:
+def arrived(one: SampleBatch, *, received_at: int = START + 86_400 * SECOND) -> ArrivedBatch:
     """The batch as the ingest hands it to the journal."""
-    return Arrived(one, KEY.samples, encode_batch(one), received_at)
+    return ArrivedBatch(one, KEY.samples, encode_batch(one), received_at)
 
 
 def samples(count: int = 3, *, start: int = START, step: int = SECOND, rpm: Sequence[float] | None = None) -> Samples:
@@ -244,7 +244,7 @@ def store_identification(
     machine_id: str = KEY.machine,
 ) -> IdentificationRow:
     """Ask for an identification of a run, take the job and file this outcome."""
-    job = jobs.ask(session, machine_id, scope=scope, run_ids=[run_id])
+    job = jobs.enqueue(session, machine_id, scope=scope, run_ids=[run_id])
     assert job is not None
     jobs.finish(job, state=jobs.DONE)
     origin = Origin(

@@ -3,7 +3,7 @@
 from collections.abc import Set
 from typing import Any
 
-from service.journal.batch import Arrived, StoreOutcome
+from service.journal.batch import ArrivedBatch, StoreOutcome
 from service.journal.journal import Journal
 from service.runs.closing import Closing
 from service.runs.collector import Collector
@@ -19,7 +19,7 @@ class PromptJournal(Journal):
         super().__init__(database, collector)
         self.closing = Closing(database, collector)
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
+    def store(self, arrived: list[ArrivedBatch], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
         """As of Journal."""
         outcomes = super().store(arrived, rejections, **more)
         self.closing.close_ended()

@@ -12,6 +12,7 @@ from benchmarks.thesis.future_trains import FEATURES, INTERNAL_DAMPING, NOMINAL_
 from benchmarks.thesis.tables import paragraphs, percent, prose, table
 from estimator.fit.coordinates import Coordinates
 from estimator.fit.identify import Identification, Options, identify
+from estimator.fit.phasor_jacobian import phasor_jacobian
 from estimator.machine.document import Machine
 from estimator.machine.parameter_description import is_direct
 from estimator.phasors.measurement import Measurement
@@ -84,7 +85,9 @@ def _response(machine: Machine, truth: Mapping[str, complex]) -> tuple[Complexes
     theta = coordinates.theta(point)
     coefficients, excitations = coordinates.coefficients(theta), coordinates.excitations(theta)
     found = sensitivity(train, coefficients=coefficients, excitations=excitations)
-    slope = coordinates.jacobian(theta, found, coefficients, train.direction, slice(0, SPEED.size))
+    slope = phasor_jacobian(
+        coordinates, theta, found, coefficients=coefficients, direction=train.direction, block=slice(0, SPEED.size)
+    )
     clean = response(train, coefficients=coefficients, excitations=excitations)
     return clean, slope / coordinates.unit[:, None, None], coordinates.names, point
 

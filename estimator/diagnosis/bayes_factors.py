@@ -21,6 +21,7 @@ from estimator.diagnosis.healthy_variation import run_variation, slow_variation,
 from estimator.diagnosis.hypotheses import Hypothesis, hypotheses
 from estimator.diagnosis.observation import Observation
 from estimator.machine.document import Machine
+from estimator.machine.parameter_description import describe
 from estimator.rotor.assembly import assemble_rotor
 from estimator.rotor.parameters import unknowns
 
@@ -358,9 +359,9 @@ def _symmetric(matrix: Floats) -> Floats:
 
 def _believed(name: str, baseline: Sequence[Observation]) -> float:
     """Return the precision of a channel's error as believed before the baseline; 0 for everything else."""
-    parts = name.split(".")
-    if parts[0] != "probe":
+    described = describe(name)
+    if described.channel is None:
         return 0.0
-    if parts[2] == "gain":
+    if described.quantity == "gain":
         return 1.0 / GAIN_TOLERANCE**2
-    return 1.0 / (RUN_OUT_TOLERANCE * typical_amplitude(parts[1], baseline)) ** 2
+    return 1.0 / (RUN_OUT_TOLERANCE * typical_amplitude(described.channel, baseline)) ** 2

@@ -10,6 +10,7 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.machine.document import Machine
+from estimator.machine.parameter_description import describe
 from estimator.rotor.parameters import Coefficient, Unknowns
 
 RISE = 0.15
@@ -23,6 +24,8 @@ RUN_OUT = 0.3
 
 Term = Literal["stiffness", "damping"]
 """Kind of the terms that change together."""
+TERM_ORDER: Mapping[Term, int] = {"stiffness": 0, "damping": 1}
+"""Power of jω with which each kind of terms acts."""
 
 
 class ChangeColumns:
@@ -89,7 +92,7 @@ class ChangeColumns:
         """
         columns = []
         for place, one in self._of(element):
-            size = DAMPING_SPREAD if "damping" in one.quantity else COEFFICIENT_SPREAD
+            size = DAMPING_SPREAD if one.order == TERM_ORDER["damping"] else COEFFICIENT_SPREAD
             columns.append(size * (1.0 if one.direct else one.scale) * np.eye(len(self.names))[place])
         return columns
 
@@ -104,7 +107,7 @@ class ChangeColumns:
             Column (N,) [-].
         """
         found = np.zeros(len(self.names))
-        found[[place for place, one in self._of(element) if one.direct and term in one.quantity]] = 1.0
+        found[[place for place, one in self._of(element) if one.direct and one.order == TERM_ORDER[term]]] = 1.0
         return found
 
     def element_variants(self, element: str) -> tuple[Floats, ...]:
@@ -161,6 +164,6 @@ class ChangeColumns:
 
     def _of(self, element: str) -> Iterator[tuple[int, Coefficient]]:
         for place, name in enumerate(self.names):
-            one = self._coefficients.get(name.partition("@")[0])
+            one = self._coefficients.get(describe(name).whole)
             if one is not None and one.element == element:
                 yield place, one

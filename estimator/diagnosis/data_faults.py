@@ -8,6 +8,7 @@ import numpy as np
 
 from estimator.diagnosis.observation import Observation
 from estimator.fit.goodness_of_fit import LARGEST_OUTLIER_PART, accepted
+from estimator.machine.parameter_description import describe
 
 LOST = 0.1
 """Part of the samples with a phasor of a channel below which the channel is lost [-]."""
@@ -107,18 +108,14 @@ def _explained(one: Observation, channels: frozenset[str]) -> float:
     """Compute the fall of χ² when the gains and run-outs of these channels are fitted along."""
     left_out = {channel for channel, count in one.outliers.items() if count > MOSTLY_LEFT_OUT * _usable(one, channel)}
     known = np.diag(one.information) > 0.0  # of a channel without phasors nothing is
-    free = known & np.array([_channel(name) in channels - left_out for name in one.names])
-    machine = np.array([_channel(name) is None for name in one.names])
+    free = known & np.array([describe(name).channel in channels - left_out for name in one.names])
+    machine = np.array([describe(name).channel is None for name in one.names])
     if not free.any():
         return 0.0
     across = one.information[np.ix_(free, machine)]
     own = one.information[np.ix_(free, free)] - across @ np.linalg.solve(one.information[np.ix_(machine, machine)], across.T)
     score = one.gradient[free]
     return float(score @ np.linalg.solve(own, score))
-
-
-def _channel(name: str) -> str | None:
-    return name.split(".")[1] if name.startswith("probe.") else None
 
 
 def _usable(one: Observation, channel: str) -> int:

@@ -10,6 +10,7 @@ from estimator.arrays import Floats
 from estimator.diagnosis.change_columns import ChangeColumns
 from estimator.diagnosis.data_faults import DataFault
 from estimator.diagnosis.observation import Observation
+from estimator.machine.parameter_description import describe
 
 ElementKind = Literal["coupling", "bearing", "seal", "disc", "shaft", "probe", "machine"]
 Place = Literal["machine", "channels", "data"]
@@ -136,5 +137,5 @@ class FindingKind:
         Raises:
             ValueError: It cannot.
         """
-        if element.split(".", 1)[0] not in self.elements:
+        if describe(element).element_kind not in self.elements:
             raise ValueError(f"finding kind '{self.kind}' is declared for {', '.join(self.elements)}, not for '{element}'")

@@ -10,11 +10,12 @@ coefficient; an error of a channel moves everything that this channel measures, 
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.diagnosis.change_columns import RISE, ChangeColumns
+from estimator.diagnosis.change_columns import RISE, TERM_ORDER, ChangeColumns, Term
 from estimator.diagnosis.data_faults import lost_channels, many_outliers, misfit
 from estimator.diagnosis.finding_kind import BaselineValues, Cause, ChangeSize, ExpectedChange, FindingKind
 from estimator.machine.coupling_neighbours import neighbouring_bearings
@@ -73,28 +74,43 @@ def _single_elements(columns: ChangeColumns, elements: Sequence[str]) -> Iterato
 def _misalignment_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
     """Return the mean growth of the stiffness of the elements, beside that of each stiffness and damping."""
     growths = _growths(cause)
-    stiffness = [per_cent for name, (per_cent, _) in growths.items() if name.endswith(".stiffness_per_cent")]
-    return ChangeSize(float(np.mean(stiffness)), {name: per_cent for name, (per_cent, _) in growths.items()})
+    stiffness = [one.per_cent for one in growths if one.term == "stiffness"]
+    return ChangeSize(float(np.mean(stiffness)), {one.name: one.per_cent for one in growths})
 
 
 def _element_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
     """Return the surest of the growths of stiffness and damping, beside both."""
     growths = _growths(cause)
-    surest = max(((certainty, per_cent) for per_cent, certainty in growths.values()), default=None)
-    return ChangeSize(None if surest is None else surest[1], {name: per_cent for name, (per_cent, _) in growths.items()})
+    surest = max(growths, key=lambda one: (one.certainty, one.per_cent), default=None)
+    return ChangeSize(None if surest is None else surest.per_cent, {one.name: one.per_cent for one in growths})
 
 
-def _growths(cause: Cause) -> Mapping[str, tuple[float, float]]:
-    """Return by `element.stiffness_per_cent` and `element.damping_per_cent` the growth and its number of standard errors."""
-    found: dict[str, tuple[float, float]] = {}
+@dataclass(frozen=True)
+class _Growth:
+    """Mean growth of an element's direct stiffnesses, or of its direct dampings, with its number of standard errors."""
+
+    element: str
+    term: Term
+    per_cent: float
+    certainty: float
+
+    @property
+    def name(self) -> str:
+        """Return the name of the quantity, such as `coupling.C1.stiffness_per_cent`."""
+        return f"{self.element}.{self.term}_per_cent"
+
+
+def _growths(cause: Cause) -> list[_Growth]:
+    """Return the growths of stiffness and damping of each element."""
+    found: list[_Growth] = []
     for element in dict.fromkeys(element_of(name) for name in cause.names):
-        for what, order in (("stiffness", 0), ("damping", 1)):
-            terms = [said.term if (said := describe(name)).element == element else None for name in cause.names]
+        terms = [own.term if (own := describe(name)).element == element else None for name in cause.names]
+        for kind, order in TERM_ORDER.items():
             which = _mean_of([term is not None and term.direct and term.order == order for term in terms])
             if not which.any():
                 continue
             value, error = float(which @ cause.change), math.sqrt(float(which @ cause.covariance @ which))
-            found[f"{element}.{what}_per_cent"] = 100.0 * math.expm1(value), abs(value) / max(error, 1e-12)
+            found.append(_Growth(element, kind, 100.0 * math.expm1(value), abs(value) / max(error, 1e-12)))
     return found
 
 
@@ -110,9 +126,9 @@ def misalignment_form(cause: Cause) -> str | None:
     Returns:
         `parallel`, `angular` or `combined`; None where the data do not tell.
     """
-    own = [said.quantity if (said := describe(name)).element == cause.element else None for name in cause.names]
-    lateral = _mean_of([term in ("kxx", "kyy") for term in own])
-    angular = _mean_of([term in ("k_phix", "k_phiy") for term in own])
+    own = [described.term if (described := describe(name)).element == cause.element else None for name in cause.names]
+    lateral = _mean_of([term is not None and term.direct and term.quantity == "stiffness" for term in own])
+    angular = _mean_of([term is not None and term.direct and term.quantity == "angular stiffness" for term in own])
     if not lateral.any() or not angular.any():
         return None
     rises = np.stack([lateral, angular])
@@ -192,7 +208,7 @@ def _bows(columns: ChangeColumns) -> Iterator[ExpectedChange]:
 
 def _run_out_size(cause: Cause, baseline: BaselineValues) -> ChangeSize:
     """Return the largest change of a run-out, of the channel's amplitude in the baseline."""
-    channels = [name.split(".")[1] for name in cause.names[::2]]
+    channels = [describe(name).element_id for name in cause.names[::2]]
     sizes = np.abs(_complex_changes(cause))
     relative = [size / baseline.amplitudes[channel] for size, channel in zip(sizes, channels, strict=True)]
     return ChangeSize(100.0 * max(relative), {"largest_um": 1e6 * float(sizes.max())})

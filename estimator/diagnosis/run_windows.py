@@ -17,6 +17,7 @@ from estimator.diagnosis.finding_kind import Cause, FindingKind
 from estimator.diagnosis.finding_kinds import FINDING_KINDS, finding_kind
 from estimator.diagnosis.observation import Observation
 from estimator.machine.document import Machine
+from estimator.machine.parameter_description import describe
 
 LONGEST = 3
 """Length of the longest window over the number of runs that must agree."""
@@ -170,7 +171,7 @@ def faulty_channels(diagnosis: Diagnosis) -> frozenset[str]:
         Ids of the channels.
     """
     names = (name for cause in diagnosis.causes if _lies_in_channels(cause) for name in cause.names)
-    return frozenset(name.split(".")[1] for name in names)
+    return frozenset(channel for name in names if (channel := describe(name).channel) is not None)
 
 
 def _lies_in_channels(cause: Cause) -> bool:

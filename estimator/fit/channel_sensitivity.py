@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from estimator.arrays import Floats
 from estimator.fit.coordinates import Coordinates
-from estimator.fit.maximum_likelihood import FitProblem, FitResult, settled
+from estimator.fit.fit_problem import FitProblem, FitResult
+from estimator.fit.reweighting import with_fitted_noise
 from estimator.machine.parameter_description import describe
 
 MOSTLY_LEFT_OUT = 0.3
@@ -57,7 +58,7 @@ def channel_effects(problem: FitProblem, found: FitResult, *, inflation: float =
     Returns:
         Effects of e errors of channels.
     """
-    whole = _with_every_channel(settled(problem, found))
+    whole = _with_every_channel(with_fitted_noise(problem, found))
     doubtful = _mostly_left_out(whole)
     own, extended = problem.coordinates, whole.coordinates
     index = np.array([extended.names.index(name) for name in own.names], dtype=np.intp)

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
 from estimator.bearings.model import CoefficientCurves, CoefficientModel, ModelParameter
+from estimator.fit.channel_coordinates import ChannelCoordinates
 from estimator.quantities import Quantity
 from estimator.rotor.coefficient_models import governing_models
 from estimator.rotor.condensation import CondensedTrain
 from estimator.rotor.parameters import Coefficient, Excitation
-from estimator.rotor.response import Sensitivity
 
 UNBALANCE_SPREAD = 1000.0
 """Prior standard deviation of an unbalance in units of its scale: enough to make the problem regular, no more."""
@@ -105,8 +105,7 @@ class Coordinates:
         excitation_scale: Scale of each excitation (E,) [SI].
         held: Value of each fixed excitation (E,), 0 for the others [SI].
         scale_place: Coordinate of each scale factor (F,).
-        gain_place: First coordinate of each channel's gain (m,); -1 where it is taken as exact.
-        run_out_place: First coordinate of each channel's run-out (m,); -1 where it is taken as exact.
+        channels: Gains and run-outs of the channels.
         quantities: Physical quantity of each of the K coefficients.
         guessed: True for direct terms whose expected value no document gave (K,).
     """
@@ -126,8 +125,7 @@ class Coordinates:
     excitation_scale: Floats
     held: Complexes
     scale_place: NDArray[np.intp]
-    gain_place: NDArray[np.intp]
-    run_out_place: NDArray[np.intp]
+    channels: ChannelCoordinates
     quantities: tuple[Quantity, ...]
     guessed: NDArray[np.bool_]
 
@@ -148,11 +146,6 @@ class Coordinates:
     def size(self) -> int:
         """Return the number of coordinates n."""
         return len(self.names)
-
-    @property
-    def channel_count(self) -> int:
-        """Return the number of coordinates that belong to channels, which a prior keeps small."""
-        return 2 * int(np.count_nonzero(self.gain_place >= 0) + np.count_nonzero(self.run_out_place >= 0))
 
     def point(self, theta: Floats) -> Floats:
         """Convert fit coordinates to physical values.
@@ -250,28 +243,6 @@ class Coordinates:
         """
         return np.exp(theta[self.scale_place])
 
-    def gains(self, theta: Floats) -> Complexes:
-        """Compute the gain of each channel: measured over true.
-
-        Args:
-            theta: Fit coordinates θ (n,) [-].
-
-        Returns:
-            Gains (m,) [-].
-        """
-        return np.asarray(1.0 + _pairs(self.unit, theta, self.gain_place))
-
-    def run_outs(self, theta: Floats) -> Complexes:
-        """Compute the run-out of each channel in rotation from +x to +y.
-
-        Args:
-            theta: Fit coordinates θ (n,) [-].
-
-        Returns:
-            Run-outs (m,) [m].
-        """
-        return _pairs(self.unit, theta, self.run_out_place)
-
     def with_coefficients(self, theta: Floats, coefficients: Floats) -> Floats:
         """Return θ with the coordinates of other coefficients, constant over speed.
 
@@ -295,46 +266,6 @@ class Coordinates:
             if len(one.coefficients) == len(one.model.coefficients):  # a tied one of several has no say
                 result[one.first : one.places.stop] = one.model.level(value[list(one.coefficients)])
         return result
-
-    def jacobian(self, theta: Floats, found: Sensitivity, coefficients: Floats, direction: Floats, block: slice) -> Complexes:
-        """Compute ∂ phasor/∂θ at some of the speeds, from the derivatives by physical parameters there.
-
-        Args:
-            theta: Fit coordinates θ (n,) [-].
-            found: Phasors and their derivatives at the S speeds of the block.
-            coefficients: Coefficients at θ, (K,) or at all speeds of the train (all, K) [SI].
-            direction: Sense of rotation (S,), +1 or -1 [-].
-            block: The speeds, among all of the train.
-
-        Returns:
-            Derivatives (n, S, m) [m].
-        """
-        whole = np.zeros((self.size, *found.phasor.shape), dtype=complex)
-        constant = self.place >= 0
-        slope = np.where(self.logarithmic, coefficients, self.scale)
-        slope = slope[:, None, None] if slope.ndim == 1 else slope[block].T[:, :, None]
-        by_coefficient = found.by_coefficient * slope
-        for k in np.flatnonzero(constant).tolist():
-            whole[self.place[k]] += by_coefficient[k]  # tied coefficients share a coordinate
-        for one in self.models:
-            slopes = one.derivatives(theta, block)
-            for c, k in enumerate(one.coefficients):
-                for p, place in enumerate(one.places):
-                    whole[place] += slopes[:, c, p, None] * found.by_coefficient[k]
-        for column in np.flatnonzero(self.excitation_place >= 0):
-            first = self.excitation_place[column]
-            whole[first : first + 2] = self.excitation_scale[column] * found.by_excitation[2 * column : 2 * column + 2]
-        whole[self.scale_place] = found.by_scale
-        whole *= self.gains(theta)
-        for channel in np.flatnonzero(self.gain_place >= 0):
-            first = self.gain_place[channel]
-            whole[first, :, channel] = self.unit[first] * found.phasor[:, channel]
-            whole[first + 1, :, channel] = 1j * self.unit[first] * found.phasor[:, channel]
-        for channel in np.flatnonzero(self.run_out_place >= 0):
-            first = self.run_out_place[channel]
-            whole[first, :, channel] = self.unit[first]
-            whole[first + 1, :, channel] = 1j * self.unit[first] * direction
-        return whole
 
 
 class _CoordinateBuilder:
@@ -372,14 +303,15 @@ class _CoordinateBuilder:
             for one, scale in zip(excitations, excitation_scale, strict=True)
         ]
         scale_place = [self.add(n, 0.0, float(s), 1.0) for n, s in zip(train.scale_names, train.scale_spread, strict=True)]
-        gain_place = self._channels("gain", train.gain_spread)
-        run_out_place = self._channels("run_out", train.run_out_spread)
+        gain = self._channels("gain", train.gain_spread)
+        run_out = self._channels("run_out", train.run_out_spread)
+        unit = np.array(self.unit)
         return Coordinates(
             names=tuple(self.names),
             centre=np.array(self.centre),
             spread=np.array(self.spread),
             origin=np.array(self.origin),
-            unit=np.array(self.unit),
+            unit=unit,
             logarithmic=np.array([c.direct for c in coefficients], dtype=bool),
             expected=np.array([c.expected for c in coefficients], dtype=float),
             scale=np.array([c.scale for c in coefficients], dtype=float),
@@ -390,8 +322,7 @@ class _CoordinateBuilder:
             excitation_scale=excitation_scale,
             held=np.array([(e.nominal or 0j) if e.fixed else 0j for e in excitations], dtype=complex),
             scale_place=np.array(scale_place, dtype=np.intp),
-            gain_place=gain_place,
-            run_out_place=run_out_place,
+            channels=ChannelCoordinates(gain=gain, run_out=run_out, unit=unit),
             quantities=tuple(c.quantity for c in coefficients),
             guessed=np.array([c.direct and c.nominal is None for c in coefficients], dtype=bool),
         )
@@ -445,11 +376,3 @@ def _tied(coefficients: tuple[Coefficient, ...], place: NDArray[np.intp], models
         for of in models:
             if leader in of.coefficients:
                 yield replace(of, coefficients=(k,), columns=(of.columns[of.coefficients.index(leader)],))
-
-
-def _pairs(unit: Floats, theta: Floats, place: NDArray[np.intp]) -> Complexes:
-    """Compute complex values at the coordinates (c,) of their real parts, zero where the place is -1."""
-    found = np.zeros(place.size, dtype=complex)
-    first = place[place >= 0]
-    found[place >= 0] = unit[first] * (theta[first] + 1j * theta[first + 1])
-    return found

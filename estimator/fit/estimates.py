@@ -210,11 +210,11 @@ def _scale_factors(train: CondensedTrain, coordinates: Coordinates, theta: Float
 
 def _channels(train: CondensedTrain, coordinates: Coordinates, theta: Floats, error: Floats) -> Iterator[Estimate]:
     quantities: tuple[tuple[str, Quantity, NDArray[np.intp]], ...] = (
-        ("gain", "gain", coordinates.gain_place),
-        ("run_out", "run-out", coordinates.run_out_place),
+        ("gain", "gain", coordinates.channels.gain),
+        ("run_out", "run-out", coordinates.channels.run_out),
     )
     for what, quantity, places in quantities:
-        values = coordinates.gains(theta) if quantity == "gain" else coordinates.run_outs(theta)
+        values = coordinates.channels.gains(theta) if quantity == "gain" else coordinates.channels.run_outs(theta)
         for channel, value, place in zip(train.channels, values, places, strict=True):
             if place >= 0:
                 element = f"probe.{channel}"

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
-from estimator.fit.maximum_likelihood import FitProblem, FitResult, settled
+from estimator.fit.fit_problem import FitProblem, FitResult
+from estimator.fit.reweighting import with_fitted_noise
 
 CHI_SQUARE_LIMIT = 5.0
 """Standard deviations √(2/dof) by which χ²/dof may exceed 1 for a fit with stated noise to be accepted [-]."""
@@ -164,7 +165,7 @@ def serial_correlation(problem: FitProblem, found: FitResult) -> tuple[Floats, N
     Returns:
         Correlations (m,) [-] and numbers of pairs (m,).
     """
-    final = settled(problem, found)
+    final = with_fitted_noise(problem, found)
     model = final.model(found.theta)
     error = final.error(np.abs(model))
     used = final.used & (error > 0.0)
@@ -180,7 +181,7 @@ def serial_correlation(problem: FitProblem, found: FitResult) -> tuple[Floats, N
 
 def _misfitting_channel(problem: FitProblem, found: FitResult) -> str:
     """Name the channel that holds more than half of the excess of χ²."""
-    final = settled(problem, found)
+    final = with_fitted_noise(problem, found)
     model = final.model(found.theta)
     error = final.error(np.abs(model))
     used = final.used & (error > 0.0)

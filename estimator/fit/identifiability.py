@@ -8,7 +8,7 @@ import numpy as np
 
 from estimator.arrays import Complexes, Floats
 from estimator.fit.coordinates import Coordinates
-from estimator.fit.maximum_likelihood import FitProblem, FitResult
+from estimator.fit.fit_problem import FitProblem, FitResult
 from estimator.machine.document import Machine
 from estimator.rotor.assembly import assemble_rotor
 from estimator.rotor.modal_reduction import modal_basis

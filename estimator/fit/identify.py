@@ -8,9 +8,10 @@ from estimator.arrays import Complexes, Floats
 from estimator.fit.channel_sensitivity import ChannelEffects, channel_effects
 from estimator.fit.coordinates import Coordinates
 from estimator.fit.estimates import Estimate, determined, estimates
+from estimator.fit.fit_problem import FitProblem
 from estimator.fit.goodness_of_fit import VerdictRemark, judge, remark
 from estimator.fit.identifiability import Reasons, reasons_for
-from estimator.fit.maximum_likelihood import STAGE_MISFITS, FitProblem
+from estimator.fit.maximum_likelihood import STAGE_MISFITS
 from estimator.fit.multistart import BestFit, best_fit
 from estimator.fit.profile_likelihood import flat
 from estimator.machine.document import Machine
@@ -227,7 +228,7 @@ def identify_train(
     """
     options = options or Options()
     coordinates = Coordinates.of(train, unbalance_scale=1.0)
-    free = coordinates.size - int(np.count_nonzero(coordinates.scale_place >= 0)) - coordinates.channel_count
+    free = coordinates.size - int(np.count_nonzero(coordinates.scale_place >= 0)) - coordinates.channels.count
     count = _independent_numbers(measurement)
     if count <= free:
         raise NotEnoughData(

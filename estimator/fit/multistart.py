@@ -7,7 +7,8 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.fit.coordinates import Coordinates
-from estimator.fit.maximum_likelihood import STAGE_MISFITS, FitProblem, FitResult, fit
+from estimator.fit.fit_problem import FitProblem, FitResult
+from estimator.fit.maximum_likelihood import STAGE_MISFITS, fit
 
 START_SPREAD_LOG = 0.35
 """Standard deviation of the logarithm of a direct term in a random start [-]."""

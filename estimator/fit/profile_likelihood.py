@@ -12,7 +12,9 @@ from dataclasses import replace
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.fit.maximum_likelihood import FitProblem, FitResult, descend, settled
+from estimator.fit.fit_problem import FitProblem, FitResult
+from estimator.fit.maximum_likelihood import descend
+from estimator.fit.reweighting import with_fitted_noise
 
 ENDS = 2.0
 """Standard errors by which a parameter is moved [-]."""
@@ -36,7 +38,7 @@ def flat(problem: FitProblem, found: FitResult, covariance: Floats, places: Sequ
     Returns:
         Indices of those that are not confirmed.
     """
-    final = settled(problem, found)
+    final = with_fitted_noise(problem, found)
     weight = final.weight(np.abs(final.model(found.theta)), 0.0)
     lowest = _cost(final, found.theta, weight)
     wanted = SMALLEST_RISE * ENDS**2

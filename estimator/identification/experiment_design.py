@@ -15,6 +15,7 @@ import numpy as np
 from estimator.arrays import Floats
 from estimator.fit.coordinates import Coordinates
 from estimator.fit.identify import Identification
+from estimator.fit.phasor_jacobian import phasor_jacobian
 from estimator.machine.document import Machine
 from estimator.machine.mesh import node_stations
 from estimator.machine.parts import Probe
@@ -179,7 +180,10 @@ def _block(
     coefficients = coordinates.coefficients(theta)
     local = coefficients if coefficients.ndim == 1 else coefficients[block]
     found = sensitivity(scaled, coefficients=local, excitations=coordinates.excitations(theta))
-    slope = coordinates.jacobian(theta, found, coefficients, scaled.direction, block) / coordinates.unit[:, None, None]
+    slope = (
+        phasor_jacobian(coordinates, theta, found, coefficients=coefficients, direction=scaled.direction, block=block)
+        / coordinates.unit[:, None, None]
+    )
     amplitude = np.abs(found.phasor)
     error = error_size(identification.noise, amplitude, np.full(amplitude.shape, np.nan))
     weighted = slope * np.divide(np.sqrt(2.0), error, out=np.zeros_like(error), where=error > 0.0)

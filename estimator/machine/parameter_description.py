@@ -49,6 +49,11 @@ class ParameterDescription:
         return f"{self.element}.{self.quantity}"
 
     @property
+    def channel(self) -> str | None:
+        """Return the id of the channel whose gain or run-out it is; None for anything else."""
+        return self.element_id if self.element_kind == "probe" else None
+
+    @property
     def positive(self) -> bool:
         """Return whether it is positive by nature; its logarithm is fitted, compared and averaged then."""
         if self.term is not None:

@@ -9,6 +9,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
 from estimator.signal.keyphasor import ShaftAngle
@@ -200,9 +201,8 @@ def track_block(
     # One layout in memory, so that sums round alike wherever the waveforms come from.
     signals = np.ascontiguousarray(waveforms[:, first : first + time.size], dtype=float)
     ranges = rails if isinstance(rails, list) else [rails] * len(signals)
-    faults = tuple(
-        waveform_fault(signal, samples_per_turn=per_turn, rails=one) for signal, one in zip(signals, ranges, strict=True)
-    )
+    pairs = zip(signals, ranges, strict=True)
+    faults = tuple(waveform_fault(signal, samples_per_turn=per_turn, rails=one) for signal, one in pairs)
     lost = np.array([fault in UNUSABLE for fault in faults], dtype=bool)
     signals = np.where(lost[:, None], 0.0, signals) if lost.any() else signals
     signals = signals - signals.mean(axis=1, keepdims=True)
@@ -213,14 +213,20 @@ def track_block(
     residual[lost] = math.nan
     phasors = np.stack([coefficients[:, 0] + 1j * coefficients[:, 1], coefficients[:, 2] + 1j * coefficients[:, 3]], axis=1)
     phasors[lost] = complex(math.nan, math.nan)
-    scatter = _scatter(rest, residual, columns, np.diag(inverse), turned)
-    steps = [
-        quantisation_error(signal, amplitude=abs(phasor), variance=rms**2) if not gone else 0.0
-        for signal, phasor, rms, gone in zip(signals, phasors[:, 0], residual, lost, strict=True)
-    ]
-    scatter = np.hypot(scatter, np.array(steps)[:, None])
+    steps = _converter_steps(signals, phasors[:, 0], residual, lost)
+    scatter = np.hypot(_scatter(rest, residual, columns, np.diag(inverse), turned), steps[:, None])
     speed = 2.0 * math.pi * turned / (end - begin)
     return Block(middle, speed, turned, time.size, phasors, scatter, residual, faults)
+
+
+def _converter_steps(signals: Floats, phasors: Complexes, residual: Floats, lost: NDArray[np.bool_]) -> Floats:
+    """Compute the rms error (C,) of the 1× by the converter's steps, zero for lost channels."""
+    return np.array(
+        [
+            quantisation_error(signal, amplitude=abs(phasor), variance=rms**2) if not gone else 0.0
+            for signal, phasor, rms, gone in zip(signals, phasors, residual, lost, strict=True)
+        ]
+    )
 
 
 def _scatter(rest: Floats, residual: Floats, columns: Floats, variance: Floats, turns: float) -> Floats:

@@ -4,6 +4,7 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.fit.coordinates import Coordinates
+from estimator.fit.phasor_jacobian import phasor_jacobian
 from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe
 from estimator.rotor.condensation import condense
@@ -44,15 +45,15 @@ def fitted_response(
     values[known] = point[rows]
     theta[known] = own.theta(values)[known]
     coefficients, direction = own.coefficients(theta), np.asarray(direction, dtype=float)
-    run_out, inner = own.run_outs(theta), covariance[np.ix_(rows, rows)]
+    run_out, inner = own.channels.run_outs(theta), covariance[np.ix_(rows, rows)]
     scaled = train.scaled(own.scales(theta))
 
     def band(block: slice) -> PhasorBand:
         here = coefficients if coefficients.ndim == 1 else coefficients[block]
         found = sensitivity(scaled.pick(block), coefficients=here, excitations=own.excitations(theta))
-        by_theta = own.jacobian(theta, found, coefficients, direction[block], block)
+        by_theta = phasor_jacobian(own, theta, found, coefficients=coefficients, direction=direction[block], block=block)
         turned = np.where(direction[block, None] > 0, run_out, np.conj(run_out))
         slope = np.moveaxis(by_theta[known] / own.unit[known, None, None], 0, -1)
-        return phasor_band(own.gains(theta) * found.phasor + turned, slope, inner)
+        return phasor_band(own.channels.gains(theta) * found.phasor + turned, slope, inner)
 
     return PhasorBand.joined([band(block) for block in train.blocks()])

@@ -54,7 +54,7 @@ CALLING = frozenset({AlertCondition.UNACKNOWLEDGED, AlertCondition.RETURNED, Ale
 
 
 @dataclass(frozen=True)
-class AlertStanding:
+class AlertStatus:
     """State of an alert. severity: of its cause, also after it is gone; latching: whether a person must reset it."""
 
     condition: AlertCondition = AlertCondition.NORMAL
@@ -119,7 +119,7 @@ class Forbidden(Conflict):
     """The event is not allowed in the alert's state; the message says why and what would be right."""
 
 
-def advance(standing: AlertStanding, event: Event) -> AlertStanding:
+def advance(standing: AlertStatus, event: Event) -> AlertStatus:
     """Return the next standing, an equal one when the event changes nothing. Raises Forbidden."""
     match event:
         case Raised(severity):
@@ -136,26 +136,26 @@ def advance(standing: AlertStanding, event: Event) -> AlertStanding:
             return _released(standing, suppression)
 
 
-def _raised(standing: AlertStanding, severity: Severity) -> AlertStanding:
+def _raised(standing: AlertStatus, severity: Severity) -> AlertStatus:
     worse = severity > standing.severity
     if standing.condition is AlertCondition.ACKNOWLEDGED and not worse:
         return replace(standing, severity=severity)
     return replace(standing, condition=AlertCondition.UNACKNOWLEDGED, severity=severity)
 
 
-def _cleared(standing: AlertStanding) -> AlertStanding:
+def _cleared(standing: AlertStatus) -> AlertStatus:
     if standing.condition not in ACTIVE:
         return standing
     seen = standing.condition is AlertCondition.ACKNOWLEDGED
     if standing.latching:
         latched = AlertCondition.LATCHED_ACKNOWLEDGED if seen else AlertCondition.LATCHED_UNACKNOWLEDGED
         return replace(standing, condition=latched)
-    # Nobody was notified while it was suppressed, and nobody needs to acknowledge.
+    # Nobody was called while it was suppressed, so nobody need answer.
     gone = seen or bool(standing.suppressions)
     return replace(standing, condition=AlertCondition.NORMAL if gone else AlertCondition.RETURNED)
 
 
-def _acknowledged(standing: AlertStanding) -> AlertStanding:
+def _acknowledged(standing: AlertStatus) -> AlertStatus:
     if standing.closed:
         raise Forbidden("the alert is closed: there is nothing to acknowledge")
     if standing.suppressions:
@@ -170,7 +170,7 @@ def _acknowledged(standing: AlertStanding) -> AlertStanding:
     return replace(standing, condition=following[standing.condition])
 
 
-def _reset(standing: AlertStanding) -> AlertStanding:
+def _reset(standing: AlertStatus) -> AlertStatus:
     if standing.condition not in LATCHED:
         raise Forbidden(f"the alert is {standing.condition}, not latched: only a latched alert is reset")
     if standing.condition is AlertCondition.LATCHED_UNACKNOWLEDGED:
@@ -178,11 +178,11 @@ def _reset(standing: AlertStanding) -> AlertStanding:
     return replace(standing, condition=AlertCondition.NORMAL)
 
 
-def _released(standing: AlertStanding, suppression: Suppression) -> AlertStanding:
+def _released(standing: AlertStatus, suppression: Suppression) -> AlertStatus:
     if suppression not in standing.suppressions:
         raise Forbidden(f"the alert is not {suppression}")
     left = standing.suppressions - {suppression}
     condition = standing.condition
     if not left and condition is AlertCondition.ACKNOWLEDGED:
-        condition = AlertCondition.UNACKNOWLEDGED  # it notifies again: the person who acknowledged it may long be gone
+        condition = AlertCondition.UNACKNOWLEDGED  # it calls again: who acknowledged it may long be gone
     return replace(standing, condition=condition, suppressions=left)

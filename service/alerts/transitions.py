@@ -14,7 +14,7 @@ from estimator.errors import Invalid
 from service.alerts.lifecycle import (
     Acknowledged,
     AlertCondition,
-    AlertStanding,
+    AlertStatus,
     Cleared,
     Event,
     Forbidden,
@@ -71,9 +71,9 @@ class Person:
     comment: str = ""
 
 
-def standing(row: AlertRow) -> AlertStanding:
+def status_of(row: AlertRow) -> AlertStatus:
     """Return the standing of a stored alert."""
-    return AlertStanding(
+    return AlertStatus(
         condition=AlertCondition(row.condition),
         severity=Severity(row.severity),
         latching=row.latching,
@@ -97,28 +97,28 @@ def raise_alert(session: Session, machine_id: str, *, rule: str, element: str, f
             latching=finding.latching,
         )
         row.suppressions = sorted({one.kind for one in suppressions.of_alert(session, machine_id, rule=rule, element=element)})
-        row.state = standing(row).state
+        row.state = status_of(row).state
     else:
         row.message, row.evidence, row.latching = finding.message, finding.evidence, finding.latching
         row.identification_id, row.measured_at = finding.identification_id, finding.measured_at
         row.updated_at = now()
-    _happen(session, row, Raised(finding.severity), "raised", Person(SERVICE))
+    _apply_event(session, row, Raised(finding.severity), "raised", Person(SERVICE))
     return row
 
 
 def clear_alert(session: Session, row: AlertRow, *, comment: str = "") -> None:
     """Record that the cause is gone."""
-    _happen(session, row, Cleared(), "cleared", Person(SERVICE, comment))
+    _apply_event(session, row, Cleared(), "cleared", Person(SERVICE, comment))
 
 
 def acknowledge(session: Session, row: AlertRow, person: Person) -> None:
     """Record that a person has seen the alert. Raises Forbidden."""
-    _happen(session, row, Acknowledged(), "acknowledged", person)
+    _apply_event(session, row, Acknowledged(), "acknowledged", person)
 
 
 def reset(session: Session, row: AlertRow, person: Person) -> None:
     """Reset a latched alert. Raises Forbidden."""
-    _happen(session, row, Reset(), "reset", person)
+    _apply_event(session, row, Reset(), "reset", person)
 
 
 def comment(session: Session, row: AlertRow, person: Person) -> None:
@@ -133,7 +133,7 @@ def shelve(session: Session, row: AlertRow, person: Person, *, until: int) -> No
     """
     if row.closed_at is not None:
         raise Forbidden("the alert is closed: only an open alert is shelved")
-    if Suppression.SHELVED in standing(row).suppressions:
+    if Suppression.SHELVED in status_of(row).suppressions:
         raise Forbidden("the alert is shelved already: end that first")
     moment = now()
     if not moment < until <= moment + LONGEST_SHELVING_NS:
@@ -169,7 +169,7 @@ def suppress(
         session, machine_id, kind=kind, rule=rule, element=element, until=until, by=person.name, comment=person.comment
     )
     for row in _matching(session, begun):
-        _happen(session, row, Suppressed(kind), kind.value, person)
+        _apply_event(session, row, Suppressed(kind), kind.value, person)
     return begun
 
 
@@ -182,21 +182,21 @@ def release(session: Session, begun: SuppressionRow, person: Person) -> None:
     kind = Suppression(begun.kind)
     for row in _matching(session, begun):
         left = {one.kind for one in suppressions.of_alert(session, row.machine_id, rule=row.rule, element=row.element)}
-        if kind not in left and kind in standing(row).suppressions:
-            _happen(session, row, Released(kind), f"{kind.value}_ended", person)
+        if kind not in left and kind in status_of(row).suppressions:
+            _apply_event(session, row, Released(kind), f"{kind.value}_ended", person)
 
 
-def release_over(session: Session) -> int:
+def release_expired(session: Session) -> int:
     """End every expired suppression, and return their number."""
-    over = suppressions.over(session, now())
+    over = suppressions.expired(session, now())
     for one in over:
         release(session, one, Person(SERVICE, "its time is over"))
     return len(over)
 
 
-def any_over(session: Session) -> bool:
+def any_expired(session: Session) -> bool:
     """Return whether any suppression has expired."""
-    return bool(suppressions.over(session, now()))
+    return bool(suppressions.expired(session, now()))
 
 
 def _matching(session: Session, one: SuppressionRow) -> list[AlertRow]:
@@ -207,9 +207,9 @@ def _matching(session: Session, one: SuppressionRow) -> list[AlertRow]:
     ]
 
 
-def _happen(session: Session, row: AlertRow, event: Event, kind: str, person: Person) -> None:
+def _apply_event(session: Session, row: AlertRow, event: Event, kind: str, person: Person) -> None:
     """Apply an event to an alert, and record it if it changes anything."""
-    before = standing(row)
+    before = status_of(row)
     after = advance(before, event)
     if after == before:
         return
@@ -218,7 +218,7 @@ def _happen(session: Session, row: AlertRow, event: Event, kind: str, person: Pe
     state_before = row.state
     row.condition, row.severity, row.state = after.condition.value, int(after.severity), after.state
     row.suppressions = sorted(after.suppressions)
-    row.updated_at = now() if row.event_count else row.opened_at  # its first event opens it
+    row.updated_at = now() if row.event_count else row.opened_at  # with its first event it opens
     if after.closed:
         row.closed_at = row.updated_at
     _record(session, row, kind, state_before, person, at=row.updated_at)

@@ -63,7 +63,7 @@ from service.http.head_requests import HeadRequests
 from service.http.idempotency import Idempotency
 from service.http.security_headers import SecurityHeaders
 from service.identification.job_quota import JobQuota
-from service.journal.http_queue import Taking
+from service.journal.http_queue import SubmissionSink
 from service.resilience.rate_limit import RateLimit
 from service.security.authentication import Authentication
 from service.security.configuration import Security
@@ -87,7 +87,7 @@ def application(
     parts: Parts,
     *,
     try_out: TryOut | None = None,
-    submissions: Taking | None = None,
+    submissions: SubmissionSink | None = None,
     baseline_runs: int = DEFAULT_BASELINE_RUNS,
     security: Security | None = None,
     job_quota: JobQuota | None = None,
@@ -211,7 +211,7 @@ def _routes() -> list[BaseRoute]:
 async def _served(app: FastAPI) -> AsyncIterator[None]:
     """Set up the resources of a running server and release them at its end."""
     current_default_thread_limiter().total_tokens = THREADS
-    async with app.state.repeated.written():
+    async with app.state.repeated.regular_writing():
         yield
     app.state.model_process.close()
 

@@ -3,21 +3,21 @@
 from service.commands.exit import fail
 from service.commands.terminal import say, say_lines
 from service.configuration.settings import Settings
-from service.doctor.endpoint_probes import tried
-from service.doctor.exposed_endpoints import credentials_asked, doors, written
+from service.doctor.endpoint_probes import probe_endpoints
+from service.doctor.exposed_endpoints import credentials_asked, endpoint_lines, exposed_endpoints
 from storage.database.claim import DatabaseUnusable
 
 
 def report(settings: Settings, *, url: str | None = None) -> None:
     """Print every endpoint, worst first, with the results of probing; end with status 1 when one is open."""
     try:
-        found = doors(settings)
+        found = exposed_endpoints(settings)
         asked, _ = credentials_asked(settings)
     except DatabaseUnusable as error:
         fail(str(error))
     for door in found:
-        say_lines(written(door))
-    looks = list(tried(settings, asked=asked, url=url))
+        say_lines(endpoint_lines(door))
+    looks = list(probe_endpoints(settings, asked=asked, url=url))
     for look in looks:
         say(f"{look.level:9s} tried: {look.what}: {look.words}")
     open_doors = sum(door.level == "open" for door in found) + sum(look.level == "open" for look in looks)

@@ -64,7 +64,7 @@ def list_keys(database: Store = None) -> None:
 
     with _opened(database) as opened, opened.reading() as session:
         moment = now()
-        for row in keys.every(session):
+        for row in keys.list_all(session):
             state = _state(row, at=moment)
             plants = "all plants" if row.plants is None else ",".join(row.plants)
             used = "never used" if row.last_used_at is None else f"last used {_time(row.last_used_at)}"
@@ -110,7 +110,11 @@ def confirm_key(
     with _opened(database) as opened:
         try:
             with opened.transaction() as session:
-                chosen = [row.prefix for row in keys.every(session) if keys.waits(row)] if everyone else prefix or []
+                chosen = (
+                    [row.prefix for row in keys.list_all(session) if keys.awaits_confirmation(row)]
+                    if everyone
+                    else prefix or []
+                )
                 for one in chosen:
                     api_keys.confirm(session, one)
         except (KeyUnknown, ValueError) as error:
@@ -181,14 +185,14 @@ def _opened(url: str | None, *, new: bool = False) -> "Iterator[Database]":
 
     from service.configuration.settings import SettingsWrong, settings_of
     from storage.database.claim import DatabaseUnusable
-    from storage.database.engine import Database, require_there
+    from storage.database.engine import Database, require_file
 
     try:
         settings = settings_of()
         named = url is not None or {"database", "database_file"} & settings.model_fields_set
         chosen = url or settings.database
         if not (new and named):
-            require_there(chosen)
+            require_file(chosen)
         database = Database(chosen)
     except (DatabaseUnusable, SettingsWrong) as error:
         fail(str(error))
@@ -205,7 +209,7 @@ def _state(row: "ApiKeyRow", *, at: int) -> str:
 
     if row.revoked_at:
         return "revoked"
-    if keys.waits(row):
+    if keys.awaits_confirmation(row):
         return "waits"
     return "valid" if keys.valid(row, at=at) else "expired"
 

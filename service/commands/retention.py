@@ -38,7 +38,7 @@ def confirm(
     from service.maintenance.retention_tiers import tiers_of
     from storage.clock import now
     from storage.database.claim import DatabaseUnusable
-    from storage.database.engine import Database, require_there
+    from storage.database.engine import Database, require_file
 
     try:
         settings = settings_of()
@@ -46,7 +46,7 @@ def confirm(
         if not tiers:
             fail("nothing is ever let go of: neither raw_days nor run_days is set. Run it with the service's settings")
         url = database or settings.database
-        require_there(url)
+        require_file(url)
         opened = Database(url)
     except (DatabaseUnusable, SettingsWrong) as error:
         fail(str(error))
@@ -80,7 +80,7 @@ def _old(database: "Database", tier: "Tier", moment: int) -> "dict[str, Extent]"
 
     found = {}
     with database.reading() as session:
-        for machine_id in machines.ids(session):
+        for machine_id in machines.list_ids(session):
             extent = tier.extent(session, machine_id, before=tier.before(session, machine_id, moment=moment))
             if extent is not None:
                 found[machine_id] = extent
@@ -100,7 +100,7 @@ def _confirm(database: "Database", tiers: "list[Tier]", moment: int) -> None:
     with database.transaction() as session:
         for tier in tiers:
             cut_off = CutOff(moment - tier.kept)
-            retention.keep_cut_off(session, tier.name, time=cut_off.time, allowance=cut_off.allowance)
+            retention.store_cut_off(session, tier.name, time=cut_off.time, allowance=cut_off.allowance)
             words = f"{tier.name} before {_time(cut_off.time)}"
             audit.append(session, audit.AuditedOperation(COMMAND, "local", "confirm_retention", words, "done"))
 

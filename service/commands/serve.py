@@ -14,7 +14,7 @@ from fastapi import FastAPI
 from service.api.application import application
 from service.commands.service_threads import ServiceThreads
 from service.configuration.settings import Settings
-from service.delivery.secret_upkeep import opened as opened_secrets
+from service.delivery.secret_upkeep import open_secrets as opened_secrets
 from service.delivery.signing_secrets import SigningSecrets
 from service.delivery.zenoh_channel import LastStates
 from service.http.listening_socket import listen, require_certificate
@@ -27,7 +27,7 @@ from service.messaging.session import connected, open_session
 from service.resilience.heap_trim import share_one_heap
 from service.security.configuration import Security
 from service.security.exposure import require_authentication
-from service.security.proxies import as_seen, of_proxies
+from service.security.proxies import normalised_networks, proxy_matcher
 from storage.database.engine import Database
 from storage.operation import api_keys
 
@@ -64,7 +64,7 @@ def serve(settings: Settings) -> None:
             logger.warning(trouble)
         app = _application(database, session, settings, secrets, threads, forwarding)
         server = _server(app, settings)
-        _prefer_answers()
+        _favour_requests()
         host, port = listener.getsockname()[:2]
         scheme = "https" if settings.tls_certificate else "http"
         logger.info("ready: %s://%s:%d/, sources on %s", scheme, host, port, _endpoints(settings))
@@ -78,7 +78,7 @@ def _claimed_database(settings: Settings, closing: ExitStack) -> Database:
     database = Database(settings.database)
     closing.callback(database.close)
     with database.reading() as reading:
-        for door in require_authentication(settings, keys_are_there=api_keys.are_there(reading)):
+        for door in require_authentication(settings, keys_are_there=api_keys.any_exist(reading)):
             logger.warning("open to everybody: %s", door)
     database.claim(shared=True)
     require_certificate(settings)
@@ -121,9 +121,9 @@ def _server(app: FastAPI, settings: Settings) -> Server:
         access_log=False,
         timeout_graceful_shutdown=5,
         server_header=False,
-        # By default the library trusts loopback, or the addresses in FORWARDED_ALLOW_IPS.
+        # The library by itself believes loopback, or what FORWARDED_ALLOW_IPS says.
         proxy_headers=bool(settings.trusted_proxies),
-        forwarded_allow_ips=as_seen(settings.trusted_proxies),
+        forwarded_allow_ips=normalised_networks(settings.trusted_proxies),
         ssl_certfile=settings.tls_certificate or None,
         ssl_keyfile=settings.tls_key or None,
     )
@@ -131,14 +131,14 @@ def _server(app: FastAPI, settings: Settings) -> Server:
         config,
         app.state.broadcaster,
         connections_per_address=settings.connections_per_address,
-        exempt=of_proxies(settings.trusted_proxies),
+        exempt=proxy_matcher(settings.trusted_proxies),
     )
 
 
-def _prefer_answers() -> None:
+def _favour_requests() -> None:
     """Tune garbage collection and thread switching for short response times."""
     sys.setswitchinterval(SWITCH_INTERVAL_S)
-    # Exclude existing objects from collection: scanning them again would stop all threads for a tenth of a second.
+    # What is there by now stays: looking through it again for garbage would stop all threads for a tenth of a second.
     gc.collect()
     gc.freeze()
 

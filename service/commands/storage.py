@@ -61,13 +61,13 @@ def move(
     """Copy all data into a new database, while no service runs: from SQLite to PostgreSQL, or back."""
     from sqlalchemy.exc import DBAPIError
 
-    from storage.backup.transfer import NotMoved
+    from storage.backup.transfer import TransferFailed
     from storage.backup.transfer import move as move_data
     from storage.database.claim import DatabaseUnusable
 
     try:
         moved = move_data(source, target)
-    except (NotMoved, DatabaseUnusable) as error:
+    except (TransferFailed, DatabaseUnusable) as error:
         fail(str(error))
     except DBAPIError as error:
         fail(f"the data were not taken over, the new database is empty: {error.orig}")
@@ -91,12 +91,12 @@ def export(
     from service.export.column_writer import ParquetMissing
     from service.export.history import export as export_history
     from storage.database.claim import DatabaseUnusable
-    from storage.database.engine import Database, require_there
+    from storage.database.engine import Database, require_file
     from storage.machines.machines import MachineUnknown
 
     try:
         url = _url(database)
-        require_there(url)
+        require_file(url)
         opened = Database(url)
     except DatabaseUnusable as error:
         fail(str(error))

@@ -22,7 +22,7 @@ from service.delivery.reminders import RESEND_S, remind
 from service.delivery.secret_upkeep import SecretWatch
 from service.delivery.sending import outcome_of, within_deadline
 from service.delivery.signing_secrets import SigningSecrets
-from service.replication.work_share import DELIVERY, Share, Whole
+from service.replication.work_share import DELIVERY, Share, WholeShare
 from storage.alerts import deliveries
 from storage.database.engine import Database
 from storage.tables import SubscriptionRow
@@ -58,7 +58,7 @@ class Dispatcher:
         self._secrets = secrets or SigningSecrets.of(settings)
         self.watch = SecretWatch(database, self._secrets)
         """Watch of the signing secrets."""
-        self._share = share or Whole()
+        self._share = share or WholeShare()
         self._session = session
         self._settings = settings
         self._stop = threading.Event()
@@ -142,10 +142,10 @@ class Dispatcher:
 
     def _expire(self) -> None:
         with self._database.reading() as session:
-            if not transitions.any_over(session):
+            if not transitions.any_expired(session):
                 return
         with self._database.transaction() as session:
-            transitions.release_over(session)
+            transitions.release_expired(session)
 
     async def try_out(self, subscription_id: int) -> DeliveryOutcome:
         """Send a test message to a subscription, from any event loop. Raises SubscriptionUnknown."""

@@ -17,7 +17,7 @@ from storage.alerts import deliveries
 from storage.clock import now
 from storage.database.damage import is_damage
 from storage.database.engine import Database
-from storage.database.errors import concerns_all
+from storage.database.errors import is_database_wide
 from storage.tables import AlertEventRow, DeliveryRow
 
 logger = logging.getLogger(__name__)
@@ -59,10 +59,10 @@ class Outbox:
                         found.append(_delivery(session, row, connections))
                     load[row.subscription_id] += 1
                 except MemoryError:
-                    raise  # a matter of the moment, not of the row
+                    raise  # of the moment, not of the row
                 except Exception as error:
-                    if concerns_all(error):
-                        raise  # likewise
+                    if is_database_wide(error):
+                        raise  # so is this
                     logger.exception("delivery %d of event %d cannot be made into a message", row.id, row.event_id)
                     unsayable[row.id] = f"event {row.event_id} cannot be made into a message: {type(error).__name__}: {error}"
         if unsayable:
@@ -80,14 +80,14 @@ class Outbox:
         try:
             return self._record_together(finished)
         except DBAPIError as error:
-            if concerns_all(error):
+            if is_database_wide(error):
                 raise
         done = []
         for number, outcome in finished.items():
             try:
                 done += self._record_together({number: outcome})
             except DBAPIError as error:
-                if concerns_all(error):
+                if is_database_wide(error):
                     raise
                 logger.error("how delivery %d ended cannot be recorded: %s", number, error.orig)
         return done
@@ -106,8 +106,8 @@ class Outbox:
                     logger.exception("how delivery %d ended cannot be recorded", number)
                     continue
                 except Exception as error:
-                    if concerns_all(error) or is_damage(error):
-                        raise  # the transaction is retried
+                    if is_database_wide(error) or is_damage(error):
+                        raise  # of the database, which is asked again
                     logger.exception("how delivery %d ended cannot be recorded", number)
                     continue
                 done.append(number)

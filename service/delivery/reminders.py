@@ -13,7 +13,7 @@ from service.delivery.messages import message_of
 from service.delivery.sending import within_deadline
 from storage.alerts import alerts, deliveries
 from storage.database.engine import Database
-from storage.database.errors import concerns_all
+from storage.database.errors import is_database_wide
 from storage.tables import SubscriptionRow
 
 logger = logging.getLogger(__name__)
@@ -39,7 +39,7 @@ async def remind(database: Database, connections: Connections) -> None:
 def _lasting(database: Database) -> tuple[list[SubscriptionRow], list[EventMessage]]:
     """Return the receivers to remind, and the last event of each persisting alert."""
     with database.reading() as session:
-        rows = [row for row in deliveries.every(session) if _is_reminded(row)]
+        rows = [row for row in deliveries.list_subscriptions(session) if _is_reminded(row)]
         if not rows:
             return [], []
         found = []
@@ -51,7 +51,7 @@ def _lasting(database: Database) -> tuple[list[SubscriptionRow], list[EventMessa
             except MemoryError:
                 raise
             except Exception as error:
-                if concerns_all(error):
+                if is_database_wide(error):
                     raise
                 logger.exception("nobody is reminded that alert %d lasts", alert.id)
         return rows, found
@@ -62,7 +62,7 @@ def _is_reminded(row: SubscriptionRow) -> bool:
 
 
 async def _remind_one(row: SubscriptionRow, channel: Channel, messages: Sequence[EventMessage]) -> None:
-    own = [one for one in messages if deliveries.tells(row, one.plant)]
+    own = [one for one in messages if deliveries.covers_plant(row, one.plant)]
     if own and isinstance(channel, RemindingChannel):
         outcome = await within_deadline(channel.push(own))
         if outcome.result != "delivered":

@@ -11,7 +11,7 @@ from service.delivery.signing import PREFIX
 from service.delivery.signing_secrets import SigningSecrets, is_plain, is_sealed
 from storage.alerts import deliveries
 from storage.backup import scrubbing
-from storage.backup.scrubbing import NotScrubbed
+from storage.backup.scrubbing import ScrubFailed
 from storage.database.engine import Database
 from storage.operation import idempotency
 from storage.tables import SubscriptionRow
@@ -48,7 +48,7 @@ class SecretWatch:
     def look(self) -> None:
         """Check all secrets; new faults are logged. Raises DBAPIError."""
         with self._database.reading() as session:
-            found = SecretReport.at(deliveries.with_secret(session), self._secrets)
+            found = SecretReport.at(deliveries.list_subscriptions_with_secret(session), self._secrets)
         for words in found.unsigned:
             if words not in self._found.unsigned:
                 logger.error(words)
@@ -65,10 +65,10 @@ class SecretWatch:
         return {"rundown_webhooks_unsigned": len(self._found.unsigned)}
 
 
-def opened(database: Database, settings: Settings) -> SigningSecrets:
+def open_secrets(database: Database, settings: Settings) -> SigningSecrets:
     """Open the secrets at a start: make a key where permitted, and seal secrets in plain text or under an older key."""
     with database.reading() as session:
-        sealed = any(is_sealed(row.secret) for row in deliveries.with_secret(session))
+        sealed = any(is_sealed(row.secret) for row in deliveries.list_subscriptions_with_secret(session))
     # Where something is sealed already, a new key would only hide that the right one is missing.
     secrets = SigningSecrets.of(settings, make=not sealed)
     if secrets.sealing is None:
@@ -79,7 +79,7 @@ def opened(database: Database, settings: Settings) -> SigningSecrets:
             scrubbing.scrub(database)
     except DBAPIError as error:
         logger.error("secrets of webhooks stay as they are: %s", error.orig)
-    except NotScrubbed as error:
+    except ScrubFailed as error:
         logger.warning("copies of secrets that lay plain may be left: %s", error)
     return secrets
 
@@ -87,16 +87,16 @@ def opened(database: Database, settings: Settings) -> SigningSecrets:
 def seal(database: Database, secrets: SigningSecrets) -> int:
     """Seal secrets in plain text or under an older key; returns how many were plain. Raises DBAPIError."""
     with database.reading() as session:
-        if not any(secrets.renewed(row) for row in deliveries.with_secret(session)):
+        if not any(secrets.renewed(row) for row in deliveries.list_subscriptions_with_secret(session)):
             return 0
     with database.transaction() as session:
         scrubbing.overwrite_deleted(session)
         plain = again = 0
-        for row in deliveries.with_secret(session):
+        for row in deliveries.list_subscriptions_with_secret(session):
             if (renewed := secrets.renewed(row)) is not None:
                 plain, again = plain + is_plain(row.secret), again + is_sealed(row.secret)
                 row.secret = renewed
-        if plain:  # stored answers of idempotent requests hold them as well
+        if plain:  # answers that are kept for who asks again told them as well
             idempotency.forget_answers_with(session, PREFIX.encode())
     logger.info("secrets of webhooks are sealed: %d that lay plain, %d with the newest key", plain, again)
     return plain

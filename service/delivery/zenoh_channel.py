@@ -10,7 +10,7 @@ import zenoh
 from service.alerts.event_message import AlertEvent, alert_event
 from service.delivery.channel import DeliveryOutcome, EventMessage
 from service.delivery.channel_kind import ChannelKind, Connections
-from service.replication.work_share import DELIVERY, Share, Whole
+from service.replication.work_share import DELIVERY, Share, WholeShare
 from storage.alerts import alerts
 from storage.database.engine import Database
 from storage.machines import machines
@@ -63,7 +63,7 @@ class LastStates:
     """Answers to queries on the alerts' keys: the last event of each open alert."""
 
     def __init__(self, session: zenoh.Session, database: Database, share: Share | None = None) -> None:
-        self._share = share or Whole()
+        self._share = share or WholeShare()
         self._database = database
         self._lock = threading.Lock()
         self._queryable = session.declare_queryable(ALL_ALERTS, self._answer)
@@ -77,7 +77,7 @@ class LastStates:
             query.drop()
             return
         with query, self._lock, self._database.reading() as reading:
-            plants = {row.id: row.plant for row in machines.every(reading)}
+            plants = {row.id: row.plant for row in machines.list_all(reading)}
             for row in alerts.find(reading, machine_id=None, only_open=True, limit=10_000):
                 try:
                     event = alert_event(alerts.history(reading, row.id)[-1])

@@ -38,8 +38,8 @@ from storage.database import disk, schema
 from storage.database.claim import DatabaseUnusable, file_of, in_use, missing_logs, require_own_name
 from storage.database.disk import DiskUse
 from storage.database.engine import Database, engine_of
-from storage.database.errors import words as words_of
-from storage.database.file_inspection import damages, looking_engine, revision_beside_a_service
+from storage.database.errors import error_message as words_of
+from storage.database.file_inspection import damages, inspection_engine, revision_beside_a_service
 from storage.database.private_files import readable_by_others
 from storage.database.versions import named, objections
 
@@ -114,8 +114,8 @@ def _server(settings: Settings, engine: Engine) -> Iterator[CheckResult]:
         yield from _webhook_secrets(settings, engine)
         yield from _subscription_kinds(engine)
     engine.dispose()
-    if revision == schema.known_revisions()[0]:  # opening an older one would migrate it
-        yield _room(settings, lambda budget: _used(settings, budget))
+    if revision == schema.known_revisions()[0]:  # opening an older one would bring it up to date
+        yield _disk_room(settings, lambda budget: _used(settings, budget))
 
 
 def _file_in_use(settings: Settings, path: Path) -> Iterator[CheckResult]:
@@ -134,12 +134,12 @@ def _file_in_use(settings: Settings, path: Path) -> Iterator[CheckResult]:
         if revision
         else CheckResult("ok", "schema", "is the running service's, and not in its main file yet")
     )
-    yield _room(settings, lambda budget: disk.used_by_file(path, budget=budget))
+    yield _disk_room(settings, lambda budget: disk.used_by_file(path, budget=budget))
 
 
 def _file(settings: Settings, path: Path) -> Iterator[CheckResult]:
     """Check a file that no service has open, without changing it."""
-    with looking_engine(path) as engine, engine.connect() as connection:
+    with inspection_engine(path) as engine, engine.connect() as connection:
         revision = schema.revision_of(connection)
         yield from _version(engine)
         yield from _readable(path)
@@ -149,7 +149,7 @@ def _file(settings: Settings, path: Path) -> Iterator[CheckResult]:
             yield from _subscription_kinds(engine)
         yield from _keys(connection)
         yield _pages(cast(sqlite3.Connection, connection.connection.driver_connection), path)
-    yield _room(settings, lambda budget: disk.used_by_file(path, budget=budget))
+    yield _disk_room(settings, lambda budget: disk.used_by_file(path, budget=budget))
 
 
 def _keys(connection: Connection) -> Iterator[CheckResult]:
@@ -207,7 +207,7 @@ def _used(settings: Settings, budget: int | None) -> DiskUse:
         return disk.used(database, budget=budget)
 
 
-def _room(settings: Settings, used: Callable[[int | None], DiskUse]) -> CheckResult:
+def _disk_room(settings: Settings, used: Callable[[int | None], DiskUse]) -> CheckResult:
     try:
         use = used(int(settings.disk_budget_gb * 1e9) or None)
     except (DatabaseUnusable, SQLAlchemyError, OSError) as error:
@@ -226,7 +226,7 @@ def _subscription_kinds(engine: Engine) -> Iterator[CheckResult]:
     what = "subscriptions"
     try:
         with Session(engine) as session:
-            unknown = [(row.name, row.kind) for row in deliveries.every(session) if not is_channel(row.kind)]
+            unknown = [(row.name, row.kind) for row in deliveries.list_subscriptions(session) if not is_channel(row.kind)]
     except SQLAlchemyError as error:
         yield CheckResult("warning", what, f"cannot be looked at: {words_of(error)}")
         return
@@ -238,7 +238,7 @@ def _webhook_secrets(settings: Settings, engine: Engine) -> Iterator[CheckResult
     what = "webhook secrets"
     try:
         with Session(engine) as session:
-            rows = deliveries.with_secret(session)
+            rows = deliveries.list_subscriptions_with_secret(session)
             found = SecretReport.at(rows, SigningSecrets.of(settings))
     except SQLAlchemyError as error:
         yield CheckResult("warning", what, f"cannot be looked at: {words_of(error)}")
@@ -333,7 +333,7 @@ def _api(client: httpx.Client) -> Generator[CheckResult, None, bool]:
     for name, state in told["parts"].items():
         yield CheckResult("ok" if state == "ok" else "wrong", name, state)
     for warning in told.get("warnings", []):
-        if not warning.startswith(("SQLite", "PostgreSQL")):  # reported already
+        if not warning.startswith(("SQLite", "PostgreSQL")):  # said already
             yield CheckResult("warning", "service", warning)
     return True
 

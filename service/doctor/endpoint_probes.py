@@ -20,7 +20,7 @@ Level = Literal["ok", "not tried", "open"]
 
 
 @dataclass(frozen=True)
-class Tried:
+class ProbeResult:
     """Result of one probe."""
 
     level: Level
@@ -28,7 +28,7 @@ class Tried:
     words: str
 
 
-def tried(settings: Settings, *, asked: bool, url: str | None = None) -> Iterator[Tried]:
+def probe_endpoints(settings: Settings, *, asked: bool, url: str | None = None) -> Iterator[ProbeResult]:
     """Probe every endpoint without changing anything. asked: whether credentials are needed; url: of the API."""
     yield from _api(settings, asked=asked, url=url or api_url(settings))
     for endpoint in settings.zenoh_listen:
@@ -36,7 +36,7 @@ def tried(settings: Settings, *, asked: bool, url: str | None = None) -> Iterato
             yield _without_certificate(endpoint)
 
 
-def _api(settings: Settings, *, asked: bool, url: str) -> Iterator[Tried]:
+def _api(settings: Settings, *, asked: bool, url: str) -> Iterator[ProbeResult]:
     """Probe all readable paths that need credentials, without any."""
     what = "REST API without credentials"
     paths = [
@@ -48,26 +48,26 @@ def _api(settings: Settings, *, asked: bool, url: str) -> Iterator[Tried]:
     try:
         with httpx.Client(base_url=url, timeout=PATIENCE_S, verify=api_trust(settings), trust_env=False) as client:
             for path in paths:
-                with client.stream("GET", path) as answer:  # some never end: their beginning is enough
+                with client.stream("GET", path) as answer:  # some never end: how they begin is enough
                     answers[path] = answer.status_code
                 if not asked:
                     break
     except (httpx.TransportError, ssl.SSLError) as error:
-        yield Tried("not tried", what, f"nothing answers at {url}: {error}")
+        yield ProbeResult("not tried", what, f"nothing answers at {url}: {error}")
         return
     given = [path for path, status in answers.items() if status < HTTPStatus.BAD_REQUEST]
     if given and asked:
-        yield Tried("open", what, f"{url} answers anybody: {', '.join(given)}; is it started with other settings?")
+        yield ProbeResult("open", what, f"{url} answers anybody: {', '.join(given)}; is it started with other settings?")
     elif given:
-        yield Tried("ok", what, f"GET {given[0]} is answered, as nobody needs any")
+        yield ProbeResult("ok", what, f"GET {given[0]} is answered, as nobody needs any")
     elif set(answers.values()) == {HTTPStatus.UNAUTHORIZED}:
-        yield Tried("ok", what, f"{len(answers)} of {len(paths)} paths that can be read are answered 401")
+        yield ProbeResult("ok", what, f"{len(answers)} of {len(paths)} paths that can be read are answered 401")
     else:
         other = {path: status for path, status in answers.items() if status != HTTPStatus.UNAUTHORIZED}
-        yield Tried("not tried", what, f"neither given nor refused: {other}")
+        yield ProbeResult("not tried", what, f"neither given nor refused: {other}")
 
 
-def _without_certificate(endpoint: str) -> Tried:
+def _without_certificate(endpoint: str) -> ProbeResult:
     """Try a TLS handshake without a certificate; a TLS 1.3 server shows its refusal only at the first read."""
     what = f"{endpoint} without a certificate"
     where = urlsplit("//" + endpoint_here(endpoint).partition("/")[2])
@@ -76,7 +76,7 @@ def _without_certificate(endpoint: str) -> Tried:
     try:
         plain = socket.create_connection((where.hostname or "", where.port or 0), timeout=PATIENCE_S)
     except OSError as error:
-        return Tried("not tried", what, f"nothing answers: {error}")
+        return ProbeResult("not tried", what, f"nothing answers: {error}")
     try:
         with plain, context.wrap_socket(plain) as secured:
             refused = secured.recv(1) == b""
@@ -84,4 +84,4 @@ def _without_certificate(endpoint: str) -> Tried:
         refused = False
     except OSError:
         refused = True
-    return Tried("ok", what, "is refused") if refused else Tried("open", what, "is let in: anybody could connect")
+    return ProbeResult("ok", what, "is refused") if refused else ProbeResult("open", what, "is let in: anybody could connect")

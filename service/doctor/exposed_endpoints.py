@@ -24,7 +24,7 @@ from service.security.operations import ApiOperation
 from storage.database.claim import DatabaseUnusable, file_of
 from storage.database.engine import engine_of
 from storage.database.private_files import readable_by_others
-from storage.database.read_only import looking
+from storage.database.read_only import read_only_session
 from storage.operation import api_keys
 
 Level = Literal["open", "weak", "guarded", "local"]
@@ -42,7 +42,7 @@ WIDE = 1 << 24
 
 
 @dataclass(frozen=True)
-class Door:
+class ExposedEndpoint:
     """A reachable endpoint.
 
     asks: required credentials. lets: actions permitted with no more than these. because: the settings behind it.
@@ -57,7 +57,7 @@ class Door:
     because: str
 
 
-def doors(settings: Settings) -> list[Door]:
+def exposed_endpoints(settings: Settings) -> list[ExposedEndpoint]:
     """Return all reachable endpoints, worst first."""
     found = [
         _api(settings, list(every_operation())),
@@ -75,8 +75,8 @@ def credentials_asked(settings: Settings) -> tuple[bool, str]:
     """Return whether the API requires credentials, with the settings behind it."""
     path = file_of(engine_of(settings.database))
     try:
-        with looking(settings.database) as session:
-            there = api_keys.are_there(session)
+        with read_only_session(settings.database) as session:
+            there = api_keys.any_exist(session)
         told = "there are API keys" if there else "there is no API key"
     except DatabaseUnusable as error:
         there = False
@@ -89,7 +89,7 @@ def credentials_asked(settings: Settings) -> tuple[bool, str]:
     )
 
 
-def _api(settings: Settings, operations: Sequence[ApiOperation]) -> Door:
+def _api(settings: Settings, operations: Sequence[ApiOperation]) -> ExposedEndpoint:
     asked, told = credentials_asked(settings)
     reach, why = _reach_of_api(settings)
     encrypted = bool(settings.tls_certificate) or (reach == PROXY and settings.public_url.startswith("https:"))
@@ -107,7 +107,7 @@ def _api(settings: Settings, operations: Sequence[ApiOperation]) -> Door:
         asks = f"{NOBODY}; {tls}"
         changing = sum(not one.methods <= SAFE_METHODS for one in operations)
         lets = f"everything: {len(operations)} operations, of which {changing} change something"
-    return Door(level, "REST API, page and metrics", address, reach, asks, lets, because)
+    return ExposedEndpoint(level, "REST API, page and metrics", address, reach, asks, lets, because)
 
 
 def _reach_of_api(settings: Settings) -> tuple[str, str]:
@@ -131,7 +131,7 @@ def _named(operations: Iterable[ApiOperation]) -> str:
     return ", ".join(f"{min(one.methods - {'HEAD'}, default='HEAD')} {one.path}" for one in operations)
 
 
-def _endpoint(settings: Settings, endpoint: str) -> Door:
+def _endpoint(settings: Settings, endpoint: str) -> ExposedEndpoint:
     """Describe an endpoint on which the service is a zenoh router."""
     reached = bool(beyond([endpoint]))
     certificates = endpoint.partition("/")[0] in ENCRYPTED and bool(settings.zenoh_tls_ca)
@@ -150,7 +150,7 @@ def _endpoint(settings: Settings, endpoint: str) -> Door:
         level = "open" if reached else level
         asks, lets = NOBODY, everything
         because += f"no zenoh_access{_twice(settings, level) if reached else ''}"
-    return Door(level, "zenoh, for sources", endpoint, NETWORK if reached else MACHINE, asks, lets, because)
+    return ExposedEndpoint(level, "zenoh, for sources", endpoint, NETWORK if reached else MACHINE, asks, lets, because)
 
 
 def _rules(file: Path) -> str:
@@ -164,12 +164,12 @@ def _rules(file: Path) -> str:
     )
 
 
-def _router(endpoint: str) -> Door:
+def _router(endpoint: str) -> ExposedEndpoint:
     """Describe an external router to which the service connects."""
     inside = not beyond([endpoint])
     clear = endpoint.partition("/")[0] not in ENCRYPTED
     level: Level = "local" if inside else "weak" if clear else "guarded"
-    return Door(
+    return ExposedEndpoint(
         level,
         "zenoh router",
         endpoint,
@@ -180,7 +180,7 @@ def _router(endpoint: str) -> Door:
     )
 
 
-def _database(settings: Settings) -> Iterator[Door]:
+def _database(settings: Settings) -> Iterator[ExposedEndpoint]:
     url = make_url(settings.database)
     if url.get_dialect().name != "postgresql":
         return
@@ -189,7 +189,7 @@ def _database(settings: Settings) -> Iterator[Door]:
     inside = not host or host.startswith("/") or is_loopback(host)
     checked = mode in CHECKED_TLS
     level: Level = "local" if inside else "guarded" if checked else "weak"
-    yield Door(
+    yield ExposedEndpoint(
         level,
         "PostgreSQL",
         f"{host or 'a socket'}:{url.port or 5432}",
@@ -200,13 +200,13 @@ def _database(settings: Settings) -> Iterator[Door]:
     )
 
 
-def _scheduler(settings: Settings) -> Iterator[Door]:
+def _scheduler(settings: Settings) -> Iterator[ExposedEndpoint]:
     if not settings.dask_scheduler:
         return
     where = urlsplit(settings.dask_scheduler)
     inside, tls = is_loopback(where.hostname or ""), where.scheme == "tls"
     level: Level = "local" if inside else "guarded" if tls else "open"
-    yield Door(
+    yield ExposedEndpoint(
         level,
         "Dask scheduler",
         settings.dask_scheduler,
@@ -217,12 +217,12 @@ def _scheduler(settings: Settings) -> Iterator[Door]:
     )
 
 
-def _inner_network(network: ipaddress.IPv4Network | ipaddress.IPv6Network) -> Door:
+def _inner_network(network: ipaddress.IPv4Network | ipaddress.IPv6Network) -> ExposedEndpoint:
     """Describe a private network to which the service posts."""
     own = any(network.overlaps(one) for one in map(ipaddress.ip_network, OWN) if one.version == network.version)
     level: Level = "weak" if own or network.num_addresses > WIDE else "guarded"
     also = ", among them addresses of the service's machine itself" if own else ""
-    return Door(
+    return ExposedEndpoint(
         level,
         "inner addresses for webhooks",
         str(network),
@@ -233,7 +233,7 @@ def _inner_network(network: ipaddress.IPv4Network | ipaddress.IPv6Network) -> Do
     )
 
 
-def _files(settings: Settings) -> Iterator[Door]:
+def _files(settings: Settings) -> Iterator[ExposedEndpoint]:
     """Yield files that others on this machine may read or write; for files of secrets the service also refuses to start."""
     path = file_of(engine_of(settings.database))
     database = [] if path is None else readable_by_others(path)
@@ -250,7 +250,7 @@ def _files(settings: Settings) -> Iterator[Door]:
     folders = [Path(one) for one in (settings.backups, settings.webhook_secrets_folder) if one]
     inside = [file for folder in folders for file in _within(folder)]
     for file in [*database, *(one for one in [*others, *inside] if _open_to_others(one, settings))]:
-        yield Door(
+        yield ExposedEndpoint(
             "weak",
             "file",
             str(file),
@@ -264,7 +264,7 @@ def _files(settings: Settings) -> Iterator[Door]:
 def _within(folder: Path) -> list[Path]:
     try:
         return sorted(folder.iterdir())
-    except OSError:  # a folder that is not readable counts as closed
+    except OSError:  # who may not look into it finds none open there
         return []
 
 
@@ -278,7 +278,7 @@ def _open_to_others(file: Path, settings: Settings) -> bool:
     return bool(mode & forbidden) and stat.S_ISREG(mode)
 
 
-def written(door: Door) -> str:
+def endpoint_lines(door: ExposedEndpoint) -> str:
     """Return an endpoint in words."""
     lines = (
         f"{door.level:8s} {door.what}: {door.address}",

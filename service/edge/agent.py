@@ -75,7 +75,7 @@ class Agent:
         for file in files[at:]:
             place = self._progress.place if self._progress.file == str(file.path) else None
             if self._progress.file == str(file.path) and place is None:
-                continue  # finished
+                continue  # done with
             logger.info("reading %s", file.path)
             self._read(file, place, stop, speedup)
             if stop.is_set():
@@ -150,7 +150,7 @@ class Agent:
         found = list(outcome.found)
         if outcome.block is not None:
             time_ns = outcome.time_ns
-            # A time from a wrong clock is accepted by no service, and must not shut out all later samples.
+            # What a wrong clock once said is taken by no service, and must not shut out all that comes after it.
             if time_ns > self._progress.time_ns or is_ahead(self._progress.time_ns):
                 progress.time_ns = time_ns
                 self._add(outcome.block, time_ns, bad=any(one.name == "phase_reference_lost" for one in found))
@@ -190,15 +190,15 @@ class Agent:
         if batch is None:
             return
         position = msgspec.json.encode(self._progress).decode()
-        if self._insist(lambda: self._source.publish(batch, position=position), stop):
+        if self._publish_with_retry(lambda: self._source.publish(batch, position=position), stop):
             self._samples += len(batch.time_ns)
 
     def _settle(self, stop: threading.Event) -> None:
         """Wait until all samples are in the log."""
-        if self._insist(self._source.log.flush, stop):
+        if self._publish_with_retry(self._source.log.flush, stop):
             self.conditions.block([])
 
-    def _insist(self, action: Callable[[], None], stop: threading.Event) -> bool:
+    def _publish_with_retry(self, action: Callable[[], None], stop: threading.Event) -> bool:
         """Retry an action while the log cannot be used; return False when stopped before it succeeded."""
         while True:
             try:

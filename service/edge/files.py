@@ -21,28 +21,25 @@ from storage.clock import from_datetime
 CHUNK_SAMPLES = 16_384
 """Samples read at a time."""
 RATE_TOLERANCE = 1e-3
-"""Relative difference up to which two sampling rates count as equal."""
+"""Relative difference of two sampling rates that are the same."""
 LONGEST_S = 1e9
-"""Longest recording: thirty years [s]."""
+"""No recording is longer than thirty years [s]."""
 
 
 class WaveformFile(Protocol):
-    """A file of waveforms; sampling_rate [Hz] and start_ns are None when it does not state them."""
+    """A file of waveforms; sampling_rate [Hz] and start_ns are None where it does not say them."""
 
     @property
-    def sampling_rate(self) -> float | None:
-        """Return the sampling rate [Hz]; None when the file does not state it."""
+    def sampling_rate(self) -> float | None: ...
 
     @property
-    def start_ns(self) -> int | None:
-        """Return the time of the first sample [ns, UTC]; None when the file does not state it."""
+    def start_ns(self) -> int | None: ...
 
-    def read(self, first: int, size: int) -> Iterator[Floats]:
-        """Yield columns (K, n) from sample `first` on, `size` samples at a time. Raises FileTrouble."""
+    def read(self, first: int, size: int) -> Iterator[Floats]: ...
 
 
 def open_file(path: Path, columns: list[str], *, full_scale: float) -> WaveformFile:
-    """Open a file by the suffix of its name. Raises FileTrouble."""
+    """Open a file by the ending of its name. Raises FileTrouble."""
     try:
         match path.suffix.lower():
             case ".wav":
@@ -67,9 +64,9 @@ def read_chunks(
     anchor: tuple[int, int] | None = None,
     rate: float | None = None,
 ) -> Iterator[Chunk]:
-    """Yield the file's waveforms from sample `first` on; faults become conditions, and all that can be read is delivered.
+    """Yield the file's waveforms from sample `first` on. Faults become conditions; what can be read is delivered.
 
-    anchor, rate: when resuming, a row of the unbroken waveform with its time [ns], and the sampling rate found before.
+    anchor, rate: where reading goes on, a row of the unbroken waveform with its time [ns], and the sampling rate found before.
     """
     name = file.path.name
     empty = first == 0
@@ -110,12 +107,12 @@ def _timed(
     start: int,
     anchor: tuple[int, int] | None,
 ) -> Iterator[Chunk]:
-    """Yield chunks whose last column is the time [s], without rows back in time; after a gap a new waveform begins."""
+    """Yield chunks whose last column is the time [s], without rows back in time; behind a gap the waveform begins anew."""
     latest, last_row = -math.inf, first - 1
     going_on = anchor is not None
     back = 0
     for values in pieces:
-        seconds = _believed(values[-1])
+        seconds = _checked_rate(values[-1])
         measured = _rate_of(seconds)
         rate = measured if rate is None else rate
         if rate is None or (measured is not None and abs(measured / rate - 1.0) > RATE_TOLERANCE):
@@ -145,8 +142,8 @@ def _timed(
         conditions.happened("time_reversed", name, f"{back} rows are not later than those before them")
 
 
-def _believed(seconds: Floats) -> Floats:
-    """Return the times, with NaN for impossible ones and for single ones later than the row after them."""
+def _checked_rate(seconds: Floats) -> Floats:
+    """Return times without those that no recording has, and without single ones ahead of the row after them."""
     believed = np.where(np.abs(seconds) <= LONGEST_S, seconds, np.nan)
     middle = believed[1:-1]
     middle[(middle > believed[2:]) & (believed[2:] > believed[:-2])] = np.nan
@@ -154,7 +151,7 @@ def _believed(seconds: Floats) -> Floats:
 
 
 def _rate_of(seconds: Floats) -> float | None:
-    """Return the sampling rate [Hz] that the times imply; None when most of them do not increase."""
+    """Return the sampling rate [Hz] that the times show; None where most do not go forward."""
     if seconds.size < 2:
         return None
     step = float(np.nanmedian(np.diff(seconds)))
@@ -162,7 +159,7 @@ def _rate_of(seconds: Floats) -> float | None:
 
 
 def _sampling_rate(said: float | None, configured: float | None) -> float | None:
-    """Return the sampling rate [Hz]; raise FileTrouble when file and configuration differ, or the file's is invalid."""
+    """Raise FileTrouble where the two differ, or what the file says is no rate."""
     if said is not None and not (math.isfinite(said) and said > 0.0):
         raise FileTrouble("unreadable_file", f"says {said:g} Hz, which is no sampling rate")
     if said is not None and configured is not None and abs(said / configured - 1.0) > RATE_TOLERANCE:

@@ -46,7 +46,7 @@ def write(folder: Path, name: str, columns: Sequence[Column], pieces: Iterable[R
         for rows in pieces:
             if rows:
                 count += len(rows)
-                writer.rows([_shown(column, value) for column, value in zip(columns, row, strict=True)] for row in rows)
+                writer.rows([_cell_text(column, value) for column, value in zip(columns, row, strict=True)] for row in rows)
                 yield _batch(columns, rows)
 
     prepare(folder / f"{name}.csv")
@@ -86,7 +86,7 @@ def _batch(columns: Sequence[Column], rows: Rows) -> Any:
     return RecordBatch.from_arrays(arrays, schema=Schema([_field(column) for column in columns]))
 
 
-def _shown(column: Column, value: Any) -> Any:
+def _cell_text(column: Column, value: Any) -> Any:
     if _missing(value):
         return ""
     if column.kind == "time":

@@ -139,7 +139,7 @@ class Idempotency:
             if answer.status >= HTTPStatus.BAD_REQUEST and answer.status != HTTPStatus.CONFLICT and not done:
                 idempotency.release(session, place)  # nothing was done and the request can be corrected: the key stays usable
             else:
-                idempotency.answered(session, place, answer)
+                idempotency.store_response(session, place, answer)
 
     def _release(self, place: str) -> None:
         with self._database.transaction() as session:

@@ -28,7 +28,7 @@ RULES = tuple(QualityRules.model_fields)
 _VERSION, _AGAIN = "slow_roll_version", "again"
 
 
-class NotToIdentify(Conflict):
+class NotIdentifiable(Conflict):
     """The run cannot be identified; the message states the reason."""
 
 
@@ -46,7 +46,7 @@ class Request:
 
 
 @dataclass(frozen=True)
-class Asker:
+class Requester:
     """The person who requests. identity: unambiguous; quota: of waiting jobs; priority: of one identification, or of many at
     once."""
 
@@ -55,7 +55,7 @@ class Asker:
     priority: int = ASKED
 
 
-def ask(session: Session, run_id: int, request: Request, asker: Asker) -> JobRow:
+def request_identification(session: Session, run_id: int, request: Request, asker: Requester) -> JobRow:
     """Queue an identification of a closed run; return the job that is already waiting or running for the same request, if any.
 
     With the usual options the result replaces the earlier one in trends and baselines, otherwise it stands beside them. Raises
@@ -63,9 +63,9 @@ def ask(session: Session, run_id: int, request: Request, asker: Asker) -> JobRow
     """
     run = runs.get(session, run_id)
     if run.state != runs.CLOSED:
-        raise NotToIdentify(f"run {run_id} is {run.state}; only closed runs are identified")
+        raise NotIdentifiable(f"run {run_id} is {run.state}; only closed runs are identified")
     if run.released_at is not None:
-        raise NotToIdentify(f"run {run_id} no longer has its samples, as the retention of runs says")
+        raise NotIdentifiable(f"run {run_id} no longer has its samples, as the retention of runs says")
     version = chosen_version(session, run.machine_id, request.slow_roll)
     usual = asdict(Options())
     fit = {name: value for name in usual if (value := getattr(request, name, None)) is not None and value != usual[name]}
@@ -79,7 +79,7 @@ def ask(session: Session, run_id: int, request: Request, asker: Asker) -> JobRow
         return options | ({_AGAIN: again} if again else {})
 
     def asked(again: int) -> JobRow | None:
-        return jobs.asked(session, scope=scope, run_ids=[run_id], options=repeated(again))
+        return jobs.find_request(session, scope=scope, run_ids=[run_id], options=repeated(again))
 
     again = _first_missing(lambda number: asked(number) is not None)
     newest = asked(again - 1) if again else None
@@ -87,7 +87,7 @@ def ask(session: Session, run_id: int, request: Request, asker: Asker) -> JobRow
         return newest
     by = asker.identity[:LONGEST_IDENTITY]
     asker.quota.require(session, by=by, machine_id=run.machine_id)
-    queued = jobs.ask(
+    queued = jobs.enqueue(
         session,
         run.machine_id,
         scope=scope,
@@ -107,7 +107,7 @@ def _first_missing(there: Callable[[int], bool]) -> int:
         return 0
     while there(beyond):
         beyond *= 2
-    first, last = beyond // 2, beyond  # `first` exists, `last` does not
+    first, last = beyond // 2, beyond  # the one is there, the other not
     while last - first > 1:
         middle = (first + last) // 2
         first, last = (middle, last) if there(middle) else (first, middle)

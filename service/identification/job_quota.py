@@ -35,11 +35,11 @@ class JobQuota:
 
     def require(self, session: Session, *, by: str, machine_id: str) -> None:
         """Raise QuotaExceeded unless another identification may be requested."""
-        if jobs.waiting_of(session, asked_by=by, most=self.per_principal) >= self.per_principal:
+        if jobs.count_waiting_of(session, asked_by=by, most=self.per_principal) >= self.per_principal:
             raise QuotaExceeded(
                 f"{self.per_principal} identifications that you asked for wait, as many as may: ask again when some are done"
             )
-        if jobs.asked_of_machine(session, machine_id, most=self.per_machine) >= self.per_machine:
+        if jobs.count_requested_of_machine(session, machine_id, most=self.per_machine) >= self.per_machine:
             raise QuotaExceeded(
                 f"{self.per_machine} identifications of machine '{machine_id}' that were asked for wait, as many as may: "
                 "ask again when some are done"

@@ -13,7 +13,7 @@ from service.replication.held_jobs import HeldJobs
 from service.workers.executor import Executor, ExecutorUnavailable
 from storage.database.damage import is_damage
 from storage.database.engine import Database
-from storage.database.errors import concerns_all, words
+from storage.database.errors import error_message, is_database_wide
 from storage.findings import identifications, jobs
 from storage.findings.job_order import AUTOMATIC, OVERDUE_SHARE
 
@@ -68,13 +68,13 @@ class JobSubmission:
                 future.add_done_callback(lambda _: self._wake())
             except ExecutorUnavailable as error:
                 unavailable = error
-                self._held.put_back_unhurt(taken.job_id)
+                self._held.requeue_uncounted(taken.job_id)
         if unavailable is not None:
             raise unavailable
 
     def _any_waiting(self, *, automatic: bool = False) -> bool:
         with self._database.reading() as session:
-            return jobs.waiting(session, automatic=automatic)
+            return jobs.any_waiting(session, automatic=automatic)
 
     def _take(self, count: int, behind: int) -> list[TakenJob]:
         """Take the next jobs. behind: how many of them may be requested by people.
@@ -102,10 +102,10 @@ class JobSubmission:
                 row = jobs.get(session, taken.job_id)
                 return task(session, row, self._options, timeout_s=self._timeout_s)
         except MemoryError as error:
-            self._held.put_back(taken.job_id, f"its data need more memory than there is: {error}")
+            self._held.requeue(taken.job_id, f"its data need more memory than there is: {error}")
             return None
         except Exception as error:
-            if concerns_all(error):
+            if is_database_wide(error):
                 raise
-            self._held.fail_unread(taken.job_id, words(error), damaged=is_damage(error))
+            self._held.fail_unread(taken.job_id, error_message(error), damaged=is_damage(error))
             return None

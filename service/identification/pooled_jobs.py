@@ -15,10 +15,10 @@ AT_ONCE = 10
 def queue_pooled_jobs(database: Database, *, newest_runs: int) -> None:
     """Queue an identification over the newest runs, at most `newest_runs`, of each machine with more than one."""
     with database.reading() as session:
-        every = machines.ids(session)
+        every = machines.list_ids(session)
     for first in range(0, len(every), AT_ONCE):
         with database.transaction() as session:
-            for machine in machines.some(session, every[first : first + AT_ONCE]):
+            for machine in machines.by_ids(session, every[first : first + AT_ONCE]):
                 _queue(session, machine, newest_runs=newest_runs)
 
 
@@ -29,4 +29,4 @@ def _queue(session: Session, machine: MachineRow, *, newest_runs: int) -> None:
         again = [run.times_reopened or 0 for run in ordered]
         # Runs rebuilt with late samples are pooled again.
         options = {"reopened": again} if any(again) else None
-        jobs.ask(session, machine.id, scope=jobs.GATHERED, run_ids=[run.id for run in ordered], options=options)
+        jobs.enqueue(session, machine.id, scope=jobs.GATHERED, run_ids=[run.id for run in ordered], options=options)

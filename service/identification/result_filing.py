@@ -17,10 +17,10 @@ from service.identification.task_builder import origin, reopened
 from service.monitoring.assessment_queue import AssessmentQueue, DueAssessment
 from service.replication.held_jobs import HeldJobs
 from service.workers.executor import TaskRefused
-from service.workers.process_pool import Interrupted, Stuck
+from service.workers.process_pool import Interrupted, WorkerStuck
 from service.workers.time_limit import OutOfTime
 from storage.database.engine import Database
-from storage.database.errors import concerns_all
+from storage.database.errors import is_database_wide
 from storage.findings import derived, identifications, jobs
 from storage.machines import machines
 from storage.measurements import runs
@@ -76,10 +76,10 @@ class ResultFiling:
         except (DataError, IntegrityError) as error:
             self._held.fail(taken.job_id, f"its result cannot be stored: {error.orig}")
         except MemoryError:
-            raise  # a temporary condition, not a fault of the result
+            raise  # of the moment, not of the result
         except Exception as error:
-            if concerns_all(error):
-                raise  # likewise temporary
+            if is_database_wide(error):
+                raise  # so is this
             logger.exception("the result of job %d cannot be stored", taken.job_id)
             self._held.fail(taken.job_id, f"its result cannot be stored: {type(error).__name__}: {error}")
 
@@ -87,22 +87,22 @@ class ResultFiling:
         """Put a job back if the error is not its own or may not recur; fail it otherwise."""
         if isinstance(error, BrokenProcessPool):
             logger.error("the process that computed job %d died; it is tried again", job_id)
-            self._held.put_back(job_id, str(error))
-        elif isinstance(error, Stuck):
+            self._held.requeue(job_id, str(error))
+        elif isinstance(error, WorkerStuck):
             logger.error("job %d was given up with what computed it; it is tried three times: %s", job_id, error)
             self._stuck.append((time.monotonic(), str(error)))
             self.stuck_count += 1
-            self._held.put_back(job_id, f"Stuck: {error}")
+            self._held.requeue(job_id, f"Stuck: {error}")
         elif isinstance(error, TaskRefused | Interrupted):
             logger.warning("job %d is taken again: %s", job_id, error)
-            self._held.put_back_unhurt(job_id)
+            self._held.requeue_uncounted(job_id)
         elif isinstance(error, CancelledError):
             logger.warning("job %d was lost with what computed it; it is tried again", job_id)
-            self._held.put_back_unhurt(job_id)
+            self._held.requeue_uncounted(job_id)
         elif isinstance(error, OutOfTime | MemoryError):
-            # With less concurrent work it may succeed: it is retried as often as after a crash.
+            # Beside less other work it may have enough of both: that is tried as often as after a death.
             logger.error("job %d took more than it may; it is tried three times: %s", job_id, type(error).__name__)
-            self._held.put_back(job_id, f"{type(error).__name__}: {error}")
+            self._held.requeue(job_id, f"{type(error).__name__}: {error}")
         else:
             self._held.fail(job_id, f"{type(error).__name__}: {error}")
 
@@ -115,11 +115,11 @@ class ResultFiling:
             machines.lock(session, row.machine_id)
             if reopened(session, row) != taken.reopened:
                 logger.info("job %d is computed again: late samples have made its run anew meanwhile", taken.job_id)
-                jobs.put_back_unhurt(row)
+                jobs.requeue_uncounted(row)
                 return
             if row.scope == jobs.RUN:
-                runs.keep_quality(session, row.run_ids[0], outcome.qualities[0])
-                runs.keep_crossed(session, row.run_ids[0], outcome.crossed[0])
+                runs.store_quality(session, row.run_ids[0], outcome.qualities[0])
+                runs.store_crossed_speeds(session, row.run_ids[0], outcome.crossed[0])
             if outcome.identification is None:
                 jobs.finish(row, state=jobs.FAILED, error=outcome.error)
                 logger.warning("identification job %d failed: %s", taken.job_id, outcome.error)

@@ -15,7 +15,7 @@ from service.identification.result_filing import ResultFiling
 from service.identification.worker_tasks import TASKS
 from service.monitoring.assessment_queue import AssessmentQueue
 from service.replication.held_jobs import HeldJobs
-from service.replication.work_share import GATHERING, Share, Whole
+from service.replication.work_share import GATHERING, Share, WholeShare
 from service.workers.executor import ExecutorUnavailable
 from service.workers.executors import executor_of
 from storage.database.engine import Database
@@ -33,12 +33,12 @@ class JobScheduler:
         """Set up without starting. share: this replica's share of the work; all of it by default."""
         self._database = database
         self._settings = settings
-        self._share = share or Whole()
+        self._share = share or WholeShare()
         self._executor = executor_of(settings, TASKS)
         self._held = HeldJobs(database, self._share)
         self._computing: ComputingJobs = {}
         self._stop = threading.Event()
-        self._news = threading.Event()  # set when a result has come, or the service stops
+        self._news = threading.Event()  # a result is there, or the service stops
         self._assessments = AssessmentQueue(database, self._executor, self._held, settings, wake=self._news.set)
         options = Options()
         self._submission = JobSubmission(
@@ -59,7 +59,7 @@ class JobScheduler:
 
     def start(self) -> None:
         """Put back jobs that an earlier process left unfinished, then start the thread."""
-        self._held.put_back_left()
+        self._held.requeue_unfinished()
         self._thread.start()
 
     def stop(self) -> None:
@@ -116,7 +116,7 @@ class JobScheduler:
         try:
             self._executor.look()
             self._assessments.submit()
-            self._submission.submit()  # first: no worker should wait while results are filed
+            self._submission.submit()  # first: no worker need wait for results to be filed
         finally:
             self._filing.file_done()
             self._assessments.file_done()
@@ -128,4 +128,4 @@ class JobScheduler:
     def _put_back_lost(self) -> None:
         """Put back own jobs that are unknown here: the database's answer was lost when they were taken."""
         computing = {taken.job_id for taken in self._computing.values()}
-        self._held.put_back_lost(computing | self._assessments.job_ids)
+        self._held.requeue_lost(computing | self._assessments.job_ids)

@@ -57,7 +57,7 @@ def _beginning(session: Session, row: JobRow, revision: int, slow_roll_version: 
 
 def _earlier(session: Session, row: JobRow) -> tuple[str, bytes] | None:
     """Return the run for comparison: the one before of the same kind, revision and sense of rotation; None without one."""
-    before = runs.before(session, runs.get(session, row.run_ids[0]))
+    before = runs.previous_run(session, runs.get(session, row.run_ids[0]))
     if before is None:
         return None
     try:

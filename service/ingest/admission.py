@@ -7,14 +7,14 @@ import zenoh
 
 from service.ingest.clock_doubt import OwnClock
 from service.ingest.inbox import PublishedMessage
-from service.journal.batch import Arrived
+from service.journal.batch import ArrivedBatch
 from service.journal.http_queue import UNFORESEEN, NotStoring, Submission
 from service.journal.journal import Journal
 from service.journal.refusals import Refusals
 from service.resilience.internal_errors import see_log
-from service.wire import Key, OwnFault, Reason, Rejected, SampleBatch, decode_batch, decode_body, require_size
+from service.wire import InternalErrorReason, Key, Reason, Rejected, SampleBatch, decode_batch, decode_body, require_size
 from storage.clock import now
-from storage.database.errors import concerns_all
+from storage.database.errors import is_database_wide
 from storage.measurements.quarantine import Rejection
 
 logger = logging.getLogger(__name__)
@@ -31,7 +31,7 @@ class Admission:
         self._refusals = refusals
         self._own_clock = own_clock
 
-    def published(self, key: Key, message: PublishedMessage) -> Arrived | None:
+    def published(self, key: Key, message: PublishedMessage) -> ArrivedBatch | None:
         """Return a published message as a batch; None when it is rejected or has to wait.
 
         Raises errors that affect all batches.
@@ -46,21 +46,21 @@ class Admission:
             self.refuse(message, key.machine, rejected)
             return None
         except Exception as error:
-            if concerns_all(error):
+            if is_database_wide(error):
                 raise
             logger.exception("a message under %s cannot be looked at", message.key)
             self._refuse(message, key.machine, "unexpected_error", see_log(error))
             return None
-        return Arrived(batch, message.key, message.payload, message.received_at)
+        return ArrivedBatch(batch, message.key, message.payload, message.received_at)
 
-    def replied(self, key: Key, reply: zenoh.Sample) -> Arrived | None:
+    def replied(self, key: Key, reply: zenoh.Sample) -> ArrivedBatch | None:
         """Return a reply from a log as a batch; None when it is rejected or has to wait.
 
         Raises errors that affect all batches.
         """
         return self.published(key, replace(PublishedMessage.of(reply), key=key.samples))
 
-    def submitted(self, submission: Submission) -> Arrived:
+    def submitted(self, submission: Submission) -> ArrivedBatch:
         """Return a body that came over HTTP as a batch.
 
         Raises Rejected or NotStoring when it is not accepted, and errors that affect all batches.
@@ -75,7 +75,7 @@ class Admission:
             self._require_machine(Key(batch.plant, batch.machine))
             if self._withholds(batch):
                 raise NotStoring(self._own_clock.doubt or "this machine's clock is wrong")
-            # A rejected batch must leave its numbers free for the corrected one.
+            # Its numbers must stay free for the corrected batch.
             self._journal.require_convertible(batch, received_at=message.received_at)
         except Rejected as rejected:
             self.refuse(message, machine, rejected)
@@ -83,12 +83,12 @@ class Admission:
         except NotStoring:
             raise
         except Exception as error:
-            if concerns_all(error):
+            if is_database_wide(error):
                 raise
             logger.exception("%s: a batch over HTTP cannot be looked at", machine)
             self._refuse(message, machine, "unexpected_error", see_log(error))
             raise NotStoring(UNFORESEEN) from error
-        return Arrived(batch, message.key, body, message.received_at)
+        return ArrivedBatch(batch, message.key, body, message.received_at)
 
     def _withholds(self, batch: SampleBatch) -> bool:
         if not self._own_clock.withholds(batch):
@@ -100,7 +100,9 @@ class Admission:
         """Store a rejected message in the quarantine. machine: None when its key names none."""
         self._refuse(message, machine, rejected.reason, rejected.detail)
 
-    def _refuse(self, message: PublishedMessage, machine: str | None, reason: Reason | OwnFault, detail: str) -> None:
+    def _refuse(
+        self, message: PublishedMessage, machine: str | None, reason: Reason | InternalErrorReason, detail: str
+    ) -> None:
         rejection = Rejection.of_message(
             received_at=message.received_at,
             key=message.key,

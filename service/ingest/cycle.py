@@ -21,7 +21,7 @@ from service.journal.write_batch import WriteBatch
 from service.recovery.gap_recovery import GapRecovery
 from service.replication.work_share import Share
 from service.wire import ALL_LIVE, ALL_SAMPLES
-from storage.database.errors import NotHeld
+from storage.database.errors import LeaseLost
 
 logger = logging.getLogger(__name__)
 
@@ -89,7 +89,7 @@ class IngestCycle:
         stopping: take nothing that comes from now on, because the service ends: it waits in the sources' logs.
         """
         left = self.write_batch.is_pending
-        self.write_batch.store()  # left from the cycle before; if the database refuses it, nothing more is taken
+        self.write_batch.store()  # what was left before; where the database refuses it, nothing more is taken
         self._follow_share()
         while (token := self._tokens.try_recv()) is not None:
             self.recovery.follow(token)
@@ -121,11 +121,11 @@ class IngestCycle:
     def refuse_all(self, trouble: str) -> None:
         """Tell all who wait that their samples are not known to be durable, and why."""
         self.write_batch.forget_progress()
-        self.write_batch.break_promises(NotStoring(trouble))
+        self.write_batch.fail_waiting(NotStoring(trouble))
         while (submission := self._submissions.take()) is not None:
             submission.promise.set_exception(NotStoring(trouble))
 
-    def drop_taken_over(self, error: NotHeld) -> None:
+    def drop_taken_over(self, error: LeaseLost) -> None:
         """Drop batches that another replica has to store now."""
         logger.warning("machines were taken over by another replica: %s", error)
         self.write_batch.drop(error.names)
@@ -141,4 +141,4 @@ class IngestCycle:
         self.own_clock.forget()
         changes = self._share.changes
         self.recovery.review()
-        self._changes = changes  # after the review, which is repeated when the database fails during it
+        self._changes = changes  # reviewed again where the database went away within

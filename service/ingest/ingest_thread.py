@@ -8,10 +8,10 @@ import zenoh
 from service.ingest.cycle import CYCLE_S, IngestCycle
 from service.journal.http_queue import Submissions
 from service.journal.journal import Journal
-from service.replication.work_share import Share, Whole
+from service.replication.work_share import Share, WholeShare
 from service.resilience.supervised_thread import UNEXPECTED, SupervisedThread
-from storage.database.errors import NotHeld, concerns_all, words
-from storage.recent_maximum import Longest
+from storage.database.errors import LeaseLost, error_message, is_database_wide
+from storage.recent_maximum import RecentMaximum
 
 logger = logging.getLogger(__name__)
 
@@ -20,11 +20,11 @@ STALLED_S = 5.0
 RETRY_S = 1.0
 """Pause after the database refused to store."""
 LAST_TRIES = 2
-"""Attempts to store what is held when the service ends."""
+"""To store what is held, of a service that ends."""
 
 
 class Ingest(SupervisedThread):
-    """The ingest thread. Callbacks only enqueue; everything else happens in the thread."""
+    """The thread. Callbacks only enqueue; everything else happens here."""
 
     def __init__(
         self,
@@ -37,24 +37,24 @@ class Ingest(SupervisedThread):
     ) -> None:
         super().__init__("ingest", failure="samples cannot be stored", retry_s=RETRY_S)
         self._submissions = Submissions() if submissions is None else submissions
-        self._cycle = IngestCycle(session, journal, self._submissions, share or Whole(), silence_s=silence_s)
-        self._longest_cycle = Longest()
-        self._errors = 0  # unexpected ones in a row
-        self._began = time.monotonic()  # begin of the cycle
+        self._cycle = IngestCycle(session, journal, self._submissions, share or WholeShare(), silence_s=silence_s)
+        self._longest_cycle = RecentMaximum()
+        self._errors = 0  # that nobody foresaw, in a row
+        self._began = time.monotonic()  # the cycle
 
     def start(self) -> None:
-        """Subscribe and start the thread."""
+        """Subscribe and begin."""
         self._cycle.open()
         super().start()
 
     def stop(self) -> None:
-        """Take no more messages, store the queued ones and end the thread."""
+        """Take no more, store what is queued, end the thread."""
         super().stop()
         self._cycle.close()
 
     @property
     def trouble(self) -> str | None:
-        """Return why the last cycle could not be stored, or that the present one does not end; None when all is well."""
+        """Why the last cycle could not be stored, or that the present one does not end."""
         lasts = time.monotonic() - self._began
         if self._trouble is None and lasts > STALLED_S and self.alive:
             return f"storing has not ended for {lasts:.0f} s"
@@ -62,17 +62,16 @@ class Ingest(SupervisedThread):
 
     @trouble.setter
     def trouble(self, words: str | None) -> None:
-        """Set why the last cycle could not be stored."""
         self._trouble = words
 
     @property
     def alive(self) -> bool:
-        """Return whether the threads are running."""
+        """Whether the threads run."""
         return super().alive and self._cycle.inbox.alive
 
     @property
     def gauges(self) -> dict[str, float]:
-        """Return figures for monitoring, by the name of the metric."""
+        """Figures for a monitoring system, by the name of the metric."""
         return {
             "rundown_ingest_queue_messages": len(self._cycle.inbox),
             "rundown_ingest_queue_bytes": self._cycle.inbox.size,
@@ -82,16 +81,16 @@ class Ingest(SupervisedThread):
 
     @property
     def warnings(self) -> list[str]:
-        """Return the doubts about this machine's clock."""
+        """Doubts of this machine's clock."""
         return [] if self._cycle.own_clock.doubt is None else [self._cycle.own_clock.doubt]
 
     def turn(self) -> float:
-        """Run a cycle, then wait until there is more to do."""
+        """Do a cycle, then wait until more has come or is to be looked for."""
         self._cycle.wait_for_more(self._run_cycle())
         return 0.0
 
     def finish(self) -> None:
-        """Store the queued messages; end when there are no more, or when they cannot be stored."""
+        """Store what is queued, and end when there is no more, or when it cannot be stored."""
         tries = LAST_TRIES
         while True:
             try:
@@ -110,30 +109,32 @@ class Ingest(SupervisedThread):
             self._cycle.wait_for_more(count)
 
     def failed(self, error: Exception) -> float:
-        """Handle an error and go on: one message must never end the ingest of all others."""
-        if isinstance(error, NotHeld):
+        """Go on after an error: one message must never end the ingest of all others."""
+        if isinstance(error, LeaseLost):
             self._cycle.drop_taken_over(error)
             return CYCLE_S
-        if concerns_all(error):
-            logger.error("samples cannot be stored, trying again: %s", words(error))
+        if is_database_wide(error):
+            logger.error("samples cannot be stored, trying again: %s", error_message(error))
         else:
             logger.error("unexpected error in ingest, going on", exc_info=error)
             self._errors += 1
         if not self._hinders(error):
             return 0.0
-        trouble = words(error) if concerns_all(error) else UNEXPECTED
+        trouble = error_message(error) if is_database_wide(error) else UNEXPECTED
         self.trouble = self._submissions.trouble = trouble
         self._cycle.refuse_all(trouble)
         return RETRY_S
 
     def _hinders(self, error: Exception) -> bool:
-        """Return whether an error prevents storing; the first unexpected one in a row does not."""
-        return not isinstance(error, NotHeld) and (concerns_all(error) or self._errors > 1)
+        """Return whether an error hinders storing: the first unforeseen one in a row does not."""
+        return not isinstance(error, LeaseLost) and (is_database_wide(error) or self._errors > 1)
 
     def _give_up(self, error: Exception) -> None:
-        """Log how many messages could not be stored while stopping."""
+        """Say how much is given up of what could not be stored while stopping."""
         count = len(self._cycle.inbox) + len(self._cycle.write_batch)
-        logger.error("at the end %d messages are not stored; only sources' logs have them still: %s", count, words(error))
+        logger.error(
+            "at the end %d messages are not stored; only sources' logs have them still: %s", count, error_message(error)
+        )
 
     def _run_cycle(self) -> int:
         """Run a cycle; return how many messages were taken."""

@@ -11,7 +11,7 @@ from service.journal.write_batch import WriteBatch
 from service.recovery.gap_recovery import GapRecovery
 from service.replication.work_share import Share
 from service.wire import Key, Rejected
-from storage.database.errors import concerns_all, words
+from storage.database.errors import error_message, is_database_wide
 
 LARGEST_CYCLE = 1_000
 """Largest number of messages held at once."""
@@ -65,7 +65,7 @@ class Intake:
             try:
                 self._publication(message)
             except Exception as error:
-                if concerns_all(error):
+                if is_database_wide(error):
                     self._inbox.put_back(message)
                 raise
             self._pacing.pause()
@@ -79,7 +79,7 @@ class Intake:
             try:
                 self._submission(submission)
             except Exception as error:
-                submission.promise.set_exception(NotStoring(words(error) if concerns_all(error) else UNFORESEEN))
+                submission.promise.set_exception(NotStoring(error_message(error) if is_database_wide(error) else UNFORESEEN))
                 raise
         self.is_behind |= time.monotonic() >= ends
         return count
@@ -93,7 +93,7 @@ class Intake:
                 self._admission.refuse(message, None, rejected)
             return
         if self._share.owns(key.machine) and (arrived := self._admission.published(key, message)) is not None:
-            with self._write_batch.refusals.guarding(arrived):
+            with self._write_batch.refusals.quarantining_on_error(arrived):
                 self._recovery.place(key, arrived)
 
     def _submission(self, submission: Submission) -> None:
@@ -108,5 +108,5 @@ class Intake:
             where = f"source '{arrived.batch.source}' of machine '{submission.machine}'"
             submission.promise.set_exception(NotStoring(f"unexpected errors with {where}; it is tried again later"))
             return
-        with refusals.guarding(arrived, submission.promise):
+        with refusals.quarantining_on_error(arrived, submission.promise):
             self._write_batch.take(arrived, submission.promise)

@@ -8,7 +8,7 @@ from service.ingest.clock_doubt import OwnClock
 from service.journal.journal import Journal
 from service.recovery.gap_recovery import GapRecovery
 from service.resilience.supervised_thread import UNEXPECTED
-from storage.database.errors import NotHeld, concerns_all, words
+from storage.database.errors import LeaseLost, error_message, is_database_wide
 
 logger = logging.getLogger(__name__)
 
@@ -50,12 +50,12 @@ def _tried(trouble: str, check: Callable[[], None]) -> str | None:
     """Run a check; return why it failed, None when it did not. Raises NotHeld."""
     try:
         check()
-    except NotHeld:
+    except LeaseLost:
         raise
     except Exception as error:
-        if concerns_all(error):
-            logger.error("%s, trying again: %s", trouble, words(error))
-            return f"{trouble}: {words(error)}"
+        if is_database_wide(error):
+            logger.error("%s, trying again: %s", trouble, error_message(error))
+            return f"{trouble}: {error_message(error)}"
         logger.exception("%s, trying again", trouble)
         return f"{trouble}: {UNEXPECTED}"
     return None

@@ -8,7 +8,7 @@ import zenoh
 from service.journal.journal import Journal
 from service.replication.work_share import Share
 from service.wire import ALL_RECEIVED, JSON, Key, Received, Rejected
-from storage.database.errors import concerns_all
+from storage.database.errors import is_database_wide
 
 logger = logging.getLogger(__name__)
 
@@ -46,7 +46,7 @@ class ReceivedQueryable:
             try:
                 self._reply(query, key)
             except Exception as error:
-                if concerns_all(error):
+                if is_database_wide(error):
                     raise
                 logger.exception("%s: how far its sources are durable cannot be told", key.machine)
 

@@ -12,7 +12,7 @@ LARGEST_GAP = 1_000_000_000
 
 
 @dataclass(frozen=True)
-class Arrived:
+class ArrivedBatch:
     """A batch as it arrived: its key, payload and time of arrival [ns]."""
 
     batch: SampleBatch
@@ -44,10 +44,10 @@ class StoreOutcome:
 
 
 @dataclass(frozen=True)
-class Held:
+class HeldBatch:
     """A batch that is held for storing, and the promise to whoever waits for its outcome."""
 
-    arrived: Arrived
+    arrived: ArrivedBatch
     promise: Future[StoreOutcome] | None = None
 
     @property

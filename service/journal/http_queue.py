@@ -47,7 +47,7 @@ class Submission:
     promise: Future[StoreOutcome] = field(default_factory=Future)
 
 
-class Taking(Protocol):
+class SubmissionSink(Protocol):
     """Acceptance of bodies: by the queue of this process's ingest, or by forwarding to another's."""
 
     @property

@@ -14,11 +14,11 @@ import numpy as np
 from sqlalchemy.orm import Session
 
 from estimator.machine.document import Machine
-from service.journal.batch import Arrived, StoreOutcome
+from service.journal.batch import ArrivedBatch, StoreOutcome
 from service.journal.numbering import Numbering, Pending
 from service.journal.pacing import Pacing
 from service.journal.sequence_gaps import SequenceGap, stored_gaps
-from service.replication.work_share import Share, Whole
+from service.replication.work_share import Share, WholeShare
 from service.runs.collector import Collector
 from service.runs.silence import SilentMachines
 from service.wire import Rejected, SampleBatch, SourceReceived, to_samples
@@ -41,7 +41,7 @@ class Journal:
     def __init__(self, database: Database, collector: Collector, share: Share | None = None) -> None:
         self._database = database
         self._collector = collector
-        self._share = share or Whole()
+        self._share = share or WholeShare()
         self._numbering = Numbering()
         self._silent_machines = SilentMachines(database, collector, self._share)
         self._plants: dict[str, str] = {}
@@ -101,7 +101,9 @@ class Journal:
         if len(wrong) == len(batch.time_ns):
             raise Rejected(wrong[0].reason, f"{wrong[0].detail}, and so with all others: set the source's clock")
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection], *, within_s: float = math.inf) -> list[StoreOutcome]:
+    def store(
+        self, arrived: list[ArrivedBatch], rejections: list[Rejection], *, within_s: float = math.inf
+    ) -> list[StoreOutcome]:
         """Store batches, in order, and rejections; return the outcome of each batch.
 
         Raises the database's errors, and NotHeld for machines that belong to another replica by now; then nothing was stored.
@@ -114,7 +116,7 @@ class Journal:
                 with self.pacing.in_transaction():
                     return self._store(session, arrived, rejections, ends=time.monotonic() + within_s)
         except BaseException:
-            self._numbering.forget()  # its state may include samples that were not stored
+            self._numbering.forget()  # it may know of samples that were not stored
             raise
 
     def end_silent(self, *, silence_s: float, alive: Set[str] = frozenset()) -> None:
@@ -135,7 +137,7 @@ class Journal:
         return known
 
     def _store(
-        self, session: Session, arrived: list[Arrived], rejections: list[Rejection], *, ends: float
+        self, session: Session, arrived: list[ArrivedBatch], rejections: list[Rejection], *, ends: float
     ) -> list[StoreOutcome]:
         pending = Pending(rejections=list(rejections))
         documents: Documents = {}
@@ -188,14 +190,14 @@ class Journal:
             self.pacing.pause()
 
 
-def _load(session: Session, arrived: list[Arrived]) -> list[object]:
+def _load(session: Session, arrived: list[ArrivedBatch]) -> list[object]:
     """Load all rows that these batches need, in three queries instead of several per batch.
 
     The session finds the rows as long as the returned list is referenced.
     """
     machine_ids = {one.batch.machine for one in arrived}
     return [
-        *machines.some(session, machine_ids),
+        *machines.by_ids(session, machine_ids),
         *samples.known_sources(session, {one.source for one in arrived}),
         *runs.collectors(session, machine_ids),
     ]

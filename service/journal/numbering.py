@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 
 from estimator.machine.document import Machine
 from service.journal import rejections, sequence_gaps
-from service.journal.batch import LARGEST_GAP, Arrived, StoreOutcome
+from service.journal.batch import LARGEST_GAP, ArrivedBatch, StoreOutcome
 from service.journal.plausibility import Plausibility
 from service.journal.sequence_gaps import FilledPart, SequenceGap
 from service.resilience.bounded_dict import BoundedDict
@@ -33,7 +33,7 @@ class Pending:
     rejections: list[Rejection] = field(default_factory=list)
     outcomes: list[StoreOutcome] = field(default_factory=list)
 
-    def add(self, arrived: Arrived, kept: Samples, *, first: int) -> None:
+    def add(self, arrived: ArrivedBatch, kept: Samples, *, first: int) -> None:
         """Add the accepted samples of a batch. first: number of the first of them."""
         self.parts[arrived.source].append(kept)
         self.first.setdefault(arrived.source, first)
@@ -50,7 +50,7 @@ class Numbering:
         """Forget the state of the sources; all of it is in the store."""
         self._plausibility.clear()
 
-    def add(self, session: Session, pending: Pending, arrived: Arrived, machine: Machine) -> StoreOutcome:
+    def add(self, session: Session, pending: Pending, arrived: ArrivedBatch, machine: Machine) -> StoreOutcome:
         """Add the new samples of a batch to `pending`, and update the reception state in its source's row.
 
         Each sample is a duplicate, fills a gap that was counted as lost, or follows the samples so far.

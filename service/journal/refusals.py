@@ -7,10 +7,10 @@ from concurrent.futures import Future
 from contextlib import contextmanager
 
 from service.journal import rejections
-from service.journal.batch import Arrived, StoreOutcome
+from service.journal.batch import ArrivedBatch, StoreOutcome
 from service.journal.http_queue import NotStoring
 from service.journal.journal import Journal
-from storage.database.errors import concerns_all
+from storage.database.errors import is_database_wide
 from storage.measurements.quarantine import Rejection
 
 logger = logging.getLogger(__name__)
@@ -33,16 +33,16 @@ class Refusals:
         self._promises.append((promise, answer))
 
     @contextmanager
-    def guarding(self, arrived: Arrived, promise: Future[StoreOutcome] | None = None) -> Iterator[None]:
+    def quarantining_on_error(self, arrived: ArrivedBatch, promise: Future[StoreOutcome] | None = None) -> Iterator[None]:
         """Quarantine a batch when an unexpected error occurs in the block: the error concerns this batch alone."""
         try:
             yield
         except Exception as error:
-            if concerns_all(error):
+            if is_database_wide(error):
                 raise
-            self.put_aside(arrived, error, promise)
+            self.quarantine(arrived, error, promise)
 
-    def put_aside(self, arrived: Arrived, error: Exception, promise: Future[StoreOutcome] | None = None) -> None:
+    def quarantine(self, arrived: ArrivedBatch, error: Exception, promise: Future[StoreOutcome] | None = None) -> None:
         """Quarantine a batch that cannot be stored, and refuse the promise of whoever waits."""
         rejection, answer = rejections.of_error(arrived, error)
         if isinstance(answer, NotStoring):
@@ -67,7 +67,7 @@ class Refusals:
             try:
                 self._journal.store([], [one])
             except Exception as error:
-                if concerns_all(error):
+                if is_database_wide(error):
                     raise
                 logger.exception("a message of %s, refused as %s, cannot be put aside", one.machine_id, one.reason)
             del self.rejections[0]
@@ -76,7 +76,7 @@ class Refusals:
         if not self.rejections:
             self._answer()
 
-    def break_promises(self, answer: Exception) -> None:
+    def fail_waiting(self, answer: Exception) -> None:
         """Answer all who wait, before the refused batches are stored."""
         for promise, _ in self._promises:
             promise.set_exception(answer)

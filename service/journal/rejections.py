@@ -5,10 +5,10 @@ from dataclasses import replace
 
 from sqlalchemy.exc import DBAPIError
 
-from service.journal.batch import Arrived
+from service.journal.batch import ArrivedBatch
 from service.journal.http_queue import UNFORESEEN, NotStoring
 from service.resilience.internal_errors import see_log
-from service.wire import Fault, OwnFault, Reason, Rejected
+from service.wire import Fault, InternalErrorReason, Reason, Rejected
 from storage.database.damage import is_damage
 from storage.measurements.quarantine import Rejection
 
@@ -16,12 +16,12 @@ LARGEST_FAULT_COUNT = 5
 """Faults per reason and batch that the quarantine shows: a source with a wrong unit has one in every value."""
 
 
-def of_batch(arrived: Arrived, reason: str, detail: str) -> Rejection:
+def of_batch(arrived: ArrivedBatch, reason: str, detail: str) -> Rejection:
     """Return the entry for a batch that is rejected as a whole."""
     return Rejection(arrived.received_at, arrived.key, arrived.batch.machine, reason, detail, arrived.payload)
 
 
-def of_samples(arrived: Arrived, faults: Sequence[Fault]) -> list[Rejection]:
+def of_samples(arrived: ArrivedBatch, faults: Sequence[Fault]) -> list[Rejection]:
     """Return entries for the first few faults of each reason; the last of them represents all others of the batch, too."""
     found = []
     for reason in dict.fromkeys(fault.reason for fault in faults):
@@ -33,9 +33,9 @@ def of_samples(arrived: Arrived, faults: Sequence[Fault]) -> list[Rejection]:
     return found
 
 
-def of_error(arrived: Arrived, error: Exception) -> tuple[Rejection, Exception]:
+def of_error(arrived: ArrivedBatch, error: Exception) -> tuple[Rejection, Exception]:
     """Return the entry for a batch that could not be stored, and the answer to whoever waits for it."""
-    reason: Reason | OwnFault
+    reason: Reason | InternalErrorReason
     answer: Exception
     if isinstance(error, DBAPIError) and not is_damage(error):
         reason, detail = "undecodable", f"the database cannot hold it: {error.orig}"
@@ -54,7 +54,7 @@ def of_error(arrived: Arrived, error: Exception) -> tuple[Rejection, Exception]:
     return rejection, answer
 
 
-def _of_sample(arrived: Arrived, fault: Fault) -> Rejection:
+def _of_sample(arrived: ArrivedBatch, fault: Fault) -> Rejection:
     batch, i = arrived.batch, fault.index
     sample = {
         "source": batch.source,

@@ -10,12 +10,12 @@ from collections.abc import Callable, Iterable
 
 from sqlalchemy.exc import IntegrityError
 
-from service.journal.batch import Held, StoreOutcome
+from service.journal.batch import HeldBatch, StoreOutcome
 from service.journal.http_queue import UNFORESEEN, NotStoring
 from service.journal.journal import Journal
 from service.journal.refusals import Refusals
 from service.journal.source_backoff import SourceBackoff
-from storage.database.errors import concerns_all
+from storage.database.errors import is_database_wide
 from storage.measurements.samples import SourceKey
 
 MOST_TRIES = 50
@@ -37,14 +37,14 @@ class SingleWrites:
         refusals: Refusals,
         backoff: SourceBackoff,
         *,
-        acknowledge: Callable[[Held, StoreOutcome], None],
+        acknowledge: Callable[[HeldBatch, StoreOutcome], None],
     ) -> None:
         self._journal = journal
         self._refusals = refusals
         self._backoff = backoff
         self._acknowledge = acknowledge
-        self._waiting: deque[Held] = deque()
-        self._left: list[Held] = []
+        self._waiting: deque[HeldBatch] = deque()
+        self._left: list[HeldBatch] = []
         self._stored: set[SourceKey] = set()
         self._failed: Counter[SourceKey] = Counter()
 
@@ -52,7 +52,7 @@ class SingleWrites:
         """Return how many batches are held."""
         return len(self._waiting) + len(self._left)
 
-    def begin(self, held: Iterable[Held]) -> None:
+    def begin(self, held: Iterable[HeldBatch]) -> None:
         """Begin a pass through these batches."""
         self._waiting.extend(held)
 
@@ -75,18 +75,18 @@ class SingleWrites:
                 return set()
         return self._end()
 
-    def take_back(self) -> list[Held]:
+    def abandon(self) -> list[HeldBatch]:
         """Abandon the pass; return the batches that are neither stored nor quarantined."""
         held = [*self._left, *self._waiting]
         self._reset()
         return held
 
-    def change(self, change: Callable[[list[Held]], list[Held]]) -> None:
+    def change(self, change: Callable[[list[HeldBatch]], list[HeldBatch]]) -> None:
         """Apply a change to the held batches."""
         self._waiting = deque(change(list(self._waiting)))
         self._left = change(self._left)
 
-    def _store(self, one: Held) -> bool:
+    def _store(self, one: HeldBatch) -> bool:
         """Store or quarantine a batch; return whether it was stored.
 
         An integrity error is retried once: the retry sees what another replica wrote at the same moment.
@@ -97,9 +97,9 @@ class SingleWrites:
             except IntegrityError:
                 (outcome,) = self._journal.store([one.arrived], [])
         except Exception as error:
-            if concerns_all(error):
+            if is_database_wide(error):
                 raise
-            self._refusals.put_aside(one.arrived, error, one.promise)
+            self._refusals.quarantine(one.arrived, error, one.promise)
             return False
         self._acknowledge(one, outcome)
         return True

@@ -9,7 +9,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from service.resilience.backoff import Backoff
-from storage.database.errors import concerns_all
+from storage.database.errors import is_database_wide
 from storage.measurements.samples import SourceKey
 
 logger = logging.getLogger(__name__)
@@ -25,7 +25,7 @@ class SourceBackoff:
         self._backoff = Backoff[SourceKey](free=FREE_FAILURES)
         self._on_pause: list[Callable[[SourceKey], None]] = []
 
-    def on_pause(self, drop: Callable[[SourceKey], None]) -> None:
+    def call_on_pause(self, drop: Callable[[SourceKey], None]) -> None:
         """Register a callback that drops the state of a source when it is paused."""
         self._on_pause.append(drop)
 
@@ -55,12 +55,12 @@ class SourceBackoff:
             self._backoff.succeeded(source)
 
     @contextmanager
-    def isolating(self, source: SourceKey) -> Iterator[None]:
+    def pausing_on_error(self, source: SourceKey) -> Iterator[None]:
         """Pause a source when an unexpected error occurs in the block: the error concerns this source alone."""
         try:
             yield
         except Exception as error:
-            if concerns_all(error):
+            if is_database_wide(error):
                 raise
             logger.exception("%s, source %s: its log cannot be asked", source.machine_id, source.source)
             self.failed(source)

@@ -8,7 +8,7 @@ import time
 from collections.abc import Collection
 from concurrent.futures import Future
 
-from service.journal.batch import LARGEST_GAP, Arrived, Held, StoreOutcome
+from service.journal.batch import LARGEST_GAP, ArrivedBatch, HeldBatch, StoreOutcome
 from service.journal.http_queue import UNFORESEEN, NotStoring
 from service.journal.journal import Journal
 from service.journal.refusals import Refusals
@@ -16,7 +16,7 @@ from service.journal.single_writes import SingleWrites
 from service.journal.source_backoff import SourceBackoff
 from service.replication.work_share import lease_of
 from service.resilience.bounded_dict import BoundedDict
-from storage.database.errors import concerns_all
+from storage.database.errors import is_database_wide
 from storage.measurements.samples import SourceKey
 
 logger = logging.getLogger(__name__)
@@ -35,12 +35,12 @@ class WriteBatch:
     def __init__(self, journal: Journal, backoff: SourceBackoff) -> None:
         self._journal = journal
         self._backoff = backoff
-        self._held: list[Held] = []
+        self._held: list[HeldBatch] = []
         self._at_once = FEWEST_AT_ONCE
         self._expected: BoundedDict[SourceKey, int] = BoundedDict()
         self.refusals = Refusals(journal)
         self._single_writes = SingleWrites(journal, self.refusals, backoff, acknowledge=self._acknowledge)
-        backoff.on_pause(self._forget_progress_of)
+        backoff.call_on_pause(self._forget_progress_of)
 
     def __len__(self) -> int:
         """Return how many batches are held."""
@@ -57,12 +57,12 @@ class WriteBatch:
             self._expected[source] = self._journal.next_sequence(source)
         return self._expected[source]
 
-    def take(self, arrived: Arrived, promise: Future[StoreOutcome] | None = None) -> None:
+    def take(self, arrived: ArrivedBatch, promise: Future[StoreOutcome] | None = None) -> None:
         """Hold a batch for storing."""
         source = arrived.source
         if arrived.batch.sequence - self.next_sequence(source) <= LARGEST_GAP:
             self._expected[source] = max(self.next_sequence(source), arrived.end)
-        self._held.append(Held(arrived, promise))
+        self._held.append(HeldBatch(arrived, promise))
 
     def store(self) -> None:
         """Store held batches in one short transaction or, when that fails, one by one in a short turn.
@@ -75,7 +75,7 @@ class WriteBatch:
         try:
             self._store_together()
         except Exception as error:
-            if concerns_all(error):
+            if is_database_wide(error):
                 raise
             logger.error("%d messages cannot be stored together: one by one", len(self._held), exc_info=error)
             self._single_writes.begin(self._held)
@@ -90,7 +90,7 @@ class WriteBatch:
     def drop(self, leases: Collection[str]) -> None:
         """Drop batches that another replica has to store; it fetches them from the sources' logs."""
 
-        def owned(held: list[Held]) -> list[Held]:
+        def owned(held: list[HeldBatch]) -> list[HeldBatch]:
             for one in held:
                 if one.promise is not None and lease_of(one.source.machine_id) in leases:
                     one.promise.set_exception(NotStoring("another replica takes this machine's samples now"))
@@ -107,18 +107,18 @@ class WriteBatch:
     def _forget_progress_of(self, source: SourceKey) -> None:
         self._expected.pop(source, None)
 
-    def break_promises(self, answer: Exception) -> None:
+    def fail_waiting(self, answer: Exception) -> None:
         """Tell all who wait that their samples are not known to be durable; the batches stay held."""
 
-        def broken(held: list[Held]) -> list[Held]:
+        def broken(held: list[HeldBatch]) -> list[HeldBatch]:
             for one in held:
                 if one.promise is not None:
                     one.promise.set_exception(answer)
-            return [Held(one.arrived) for one in held]
+            return [HeldBatch(one.arrived) for one in held]
 
         self._held = broken(self._held)
         self._single_writes.change(broken)
-        self.refusals.break_promises(answer)
+        self.refusals.fail_waiting(answer)
 
     def _store_together(self) -> None:
         if self._held or self.refusals.rejections:
@@ -127,7 +127,7 @@ class WriteBatch:
             for one, outcome in zip(self._held, outcomes, strict=False):
                 self._acknowledge(one, outcome)
             del self._held[: len(outcomes)]
-            # Rows looked up for batches that a transaction has no time for are looked up in vain.
+            # What a transaction looks up for batches that it has no time for is looked up in vain.
             fitted = len(outcomes) == len(arrived)
             self._at_once = min(2 * self._at_once, MOST_AT_ONCE) if fitted else max(2 * len(outcomes), FEWEST_AT_ONCE)
         self.refusals.stored()
@@ -142,7 +142,7 @@ class WriteBatch:
                 self._leave(paused)
             self.refusals.store_one_by_one(ends=ends)
         except Exception:
-            self._held[:0] = self._single_writes.take_back()
+            self._held[:0] = self._single_writes.abandon()
             raise
 
     def _leave(self, paused: Collection[SourceKey]) -> None:
@@ -153,7 +153,7 @@ class WriteBatch:
             if one.promise is not None:
                 self.refusals.refuse(one.promise, NotStoring(UNFORESEEN))
 
-    def _acknowledge(self, one: Held, outcome: StoreOutcome) -> None:
+    def _acknowledge(self, one: HeldBatch, outcome: StoreOutcome) -> None:
         self._backoff.succeeded(one.source)
         if one.promise is not None:
             one.promise.set_result(outcome)

@@ -9,15 +9,15 @@ from sqlalchemy.orm import Session
 
 from service.configuration.settings import Settings
 from service.maintenance.disk_watch import DiskWatch
-from service.maintenance.retention_cut_offs import CutOff, advanced
+from service.maintenance.retention_cut_offs import CutOff, advanced_cut_off
 from service.maintenance.retention_tiers import Blocks, Runs, Tier, first_cut_off, tiers_of
-from service.replication.work_share import RETENTION, Share, Whole
-from service.resilience.heap_trim import give_back
+from service.replication.work_share import RETENTION, Share, WholeShare
+from service.resilience.heap_trim import release_free_memory
 from service.resilience.supervised_thread import SupervisedThread
 from storage.clock import now, to_datetime
 from storage.database import disk
 from storage.database.engine import Database
-from storage.database.errors import concerns_all
+from storage.database.errors import is_database_wide
 from storage.machines import machines
 from storage.operation import retention
 
@@ -38,7 +38,7 @@ class Housekeeping(SupervisedThread):
 
     def __init__(self, database: Database, settings: Settings, share: Share | None = None) -> None:
         super().__init__("housekeeping", failure="housekeeping is put off", retry_s=LOOK_S)
-        self._share = Whole() if share is None else share
+        self._share = WholeShare() if share is None else share
         self._database = database
         self._disk = DiskWatch(database, budget=int(settings.disk_budget_gb * 1e9) or None)
         self._looked_at = time.monotonic()
@@ -80,7 +80,7 @@ class Housekeeping(SupervisedThread):
         """Delete all samples that are old enough. Raises the database's errors, and at the end an error with a machine."""
         moment = now()
         with self._database.reading() as session:
-            every = [row.id for row in machines.every(session)]
+            every = [row.id for row in machines.list_all(session)]
         self._move_cut_offs(every, moment)
         failed: Exception | None = None
         waiting: set[str] = set()
@@ -90,14 +90,14 @@ class Housekeeping(SupervisedThread):
                     if not self._release(tier, machine_id, moment):
                         waiting.add(machine_id)
             except Exception as error:
-                if concerns_all(error):
+                if is_database_wide(error):
                     raise
                 logger.exception("%s: its old samples are not let go of; those of the others are", machine_id)
                 failed = error
             if not self._goes_on():
                 return
         self._tell_waiting(waiting, moment)
-        while disk.give_back(self._database) and self._goes_on(PAUSE_S):
+        while disk.release_free_pages(self._database) and self._goes_on(PAUSE_S):
             pass
         if failed is not None:
             raise failed
@@ -111,7 +111,7 @@ class Housekeeping(SupervisedThread):
     def look(self) -> None:
         """Read disk space and return free memory."""
         self._looked_at = time.monotonic()
-        give_back()
+        release_free_memory()
         self.unseen = _tried(self._disk.look)
 
     def turn(self) -> float:
@@ -154,7 +154,7 @@ class Housekeeping(SupervisedThread):
             for tier in self._tiers:
                 cut_off = _moved(session, tier, moment, served) or self._cut_offs[tier.name]
                 self._cut_offs[tier.name] = cut_off
-                retention.keep_cut_off(session, tier.name, time=cut_off.time, allowance=cut_off.allowance)
+                retention.store_cut_off(session, tier.name, time=cut_off.time, allowance=cut_off.allowance)
         self._counted_to += served
 
     def _release(self, tier: Tier, machine_id: str, moment: int) -> bool:
@@ -201,7 +201,7 @@ def _tried(work: Callable[[], None]) -> str | None:
 def _moved(session: Session, tier: Tier, moment: int, served: int) -> CutOff | None:
     """Return the cut-off of a tier after `served` more service time [ns]; None when none is stored yet."""
     kept = retention.cut_off(session, tier.name)
-    return None if kept is None else advanced(CutOff(*kept), wanted=moment - tier.kept, served=served)
+    return None if kept is None else advanced_cut_off(CutOff(*kept), wanted=moment - tier.kept, served=served)
 
 
 def _waiting_words(machine_ids: set[str], moment: int) -> str:

@@ -17,7 +17,7 @@ class CutOff:
     allowance: int = DAY_NS
 
 
-def begun(*, wanted: int, oldest: int | None, kept: int) -> CutOff:
+def initial_cut_off(*, wanted: int, oldest: int | None, kept: int) -> CutOff:
     """Return the first cut-off of a store. All times [ns].
 
     wanted: what clock and settings ask for. oldest: time of the oldest data to be deleted at once, None without any. kept: how
@@ -29,7 +29,7 @@ def begun(*, wanted: int, oldest: int | None, kept: int) -> CutOff:
     return CutOff(min(oldest, wanted) - kept)
 
 
-def advanced(before: CutOff, *, wanted: int, served: int) -> CutOff:
+def advanced_cut_off(before: CutOff, *, wanted: int, served: int) -> CutOff:
     """Return the cut-off moved towards what is wanted, by the service time since then and once by the allowance. All times
     [ns].
 

@@ -9,8 +9,8 @@ from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
 
 from service.configuration.settings import Settings
-from service.maintenance.retention_cut_offs import DAY_NS, CutOff, begun
-from service.runs.collection_state import standing
+from service.maintenance.retention_cut_offs import DAY_NS, CutOff, initial_cut_off
+from service.runs.collection_state import state_of
 from service.runs.late_samples import BESIDE
 from storage.machines import machines
 from storage.measurements import runs
@@ -129,7 +129,7 @@ def first_cut_off(session: Session, tier: Tier, machine_ids: Collection[str], *,
             continue
         if extent is not None:
             firsts.append(extent.first)
-    return begun(wanted=moment - tier.kept, oldest=min(firsts, default=None), kept=tier.kept)
+    return initial_cut_off(wanted=moment - tier.kept, oldest=min(firsts, default=None), kept=tier.kept)
 
 
 def _ago(newest: int, kept: int, *, moment: int) -> int:
@@ -144,7 +144,7 @@ def _needed_since(session: Session, machine_id: str) -> list[int]:
     machine = machines.document(session, machine_id)
     before = round(1e9 * machine.collection.pre_trigger_s) + BESIDE
     found += [row.time_first - before for row in runs.unfinished(session, machine_id)]
-    stands = standing(session, machine_id)
+    stands = state_of(session, machine_id)
     if stands is not None:
         found += [window[1] - before for window in stands.late]
         found += [stands.seen - before]

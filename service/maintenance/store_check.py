@@ -10,7 +10,7 @@ from sqlalchemy.exc import DBAPIError
 from service.resilience.supervised_thread import SupervisedThread
 from storage.database.claim import DatabaseUnusable
 from storage.database.engine import Database
-from storage.database.errors import words
+from storage.database.errors import error_message
 from storage.operation import api_keys
 
 logger = logging.getLogger(__name__)
@@ -48,7 +48,7 @@ class StoreWatch(SupervisedThread):
 
     def _look(self) -> None:
         try:
-            self._database.look_after_files()
+            self._database.save_lost_files()
         except DatabaseUnusable as error:
             if str(error) != self._said:
                 self._said = str(error)
@@ -63,9 +63,9 @@ class StoreWatch(SupervisedThread):
         self._keys_at = time.monotonic() + KEYS_EVERY_S
         try:
             with self._database.reading() as session:
-                self._waiting = api_keys.waiting(session)
+                self._waiting = api_keys.count_unconfirmed(session)
         except DBAPIError as error:
-            logger.warning("API keys cannot be looked at: %s", words(error))
+            logger.warning("API keys cannot be looked at: %s", error_message(error))
 
     def _check(self) -> None:
         """Check all pages when damage is known."""
@@ -73,9 +73,9 @@ class StoreWatch(SupervisedThread):
         if damage.trouble is None or time.monotonic() < self._check_at:
             return
         try:
-            self._database.look_for_damage(within_s=CHECK_S, stopped=self._stop.is_set)
+            self._database.check_integrity(within_s=CHECK_S, stopped=self._stop.is_set)
         except (DBAPIError, sqlite3.Error) as error:
-            logger.warning("the store cannot be looked through for damage: %s", words(error))
+            logger.warning("the store cannot be looked through for damage: %s", error_message(error))
         self._check_at = time.monotonic() + CHECK_EVERY_S
         if damage.trouble is None:
             logger.warning("the store was looked through, and is whole")

@@ -88,7 +88,7 @@ def _is_current(session: Session, terms: ComparisonTerms) -> bool:
     newest = machines.get(session, stored.machine_id).revision
     revisions: Sequence[int] = terms.like.revisions
     if newest != stored.revision:
-        revisions = machines.comparable(session, stored.machine_id, newest)
+        revisions = machines.comparable_revisions(session, stored.machine_id, newest)
     if stored.revision not in revisions:
         return False
     today = baselines.in_force(session, stored.machine_id, at=now())

@@ -20,11 +20,11 @@ from service.monitoring.assessment_task import assess_in_time
 from service.replication.held_jobs import HeldJobs
 from service.resilience.internal_errors import unexpected_error
 from service.workers.executor import Executor, TaskRefused
-from service.workers.process_pool import Interrupted, Stuck
+from service.workers.process_pool import Interrupted, WorkerStuck
 from service.workers.time_limit import OutOfTime
 from storage.database.damage import is_damage
 from storage.database.engine import Database
-from storage.database.errors import concerns_all
+from storage.database.errors import is_database_wide
 from storage.findings import identifications, jobs
 from storage.machines import machines
 from storage.measurements import quarantine
@@ -85,7 +85,7 @@ class AssessmentQueue:
             try:
                 context = self._load(due)
             except Exception as error:
-                if concerns_all(error):
+                if is_database_wide(error):
                     raise
                 self._give_up(due, error)
                 continue
@@ -117,7 +117,7 @@ class AssessmentQueue:
             assessment = future.result()
         except (CancelledError, TaskRefused, Interrupted):
             logger.warning("an assessment of %s was lost with what computed it; it is tried again", due.machine_id)
-        except (BrokenProcessPool, Stuck, OutOfTime, MemoryError) as error:
+        except (BrokenProcessPool, WorkerStuck, OutOfTime, MemoryError) as error:
             self._attempts[due.job_id] += 1
             logger.error("identification %d cannot be judged: %s", due.identification_id, error or type(error).__name__)
             if self._attempts[due.job_id] >= LARGEST_ATTEMPTS:
@@ -142,15 +142,15 @@ class AssessmentQueue:
                     conclusions.apply(session, stored, context, assessment, state)
                     jobs.finish(row, state=jobs.DONE)
         except Exception as error:
-            if concerns_all(error):
-                raise  # retried later
+            if is_database_wide(error):
+                raise  # it is tried again
             self._give_up(due, error)
         else:
             self._leave(due)
 
     def _give_up(self, due: DueAssessment, error: Exception) -> None:
         if is_damage(error):
-            self._database.damage.concerns(due.machine_id)
+            self._database.damage.record_machine(due.machine_id)
         with self._database.transaction() as session:
             row = self._held.own(session, due.job_id)
             if row is not None:

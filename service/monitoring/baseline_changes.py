@@ -20,7 +20,7 @@ class BaselineRefused(Conflict):
     """The named identifications cannot form a baseline; the message states the reason."""
 
 
-class NotYet(Invalid):
+class BaselineInFuture(Invalid):
     """The baseline would begin in the future: until then the machine is unchanged."""
 
 
@@ -35,12 +35,14 @@ def begin(
 ) -> BaselineRow:
     """Begin a baseline and clear the alerts that were based on the one before. Raises BaselineRefused, NotYet."""
     if since > now() + TOLERANCE:
-        raise NotYet("a baseline begins when the work is done, not in the future: say it then, and note the plan as a note")
+        raise BaselineInFuture(
+            "a baseline begins when the work is done, not in the future: say it then, and note the plan as a note"
+        )
     if identification_ids is not None:
         _require(session, machine_id, identification_ids)
     row = baselines.begin(session, machine_id, since=since, identification_ids=identification_ids, reason=reason, by=by)
     for alert in alerts.open_alerts(session, machine_id):
-        # When it begins in the past, runs after that were compared with a baseline that no longer counts.
+        # Where it begins in the past, runs behind that were compared with what no longer counts.
         if alert.measured_at < since or baselines.in_force(session, machine_id, at=alert.measured_at) is row:
             transitions.clear_alert(session, alert, comment=f"a new baseline begins: {reason}")
     return row
@@ -53,7 +55,7 @@ def revise(session: Session, machine: Machine) -> RevisionRow:
     """
     before = machines.get(session, machine.id).revision
     row = machines.revise(session, machine)
-    if before not in machines.comparable(session, machine.id, row.revision):
+    if before not in machines.comparable_revisions(session, machine.id, row.revision):
         for alert in alerts.open_alerts(session, machine.id):
             comment = f"a new baseline begins: revision {row.revision} describes the machine otherwise"
             transitions.clear_alert(session, alert, comment=comment)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from sqlalchemy.orm import Session
 
 from storage.findings import identifications
-from storage.findings.identifications import Like
+from storage.findings.identifications import ComparisonGroup
 from storage.machines import baselines, machines
 from storage.tables import BaselineRow, IdentificationRow
 
@@ -30,7 +30,7 @@ class ComparisonTerms:
 
     identification: IdentificationRow
     began: BaselineRow | None
-    like: Like
+    like: ComparisonGroup
 
 
 @dataclass(frozen=True)
@@ -64,8 +64,8 @@ class Compared:
 def terms_of(session: Session, stored: IdentificationRow) -> ComparisonTerms:
     """Read the conditions under which an identification is compared. Raises MachineUnknown."""
     began = baselines.in_force(session, stored.machine_id, at=stored.measured_at)
-    like = Like(
-        revisions=tuple(machines.comparable(session, stored.machine_id, stored.revision)),
+    like = ComparisonGroup(
+        revisions=tuple(machines.comparable_revisions(session, stored.machine_id, stored.revision)),
         run_kind=stored.run_kind,
         slow_roll_version=stored.slow_roll_version,
         since=0 if began is None else began.since,
@@ -100,13 +100,13 @@ def compared_with(
     )
     after = [row for row in reversed(newest) if row.id not in known]
     if terms.began is None and baseline:
-        # Runs refused before the machine's first good run belong to no baseline.
+        # What was refused before the machine's first good run belongs to nothing.
         after = [row for row in after if row.measured_at >= baseline[0].measured_at]
-    after = [row for row in after if alike_speeds(row, baseline)]
+    after = [row for row in after if covers_same_speeds(row, baseline)]
     return Compared(stored, terms.began, wanted, baseline, after[-longest:])
 
 
-def alike_speeds(row: IdentificationRow, baseline: Sequence[IdentificationRow]) -> bool:
+def covers_same_speeds(row: IdentificationRow, baseline: Sequence[IdentificationRow]) -> bool:
     """Return whether a run covers about the baseline's speeds: a sweep over few speeds shows another part of the machine."""
     if not baseline:
         return True
@@ -118,9 +118,11 @@ def alike_speeds(row: IdentificationRow, baseline: Sequence[IdentificationRow]) 
 
 
 def baseline_of(
-    session: Session, machine_id: str, like: Like, began: BaselineRow | None, *, baseline_runs: int
+    session: Session, machine_id: str, like: ComparisonGroup, began: BaselineRow | None, *, baseline_runs: int
 ) -> tuple[Sequence[IdentificationRow], int]:
     """Return the identifications that form a baseline so far, oldest first, and how many it needs."""
     if began is None or began.identification_ids is None:
         return identifications.first_accepted(session, machine_id, like, limit=baseline_runs), baseline_runs
-    return identifications.named(session, machine_id, like, began.identification_ids), len(set(began.identification_ids))
+    return identifications.accepted_among(session, machine_id, like, began.identification_ids), len(
+        set(began.identification_ids)
+    )

@@ -59,7 +59,7 @@ def apply(
     forces = _forces(session, stored, assessment.diagnosis)
     found = conclusions(context, assessment, state, forces)
     if assessment.diagnosis is not None and found.statements is not None:
-        diagnoses.keep(
+        diagnoses.add(
             session,
             stored,
             baseline=list(assessment.diagnosis.baseline),

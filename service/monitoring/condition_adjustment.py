@@ -16,11 +16,11 @@ from storage.tables import IdentificationRow
 def points(session: Session, found: Compared, rows: Sequence[IdentificationRow]) -> list[Point]:
     """Return the parameters of some of these identifications, adjusted to the baseline's mean operating conditions."""
     known = identifications.points(session, rows)
-    adjusted = like_conditions(session, found).adjusted
+    adjusted = condition_adjustment(session, found).adjusted
     return [adjusted(known[row.id], row.conditions or {}) for row in rows]
 
 
-def like_conditions(session: Session, found: Compared) -> Adjustment:
+def condition_adjustment(session: Session, found: Compared) -> Adjustment:
     """Return how parameters followed the operating conditions over the baseline; it adjusts nothing with too few
     measurements."""
     row = found.identification

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from estimator.diagnosis.finding_kinds import FINDING_KINDS, finding_kind
+from estimator.machine.parameter_description import describe
 from service.monitoring.limit_rule import Level, Quantity, Rule
 
 if TYPE_CHECKING:
@@ -84,18 +85,16 @@ class FindingRule:
 
 
 def _misalignment_sentence(one: SizedCause) -> str:
-    quantities = one.size.quantities.items()
-    stiffnesses = [(name, value) for name, value in quantities if name.endswith("stiffness_per_cent")]
-    parts = [f"{name.rsplit('.', 1)[0]} {value:+.0f} %" for name, value in stiffnesses]
+    described = [(describe(name), value) for name, value in one.size.quantities.items()]
+    parts = [f"{own.element} {value:+.0f} %" for own, value in described if own.quantity == "stiffness_per_cent"]
     form = f" ({one.form})" if one.form else ""
     return f"Coupling {_id(one)} is going out of alignment{form}: stiffness {', '.join(parts)}"
 
 
 def _element_sentence(one: SizedCause) -> str:
-    parts = [
-        f"{name.rsplit('.', 1)[1].removesuffix('_per_cent')} {value:+.0f} %" for name, value in one.size.quantities.items()
-    ]
-    return f"{one.cause.element.split('.')[0].capitalize()} {_id(one)} has changed by itself: {', '.join(parts)}"
+    described = [(describe(name), value) for name, value in one.size.quantities.items()]
+    parts = [f"{own.quantity.removesuffix('_per_cent')} {value:+.0f} %" for own, value in described]
+    return f"{describe(one.cause.element).element_kind.capitalize()} {_id(one)} has changed by itself: {', '.join(parts)}"
 
 
 def _unbalance_sentence(one: SizedCause) -> str:
@@ -134,7 +133,7 @@ def _largest(one: SizedCause) -> str:
 
 
 def _id(one: SizedCause) -> str:
-    return one.cause.element.split(".", 1)[1]
+    return describe(one.cause.element).element_id
 
 
 def rounded(value: float, digits: int) -> str:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from estimator.machine.parameter_description import describe
 from service.monitoring.finding_rules import finding_rule
 from storage.clock import to_datetime
 
@@ -66,7 +67,7 @@ def _moved(cause: "Cause", units: Mapping[str, str | None]) -> list[dict[str, An
     found = []
     named: Counter[str] = Counter()
     for i in order:
-        element = cause.names[i].rsplit(".", 1)[0]
+        element = describe(cause.names[i]).element
         named[element] += 1
         if named[element] <= LARGEST_MOVES:
             name = cause.names[i]

@@ -10,6 +10,7 @@ from pydantic import ConfigDict, Field, ValidationInfo, create_model, field_vali
 
 from estimator.errors import Invalid
 from estimator.machine.document import Machine
+from estimator.machine.parameter_description import describe
 from estimator.strict_model import Written
 from service.alerts.lifecycle import Severity
 from service.monitoring.finding_rules import LIMITED_RULES, concerned_elements
@@ -124,7 +125,7 @@ def severity_of(
         part = 1.0 - chosen.hysteresis if held else 1.0
         if level is None:
             continue
-        # A change too uncertain for an alert is no danger either.
+        # What is too uncertain to be an alert is no danger either.
         needed = chosen.alert.sigma if level.sigma is None else level.sigma
         if level.reached(found, sigma=needed, part=part):
             return severity
@@ -133,7 +134,7 @@ def severity_of(
 
 def deviation_rule(element: str) -> RuleName | None:
     """Return the rule by whose limits deviations of an element, such as `bearing.B1`, are measured; None without one."""
-    return DEVIATION_RULES.get(element.split(".", 1)[0])
+    return DEVIATION_RULES.get(describe(element).element_kind)
 
 
 def require_suited(limits: Limits, machine: Machine) -> None:
@@ -152,7 +153,7 @@ def _element_problems(limits: Limits, machine: Machine) -> Iterator[tuple[str, s
             yield f"elements.{element}", f"'{element}' is not an element of machine '{machine.id}': {', '.join(known)}"
             continue
         for name in rules:
-            if element.split(".", 1)[0] not in concerned[name]:
+            if describe(element).element_kind not in concerned[name]:
                 yield f"elements.{element}.{name}", f"{name} speaks of {' and '.join(map(_list_name, concerned[name]))}"
 
 

@@ -7,6 +7,7 @@ from sqlalchemy.orm import Session
 
 from estimator.errors import Missing
 from estimator.machine.document import Machine
+from estimator.machine.parameter_description import describe
 from estimator.rotor.parameter_names import derived_unit, derived_units, in_words, parameter_units
 from storage.machines import machines
 
@@ -58,4 +59,5 @@ def _what_there_is(document: Machine, name: str) -> str:
 def _element(name: str) -> str:
     """Return the element of a name, `bearing.B1` of `bearing.B1.kxx`; for a quantity of the whole train its kind, as
     `critical_speed`."""
-    return ".".join(name.split(".")[:2]) if name.count(".") > 1 else name.partition(".")[0]
+    described = describe(name)
+    return described.element if described.quantity else described.element_kind

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from estimator.machine.parameter_description import describe
 from estimator.trends.deviations import parameter_of
 from estimator.trends.rate_of_change import ParameterRate, rates_of_change
 from estimator.trends.trend_tests import Reading
@@ -39,7 +40,7 @@ def rate_findings(
     """
     fastest: dict[str, ParameterRate] = {}
     for rate in rates_of_change(readings):
-        if not rate.certain or rate.element.split(".", 1)[0] not in RATE_OF_CHANGE.elements:
+        if not rate.certain or describe(rate.element).element_kind not in RATE_OF_CHANGE.elements:
             continue
         if rate.element not in fastest or abs(rate.per_week) > abs(fastest[rate.element].per_week):
             fastest[rate.element] = rate

@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.trends.baseline_band import Band, baseline_band, magnitude_band
 from service.monitoring.comparison import baseline_of
-from storage.findings.identifications import Like
+from storage.findings.identifications import ComparisonGroup
 from storage.findings.trends import ParameterHistory
 from storage.machines import baselines, machines
 from storage.tables import BaselineRow
@@ -44,8 +44,8 @@ def baseline_bands(
     bands = []
     for key, group in places.items():
         began = None if key.begun < 0 else begun[key.begun]
-        revisions = tuple(machines.comparable(session, machine_id, key.revision))
-        like = Like(revisions, key.run_kind, key.slow_roll_version or None, 0 if began is None else began.since)
+        revisions = tuple(machines.comparable_revisions(session, machine_id, key.revision))
+        like = ComparisonGroup(revisions, key.run_kind, key.slow_roll_version or None, 0 if began is None else began.since)
         rows, wanted = baseline_of(session, machine_id, like, began, baseline_runs=baseline_runs)
         band = _band(name, history, [row.id for row in rows]) if len(rows) == wanted else None
         if band is not None:

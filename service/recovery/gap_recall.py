@@ -83,7 +83,7 @@ class GapRecall:
     def request_postponed(self, key: Key, source: SourceKey) -> None:
         """Request the postponed gaps of a source when they are due."""
         if source in self._postponed and self._unheard.is_due(source):
-            with self._backoff.isolating(source):
+            with self._backoff.pausing_on_error(source):
                 self.request(key, source)
 
     def leave(self, source: SourceKey) -> None:
@@ -106,7 +106,7 @@ class GapRecall:
         count = 0
         room = log_queries.MOST_QUERIES - sum(one.replies is not None for one in self._recalls.values())
         for source, recall in list(self._recalls.items()):
-            with self._backoff.isolating(source):
+            with self._backoff.pausing_on_error(source):
                 if recall.replies is not None:
                     count += self._collect(source, recall, recall.replies)
                 elif room > 0:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import zenoh
 
-from service.journal.batch import Arrived
+from service.journal.batch import ArrivedBatch
 from service.journal.source_backoff import SourceBackoff
 from service.recovery.gap_recall import GapRecall
 from service.recovery.known_logs import KnownLogs
@@ -39,10 +39,10 @@ class Waiting:
 
     key: Key
     deadline: float
-    arrived: list[Arrived]
+    arrived: list[ArrivedBatch]
     next_try: float = 0.0
 
-    def add(self, arrived: Arrived) -> None:
+    def add(self, arrived: ArrivedBatch) -> None:
         """Add a batch, or leave it in the log when too many wait."""
         if len(self.arrived) < LARGEST_WAITING:
             bisect.insort(self.arrived, arrived, key=lambda one: one.batch.sequence)
@@ -82,7 +82,7 @@ class GapRecovery:
         )
         self._ceased = False
         self.waiting: dict[SourceKey, Waiting] = {}
-        backoff.on_pause(self.leave)
+        backoff.call_on_pause(self.leave)
 
     @property
     def is_asking(self) -> bool:
@@ -122,7 +122,7 @@ class GapRecovery:
         self._replays.leave(source)
         self._recall.leave(source)
 
-    def place(self, key: Key, arrived: Arrived) -> None:
+    def place(self, key: Key, arrived: ArrivedBatch) -> None:
         """Accept a published batch, let it wait for missing ones before it, or leave it in its source's log."""
         source = arrived.source
         self._recall.note_live(key, source)
@@ -140,7 +140,7 @@ class GapRecovery:
         elif self._logs.is_silent(source):
             self._sink.take(arrived)
         else:
-            self.waiting[source] = Waiting(key, time.monotonic() + PATIENCE_S, [arrived])  # its log is queried next
+            self.waiting[source] = Waiting(key, time.monotonic() + PATIENCE_S, [arrived])  # its log is asked next
 
     def check_tails(self, *, quiet_s: float) -> None:
         """Have each live source that was quiet for `quiet_s` queried for samples beyond those that came."""
@@ -169,11 +169,11 @@ class GapRecovery:
         self.live.collect_roll()
         self._quiet.collect()
         for source in list(self.waiting):
-            with self._backoff.isolating(source):
+            with self._backoff.pausing_on_error(source):
                 self._release_if_complete(source)
         count = self._recall.collect()
         for source in self._replays.under_way():
-            with self._backoff.isolating(source):
+            with self._backoff.pausing_on_error(source):
                 taken, ended = self._replays.collect(source, most=most - count)
                 count += taken
                 if ended is not None:
@@ -182,7 +182,7 @@ class GapRecovery:
                 return count
         for source, waiting in list(self.waiting.items()):
             if waiting.next_try <= time.monotonic():
-                with self._backoff.isolating(source):
+                with self._backoff.pausing_on_error(source):
                     self._replays.ask(waiting.key, source)
         return count
 
@@ -190,7 +190,7 @@ class GapRecovery:
         """Accept the waiting batches of sources whose logs have never replied: nobody else has them."""
         for source, waiting in list(self.waiting.items()):
             if not self._logs.has_answered(source) and self._share.owns(source.machine_id):
-                with self._backoff.isolating(source):
+                with self._backoff.pausing_on_error(source):
                     for arrived in waiting.arrived:
                         self._sink.take(arrived)
             self.waiting.pop(source, None)
@@ -221,7 +221,7 @@ class GapRecovery:
     def _release(self, source: SourceKey) -> None:
         """Place the waiting batches again: behind a further gap they wait again."""
         waiting = self.waiting[source]
-        # Queries the database, if necessary, before the waiting batches are removed.
+        # Asks the database, if it must, before what waits is let go of.
         self._sink.next_sequence(source)
         self._recall.note_live(waiting.key, source)
         del self.waiting[source]

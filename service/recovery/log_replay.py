@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import zenoh
 
-from service.journal.batch import LARGEST_GAP, Arrived
+from service.journal.batch import LARGEST_GAP, ArrivedBatch
 from service.journal.source_backoff import SourceBackoff
 from service.recovery import log_queries
 from service.recovery.known_logs import KnownLogs
@@ -67,7 +67,7 @@ class LogReplays:
         """Process a log's replies, at most `most` batches; return the number of batches, and the replay if it has ended."""
         replay = self._replays[source]
         count = 0
-        self._sink.next_sequence(source)  # queries the database, if necessary, before a reply is taken
+        self._sink.next_sequence(source)  # asks the database, if it must, before an answer is in hand
         for reply in replies_so_far(replay.replies):
             if reply is None:
                 self._end(source, replay)
@@ -99,7 +99,7 @@ class LogReplays:
         self._logs.note_answer(source)
         leading = replay.count == 0
         replay.count += 1
-        # The log has nothing before its first reply; a gap after that means a damaged or missing reply.
+        # What a log begins with is all that it has; a gap behind that is a reply that was damaged or left out.
         if arrived is None or (is_behind_gap(arrived, self._sink) and not (leading or replay.trusting)):
             return
         before = self._sink.next_sequence(source)
@@ -114,6 +114,6 @@ class LogReplays:
             self._fruitless[source] = replay.first
 
 
-def is_behind_gap(arrived: Arrived, sink: BatchSink) -> bool:
+def is_behind_gap(arrived: ArrivedBatch, sink: BatchSink) -> bool:
     """Return whether samples before those of a batch are missing."""
     return 0 < arrived.batch.sequence - sink.next_sequence(arrived.source) <= LARGEST_GAP

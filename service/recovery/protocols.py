@@ -9,7 +9,7 @@ from typing import Protocol
 
 import zenoh
 
-from service.journal.batch import Arrived
+from service.journal.batch import ArrivedBatch
 from service.journal.sequence_gaps import SequenceGap
 from service.wire import Key
 from storage.measurements.samples import SourceKey
@@ -21,7 +21,7 @@ class BatchSink(Protocol):
     def next_sequence(self, source: SourceKey) -> int:
         """Return the number of the next sample of a source, accepted ones included. Raises the database's errors."""
 
-    def take(self, arrived: Arrived) -> None:
+    def take(self, arrived: ArrivedBatch) -> None:
         """Hold a batch for storing."""
 
 
@@ -35,5 +35,5 @@ class GapRecords(Protocol):
 class ReplyReader(Protocol):
     """Decoder of the replies of a source's log: admission."""
 
-    def replied(self, key: Key, reply: zenoh.Sample) -> Arrived | None:
+    def replied(self, key: Key, reply: zenoh.Sample) -> ArrivedBatch | None:
         """Return a reply as a batch; None when it is rejected or has to wait."""

@@ -66,7 +66,7 @@ class QuietLogs:
 
     def _ask(self, key: Key, source: SourceKey | None) -> None:
         if source is not None:
-            with self._backoff.isolating(source):
+            with self._backoff.pausing_on_error(source):
                 self._replays.ask(key, source)
         elif key in self._live and key not in self._discoveries:
             self._discoveries[key] = self._queries.ask(key, first=0, limit=1)
@@ -80,6 +80,6 @@ class QuietLogs:
             if arrived is not None and key in self._live:
                 source = arrived.source
                 self._logs.note_answer(source)
-                with self._backoff.isolating(source):
+                with self._backoff.pausing_on_error(source):
                     self._recall.note_live(key, source)
                     self._replays.ask(key, source)

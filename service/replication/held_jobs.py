@@ -39,17 +39,17 @@ class HeldJobs:
         logger.warning("job %d was taken over by another replica: its result is left to that one", job_id)
         return None
 
-    def put_back(self, job_id: int, error: str) -> None:
+    def requeue(self, job_id: int, error: str) -> None:
         """Put a job back for another attempt, or quarantine it after its last one."""
         with self._database.transaction() as session:
             if (row := self.own(session, job_id)) is not None:
-                jobs.put_back(session, row, error)
+                jobs.requeue(session, row, error)
 
-    def put_back_unhurt(self, job_id: int) -> None:
+    def requeue_uncounted(self, job_id: int) -> None:
         """Put a job back without counting the attempt."""
         with self._database.transaction() as session:
             if (row := self.own(session, job_id)) is not None:
-                jobs.put_back_unhurt(row)
+                jobs.requeue_uncounted(row)
 
     def fail(self, job_id: int, error: str) -> None:
         """Finish a job as failed for a reason."""
@@ -66,7 +66,7 @@ class HeldJobs:
             row = self.own(session, job_id)
             if row is not None:
                 if damaged:
-                    self._database.damage.concerns(row.machine_id)
+                    self._database.damage.record_machine(row.machine_id)
                 jobs.finish(row, state=jobs.FAILED, error=f"its data cannot be read: {error}")
 
     def finish(self, job_id: int) -> None:
@@ -75,18 +75,18 @@ class HeldJobs:
             if (row := self.own(session, job_id)) is not None:
                 jobs.finish(row, state=jobs.DONE)
 
-    def put_back_left(self) -> None:
+    def requeue_unfinished(self) -> None:
         """Put back unfinished jobs of an earlier process, and of replicas that are gone."""
         with self._database.transaction() as session:
-            living = [row.id for row in replicas.every(session)] if self._share.holder is not None else []
-            left = jobs.put_back_running(session, living=living)
+            living = [row.id for row in replicas.list_all(session)] if self._share.holder is not None else []
+            left = jobs.requeue_running(session, living=living)
         if left:
             logger.info("%d identifications were interrupted and are computed again", left)
 
-    def put_back_lost(self, known: Collection[int]) -> None:
+    def requeue_lost(self, known: Collection[int]) -> None:
         """Put back jobs whose taking was lost with the database's answer. known: ids of those computed here."""
         with self._database.transaction() as session:
             for row in jobs.held_by(session, self._share.holder):
                 if row.id not in known:
                     logger.warning("job %d was taken and not begun; it is taken again", row.id)
-                    jobs.put_back_unhurt(row)
+                    jobs.requeue_uncounted(row)

@@ -44,7 +44,7 @@ class Leasing(SupervisedThread):
         if self._number is not None:
             try:
                 with self._database.transaction() as session:
-                    _bury(session, self._number)
+                    _release_dead(session, self._number)
             except DBAPIError as error:
                 logger.warning("the others are not told that this replica leaves; they will notice: %s", error.orig)
 
@@ -81,12 +81,12 @@ class Leasing(SupervisedThread):
         with self._database.transaction() as session:
             joined = not alive
             number = self._join(session) if joined or self._number is None else self._number
-            left = jobs.put_back_running(session, living=[row.id for row in replicas.every(session)])
+            left = jobs.requeue_running(session, living=[row.id for row in replicas.list_all(session)])
             if left:
                 logger.warning("%d identifications were left by replicas that are gone; they are computed again", left)
-            for row in replicas.gone(session, me=number):
+            for row in replicas.expired(session, me=number):
                 logger.warning("replica %d (%s on %s) is gone; its work is taken over", row.id, row.role, row.host)
-                _bury(session, row.id)
+                _release_dead(session, row.id)
             held = self._settle(session, number)
         if joined:
             logger.info("this process is replica %d, role %s", number, self._role)
@@ -96,11 +96,11 @@ class Leasing(SupervisedThread):
 
     def _beat(self, number: int) -> bool:
         """Send a heartbeat, independently of the rest of the round; return False when the replica must register again."""
-        # Taken again, in case the connection has broken.
+        # Again, should the connection have broken.
         if not self._database.hold(replicas.LOCK_CLASS, number):
             return False
         with self._database.transaction(beside_others=True) as session:
-            return replicas.beat(session, number)
+            return replicas.heartbeat(session, number)
 
     def _join(self, session: Session) -> int:
         number = replicas.join(session, role=self._role, host=socket.gethostname(), process=os.getpid())
@@ -111,22 +111,22 @@ class Leasing(SupervisedThread):
 
     def _settle(self, session: Session, number: int) -> frozenset[str]:
         held = leases.held(session, holder=number)
-        roles = [row.role for row in replicas.every(session)]
+        roles = [row.role for row in replicas.list_all(session)]
         for role, names in (("ingest", INGEST), ("identify", (DELIVERY, GATHERING, RETENTION))):
             mine = sorted(held & set(names))
             sharing = sum(other in (role, "all") for other in roles)
             fair = math.ceil(len(names) / sharing) if self._role in (role, "all") else 0
             if surplus := mine[fair:]:
-                leases.give_back(session, surplus, holder=number)
+                leases.release(session, surplus, holder=number)
                 held -= set(surplus)
             elif len(mine) < fair:
                 held |= leases.take(session, names, holder=number, most=fair - len(mine))
         return frozenset(held)
 
 
-def _bury(session: Session, number: int) -> None:
+def _release_dead(session: Session, number: int) -> None:
     """Remove a replica, freeing its leases and its jobs."""
-    leases.give_back_all(session, holder=number)
+    leases.release_all(session, holder=number)
     for row in jobs.held_by(session, number):
-        jobs.put_back_unhurt(row)
+        jobs.requeue_uncounted(row)
     replicas.forget(session, number)

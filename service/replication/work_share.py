@@ -39,7 +39,7 @@ class Share(Protocol):
         """Raise NotHeld unless these machines are this process's until the transaction ends."""
 
 
-class Whole:
+class WholeShare:
     """The whole work: the share of a process that is alone on its database."""
 
     holder: int | None = None

@@ -3,7 +3,7 @@
 import ctypes
 
 _library = ctypes.CDLL(None)
-_give_back = getattr(_library, "malloc_trim", None)
+_malloc_trim = getattr(_library, "malloc_trim", None)
 _set = getattr(_library, "mallopt", None)
 _MOST_HEAPS = -8
 """`M_ARENA_MAX` of the C library's malloc.h."""
@@ -19,7 +19,7 @@ def share_one_heap() -> None:
         _set(_MOST_HEAPS, 1)
 
 
-def give_back() -> None:
+def release_free_memory() -> None:
     """Return free memory to the system, if the C library supports it (`malloc_trim(3)`). Other threads run meanwhile."""
-    if _give_back is not None:
-        _give_back(0)
+    if _malloc_trim is not None:
+        _malloc_trim(0)

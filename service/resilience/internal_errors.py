@@ -2,12 +2,12 @@
 
 from collections.abc import Iterable
 
-from service.wire import OwnFault
+from service.wire import InternalErrorReason
 from storage.clock import now
 from storage.measurements.quarantine import Rejection
 
 
-def internal_error(reason: OwnFault, *, of: str, machine_id: str, detail: str) -> Rejection:
+def internal_error(reason: InternalErrorReason, *, of: str, machine_id: str, detail: str) -> Rejection:
     """Return a quarantine entry for an internal error. of: the subject affected, such as `run 5`."""
     return Rejection.of_message(received_at=now(), key=of, machine_id=machine_id, reason=reason, detail=detail, payload=b"")
 

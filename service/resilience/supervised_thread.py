@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from sqlalchemy.exc import DBAPIError
 
 from storage.database.claim import DatabaseUnusable
-from storage.database.errors import words
+from storage.database.errors import error_message
 
 UNEXPECTED = "unexpected error; the log has it"
 """Reported when an error is not the database's."""
@@ -40,7 +40,7 @@ class SupervisedThread(ABC):
         """Log an error that ended a turn and keep it as `trouble`; return the pause before the next turn [s]."""
         log = logging.getLogger(type(self).__module__)
         if isinstance(error, DBAPIError | DatabaseUnusable):
-            self.trouble = f"{self._failure}: {words(error)}"
+            self.trouble = f"{self._failure}: {error_message(error)}"
             log.error("%s; trying again", self.trouble)
         else:
             self.trouble = f"{self._failure}: {UNEXPECTED}"

@@ -9,16 +9,16 @@ import time
 
 from sqlalchemy.orm import Session
 
-from service.replication.work_share import Share, Whole
+from service.replication.work_share import Share, WholeShare
 from service.resilience.backoff import Backoff
 from service.resilience.internal_errors import damaged_blocks, unexpected_error
 from service.resilience.supervised_thread import SupervisedThread
 from service.runs import late_samples
 from service.runs.collector import Collector
-from service.runs.run_samples import Gathered, gathered
+from service.runs.run_samples import RunContent, gather
 from storage.database.damage import is_damage
 from storage.database.engine import Database
-from storage.database.errors import NotHeld, concerns_all
+from storage.database.errors import LeaseLost, is_database_wide
 from storage.findings import jobs
 from storage.machines import machines
 from storage.measurements import quarantine, runs
@@ -44,7 +44,7 @@ class Closing(SupervisedThread):
         super().__init__("closing", failure="runs cannot be closed", retry_s=RETRY_S)
         self._database = database
         self._collector = collector
-        self._share = share or Whole()
+        self._share = share or WholeShare()
         self._run_backoff = Backoff[int]()
         self._machine_backoff = Backoff[str]()
         self._next_late = 0.0
@@ -78,10 +78,10 @@ class Closing(SupervisedThread):
             try:
                 self._settle(machine_id)
                 self._machine_backoff.succeeded(machine_id)
-            except NotHeld:
+            except LeaseLost:
                 logger.info("%s: another replica sorts in what came late", machine_id)
             except Exception as error:
-                if concerns_all(error):
+                if is_database_wide(error):
                     raise
                 self._note_damage(error, machine_id)
                 pause = self._machine_backoff.failed(machine_id)
@@ -92,17 +92,17 @@ class Closing(SupervisedThread):
         try:
             with self._database.reading() as session:
                 row = runs.get(session, run_id)
-                found, version = gathered(session, row), _version(row)
+                found, version = gather(session, row), _version(row)
             with self._database.transaction(beside_others=True) as session:
                 self._share.require(session, [machine_id])
                 row = runs.get(session, run_id)
                 if _version(row) == version:
                     _close_with(session, row, found)
             self._run_backoff.succeeded(run_id)
-        except NotHeld:
+        except LeaseLost:
             logger.info("run %d is another replica's to close", run_id)
         except Exception as error:
-            if concerns_all(error):
+            if is_database_wide(error):
                 raise
             self._note_damage(error, machine_id)
             pause = self._run_backoff.failed(run_id)
@@ -111,7 +111,7 @@ class Closing(SupervisedThread):
 
     def _note_damage(self, error: Exception, machine_id: str) -> None:
         if is_damage(error):
-            self._database.damage.concerns(machine_id)
+            self._database.damage.record_machine(machine_id)
 
     def _quarantine(self, machine_id: str, error: Exception, *, of: str, what: str) -> None:
         with self._database.transaction(beside_others=True) as session:
@@ -120,7 +120,7 @@ class Closing(SupervisedThread):
     def _with_late(self) -> list[str]:
         """Return the machines that may have late samples."""
         with self._database.reading() as session:
-            own = [machine_id for machine_id in machines.ids(session) if self._share.owns(machine_id)]
+            own = [machine_id for machine_id in machines.list_ids(session) if self._share.owns(machine_id)]
         unsettled = [machine_id for machine_id in own if self._collector.late.may_wait(machine_id)]
         for first in range(0, len(unsettled), AT_ONCE):
             self._note_settled(unsettled[first : first + AT_ONCE])
@@ -132,7 +132,7 @@ class Closing(SupervisedThread):
             with self._collector.lock, self._database.reading() as session:
                 self._collector.late.note_settled(session, machine_ids)
         except Exception as error:
-            if concerns_all(error):
+            if is_database_wide(error):
                 raise
             logger.warning("%d machines cannot be looked at together: one by one", len(machine_ids), exc_info=error)
 
@@ -161,7 +161,7 @@ def _version(row: RunRow) -> tuple[object, ...]:
     return row.state, row.time_first, row.time_last, row.times_reopened
 
 
-def _close_with(session: Session, row: RunRow, found: Gathered) -> None:
+def _close_with(session: Session, row: RunRow, found: RunContent) -> None:
     """Close a run with its samples and queue its identification, again for a rebuilt run."""
     weakness, reason = found.weakness, row.reason or ""
     quarantine.add(session, damaged_blocks(found.damaged, run_id=row.id, machine_id=row.machine_id))
@@ -176,4 +176,4 @@ def _close_with(session: Session, row: RunRow, found: Gathered) -> None:
     logger.info("%s: %s %s with %d samples: %s", row.machine_id, row.kind, row.state, len(found.samples), row.reason)
     if not weakness:
         options = {"reopened": row.times_reopened} if row.times_reopened else None
-        jobs.ask(session, row.machine_id, scope=jobs.RUN, run_ids=[row.id], options=options)
+        jobs.enqueue(session, row.machine_id, scope=jobs.RUN, run_ids=[row.id], options=options)

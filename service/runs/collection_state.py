@@ -68,12 +68,12 @@ class CollectionState:
         }
 
 
-def standing(session: Session, machine_id: str) -> CollectionState | None:
+def state_of(session: Session, machine_id: str) -> CollectionState | None:
     """Return the state of a machine's run collection; None before its first sample."""
     stored = runs.collector_state(session, machine_id)
     return None if stored is None else CollectionState.restored(stored)
 
 
-def standings(session: Session, machine_ids: Collection[str]) -> dict[str, CollectionState]:
+def states_of(session: Session, machine_ids: Collection[str]) -> dict[str, CollectionState]:
     """Return the states of run collection of those of these machines that have one."""
     return {row.machine_id: CollectionState.restored(row.state) for row in runs.collectors(session, machine_ids)}

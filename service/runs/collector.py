@@ -15,7 +15,7 @@ from estimator.machine.document import Machine
 from estimator.runs.operating_state import Event, ModeChanged, OperatingLimits, advance, silence
 from estimator.runs.segmentation import RunEnded, RunStarted
 from estimator.runs.speed_bins import ROLLING, SpeedBins, filled
-from service.runs.collection_state import CollectionState, standing, standings
+from service.runs.collection_state import CollectionState, state_of, states_of
 from service.runs.late_arrivals import LATE_PATIENCE_S, LateArrivals
 from storage.clock import FUTURE_TOLERANCE, is_ahead, latest
 from storage.encoding.sample_blocks import Samples
@@ -50,10 +50,10 @@ class Collector:
         """Note that a machine sends, though nothing is accepted now."""
         self._heard[machine_id] = time.monotonic()
 
-    def look_again(self, machine_ids: Collection[str]) -> None:
+    def recheck(self, machine_ids: Collection[str]) -> None:
         """Check machines again for which a failed transaction has stored nothing."""
         self._silent.difference_update(machine_ids)
-        self.late.look_again(machine_ids)
+        self.late.recheck(machine_ids)
 
     def seen(self, session: Session, machine_id: str) -> int:
         """Return the time of the newest sample known to run collection [ns]; a sample that arrives later but lies before is
@@ -65,7 +65,7 @@ class Collector:
         """Process newly stored samples of one machine, by time; those before the newest known one are late."""
         self._heard[machine.id] = time.monotonic()
         self._silent.discard(machine.id)
-        now = standing(session, machine.id) or CollectionState(revision)
+        now = state_of(session, machine.id) or CollectionState(revision)
         limits = OperatingLimits.of(machine)
         if now.revision != revision:
             _revise(session, machine.id, now, revision)
@@ -94,7 +94,7 @@ class Collector:
 
     def note_idle(self, session: Session, machine_ids: Collection[str]) -> None:
         """Exclude machines from the check for silence until samples come, if their operating mode is unknown."""
-        known = standings(session, machine_ids)
+        known = states_of(session, machine_ids)
         self._silent |= {
             one for one in machine_ids if one not in known or not (known[one].is_under_way or known[one].is_of_the_future)
         }
@@ -102,7 +102,7 @@ class Collector:
     def end_silent(self, session: Session, machine_id: str) -> None:
         """End the open run of a machine that has fallen silent."""
         self._silent.add(machine_id)
-        now = standing(session, machine_id)
+        now = state_of(session, machine_id)
         if now is None or not (now.is_under_way or now.is_of_the_future):
             return
         _silence(session, machine_id, now, reason="the source fell silent")
@@ -150,7 +150,7 @@ def _record(session: Session, machine: Machine, revision: int, direction: int, e
 
 
 def _end(session: Session, machine_id: str, event: RunEnded) -> None:
-    row = runs.current(session, machine_id)
+    row = runs.open_run_of(session, machine_id)
     if row is not None:
         runs.end(row, first=event.start, last=event.time, reason=event.reason)
 
@@ -175,6 +175,6 @@ def _roll(session: Session, machine: Machine, now: CollectionState, fresh: Sampl
             session, machine.id, revision=now.revision, kind=ROLLING, direction=now.direction, time_first=times[0]
         )
         reason = f"{100 * now.bins.coverage:.0f} % of the speed bins hold samples"
-        runs.end_collected(row, times=times, reason=reason)
-    # The next run shares no sample with this one: runs that are compared must be independent.
+        runs.end_rolling(row, times=times, reason=reason)
+    # The next run shares no sample with this one: what is compared later must be independent.
     now.bins, now.rolled_at = SpeedBins.empty(machine), now.seen

@@ -7,7 +7,7 @@ from numpy import int64
 from numpy.typing import NDArray
 from sqlalchemy.orm import Session
 
-from service.runs.collection_state import CollectionState, standing, standings
+from service.runs.collection_state import CollectionState, state_of, states_of
 from service.runs.late_samples import Window, add_late, remove_window
 from storage.measurements import runs
 
@@ -32,13 +32,13 @@ class LateArrivals:
         self._heard.clear()
         self._settled.clear()
 
-    def look_again(self, machine_ids: Collection[str]) -> None:
+    def recheck(self, machine_ids: Collection[str]) -> None:
         """Check again whether these machines have late samples."""
         self._settled.difference_update(machine_ids)
 
     def note(self, session: Session, machine_id: str, now: CollectionState, times: NDArray[int64]) -> None:
         """Note late samples in `now`; those within the open run are read when it is closed."""
-        row = runs.current(session, machine_id)
+        row = runs.open_run_of(session, machine_id)
         if row is not None:
             times = times[times < row.time_first]
         if times.size:
@@ -54,12 +54,12 @@ class LateArrivals:
 
     def note_settled(self, session: Session, machine_ids: Collection[str]) -> None:
         """Note which of these machines have no late samples."""
-        known = standings(session, machine_ids)
+        known = states_of(session, machine_ids)
         self._settled |= {one for one in machine_ids if one not in known or not known[one].late}
 
     def patience(self, session: Session, machine_id: str) -> float | None:
         """Return how long late samples of a machine were awaited [s]; None while they still come, or without any."""
-        now = standing(session, machine_id)
+        now = state_of(session, machine_id)
         if now is None or not now.late:
             self._settled.add(machine_id)
             return None
@@ -72,12 +72,12 @@ class LateArrivals:
 
     def windows(self, session: Session, machine_id: str) -> list[Window]:
         """Return the windows of late samples of a machine that are not sorted in, ascending."""
-        now = standing(session, machine_id)
+        now = state_of(session, machine_id)
         return [] if now is None else now.late
 
     def take(self, session: Session, machine_id: str, window: Window) -> bool:
         """Note that a window, as of `late_samples.by_run`, is sorted in; return False when more samples came into it since."""
-        now = standing(session, machine_id)
+        now = state_of(session, machine_id)
         left = None if now is None else remove_window(now.late, window)
         if now is None or left is None:
             return False

@@ -80,7 +80,7 @@ def by_run(session: Session, machine_id: str, windows: Sequence[Window]) -> list
     inside: set[int] = set()
     for window in windows:
         revision, first, last, _ = window
-        here = {row.id for row in runs.touching(session, machine_id, revision=revision, first=first, last=last)}
+        here = {row.id for row in runs.overlapping(session, machine_id, revision=revision, first=first, last=last)}
         if merged and merged[-1][0] == revision and here & inside:
             merged[-1] = _joined(merged[-1], window)
             inside |= here
@@ -110,9 +110,9 @@ def plan(session: Session, machine_id: str, window: Window, *, patience_s: float
     found = LateSamplesPlan(machine_id, window, basis=_basis(session, machine_id, window))
     if machine.collection.runs == ROLLING:
         return found
-    beside = runs.touching(session, machine_id, revision=revision, first=first - BESIDE, last=last + BESIDE)
+    beside = runs.overlapping(session, machine_id, revision=revision, first=first - BESIDE, last=last + BESIDE)
     before = round(1e9 * machine.collection.pre_trigger_s)
-    # Samples this near to a run may extend it.
+    # So near to a run they may lengthen it.
     near = max(OperatingLimits.of(machine).sweep.gap, before)
     if any(_is_unfinished(row) or (_holds(row, first - near, last + near) and _waits(row, patience_s)) for row in beside):
         return None
@@ -138,7 +138,7 @@ def still_holds(session: Session, found: LateSamplesPlan) -> bool:
 
 def _basis(session: Session, machine_id: str, window: Window) -> tuple[object, ...]:
     revision, first, last, _ = window
-    beside = runs.touching(session, machine_id, revision=revision, first=first - BESIDE, last=last + BESIDE)
+    beside = runs.overlapping(session, machine_id, revision=revision, first=first - BESIDE, last=last + BESIDE)
     known = [(row.id, row.state, row.time_first, row.time_last, row.times_reopened) for row in beside]
     return machines.get(session, machine_id).blocks_since, *known
 
@@ -160,7 +160,7 @@ def _match(
         found.remade[known[0].id] = sweep
         found.joined.update({other.id: known[0].id for other in known[1:]})
     for row in left:
-        # With the late samples no such sweep is found; the run keeps its bounds and gets the samples.
+        # With the late samples the sweep looks otherwise; it keeps its bounds and gets its samples.
         same = RunEnded(row.time_first, row.time_last or row.time_first, _kind(row), row.reason or "")
         if concerned(same.start, same.time):
             found.remade[row.id] = same
@@ -170,8 +170,8 @@ def apply(session: Session, found: LateSamplesPlan) -> None:
     """Apply a plan; added and rebuilt runs are then ended, and get their samples when they are closed."""
     machine_id, (revision, _, _, count) = found.machine_id, found.window
     for run_id in found.left_out:
-        # Rebuilt from the remaining blocks, runs would lose samples.
-        runs.leave_out(runs.get(session, run_id), count)
+        # Made anew from the blocks that are left, runs would lose what they have.
+        runs.add_left_out_samples(runs.get(session, run_id), count)
     if found.left_out:
         logger.warning("%s: %d samples came too late for their run, whose blocks %s", machine_id, count, found.why)
         told = damaged_blocks(found.damaged, run_id=found.left_out[0], machine_id=machine_id)

@@ -24,7 +24,7 @@ LARGEST_READ = 1_600_000
 
 
 @dataclass(frozen=True)
-class Gathered:
+class RunContent:
     """The contents of an ended run. data: the encoded samples. weakness: why it does not suffice for an identification, if so.
 
     coverage: None without samples. damaged: faults of blocks that are left out.
@@ -42,7 +42,7 @@ def largest_read(channels: int) -> int:
     return max(1, LARGEST_READ // channels)
 
 
-def gathered(session: Session, row: RunRow) -> Gathered:
+def gather(session: Session, row: RunRow) -> RunContent:
     """Return the samples of an ended run, by time."""
     machine = machines.document(session, row.machine_id, row.revision)
     extent = runs.extent(session, row.id)
@@ -59,7 +59,7 @@ def gathered(session: Session, row: RunRow) -> Gathered:
     else:
         held = _sweep(session, machine, row, first=extent["first"], last=extent["last"], damaged=damaged)
     duration = float(held.time[-1] - held.time[0]) / 1e9 if len(held) else 0.0
-    return Gathered(
+    return RunContent(
         held,
         encode(held),
         _weakness(machine, held),

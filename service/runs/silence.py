@@ -12,7 +12,7 @@ from service.resilience.internal_errors import unexpected_error
 from service.runs.collector import Collector
 from storage.database.damage import is_damage
 from storage.database.engine import Database
-from storage.database.errors import concerns_all
+from storage.database.errors import is_database_wide
 from storage.machines import machines
 from storage.measurements import quarantine
 
@@ -62,7 +62,7 @@ class SilentMachines:
     def _without_idle(self, is_due: Callable[[str], bool]) -> list[str]:
         """Return the machines that are due, except those for which nothing is to be done."""
         with self._database.reading() as session:
-            due = [one for one in machines.ids(session) if self._share.owns(one) and is_due(one)]
+            due = [one for one in machines.list_ids(session) if self._share.owns(one) and is_due(one)]
         for first in range(0, len(due), AT_ONCE):
             self._note_idle(due[first : first + AT_ONCE])
         return list(filter(is_due, due))
@@ -73,7 +73,7 @@ class SilentMachines:
             with self._database.reading() as session:
                 self._collector.note_idle(session, machine_ids)
         except Exception as error:
-            if concerns_all(error):
+            if is_database_wide(error):
                 raise
             logger.warning("%d machines cannot be looked at together: one by one", len(machine_ids), exc_info=error)
 
@@ -91,12 +91,12 @@ class SilentMachines:
         except _Damaged as error:
             # After damage, SQLite accepts nothing more in a transaction: the others are ended in another one.
             pause = self._backoff.failed(error.machine_id, at_once=True)
-            self._database.damage.concerns(error.machine_id)
+            self._database.damage.record_machine(error.machine_id)
             logger.error("%s: its run cannot be ended; tried again in %.0f s", error.machine_id, pause)
-            self._collector.look_again(done)
+            self._collector.recheck(done)
             return [one for one in due if one != error.machine_id]
         except BaseException:
-            self._collector.look_again(done)
+            self._collector.recheck(done)
             raise
         return left
 
@@ -106,12 +106,12 @@ class SilentMachines:
             with session.begin_nested():
                 self._collector.end_silent(session, machine_id)
         except Exception as error:
-            if concerns_all(error):
+            if is_database_wide(error):
                 raise
             if is_damage(error):
                 raise _Damaged(machine_id) from error
             pause = self._backoff.failed(machine_id)
-            self._collector.look_again([machine_id])
+            self._collector.recheck([machine_id])
             logger.exception("%s: its run cannot be ended; tried again in %.0f s", machine_id, pause)
             what = "its run cannot be ended"
             quarantine.add(session, [unexpected_error(error, of=f"runs of {machine_id}", machine_id=machine_id, what=what)])

@@ -58,7 +58,7 @@ def rotate(session: Session, prefix: str, *, overlap_days: float, days: float) -
     old = api_keys.get(session, prefix)
     if not api_keys.valid(old, at=now()):
         raise ValueError(f"key {prefix} is revoked, has expired or waits for a confirmation: create a new one, or confirm it")
-    api_keys.end_by(old, now() + round(overlap_days * A_DAY_NS))
+    api_keys.expire_by(old, now() + round(overlap_days * A_DAY_NS))
     audit.append(session, AuditedOperation(COMMAND, "local", "rotate_key", prefix, "done"))
     return create(session, name=old.name, role=Role.of(old.role), plants=old.plants, days=days)
 
@@ -66,7 +66,7 @@ def rotate(session: Session, prefix: str, *, overlap_days: float, days: float) -
 def confirm(session: Session, prefix: str) -> None:
     """Reactivate a key that awaits confirmation since a restore. Raises KeyUnknown, ValueError for one that does not."""
     row = api_keys.get(session, prefix)
-    if not api_keys.waits(row):
+    if not api_keys.awaits_confirmation(row):
         raise ValueError(f"key {prefix} does not wait for a confirmation")
     api_keys.confirm(row)
     audit.append(session, AuditedOperation(COMMAND, "local", "confirm_key", prefix, "done"))
@@ -84,7 +84,7 @@ def principal(row: ApiKeyRow) -> Principal:
     return Principal(row.name, Role.of(row.role), plants, "key", f"key {row.prefix}")
 
 
-def opens(row: ApiKeyRow | None, text: str) -> bool:
+def is_valid_secret(row: ApiKeyRow | None, text: str) -> bool:
     """Check whether a text is that key, and the key is valid."""
     given = key_hash(text)
     return hmac.compare_digest(row.hash if row else "", given) and row is not None and api_keys.valid(row, at=now())

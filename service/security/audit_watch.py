@@ -38,7 +38,7 @@ class AuditWatch(SupervisedThread):
     def look(self, *, tell: bool = False) -> None:
         """Compare the trail with the recorded entry, and record the newest. tell: log it now, not only once a day."""
         with self._database.reading() as session:
-            held, newest = audit.holds(session, self._noted), audit.head(session)
+            held, newest = audit.is_intact(session, self._noted), audit.head(session)
         if not held:
             number, digest = self._noted
             words = f"the audit trail was changed: entry {number}, which was there before, is not there as it was"

@@ -139,7 +139,7 @@ class Authentication:
         prefix = api_keys.prefix_of(text)
         with self._database.reading() as session:
             row = None if prefix is None else keys.find(session, prefix)
-            if not api_keys.opens(row, text) or row is None:
+            if not api_keys.is_valid_secret(row, text) or row is None:
                 raise Unauthenticated("this API key is not known, has expired or was revoked: ask an administrator for one")
             stale = keys.use_is_stale(row, at=now())
             found = api_keys.principal(row)
@@ -174,7 +174,7 @@ class Authentication:
 
     def _keys_are_there(self) -> bool:
         with self._database.reading() as session:
-            return keys.are_there(session)
+            return keys.any_exist(session)
 
     def _note_use(self, prefix: str) -> None:
         try:

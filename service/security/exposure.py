@@ -23,7 +23,7 @@ class Exposed(RuntimeError):
 
 def require_authentication(settings: Settings, *, keys_are_there: bool) -> list[str]:
     """List the endpoints that are open by double permission, for the log. Raises Exposed where it is missing."""
-    found = _open_doors(settings, keys_are_there=keys_are_there)
+    found = _unprotected_access(settings, keys_are_there=keys_are_there)
     if found and not allowed_twice(settings):
         raise Exposed(f"{'; '.join(found)}; {TWICE}")
     return found
@@ -47,7 +47,7 @@ def _open_endpoints(settings: Settings, listen: Sequence[str]) -> list[str]:
     ]
 
 
-def _open_doors(settings: Settings, *, keys_are_there: bool) -> list[str]:
+def _unprotected_access(settings: Settings, *, keys_are_there: bool) -> list[str]:
     found = []
     if not is_loopback(settings.host) and not credentials_needed(settings, keys_are_there=keys_are_there):
         found.append(

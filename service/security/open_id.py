@@ -23,7 +23,7 @@ class LoginFailed(ValueError):
 
 
 @dataclass(frozen=True)
-class Begun:
+class LoginAttempt:
     """A login under way.
 
     url: address to send the browser to. state: returned by the browser. verifier, nonce: secrets for its completion.
@@ -57,7 +57,7 @@ class OpenId:
         self._lock = threading.Lock()
         self._found: tuple[float, dict[str, Any]] | None = None
 
-    def begin(self) -> Begun:
+    def begin(self) -> LoginAttempt:
         """Begin a login. Blocks. Raises LoginFailed."""
         state, nonce, verifier = (secrets.token_urlsafe(32) for _ in range(3))
         challenge = urlsafe_b64encode(hashlib.sha256(verifier.encode()).digest()).rstrip(b"=").decode()
@@ -71,7 +71,7 @@ class OpenId:
             "code_challenge": challenge,
             "code_challenge_method": "S256",
         }
-        return Begun(f"{self._endpoint('authorization_endpoint')}?{urlencode(asked)}", state, verifier, nonce)
+        return LoginAttempt(f"{self._endpoint('authorization_endpoint')}?{urlencode(asked)}", state, verifier, nonce)
 
     def finish(self, answer: Mapping[str, str], *, verifier: str) -> str:
         """Return the unverified ID token of a login that was begun here. Blocks. Raises LoginFailed."""

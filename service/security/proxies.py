@@ -8,9 +8,9 @@ MAPPED = "::ffff:"
 """Prefix of IPv4 peers on a socket that listens on IPv6 (RFC 4291, section 2.5.5.2)."""
 
 
-def of_proxies(networks: Sequence[Network]) -> Callable[[str], bool]:
+def proxy_matcher(networks: Sequence[Network]) -> Callable[[str], bool]:
     """Return a predicate that is true for addresses of these proxies."""
-    seen = [ip_network(one) for one in as_seen(networks)]
+    seen = [ip_network(one) for one in normalised_networks(networks)]
 
     def is_proxy(address: str) -> bool:
         try:
@@ -22,7 +22,7 @@ def of_proxies(networks: Sequence[Network]) -> Callable[[str], bool]:
     return is_proxy
 
 
-def as_seen(networks: Sequence[Network]) -> list[str]:
+def normalised_networks(networks: Sequence[Network]) -> list[str]:
     """Return the networks, with the IPv4 ones also in their IPv6-mapped form."""
     mapped = [f"{MAPPED}{one.network_address}/{96 + one.prefixlen}" for one in networks if isinstance(one, IPv4Network)]
     return [*map(str, networks), *mapped]

@@ -36,7 +36,7 @@ class _Minute:
     count: int = 0
     addresses: set[str] = field(default_factory=set)
 
-    def told(self) -> AuditedOperation:
+    def summary(self) -> AuditedOperation:
         """Return the counted entries as one entry."""
         some = len(self.addresses)
         where = self.latest.address if some == 1 else f"{some}{' or more' if some >= MOST_ADDRESSES else ''} addresses"
@@ -81,7 +81,7 @@ class RepeatedEntries:
             logger.error("not in the audit trail: %s: %s", entries, error.orig)
 
     @asynccontextmanager
-    async def written(self) -> AsyncIterator[None]:
+    async def regular_writing(self) -> AsyncIterator[None]:
         """Write the counts regularly, and the rest at the end."""
         stop = asyncio.Event()
         writing = asyncio.create_task(self._write_until(stop))
@@ -105,9 +105,9 @@ class RepeatedEntries:
             over = [kind for kind, minute in self._minutes.items() if everything or minute.ends <= now]
             taken = [(kind, self._minutes.pop(kind)) for kind in over]
             counted = [(kind, minute) for kind, minute in taken if minute.count]
-            # Their summary counts as the first entry of the next minute.
+            # Their entry is the first of the minute that begins.
             self._minutes |= {kind: _Minute(now + MINUTE_S, minute.latest) for kind, minute in counted}
-            return [minute.told() for _, minute in counted]
+            return [minute.summary() for _, minute in counted]
 
 
 def _kind(entry: AuditedOperation) -> tuple[str, str, str]:

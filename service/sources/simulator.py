@@ -98,7 +98,7 @@ def simulate(
         truths = TruthFile(file)
         seeds = np.random.SeedSequence(plan.seed).spawn(len(machines))
         lives = [
-            _Life(session, machine, story, plan, truths, np.random.default_rng(seed), stop)
+            _SimulatedMachine(session, machine, story, plan, truths, np.random.default_rng(seed), stop)
             for (machine, story), seed in zip(machines, seeds, strict=True)
         ]
         threads = [threading.Thread(target=life.live, name=life.machine.id) for life in lives]
@@ -111,7 +111,7 @@ def simulate(
             file.close()
 
 
-class _Life:
+class _SimulatedMachine:
     """The life of one simulated machine: its drawn parameters, its story, its pace."""
 
     def __init__(
@@ -140,7 +140,7 @@ class _Life:
         """Publish all cycles."""
         plan, machine = self._plan, self.machine
         span_s = (plan.cycles - 1) * plan.interval_s + RUN_UP_S + HOLD_S + RUN_DOWN_S
-        # Compressed stories end now; stories in real time begin now.
+        # Compressed stories end now; those in real time begin now.
         began = time.time() - (span_s if plan.rate is not None else 0.0)
         self._due = time.monotonic()
         with Source(self._session, Key(machine.plant, machine.id), name="simulator") as source:
@@ -189,7 +189,7 @@ class _Life:
         if self._plan.rate is None:
             self._stop.wait(max(0.0, batch.time_ns[-1] / 1e9 - time.time()))
             return
-        # After a delay of more than a second the pace resumes without catching up.
+        # After a hitch the pace is taken up again, not caught up with.
         self._due = max(self._due, time.monotonic() - 1.0) + len(batch.time_ns) / self._plan.rate
         self._stop.wait(max(0.0, self._due - time.monotonic()))
 

@@ -12,7 +12,7 @@ from service.wire.conversion import (
 from service.wire.encodings import BINARY, ENCODINGS, JSON, MESSAGEPACK, decode_batch, decode_body, encode_batch, encode_body
 from service.wire.frame import LARGEST_MESSAGE, frame, require_size, unframed
 from service.wire.keys import ALL_LIVE, ALL_RECEIVED, ALL_SAMPLES, ALL_SUBMIT, IDENTIFIER, Key
-from service.wire.rejection import Fault, OwnFault, Reason, Rejected
+from service.wire.rejection import Fault, InternalErrorReason, Reason, Rejected
 from service.wire.schema import (
     DIRECTIONS,
     LARGEST_BATCH,
@@ -48,8 +48,8 @@ __all__ = [
     "TABLES",
     "WIRE_SCHEMA",
     "Fault",
+    "InternalErrorReason",
     "Key",
-    "OwnFault",
     "Reason",
     "Received",
     "Rejected",

@@ -24,7 +24,7 @@ Reason = Literal[
 ]
 """Reason for rejecting a message, a sample or a channel's value."""
 
-OwnFault = Literal["unexpected_error", "damaged_block"]
+InternalErrorReason = Literal["unexpected_error", "damaged_block"]
 """Reason why valid input is missing: an error of the service, or of the storage of its data."""
 
 

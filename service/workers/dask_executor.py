@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from service.workers import dask_task
 from service.workers.executor import ExecutorUnavailable, TaskRefused
-from service.workers.process_pool import Stuck
+from service.workers.process_pool import WorkerStuck
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -109,7 +109,7 @@ class DaskExecutor:
             tasks: Mapping[str, Collection[str]] = self._asked("processing", workers=None)
             for answer, one in late.items():
                 for address in silent.keys() & {address for address, keys in tasks.items() if one.future.key in keys}:
-                    self._give_up(answer, Stuck(silent[address]))
+                    self._give_up(answer, WorkerStuck(silent[address]))
 
     def warnings(self) -> Sequence[str]:
         """Return why some workers get no tasks at present."""

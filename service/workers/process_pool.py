@@ -40,7 +40,7 @@ DEATH_S = 2.0
 HERE = b"here"
 
 
-class Stuck(RuntimeError):
+class WorkerStuck(RuntimeError):
     """A process exceeded its time without an answer, and was killed."""
 
 
@@ -134,7 +134,7 @@ class ProcessPool:
         if (silent := slot.silent_s()) is not None:
             logger.error("a worker process has not answered for %.0f s: it is killed and replaced", silent)
             self._slots[number] = _Slot(self._waiting, self._setup)
-            slot.give_up(Stuck(f"its process did not answer for {silent:.0f} s and was killed"))
+            slot.give_up(WorkerStuck(f"its process did not answer for {silent:.0f} s and was killed"))
 
 
 class _Slot:
@@ -147,7 +147,7 @@ class _Slot:
         self._item: _WorkItem | None = None
         self._given_up: Exception | None = None
         self._asked, self._until = 0.0, math.inf
-        self._process: Any = None  # of the spawn context
+        self._process: Any = None  # of the context that spawns
         self._pipe: Connection | None = None
         self._thread = threading.Thread(target=self._run, name="worker process", daemon=True)
         self._thread.start()

@@ -56,14 +56,14 @@ def by_name(session: Session, name: str) -> SubscriptionRow | None:
     return session.scalars(query).one_or_none()
 
 
-def told_of(row: SubscriptionRow) -> list[str] | None:
+def subscribed_plants(row: SubscriptionRow) -> list[str] | None:
     """Return the plants whose events a subscription receives; None for all plants."""
     return [one.plant for one in row.told_of] or None
 
 
-def tells(row: SubscriptionRow, plant: str) -> bool:
+def covers_plant(row: SubscriptionRow, plant: str) -> bool:
     """Return whether a subscription receives a plant's events."""
-    plants = told_of(row)
+    plants = subscribed_plants(row)
     return plants is None or plant in plants
 
 
@@ -75,12 +75,12 @@ def get(session: Session, subscription_id: int) -> SubscriptionRow:
     return row
 
 
-def every(session: Session, *, limit: int | None = None, after: Keys | None = None) -> Sequence[SubscriptionRow]:
+def list_subscriptions(session: Session, *, limit: int | None = None, after: Keys | None = None) -> Sequence[SubscriptionRow]:
     """Return all subscriptions, by id. after: id of the last one of the page before."""
     return session.scalars(ordered(select(SubscriptionRow), (SubscriptionRow.id,), after, descending=False).limit(limit)).all()
 
 
-def with_secret(session: Session) -> Sequence[SubscriptionRow]:
+def list_subscriptions_with_secret(session: Session) -> Sequence[SubscriptionRow]:
     """Return all subscriptions that have a secret, visible to the caller or not, by id."""
     query = select(SubscriptionRow).where(SubscriptionRow.secret.is_not(None)).order_by(SubscriptionRow.id)
     return session.scalars(query.execution_options(**EVERY_PLANT)).all()
@@ -108,10 +108,10 @@ def require_active(row: SubscriptionRow) -> None:
 def queue(session: Session, event: AlertEventRow) -> None:
     """Add an event to the outbox of every active subscription that receives events of its plant."""
     machine = session.get_one(MachineRow, event.machine_id)
-    # Includes subscriptions that whoever caused the event may not see.
+    # Also of those that whoever made the event happen may not see.
     query = select(SubscriptionRow).where(SubscriptionRow.state == ACTIVE).execution_options(**EVERY_PLANT)
     for row in session.scalars(query):
-        if tells(row, machine.plant):
+        if covers_plant(row, machine.plant):
             queue_for(session, row, event)
 
 
@@ -162,7 +162,7 @@ def delivery(session: Session, delivery_id: int) -> DeliveryRow:
     return row
 
 
-def again(row: DeliveryRow) -> None:
+def redeliver(row: DeliveryRow) -> None:
     """Make a delivery pending again, due now, with its attempts reset."""
     row.state, row.attempts, row.next_try_at, row.answer = PENDING, 0, now(), None
 

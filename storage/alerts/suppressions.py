@@ -73,7 +73,7 @@ def of_alert(session: Session, machine_id: str, *, rule: str, element: str) -> S
     return session.scalars(query.order_by(SuppressionRow.id)).all()
 
 
-def over(session: Session, moment: int) -> Sequence[SuppressionRow]:
+def expired(session: Session, moment: int) -> Sequence[SuppressionRow]:
     """Return the suppressions that have expired at a time [ns] but have not been ended yet.
 
     A suppression that begins in the future has expired too: the clock was set back since, and it would last longer than

@@ -16,9 +16,9 @@ from storage.backup.backup_file import (
     FORMAT,
     Backup,
     BackupUnusable,
-    described_by,
+    description_path,
+    finalise,
     new_file,
-    put_down,
     read,
     require_rows,
     synced_digest,
@@ -26,7 +26,7 @@ from storage.backup.backup_file import (
 from storage.backup.restored_access import KnownKey, RestoredAccess, amend, known_keys
 from storage.database import postgresql_tools
 from storage.database.claim import Claim, file_of
-from storage.database.engine import lent_engine, shown
+from storage.database.engine import redacted_url, temporary_engine
 from storage.database.schema import require_known, revision_of, row_counts
 
 _NEVER = "a backup never replaces another one"
@@ -41,10 +41,10 @@ def back_up(url: str, file: Path) -> Backup:
         raise BackupUnusable(f"{file} is no name of a file")
     part = file.with_name(file.name + ".part")
     try:
-        for path in (file, described_by(file)):
+        for path in (file, description_path(file)):
             if path.exists():
                 raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST), str(path))
-        with lent_engine(url) as engine, new_file(part):
+        with temporary_engine(url) as engine, new_file(part):
             moment = datetime.now(UTC)
             if engine.dialect.name == "sqlite":
                 revision, rows = sqlite_copy.copy(engine, part)
@@ -53,7 +53,7 @@ def back_up(url: str, file: Path) -> Backup:
             digest = synced_digest(part)
             size = part.stat().st_size
             made = Backup(FORMAT, engine.dialect.name, revision, moment.isoformat(timespec="seconds"), size, digest, rows)
-            put_down(part, file, made)
+            finalise(part, file, made)
     except FileExistsError as error:
         why = "another backup is being written to it; if none is, take it away" if error.filename == str(part) else _NEVER
         raise BackupUnusable(f"{error.filename} exists already: {why}") from error
@@ -81,11 +81,11 @@ def restore(url: str, file: Path, *, overwrite: bool = False) -> Restored:
     """
     found = read(file)
     require_known(found.schema_revision, str(file))
-    with lent_engine(url) as engine:
+    with temporary_engine(url) as engine:
         if engine.dialect.name != found.kind:
             raise BackupUnusable(
-                f"{file} is a backup of {found.kind}, {shown(url)} is of {engine.dialect.name}: restore it to a database of "
-                "its own kind, then take it over with `rundown move`"
+                f"{file} is a backup of {found.kind}, {redacted_url(url)} is of {engine.dialect.name}: restore it to a "
+                "database of its own kind, then take it over with `rundown move`"
             )
         claim = Claim(engine)
         try:
@@ -114,11 +114,11 @@ def _require_empty(engine: Engine, url: str) -> None:
         raise
     except DatabaseError as error:
         raise BackupUnusable(
-            f"database {shown(url)} is damaged ({error.orig}): say --overwrite to replace it, or restore to another one"
+            f"database {redacted_url(url)} is damaged ({error.orig}): say --overwrite to replace it, or restore to another one"
         ) from error
     if held:
         raise BackupUnusable(
-            f"database {shown(url)} holds {held} rows: say --overwrite to lose them, or restore to another one"
+            f"database {redacted_url(url)} holds {held} rows: say --overwrite to lose them, or restore to another one"
         )
 
 

@@ -35,7 +35,7 @@ class Backup:
     rows: dict[str, int]
 
 
-def described_by(file: Path) -> Path:
+def description_path(file: Path) -> Path:
     """Return the path of a backup's description."""
     return file.with_name(file.name + ".json")
 
@@ -43,7 +43,7 @@ def described_by(file: Path) -> Path:
 def read(file: Path) -> Backup:
     """Return the description of a backup after verifying its checksum. Raises BackupUnusable."""
     try:
-        values: dict[str, Any] = json.loads(described_by(file).read_text())
+        values: dict[str, Any] = json.loads(description_path(file).read_text())
         found = Backup(**values)
         digest = synced_digest(file)
     except (OSError, ValueError, TypeError) as error:
@@ -51,7 +51,7 @@ def read(file: Path) -> Backup:
     if found.format != FORMAT:
         raise BackupUnusable(f"{file} is a backup of format {found.format}, not {FORMAT}")
     if digest != found.sha256:
-        raise BackupUnusable(f"{file} is damaged: its SHA-256 is {digest}, {described_by(file).name} says {found.sha256}")
+        raise BackupUnusable(f"{file} is damaged: its SHA-256 is {digest}, {description_path(file).name} says {found.sha256}")
     return found
 
 
@@ -69,13 +69,13 @@ def newest_in(folder: Path) -> datetime | None:
                 if one.size == file.stat().st_size:
                     found.append(datetime.fromisoformat(one.made_at).astimezone(UTC))
             except (ValueError, TypeError):
-                continue  # not the description of a backup
+                continue  # no backup's
     return max(found, default=None)
 
 
 def require_rows(rows: dict[str, int], file: Path, found: Backup) -> None:
     """Raise BackupUnusable unless each table of a restored database has as many rows as the backup states."""
-    # A newer release may have dropped a table that the release of the backup had.
+    # A release may have let go of a table that the one that made the backup had.
     known = found.rows.keys() & Base.metadata.tables.keys() - KEPT_BY_ITSELF
     wrong = [name for name in sorted(known) if rows.get(name) != found.rows[name]]
     if wrong:
@@ -93,14 +93,14 @@ def new_file(path: Path) -> Iterator[None]:
         raise
 
 
-def put_down(part: Path, file: Path, made: Backup) -> None:
+def finalise(part: Path, file: Path, made: Backup) -> None:
     """Rename a finished backup to its name and write its description. Raises FileExistsError when the name was taken
     meanwhile."""
-    with new_file(file):  # so that only our own file is replaced; not every file system has hard links
+    with new_file(file):  # so that what is replaced is our own; links, which would do it in one step, not every disk has
         part.replace(file)
-        with new_file(described_by(file)):
-            described_by(file).write_text(json.dumps(asdict(made), indent=1) + "\n")
-            synced_digest(described_by(file))
+        with new_file(description_path(file)):
+            description_path(file).write_text(json.dumps(asdict(made), indent=1) + "\n")
+            synced_digest(description_path(file))
             sync_folder(file.parent)
 
 

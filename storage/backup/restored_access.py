@@ -60,7 +60,7 @@ def amend(connection: Connection, known: dict[str, KnownKey]) -> RestoredAccess:
             continue
         last = known.get(prefix)
         if last is None or last.hash != key.hash:
-            last = KnownKey(key.hash, -key.expires_at, None)  # negative: see `api_keys.waits`
+            last = KnownKey(key.hash, -key.expires_at, None)  # as `api_keys.awaits_confirmation` has it
         if last.revoked_at is not None:
             revoked.append(prefix)
         elif last.expires_at < 0:

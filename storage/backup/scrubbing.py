@@ -15,7 +15,7 @@ LARGEST = 2 * 2**30
 """Largest file that is rewritten at a start [bytes]: a larger one would take minutes, and as much free space again."""
 
 
-class NotScrubbed(RuntimeError):
+class ScrubFailed(RuntimeError):
     """Copies of deleted data may remain in the file; the message states the cause and the remedy."""
 
 
@@ -44,10 +44,10 @@ def scrub(database: Database) -> None:
                 driver.execute("VACUUM")
             busy, _, _ = driver.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()
     except (DBAPIError, sqlite3.Error, OSError) as error:
-        raise NotScrubbed(f"{path} could not be written anew ({error}): {by_hand}") from error
+        raise ScrubFailed(f"{path} could not be written anew ({error}): {by_hand}") from error
     finally:
-        database.engine.dispose()  # its connections still have secure_delete on
+        database.engine.dispose()  # its connections still overwrite what they delete
     if busy:
-        raise NotScrubbed(f"another program reads {path}: {by_hand}")
+        raise ScrubFailed(f"another program reads {path}: {by_hand}")
     if not small:
-        raise NotScrubbed(f"{path} is too large to be written anew at a start: {by_hand}")
+        raise ScrubFailed(f"{path} is too large to be written anew at a start: {by_hand}")

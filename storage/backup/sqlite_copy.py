@@ -11,7 +11,7 @@ from storage.backup.backup_file import Backup, BackupUnusable, require_rows, syn
 from storage.backup.restored_access import KnownKey, RestoredAccess, amend, known_keys
 from storage.database.claim import DatabaseUnusable, file_of, require_logs, require_own_name
 from storage.database.damage import marker_of
-from storage.database.engine import lent_engine
+from storage.database.engine import temporary_engine
 from storage.database.private_files import PRIVATE
 from storage.database.schema import require_known, revision_of, row_counts
 
@@ -42,7 +42,7 @@ def copy(engine: Engine, part: Path) -> tuple[str, dict[str, int]]:
 
 
 def _content(file: Path, name: str) -> tuple[str, dict[str, int]]:
-    with lent_engine(URL.create("sqlite", database=str(file))) as engine, engine.connect() as connection:
+    with temporary_engine(URL.create("sqlite", database=str(file))) as engine, engine.connect() as connection:
         return require_known(revision_of(connection), name), row_counts(connection)
 
 
@@ -91,7 +91,7 @@ def _keys_of(path: Path) -> dict[str, KnownKey]:
     if not path.exists():
         return {}
     try:
-        with lent_engine(URL.create("sqlite", database=str(path))) as engine, engine.connect() as connection:
+        with temporary_engine(URL.create("sqlite", database=str(path))) as engine, engine.connect() as connection:
             return known_keys(connection)
     except DatabaseUnusable:
         return {}
@@ -99,7 +99,7 @@ def _keys_of(path: Path) -> dict[str, KnownKey]:
 
 def _amended(part: Path, known: dict[str, KnownKey]) -> RestoredAccess:
     with (
-        lent_engine(URL.create("sqlite", database=str(part))) as engine,
+        temporary_engine(URL.create("sqlite", database=str(part))) as engine,
         engine.execution_options(writing="alone").begin() as connection,
     ):
         return amend(connection, known)

@@ -14,7 +14,7 @@ from typing import Any
 from sqlalchemy import JSON, URL, Column, Connection, MetaData, Result, Table, func, insert, select, text
 
 from storage.database.claim import file_of
-from storage.database.engine import Database, lent_engine, require_there, shown
+from storage.database.engine import Database, redacted_url, require_file, temporary_engine
 from storage.database.schema import KEPT_BY_ITSELF, require_known, revision_of, row_counts
 from storage.encoding.text import finite, nul_escaped
 from storage.tables import Base
@@ -23,7 +23,7 @@ AT_ONCE = 200
 """Rows transferred per batch."""
 
 
-class NotMoved(RuntimeError):
+class TransferFailed(RuntimeError):
     """The data were not transferred and the target is unchanged; the message states the cause."""
 
 
@@ -44,31 +44,31 @@ def move(source_url: str, target_url: str) -> TransferReport:
     _require_source(source_url)
     with closing(Database(source_url)) as source, closing(Database(target_url)) as target:
         if _place(source) == _place(target):
-            raise NotMoved("source and target are the same database")
+            raise TransferFailed("source and target are the same database")
         source.claim()
         target.claim()
         with source.engine.connect() as reading, target.for_writing.begin() as writing:
             for one in (reading, writing):
-                if one.dialect.name == "postgresql":  # while one works, the other is idle in its transaction
+                if one.dialect.name == "postgresql":  # each waits for the other
                     one.execute(text("SET LOCAL idle_in_transaction_session_timeout = 0"))
             held = sum(row_counts(writing).values())
             if held:
-                raise NotMoved(f"database {shown(target_url)} holds {held} rows: it must be a new one")
+                raise TransferFailed(f"database {redacted_url(target_url)} holds {held} rows: it must be a new one")
             tables = _tables()
             escaped: Counter[str] = Counter()
             for table in tables:
                 escaped += _copy(table, reading, writing)
             found = {table.name: _compared(table, reading, writing) for table in tables}
             for table in tables:
-                _go_on_counting(table, reading, writing)
+                _advance_sequences(table, reading, writing)
         return TransferReport(found, dict(escaped))
 
 
 def _require_source(url: str) -> None:
     """Raise DatabaseUnusable unless the source exists; opening it for writing would create it."""
-    require_there(url)
-    with lent_engine(url) as engine, engine.connect() as connection:
-        require_known(revision_of(connection), f"database {shown(url)}")
+    require_file(url)
+    with temporary_engine(url) as engine, engine.connect() as connection:
+        require_known(revision_of(connection), f"database {redacted_url(url)}")
 
 
 def _place(database: Database) -> Path | URL:
@@ -138,7 +138,7 @@ def _escaped(table: Table, column: Column[Any], text: str, values: tuple[Any, ..
     longest = getattr(column.type, "length", None)
     if longest is not None and len(found) > longest:
         keys = ", ".join(str(one) for key, one in zip(table.columns, values, strict=True) if key.primary_key)
-        raise NotMoved(
+        raise TransferFailed(
             f"{table.name} ({keys}): {column.name} holds NUL, which PostgreSQL cannot, and with it escaped would have "
             f"{len(found)} characters, of which {longest} are allowed: shorten it in the source"
         )
@@ -152,7 +152,7 @@ def _compared(table: Table, reading: Connection, writing: Connection) -> int:
         for old, new in zip_longest(before, after):
             if old is None or new is None or _comparable(table, old, writing) != _comparable(table, new, writing):
                 keys = ", ".join(str((old or new)._mapping[column.name]) for column in table.primary_key.columns)
-                raise NotMoved(f"{table.name} ({keys}) was not taken over as it was")
+                raise TransferFailed(f"{table.name} ({keys}) was not taken over as it was")
             count += 1
     return count
 
@@ -163,7 +163,7 @@ def _comparable(table: Table, row: Any, writing: Connection) -> list[Any]:
     return [None if isinstance(value, float) and math.isnan(value) else value for value in values]
 
 
-def _go_on_counting(table: Table, reading: Connection, writing: Connection) -> None:
+def _advance_sequences(table: Table, reading: Connection, writing: Connection) -> None:
     """Set the target's sequence to continue behind the highest number ever given, deleted rows included."""
     highest = max(_highest(table, reading), _highest(table, writing))
     if not highest:

@@ -40,13 +40,13 @@ def is_damage(error: BaseException | None) -> bool:
     return getattr(error, "sqlstate", None) in SQLSTATES or str(error).startswith("Could not decode to UTF-8 column")
 
 
-def is_of_a_part(error: BaseException) -> bool:
+def is_confined(error: BaseException) -> bool:
     """Return whether an error is damage that leaves other rows usable."""
     code = getattr(getattr(error, "orig", None), "sqlite_errorcode", 0)
     return is_damage(error) and code & 0xFF != WHOLE_FILE
 
 
-def said(error: BaseException) -> str:
+def error_text(error: BaseException) -> str:
     """Return the database's message about damage without any stored data, which not every reader of the message may see."""
     return str(getattr(error, "orig", None) or error).partition(" with text ")[0].strip()
 
@@ -79,20 +79,20 @@ class Damage:
                 "Look at the disk, then restore a backup"
             )
 
-    def note(self, error: BaseException, machine_id: str | None = None) -> None:
+    def record_error(self, error: BaseException, machine_id: str | None = None) -> None:
         """Record an error and the machine whose data it concerned."""
-        self._add(said(error), machine_id)
+        self._add(error_text(error), machine_id)
 
-    def found(self, findings: list[str]) -> None:
+    def record_findings(self, findings: list[str]) -> None:
         """Record the findings of a check."""
         self._add("; ".join(findings), None)
 
     def watch(self, context: ExceptionContext) -> None:
         """Record damage that an engine reports; a listener for its errors."""
         if is_damage(context.original_exception):
-            self.note(context.original_exception, _machine(context))
+            self.record_error(context.original_exception, _machine(context))
 
-    def concerns(self, machine_id: str) -> None:
+    def record_machine(self, machine_id: str) -> None:
         """Record a machine whose data could not be read."""
         self._add("", machine_id)
 

@@ -59,7 +59,7 @@ def used_by_file(path: Path, *, budget: int | None) -> DiskUse:
     return DiskUse(sum(one.stat().st_size for one in files if one.exists()), room.free, room.total, budget)
 
 
-def give_back(database: Database) -> int:
+def release_free_pages(database: Database) -> int:
     """Return some free pages of an SQLite file to the file system; return their number.
 
     PostgreSQL reuses free space by itself (autovacuum). An SQLite file from an older release reuses it too, but keeps its
@@ -75,7 +75,7 @@ def give_back(database: Database) -> int:
         connection = session.connection()
         free = _free_pages(connection)
         driver: Any = connection.connection.driver_connection
-        # The pragma frees one page per row fetched, though the rows are empty.
+        # It goes on by a page with each row that is asked for, though it has none to show.
         driver.execute(f"PRAGMA incremental_vacuum({PAGES_AT_ONCE})").fetchall()
         return free - _free_pages(connection)
 

@@ -22,7 +22,7 @@ from storage.database.schema_upgrade import bring_up_to_date
 from storage.database.sqlite_files import SqliteFiles
 from storage.database.writer_turn import WriterTurn
 from storage.encoding.text import json_text
-from storage.recent_maximum import Longest
+from storage.recent_maximum import RecentMaximum
 
 LARGEST_LOG = 64 * 2**20
 """Size [bytes] to which a checkpoint cuts SQLite's log back after readers have let it grow."""
@@ -34,7 +34,7 @@ _CONNECTION = {
     "keepalives_interval": 5,
     "keepalives_count": 3,
     "tcp_user_timeout": 10_000,
-    # The server releases the locks of a client that has vanished or hangs within a transaction.
+    # The server lets go of what a client holds that has vanished, or hangs in the middle of a transaction.
     "options": "-c idle_in_transaction_session_timeout=10s "
     "-c tcp_keepalives_idle=5 -c tcp_keepalives_interval=5 -c tcp_keepalives_count=2",
 }
@@ -52,10 +52,10 @@ class Database:
         except (DBAPIError, DatabaseUnusable, OSError) as error:
             self.engine.dispose()
             cause = error.orig if isinstance(error, DBAPIError) else error
-            raise DatabaseUnusable(f"database {shown(url)} cannot be used: {cause}") from error
+            raise DatabaseUnusable(f"database {redacted_url(url)} cannot be used: {cause}") from error
         self.url = url
         self._claim = Claim(self.engine)
-        self.longest_transaction = Longest()
+        self.longest_transaction = RecentMaximum()
         """Durations of the writing transactions, from the beginning of their turn until they are durable."""
         self._files = _kept_files(self.engine)
         self._turn = WriterTurn(self._files, alone=self.kind == "sqlite")
@@ -106,7 +106,7 @@ class Database:
         try:
             yield session
         finally:
-            _end_looking(session)
+            _close_reading(session)
 
     def claim(self, *, shared: bool = False) -> None:
         """Claim this database for one service, or for several that share it, until `close`.
@@ -127,7 +127,7 @@ class Database:
         """Return whether this process cannot go on with its open files, and its end loses nothing."""
         return self._files is not None and not self._files.look() and self._files.saved
 
-    def look_after_files(self) -> None:
+    def save_lost_files(self) -> None:
         """Save data whose file has lost its name.
 
         Raises DatabaseUnusable when a file of an SQLite store was deleted or replaced.
@@ -138,7 +138,7 @@ class Database:
         self._turn.save(files)
         raise DatabaseUnusable(files.trouble)
 
-    def look_for_damage(self, *, within_s: float, stopped: Callable[[], bool]) -> None:
+    def check_integrity(self, *, within_s: float, stopped: Callable[[], bool]) -> None:
         """Check all pages of a damaged SQLite store; clear the record of the damage when they are whole.
 
         On PostgreSQL, and when the time does not suffice, the record stays.
@@ -149,7 +149,7 @@ class Database:
         with closing(self.own_connection(check_same_thread=False)) as connection:
             found = damages(connection, within_s=within_s, thorough=True, stopped=stopped)
         if found:
-            self.damage.found(found)
+            self.damage.record_findings(found)
         elif found is not None:
             self.damage.clear(met=met)
 
@@ -166,7 +166,7 @@ class Database:
 
         The claim is lost when another service took it while a PostgreSQL server was away.
         """
-        self.look_after_files()
+        self.save_lost_files()
         try:
             with self.reading() as session:
                 session.execute(select(1))
@@ -178,7 +178,7 @@ class Database:
         """Close all connections and release the claim."""
         self._claim.release()
         if self._files is not None:
-            self._files.look()  # its state is asked for afterwards
+            self._files.look()  # what it says afterwards
         self.engine.dispose()
         if self._files is not None:
             self._files.close()
@@ -200,13 +200,13 @@ def _kept_files(engine: Engine) -> SqliteFiles | None:
         files = SqliteFiles(path)
     except sqlite3.Error as error:
         engine.dispose()
-        raise DatabaseUnusable(f"database {shown(engine.url)} cannot be used: {error}") from error
+        raise DatabaseUnusable(f"database {redacted_url(engine.url)} cannot be used: {error}") from error
 
     def require_behind(connection: Any, _record: Any) -> None:
         try:
             files.require()
         except OperationalError:
-            connection.close()  # not in the pool yet: nobody else would close it
+            connection.close()  # nobody else knows of it yet
             raise
 
     event.listen(engine, "do_connect", lambda *_: files.require())
@@ -214,15 +214,15 @@ def _kept_files(engine: Engine) -> SqliteFiles | None:
     return files
 
 
-def _end_looking(session: Session) -> None:
+def _close_reading(session: Session) -> None:
     try:
         session.close()
     except DBAPIError:
-        # The data were read; that the connection broke afterwards is for the next reader to find out.
+        # What was read stays read: that the connection broke behind it is the next one's to find out.
         session.invalidate()
 
 
-def shown(url: str | URL) -> str:
+def redacted_url(url: str | URL) -> str:
     """Return a URL without its passwords.
 
     Of a URL that cannot be parsed only the scheme is shown if it may hold a password.
@@ -237,13 +237,13 @@ def shown(url: str | URL) -> str:
     return parsed.update_query_dict(hidden).render_as_string(hide_password=True)
 
 
-def require_there(url: str) -> None:
+def require_file(url: str) -> None:
     """Raise DatabaseUnusable unless the database file exists: opening it would create an empty one."""
     path = file_of(engine_of(url))
     try:
         there = path is None or path.is_file()
-    except OSError as error:  # the folder may not be searched
-        raise DatabaseUnusable(f"database {shown(url)} cannot be used: {error}") from error
+    except OSError as error:  # of a folder that may not be looked into
+        raise DatabaseUnusable(f"database {redacted_url(url)} cannot be used: {error}") from error
     if not there:
         raise DatabaseUnusable(f"there is no database file {path}: start the service once, or name the right one")
 
@@ -253,13 +253,13 @@ def engine_of(url: str | URL) -> Engine:
     try:
         return _engine(url)
     except (ArgumentError, NoSuchModuleError, ModuleNotFoundError) as error:
-        raise DatabaseUnusable(f"database {shown(url)} cannot be used: {error}") from error
-    except ValueError:  # the error's text may hold a part of the password
-        raise DatabaseUnusable(f"database {shown(url)} cannot be used: its port is no number") from None
+        raise DatabaseUnusable(f"database {redacted_url(url)} cannot be used: {error}") from error
+    except ValueError:  # its text may hold a part of the password
+        raise DatabaseUnusable(f"database {redacted_url(url)} cannot be used: its port is no number") from None
 
 
 @contextmanager
-def lent_engine(url: str | URL) -> Iterator[Engine]:
+def temporary_engine(url: str | URL) -> Iterator[Engine]:
     """Yield an engine for a database and close its connections at the end.
 
     Raises DatabaseUnusable, also for the driver's errors.
@@ -270,7 +270,7 @@ def lent_engine(url: str | URL) -> Iterator[Engine]:
     try:
         yield engine
     except DBAPIError as error:
-        raise DatabaseUnusable(f"database {shown(url)} cannot be used: {error.orig}") from error
+        raise DatabaseUnusable(f"database {redacted_url(url)} cannot be used: {error.orig}") from error
     finally:
         engine.dispose()
         if place is not None:
@@ -282,7 +282,7 @@ def _engine(url: str | URL) -> Engine:
     dialect = parsed.get_dialect().name
     if dialect == "sqlite" and "uri" in parsed.query:
         raise DatabaseUnusable(
-            f"database {shown(url)} cannot be used: `uri` is not taken: name the file itself, as in sqlite:////folder/name.db"
+            f"database {redacted_url(url)} cannot be used: `uri` is not taken: name the file itself, as in sqlite:////folder/name.db"
         )
     engine = create_engine(
         url, pool_pre_ping=True, connect_args=_CONNECTION if dialect == "postgresql" else {}, json_serializer=json_text
@@ -313,15 +313,15 @@ def _configure_sqlite(connection: Any, _record: Any) -> None:
     try:
         connection.execute(f"PRAGMA busy_timeout = {writer_turn.BUSY_TIMEOUT_MS}")
         if connection.execute("PRAGMA page_count").fetchone() == (0,):
-            # For a new file only: on an older one it would have no effect and wait for the file's writer.
+            # Of a new file only; of an older one it would change nothing, and wait for its writer.
             connection.execute("PRAGMA auto_vacuum = INCREMENTAL")
         connection.execute("PRAGMA journal_mode = WAL")
         connection.execute(f"PRAGMA journal_size_limit = {LARGEST_LOG}")
-        # A sample must survive a power failure before it counts as received.
+        # A sample is durable before it counts as received, also when the power fails.
         connection.execute("PRAGMA synchronous = FULL")
         connection.execute("PRAGMA foreign_keys = ON")
     except Exception:
-        connection.close()  # not in the pool yet: nobody else would close it
+        connection.close()  # nobody else knows of it yet
         raise
 
 
@@ -331,7 +331,7 @@ def _begin_sqlite(connection: Any) -> None:
 
 
 def _begin_postgresql(connection: Any) -> None:
-    # Without this lock another transaction could write between a transaction's reads and its writes.
+    # What reads before it writes would otherwise have to expect that another one wrote in between.
     writing = connection.get_execution_options().get("writing")
     if writing:
         connection.exec_driver_sql(f"SET LOCAL lock_timeout = {writer_turn.BUSY_TIMEOUT_MS}")

@@ -12,18 +12,18 @@ from sqlalchemy.pool import NullPool
 
 from storage.database.schema import revision_of
 
-AS_IT_IS = "mode=ro&immutable=1"
+UNCHANGED = "mode=ro&immutable=1"
 """URI parameters by which SQLite uses neither locks nor logs."""
 _STEPS = 10_000
 """Number of SQLite's virtual machine instructions between two looks at the clock."""
 
 
 @contextmanager
-def looking_engine(path: Path) -> Iterator[Engine]:
+def inspection_engine(path: Path) -> Iterator[Engine]:
     """Yield an engine for inspecting a file that nobody has open; an open one could be seen half written."""
     log = path.with_name(path.name + "-wal")
-    # A log with contents is read, through its index; without one the file is read as immutable, so that no log is created.
-    with _engine(path, AS_IT_IS if not log.exists() or not log.stat().st_size else "mode=ro") as engine:
+    # What a log holds is read from it, through an index of its own; without one the file is taken as it is, and no log made.
+    with _engine(path, UNCHANGED if not log.exists() or not log.stat().st_size else "mode=ro") as engine:
         yield engine
 
 
@@ -33,7 +33,7 @@ def revision_beside_a_service(path: Path) -> str | None:
     None when the revision is in the log only.
     """
     try:
-        with _engine(path, AS_IT_IS) as engine, engine.connect() as connection:
+        with _engine(path, UNCHANGED) as engine, engine.connect() as connection:
             return revision_of(connection)
     except DatabaseError:
         return None
@@ -71,7 +71,7 @@ def damages(
         if error.sqlite_errorcode == sqlite3.SQLITE_INTERRUPT:
             return None
         raise
-    except sqlite3.DatabaseError as error:  # damaged too much for the check itself
+    except sqlite3.DatabaseError as error:  # not even that much can be read
         return [str(error)]
     finally:
         connection.set_progress_handler(None, 0)

@@ -28,7 +28,7 @@ EVERY_PLANT = {"every_plant": True}
 """Execution option of the few statements that must see all plants, whoever asks."""
 
 
-class NotScoped(RuntimeError):
+class UnscopedStatement(RuntimeError):
     """A statement that cannot be limited to plants, since it is not about mapped classes."""
 
 
@@ -71,11 +71,11 @@ def plants_of(session: Session) -> Plants | None:
 @event.listens_for(PlantSession, "do_orm_execute")
 def _narrow(state: ORMExecuteState) -> None:
     if not state.is_orm_statement:
-        raise NotScoped(f"not about mapped classes: {str(state.statement)[:200]}")
+        raise UnscopedStatement(f"not about mapped classes: {str(state.statement)[:200]}")
     if state.execution_options.get("every_plant"):
         return
     if state.is_column_load or state.is_relationship_load:
-        return  # the object itself was read under the condition
+        return  # of an object that was read under the condition
     state.statement = state.statement.options(*_criteria(state.session.info[PLANTS]))
 
 
@@ -91,9 +91,9 @@ def _condition(row: Any, plants: Plants) -> ColumnElement[bool]:
     if row is MachineRow:
         return MachineRow.plant.in_(plants)
     if row is SubscriptionRow:
-        return _told_only_of(SubscriptionRow.id, plants)
+        return _subscribed_only_to(SubscriptionRow.id, plants)
     if row is SubscriptionPlantRow:
-        return _told_only_of(SubscriptionPlantRow.subscription_id, plants)
+        return _subscribed_only_to(SubscriptionPlantRow.subscription_id, plants)
     if row is DeliveryRow:
         alerts = AlertRow.__table__
         return DeliveryRow.alert_id.in_(select(alerts.c.id).where(alerts.c.machine_id.in_(_machines(plants))))
@@ -107,7 +107,7 @@ def _machines(plants: Plants) -> Select[tuple[str]]:
     return select(machines.c.id).where(machines.c.plant.in_(plants))
 
 
-def _told_only_of(number: Any, plants: Plants) -> ColumnElement[bool]:
+def _subscribed_only_to(number: Any, plants: Plants) -> ColumnElement[bool]:
     told = SubscriptionPlantRow.__table__
     own = select(told.c.subscription_id).where(told.c.plant.in_(plants))
     foreign = select(told.c.subscription_id).where(told.c.plant.not_in(plants))

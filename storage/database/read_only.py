@@ -10,11 +10,11 @@ from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
 
 from storage.database.claim import DatabaseUnusable, file_of
-from storage.database.engine import engine_of, shown
+from storage.database.engine import engine_of, redacted_url
 
 
 @contextmanager
-def looking(url: str) -> Iterator[Session]:
+def read_only_session(url: str) -> Iterator[Session]:
     """Yield a session for reading, whatever revision the schema has.
 
     Raises DatabaseUnusable, also for errors of its queries.
@@ -27,7 +27,7 @@ def looking(url: str) -> Iterator[Session]:
         with Session(engine) as session:
             yield session
     except DBAPIError as error:
-        raise DatabaseUnusable(f"database {shown(url)} cannot be used: {error.orig}") from error
+        raise DatabaseUnusable(f"database {redacted_url(url)} cannot be used: {error.orig}") from error
     finally:
         engine.dispose()
 

@@ -22,7 +22,7 @@ def nul_escaped(text: str) -> str:
     return text.replace("\\", "\\\\").replace("\0", "\\x00") if "\0" in text else text
 
 
-def nul_back(text: str) -> str:
+def nul_unescaped(text: str) -> str:
     """Return the text that `nul_escaped` was given, if that changed it."""
     return re.sub(r"\\(\\|x00)", lambda found: "\\" if found[1] == "\\" else "\0", text) if "\\x00" in text else text
 

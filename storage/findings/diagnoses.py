@@ -11,7 +11,7 @@ from storage.clock import now
 from storage.tables import DiagnosisRow, IdentificationRow
 
 
-def keep(
+def add(
     session: Session, of: IdentificationRow, *, baseline: Sequence[int], runs: int, causes: list[dict[str, Any]]
 ) -> DiagnosisRow:
     """Store the diagnosis of an identification. baseline: ids it was compared with; runs: number of runs assessed together."""

@@ -46,7 +46,7 @@ class Origin:
 
 
 @dataclass(frozen=True)
-class Like:
+class ComparisonGroup:
     """Conditions under which identifications are comparable: one of these machine revisions, kind of run, slow-roll vectors.
 
     since: measured at that time or later [ns].
@@ -112,7 +112,7 @@ def add(session: Session, origin: Origin, result: Identification) -> Identificat
         }
         for estimate in result.estimates
     ]
-    if estimates_of:  # bulk insert: as ORM objects they would take several times as long within the writer's turn
+    if estimates_of:  # many at once: as objects of the session they would cost several times as much within the writer's turn
         session.execute(insert(EstimateRow), estimates_of)
     return row
 
@@ -173,7 +173,7 @@ def of_machine(
     return session.scalars(query.limit(limit)).all()
 
 
-def first_accepted(session: Session, machine_id: str, like: Like, *, limit: int) -> Sequence[IdentificationRow]:
+def first_accepted(session: Session, machine_id: str, like: ComparisonGroup, *, limit: int) -> Sequence[IdentificationRow]:
     """Return the first accepted identifications of single runs that meet `like`, oldest first."""
     query = _accepted_runs(machine_id, like)
     return session.scalars(query.order_by(IdentificationRow.measured_at, IdentificationRow.id).limit(limit)).all()
@@ -194,7 +194,7 @@ def first_of(session: Session, machine_id: str, *, revision: int, slow_roll_vers
 
 
 def newest(
-    session: Session, machine_id: str, like: Like, *, limit: int, last: int | None = None, accepted: bool = True
+    session: Session, machine_id: str, like: ComparisonGroup, *, limit: int, last: int | None = None, accepted: bool = True
 ) -> Sequence[IdentificationRow]:
     """Return the newest identifications of single runs that meet `like`, measured up to a time [ns], newest first.
 
@@ -207,10 +207,10 @@ def newest(
     return session.scalars(query.order_by(*order).limit(limit)).all()
 
 
-def newest_of_a_run(session: Session, machine_id: str) -> IdentificationRow | None:
+def newest_of_single_run(session: Session, machine_id: str) -> IdentificationRow | None:
     """Return the newest accepted identification of a single run of any kind, see `counting`."""
     query = select(IdentificationRow).where(IdentificationRow.machine_id == machine_id, IdentificationRow.accepted)
-    query = query.where(IdentificationRow.scope == RUN, IdentificationRow.id.in_(counting(machine_id)))
+    query = query.where(IdentificationRow.scope == RUN, IdentificationRow.id.in_(counted_ids(machine_id)))
     query = query.where(IdentificationRow.measured_at <= now() + TOLERANCE)
     order = (IdentificationRow.measured_at.desc(), IdentificationRow.id.desc())
     return session.scalars(query.order_by(*order).limit(1)).one_or_none()
@@ -220,12 +220,14 @@ def is_newest(session: Session, row: IdentificationRow) -> bool:
     """Return whether no single run of the same kind was measured later, and this one not in the future."""
     latest = now() + TOLERANCE
     query = select(IdentificationRow.id).where(IdentificationRow.machine_id == row.machine_id, IdentificationRow.scope == RUN)
-    query = query.where(IdentificationRow.run_kind == row.run_kind, IdentificationRow.id.in_(counting(row.machine_id)))
+    query = query.where(IdentificationRow.run_kind == row.run_kind, IdentificationRow.id.in_(counted_ids(row.machine_id)))
     query = query.where(IdentificationRow.measured_at > row.measured_at, IdentificationRow.measured_at <= latest)
     return row.measured_at <= latest and session.scalars(query.limit(1)).first() is None
 
 
-def named(session: Session, machine_id: str, like: Like, ids: Sequence[int]) -> Sequence[IdentificationRow]:
+def accepted_among(
+    session: Session, machine_id: str, like: ComparisonGroup, ids: Sequence[int]
+) -> Sequence[IdentificationRow]:
     """Return the accepted ones of some identifications that meet `like`, whenever they were measured, oldest first.
 
     Where a run was identified again, the identification that counts now is returned.
@@ -236,7 +238,7 @@ def named(session: Session, machine_id: str, like: Like, ids: Sequence[int]) -> 
     return session.scalars(query.order_by(IdentificationRow.measured_at, IdentificationRow.id)).all()
 
 
-def counting(machine_id: str) -> Select[int]:
+def counted_ids(machine_id: str) -> Select[int]:
     """Return a query for the ids of the identifications that trends, baselines and alerts use.
 
     A run may be identified again: after late samples, or with other slow-roll vectors in force. Among a run's identifications
@@ -255,11 +257,11 @@ def counting(machine_id: str) -> Select[int]:
     return select(ranked.c.id).where(ranked.c.place == 1)
 
 
-def _accepted_runs(machine_id: str, like: Like) -> Select[IdentificationRow]:
+def _accepted_runs(machine_id: str, like: ComparisonGroup) -> Select[IdentificationRow]:
     return _runs(machine_id, like).where(IdentificationRow.accepted)
 
 
-def _runs(machine_id: str, like: Like) -> Select[IdentificationRow]:
+def _runs(machine_id: str, like: ComparisonGroup) -> Select[IdentificationRow]:
     """Return a query for single runs that meet `like`.
 
     Runs that a wrong clock dated in the future are left out: one of these would remain the newest until that time comes.
@@ -270,7 +272,7 @@ def _runs(machine_id: str, like: Like) -> Select[IdentificationRow]:
         .where(IdentificationRow.measured_at >= like.since, IdentificationRow.measured_at <= now() + TOLERANCE)
         .where(IdentificationRow.scope == RUN, IdentificationRow.run_kind == like.run_kind)
         .where(IdentificationRow.slow_roll_version == like.slow_roll_version)
-        .where(IdentificationRow.id.in_(counting(machine_id)))
+        .where(IdentificationRow.id.in_(counted_ids(machine_id)))
         .options(undefer(IdentificationRow.covariance), undefer(IdentificationRow.point))
         .options(undefer(IdentificationRow.channel_effects))
     )

@@ -35,7 +35,7 @@ class JobUnknown(Missing):
     subject = "job"
 
 
-def ask(
+def enqueue(
     session: Session,
     machine_id: str,
     *,
@@ -49,7 +49,7 @@ def ask(
 
     asked_by: identity of the person who requests it; priority: see `storage.findings.job_order`. Raises MachineUnknown.
     """
-    if asked(session, scope=scope, run_ids=run_ids, options=options) is not None:
+    if find_request(session, scope=scope, run_ids=run_ids, options=options) is not None:
         return None
     plant = machines.get(session, machine_id).plant
     row = JobRow(
@@ -73,7 +73,7 @@ def ask(
     return row
 
 
-def asked(session: Session, *, scope: str, run_ids: list[int], options: dict[str, Any] | None = None) -> JobRow | None:
+def find_request(session: Session, *, scope: str, run_ids: list[int], options: dict[str, Any] | None = None) -> JobRow | None:
     """Return the job that was requested with the same runs and options; None when there is none."""
     return session.scalars(select(JobRow).where(JobRow.request == _request(scope, run_ids, options))).first()
 
@@ -105,11 +105,11 @@ def take(
 
 def finish(row: JobRow, *, state: str, error: str | None = None) -> None:
     """Record how a job ended: DONE, FAILED or QUARANTINED with the reason."""
-    # An error's message may quote text from outside.
+    # What was raised may quote what came from outside.
     row.state, row.error, row.finished_at = state, None if error is None else plain_text(error), now()
 
 
-def put_back(session: Session, row: JobRow, error: str) -> None:
+def requeue(session: Session, row: JobRow, error: str) -> None:
     """Queue a job again that crashed its worker or exceeded a limit; quarantine it after LARGEST_ATTEMPTS attempts."""
     if row.attempts >= LARGEST_ATTEMPTS:
         finish(row, state=QUARANTINED, error=f"given up after {row.attempts} attempts: {error}")
@@ -118,16 +118,16 @@ def put_back(session: Session, row: JobRow, error: str) -> None:
         row.state, row.holder = QUEUED, None
 
 
-def put_back_unhurt(row: JobRow) -> None:
+def requeue_uncounted(row: JobRow) -> None:
     """Queue a job again, in its turn and without counting the attempt, when its worker went away for another reason."""
     row.state, row.attempts, row.holder = QUEUED, max(0, row.attempts - 1), None
 
 
-def put_back_running(session: Session, *, living: Collection[int] = ()) -> int:
+def requeue_running(session: Session, *, living: Collection[int] = ()) -> int:
     """Queue running jobs again whose replica is not alive; return their number."""
     rows = [row for row in session.scalars(select(JobRow).where(JobRow.state == RUNNING)) if row.holder not in living]
     for row in rows:
-        put_back_unhurt(row)
+        requeue_uncounted(row)
     return len(rows)
 
 
@@ -136,7 +136,7 @@ def held_by(session: Session, holder: int | None) -> Sequence[JobRow]:
     return session.scalars(select(JobRow).where(JobRow.state == RUNNING, JobRow.holder == holder)).all()
 
 
-def waiting(session: Session, *, automatic: bool = False) -> bool:
+def any_waiting(session: Session, *, automatic: bool = False) -> bool:
     """Return whether any job is queued; automatic: count only those that no person requested."""
     query = select(JobRow.id).where(JobRow.state == QUEUED)
     if automatic:
@@ -144,12 +144,12 @@ def waiting(session: Session, *, automatic: bool = False) -> bool:
     return session.scalars(query.limit(1)).first() is not None
 
 
-def waiting_of(session: Session, *, asked_by: str, most: int) -> int:
+def count_waiting_of(session: Session, *, asked_by: str, most: int) -> int:
     """Return how many jobs requested by somebody are queued, of any plant; counts up to `most`."""
     return _counted(session, JobRow.asked_by == asked_by, most)
 
 
-def asked_of_machine(session: Session, machine_id: str, *, most: int) -> int:
+def count_requested_of_machine(session: Session, machine_id: str, *, most: int) -> int:
     """Return how many jobs of a machine requested by people are queued; counts up to `most`."""
     return _counted(session, (JobRow.machine_id == machine_id) & JobRow.asked_by.is_not(None), most)
 

@@ -11,7 +11,7 @@ from sqlalchemy import func, null, select
 from sqlalchemy.orm import Session
 
 from estimator.arrays import Floats
-from storage.findings.identifications import counting
+from storage.findings.identifications import counted_ids
 from storage.measurements.runs import DISCARDED
 from storage.tables import BaselineRow, DerivedRow, EstimateRow, IdentificationRow, MachineRow, RunRow
 
@@ -94,7 +94,7 @@ def _rows(session: Session, machine_id: str, names: Sequence[str], scope: str) -
             )
             .join(identification, identification.id == table.identification_id)
             .where(table.machine_id == machine_id, columns[0].in_(names))
-            .where(identification.scope == scope, identification.id.in_(counting(machine_id)))
+            .where(identification.scope == scope, identification.id.in_(counted_ids(machine_id)))
             .order_by(columns[0], table.measured_at, table.identification_id)
         )
         yield from session.execute(query)

@@ -80,7 +80,7 @@ def stamp(session: Session) -> tuple[int | None, ...]:
     return tuple(session.execute(query).one())
 
 
-def every(session: Session) -> list[ListedMachine]:
+def list_all(session: Session) -> list[ListedMachine]:
     """Return all machines by id, reading only the listed parts of their documents."""
     limits = RevisionRow.document["speed_range"]
     query = select(
@@ -105,18 +105,18 @@ def glances(session: Session, machines: Sequence[ListedMachine], *, since: int) 
     )
     rows = {row[0]: row for row in session.execute(query.where(MachineRow.id.in_([one.id for one in machines])))}
     run = RunRow.id, RunRow.kind, RunRow.state, RunRow.time_first, RunRow.time_last
-    runs = {one[0]: RunGlance(*one) for one in _some(session, run, [row[1] for row in rows.values()])}
+    runs = {one[0]: RunGlance(*one) for one in _by_ids(session, run, [row[1] for row in rows.values()])}
     identification = (
         IdentificationRow.id,
         IdentificationRow.measured_at,
         IdentificationRow.accepted,
         IdentificationRow.verdict,
     )
-    found = _some(session, identification, [row[2] for row in rows.values()])
+    found = _by_ids(session, identification, [row[2] for row in rows.values()])
     identifications = {one[0]: IdentificationGlance(*one) for one in found}
     severities = _open_by_severity(session)
     waiting = _unacknowledged(session)
-    happened = _happened(session, since)
+    happened = _event_counts_since(session, since)
     return [
         MachineGlance(
             machine=one,
@@ -152,7 +152,7 @@ def _newest(number: Any, machine_id: Any, time: Any) -> ScalarSelect[Any]:
     )
 
 
-def _some(session: Session, columns: tuple[Any, ...], ids: list[int | None]) -> Sequence[Any]:
+def _by_ids(session: Session, columns: tuple[Any, ...], ids: list[int | None]) -> Sequence[Any]:
     return session.execute(select(*columns).where(columns[0].in_([one for one in ids if one is not None]))).all()
 
 
@@ -169,7 +169,7 @@ def _unacknowledged(session: Session) -> dict[str, int]:
     return _counts(session, query.group_by(AlertRow.machine_id))
 
 
-def _happened(session: Session, since: int) -> dict[str, dict[str, int]]:
+def _event_counts_since(session: Session, since: int) -> dict[str, dict[str, int]]:
     kinds: dict[str, tuple[Any, Any]] = {
         "runs": (RunRow.machine_id, RunRow.time_first),
         "identifications": (IdentificationRow.machine_id, IdentificationRow.computed_at),
@@ -181,7 +181,7 @@ def _happened(session: Session, since: int) -> dict[str, dict[str, int]]:
 
 
 def _by_machine(machine_id: Any, wanted: ColumnElement[bool]) -> Any:
-    # Grouping by the column itself would make SQLite walk its index, and years of wide rows, to count those of a day.
+    # Not grouped by the column itself: SQLite would walk its index, and with it years of wide rows, to count those of a day.
     group = machine_id.concat("")
     return select(group, func.count()).where(wanted).group_by(group)
 

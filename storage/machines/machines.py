@@ -41,7 +41,7 @@ def create(session: Session, machine: Machine) -> RevisionRow:
     session.add(MachineRow(id=machine.id, plant=machine.plant, revision=1, created_at=now()))
     try:
         session.flush()
-    except IntegrityError as error:  # the id of a machine that this session does not see
+    except IntegrityError as error:  # one that this session does not see
         raise MachineExists(f"the id '{machine.id}' is taken: choose another") from error
     return _add_revision(session, machine, 1, None)
 
@@ -70,17 +70,17 @@ def get(session: Session, machine_id: str) -> MachineRow:
     return row
 
 
-def some(session: Session, machine_ids: Collection[str]) -> Sequence[MachineRow]:
+def by_ids(session: Session, machine_ids: Collection[str]) -> Sequence[MachineRow]:
     """Return those of these machines that are known."""
     return session.scalars(select(MachineRow).where(MachineRow.id.in_(machine_ids))).all()
 
 
-def every(session: Session) -> Sequence[MachineRow]:
+def list_all(session: Session) -> Sequence[MachineRow]:
     """Return all machines, by id."""
     return session.scalars(select(MachineRow).order_by(MachineRow.id)).all()
 
 
-def ids(session: Session) -> Sequence[str]:
+def list_ids(session: Session) -> Sequence[str]:
     """Return the ids of all machines, in order."""
     return session.scalars(select(MachineRow.id).order_by(MachineRow.id)).all()
 
@@ -112,7 +112,7 @@ def document(session: Session, machine_id: str, number: int | None = None) -> Ma
     return parse_machine(revision(session, machine_id, number).document)
 
 
-def comparable(session: Session, machine_id: str, number: int) -> list[int]:
+def comparable_revisions(session: Session, machine_id: str, number: int) -> list[int]:
     """Return the contiguous revisions around a given one whose identifications are comparable with its own, ascending.
 
     Raises MachineUnknown.
@@ -120,7 +120,7 @@ def comparable(session: Session, machine_id: str, number: int) -> list[int]:
     return [one for span in _spans(session, machine_id, number) for one in span.revisions]
 
 
-def measured_alike(session: Session, machine_id: str, number: int) -> list[int]:
+def revisions_with_same_channels(session: Session, machine_id: str, number: int) -> list[int]:
     """Return the comparable revisions whose samples have the same channels and operating conditions in the same order,
     ascending.
 

@@ -22,7 +22,7 @@ from storage.tables import CollectorRow, MachineStateRow, RunRow
 if TYPE_CHECKING:
     from estimator.phasors.quality import Quality
 
-_FLAGS = struct.Struct("<HII")  # format, samples, channels; the compressed flags follow
+_FLAGS = struct.Struct("<HII")  # format, samples, channels; then the flags, compressed
 _FLAGS_FORMAT = 1
 
 OPEN, ENDED, CLOSED, DISCARDED = "open", "ended", "closed", "discarded"
@@ -72,7 +72,7 @@ def free_start(session: Session, machine_id: str, time: int) -> int:
     return time
 
 
-def current(session: Session, machine_id: str) -> RunRow | None:
+def open_run_of(session: Session, machine_id: str) -> RunRow | None:
     """Return the open run of a machine; None when there is none."""
     query = select(RunRow).where(RunRow.machine_id == machine_id, RunRow.state == OPEN)
     return session.scalars(query).one_or_none()
@@ -89,7 +89,7 @@ def end(row: RunRow, *, first: int, last: int, reason: str) -> None:
     row.extent = {"first": first, "last": last}
 
 
-def end_collected(row: RunRow, *, times: Sequence[int], reason: str) -> None:
+def end_rolling(row: RunRow, *, times: Sequence[int], reason: str) -> None:
     """Record that a rolling collection is over and consists of the samples at these times [ns], ascending."""
     row.state, row.reason, row.time_last = ENDED, reason, times[-1]
     row.extent = {"times": list(times)}
@@ -126,29 +126,29 @@ def close(
     row.reason = reason
     row.extent = None
     row.count = len(samples)
-    row.data, row.released_at = data or encode(samples), None  # a rebuilt run has its samples again
+    row.data, row.released_at = data or encode(samples), None  # made anew, it has its samples again
     row.coverage = None if coverage is None else asdict(coverage) | {CROSSED: None, LEFT_OUT: 0}
-    row.quality = row.flags = None  # belonged to other samples, if set
+    row.quality = row.flags = None  # of other samples, if there is any
     if len(samples):
         row.time_last = max(int(samples.time[-1]), row.time_first)
         row.speed_minimum = float(np.min(samples.speed))
         row.speed_maximum = float(np.max(samples.speed))
 
 
-def keep_crossed(session: Session, run_id: int, critical_speeds_rpm: Sequence[float]) -> None:
+def store_crossed_speeds(session: Session, run_id: int, critical_speeds_rpm: Sequence[float]) -> None:
     """Store the critical speeds of the document's model that a run has crossed [r/min]. Raises RunUnknown."""
     row = get(session, run_id)
     if row.coverage is not None:
         row.coverage = row.coverage | {CROSSED: list(critical_speeds_rpm)}
 
 
-def leave_out(row: RunRow, count: int) -> None:
+def add_left_out_samples(row: RunRow, count: int) -> None:
     """Count samples that came after a run could no longer be rebuilt; they are not part of it."""
-    if row.coverage is not None:  # null for a run without samples
+    if row.coverage is not None:  # it is null in a run without samples
         row.coverage = row.coverage | {LEFT_OUT: row.coverage.get(LEFT_OUT, 0) + count}
 
 
-def touching(session: Session, machine_id: str, *, revision: int, first: int, last: int) -> Sequence[RunRow]:
+def overlapping(session: Session, machine_id: str, *, revision: int, first: int, last: int) -> Sequence[RunRow]:
     """Return the sweeps of one revision that overlap the time from first to last [ns], open ones included, oldest first."""
     query = (
         select(RunRow)
@@ -192,7 +192,7 @@ def read(run_id: int, data: bytes) -> Samples:
         raise DamagedBlock(f"the samples of run {run_id} cannot be read: {error}") from error
 
 
-def keep_quality(session: Session, run_id: int, quality: "Quality") -> None:
+def store_quality(session: Session, run_id: int, quality: "Quality") -> None:
     """Store the quality of a run: a summary, and each phasor's flags. Raises RunUnknown."""
     row = get(session, run_id)
     row.quality = {
@@ -235,7 +235,7 @@ def _require_kept(row: RunRow) -> None:
         )
 
 
-def before(session: Session, row: RunRow) -> RunRow | None:
+def previous_run(session: Session, row: RunRow) -> RunRow | None:
     """Return the closed run before another of the same machine, revision, kind and sense of rotation; None without one."""
     query = (
         select(RunRow)

@@ -15,7 +15,7 @@ from storage.tables import SampleBlockRow, SourceRow
 
 logger = logging.getLogger(__name__)
 
-EVER = -(2**63), 2**63 - 1
+ALL_TIME = -(2**63), 2**63 - 1
 """Before and after all times that a store can hold [ns]."""
 
 
@@ -172,11 +172,11 @@ def latest(
     newest = _by_time([], channels)
     with session.execute(query) as blocks:
         for number, data, time_last in blocks:
-            # Blocks of several sources overlap in time: stop only at one that is older than all samples found.
+            # Blocks of several sources overlap in time: stop only at one that is older than all that is wanted.
             if len(newest) == count and time_last < newest.time[0]:
                 break
             for whole in _readable(machine_id, [(number, data)]):
-                block = whole.between(EVER[0] if first is None else first, EVER[1] if last is None else last)
+                block = whole.between(ALL_TIME[0] if first is None else first, ALL_TIME[1] if last is None else last)
                 if len(block):
                     parts = [newest, block] if len(newest) else [block]
                     newest = _by_time(parts, channels).pick(slice(-count, None))

@@ -8,7 +8,7 @@ from sqlalchemy.orm import Session
 from storage.clock import now
 from storage.tables import ApiKeyRow
 
-USE_NOTED_EVERY_NS = 600 * 1_000_000_000
+USE_INTERVAL_NS = 600 * 1_000_000_000
 """Shortest interval at which the last use of a key is stored [ns]: reading must not become writing."""
 
 
@@ -47,17 +47,17 @@ def get(session: Session, prefix: str) -> ApiKeyRow:
     return row
 
 
-def every(session: Session) -> Sequence[ApiKeyRow]:
+def list_all(session: Session) -> Sequence[ApiKeyRow]:
     """Return all keys, oldest first."""
     return session.scalars(select(ApiKeyRow).order_by(ApiKeyRow.id)).all()
 
 
-def are_there(session: Session) -> bool:
+def any_exist(session: Session) -> bool:
     """Return whether there ever was a key: a revoked or expired key must not leave the service open."""
     return session.scalars(select(ApiKeyRow.id).limit(1)).first() is not None
 
 
-def waits(row: ApiKeyRow) -> bool:
+def awaits_confirmation(row: ApiKeyRow) -> bool:
     """Return whether a restore brought back a key that may have been revoked since.
 
     Its expiry is negative then, so that no release accepts it.
@@ -65,7 +65,7 @@ def waits(row: ApiKeyRow) -> bool:
     return row.revoked_at is None and row.expires_at < 0
 
 
-def waiting(session: Session) -> int:
+def count_unconfirmed(session: Session) -> int:
     """Return how many keys wait for a confirmation."""
     query = select(func.count()).select_from(ApiKeyRow).where(ApiKeyRow.revoked_at.is_(None), ApiKeyRow.expires_at < 0)
     return session.scalar(query) or 0
@@ -87,7 +87,7 @@ def revoke(row: ApiKeyRow) -> None:
         row.revoked_at = now()
 
 
-def end_by(row: ApiKeyRow, moment: int) -> None:
+def expire_by(row: ApiKeyRow, moment: int) -> None:
     """Let a key expire at a time [ns], unless it expires earlier."""
     row.expires_at = min(row.expires_at, moment)
 
@@ -99,4 +99,4 @@ def note_use(session: Session, prefix: str) -> None:
 
 def use_is_stale(row: ApiKeyRow, *, at: int) -> bool:
     """Return whether a use at a time [ns] is to be stored."""
-    return row.last_used_at is None or at - row.last_used_at > USE_NOTED_EVERY_NS
+    return row.last_used_at is None or at - row.last_used_at > USE_INTERVAL_NS

@@ -16,7 +16,7 @@ from sqlalchemy import select, text
 from sqlalchemy.orm import Session
 
 from storage.clock import now
-from storage.encoding.text import nul_back, plain_text
+from storage.encoding.text import nul_unescaped, plain_text
 from storage.paging import Keys, ordered
 from storage.tables import AuditHeadRow, AuditRow
 
@@ -68,7 +68,7 @@ def append(session: Session, entry: AuditedOperation) -> AuditRow:
     )
     row.hash = digest(row)
     session.add(row)
-    session.flush()  # the database accepts only an existing entry as the head
+    session.flush()  # the database lets the head follow only an entry that is there
     head.number, head.hash = row.number, row.hash
     session.flush()
     return row
@@ -92,7 +92,7 @@ def head(session: Session) -> tuple[int, str]:
     return (0, BEGINNING) if row is None else (row.number, row.hash)
 
 
-def holds(session: Session, noted: tuple[int, str]) -> bool:
+def is_intact(session: Session, noted: tuple[int, str]) -> bool:
     """Return whether the entry with a number and hash recorded before still exists unchanged."""
     number, digest = noted
     if number == 0:
@@ -119,10 +119,10 @@ def _breaks(session: Session, known: Collection[tuple[int, str]]) -> Iterator[Br
             yield Break(number + 1, f"missing: the entry behind {number} is {row.number}")
         elif row.previous != previous and wrong is None:
             yield Break(row.number, "does not follow the entry before it")
-        # An entry by an older release may hold NUL, which a transfer to PostgreSQL has escaped.
+        # An entry of an older release may hold NUL, which a move to PostgreSQL has escaped.
         if wrong is not None:
             yield Break(row.number, f"was changed: its `{wrong[0]}` is no {wrong[1]}")
-        elif row.hash != digest(row) and row.hash != digest(row, text_as=nul_back):
+        elif row.hash != digest(row) and row.hash != digest(row, text_as=nul_unescaped):
             yield Break(row.number, "was changed")
         if noted.get(row.number, set()) - {row.hash}:
             yield Break(row.number, "is not the entry that was noted")

@@ -8,7 +8,7 @@ from sqlalchemy.orm import Session
 from storage.clock import now
 from storage.tables import IdempotencyKeyRow
 
-KEPT_NS = 24 * 3600 * 1_000_000_000
+RETENTION_NS = 24 * 3600 * 1_000_000_000
 """How long a key is kept [ns]: one day."""
 
 
@@ -27,14 +27,14 @@ def claim(session: Session, key: str, fingerprint: str) -> IdempotencyKeyRow | N
     Keys older than a day are deleted.
     """
     moment = now()
-    session.execute(delete(IdempotencyKeyRow).where(IdempotencyKeyRow.created_at < moment - KEPT_NS))
+    session.execute(delete(IdempotencyKeyRow).where(IdempotencyKeyRow.created_at < moment - RETENTION_NS))
     row = session.get(IdempotencyKeyRow, key)
     if row is None:
         session.add(IdempotencyKeyRow(key=key, fingerprint=fingerprint, created_at=moment))
     return row
 
 
-def answered(session: Session, key: str, answer: StoredResponse) -> None:
+def store_response(session: Session, key: str, answer: StoredResponse) -> None:
     """Store the response to the request of a key."""
     row = session.get_one(IdempotencyKeyRow, key)
     row.status, row.headers, row.body = answer.status, answer.headers, answer.body

@@ -9,7 +9,7 @@ from collections.abc import Collection, Sequence
 from sqlalchemy import select, update
 from sqlalchemy.orm import Session
 
-from storage.database.errors import NotHeld
+from storage.database.errors import LeaseLost
 from storage.operation.replicas import clock
 from storage.tables import LeaseRow
 
@@ -40,12 +40,12 @@ def take(session: Session, names: Sequence[str], *, holder: int, most: int) -> s
     return taken
 
 
-def give_back(session: Session, names: Collection[str], *, holder: int) -> None:
+def release(session: Session, names: Collection[str], *, holder: int) -> None:
     """Release these leases; waits for transactions that write under them."""
     session.execute(update(LeaseRow).where(LeaseRow.name.in_(names), LeaseRow.holder == holder).values(holder=None))
 
 
-def give_back_all(session: Session, *, holder: int) -> None:
+def release_all(session: Session, *, holder: int) -> None:
     """Release all leases of a replica that is gone."""
     session.execute(update(LeaseRow).where(LeaseRow.holder == holder).values(holder=None))
 
@@ -55,4 +55,4 @@ def require(session: Session, names: Collection[str], *, holder: int) -> None:
     query = select(LeaseRow.name).where(LeaseRow.name.in_(names), LeaseRow.holder == holder).with_for_update(read=True)
     missing = set(names) - set(session.scalars(query))
     if missing:
-        raise NotHeld(missing)
+        raise LeaseLost(missing)

@@ -31,7 +31,7 @@ def join(session: Session, *, role: str, host: str, process: int) -> int:
     return row.id
 
 
-def beat(session: Session, number: int) -> bool:
+def heartbeat(session: Session, number: int) -> bool:
     """Store a heartbeat of a replica; return False when it was declared gone meanwhile and has lost its leases."""
     row = session.get(ReplicaRow, number)
     if row is None:
@@ -40,18 +40,18 @@ def beat(session: Session, number: int) -> bool:
     return True
 
 
-def every(session: Session) -> Sequence[ReplicaRow]:
+def list_all(session: Session) -> Sequence[ReplicaRow]:
     """Return all registered replicas, by number."""
     return session.scalars(select(ReplicaRow).order_by(ReplicaRow.id)).all()
 
 
-def gone(session: Session, *, me: int) -> list[ReplicaRow]:
+def expired(session: Session, *, me: int) -> list[ReplicaRow]:
     """Return the replicas that are not alive any more. me: number of the replica that asks."""
-    others = [row for row in every(session) if row.id != me]
+    others = [row for row in list_all(session) if row.id != me]
     if session.get_bind().dialect.name != "postgresql":
         return others
     held, oldest = _holding(session), clock(session) - int(LEASE_S * 1e9)
-    # A server that has just started has lost all locks; living replicas take them again in a moment.
+    # A server that has just started has forgotten all locks: who lives takes them again in a moment.
     telling = _started(session) < oldest
     return [row for row in others if (telling and row.id not in held) or row.seen_at < oldest]
 

@@ -33,7 +33,7 @@ def cut_off(session: Session, tier: str) -> tuple[int, int] | None:
     return None if row is None else (row.cut_off, row.allowance)
 
 
-def keep_cut_off(session: Session, tier: str, *, time: int, allowance: int) -> None:
+def store_cut_off(session: Session, tier: str, *, time: int, allowance: int) -> None:
     """Store cut-off and allowance of a tier [ns]."""
     session.merge(RetentionRow(tier=tier, cut_off=time, allowance=allowance))
 
@@ -108,7 +108,7 @@ def release_runs(session: Session, machine_id: str, *, before: int, baseline_run
     old = session.scalars(
         _ended_runs(machine_id, before).where(run.id.not_in(needed)).order_by(run.time_first).limit(limit).with_for_update()
     ).all()
-    # Late samples may have reopened one before the rows were locked.
+    # Until they were locked, late samples may have reopened one.
     still = set(old) - needed_runs(session, machine_id, baseline_runs=baseline_runs)
     session.execute(update(run).where(run.id.in_(still)).values(data=None, flags=None, released_at=now()))
     return len(old)

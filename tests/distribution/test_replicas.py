@@ -122,10 +122,10 @@ def test_who_hangs_in_the_middle_of_a_transaction_keeps_nobody_waiting_for_long(
     leasing.start()
     try:
         with contextlib.suppress(DBAPIError), hanging.transaction() as session:
-            leases.give_back_all(session, holder=leasing.holder or 0)  # holds the writers' lock and the rows
+            leases.release_all(session, holder=leasing.holder or 0)  # holds the writers' lock and the rows
             began = time.monotonic()
             with waiting.transaction(beside_others=True) as own:
-                assert replicas.beat(own, leasing.holder or 0)
+                assert replicas.heartbeat(own, leasing.holder or 0)
             assert time.monotonic() - began < 2.0
             with waiting.transaction() as own:  # waits for the server's patience to end
                 leases.require(own, [lease_of(KEY.machine)], holder=leasing.holder or 0)

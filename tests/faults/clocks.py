@@ -3,7 +3,7 @@
 import random
 from dataclasses import dataclass, replace
 
-from service.journal.batch import Arrived
+from service.journal.batch import ArrivedBatch
 from service.runs.collector import Collector
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import decode
@@ -30,7 +30,7 @@ class Kept:
     rejected: dict[str, int]
 
 
-def told(clock: list[int]) -> list[Arrived]:
+def told(clock: list[int]) -> list[ArrivedBatch]:
     """Batches whose samples say these times; they arrive when they were truly measured."""
     found = []
     for first in range(0, len(clock), SIZE):
@@ -39,7 +39,7 @@ def told(clock: list[int]) -> list[Arrived]:
     return found
 
 
-def kept(database: Database, messages: list[Arrived]) -> Kept:
+def kept(database: Database, messages: list[ArrivedBatch]) -> Kept:
     """What the store holds once all of this has come, each message in a call of its own."""
     journal = PromptJournal(database, Collector(late_s=0.0))
     for one in messages:

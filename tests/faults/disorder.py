@@ -15,7 +15,7 @@ from estimator.runs.segmentation import RunKind
 from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law
 from service.identification.computation import compute
 from service.identification.task import IdentificationTask
-from service.journal.batch import Arrived
+from service.journal.batch import ArrivedBatch
 from service.runs.collector import Collector
 from service.wire import SampleBatch, encode_batch, source_key
 from storage.database.engine import Database
@@ -125,7 +125,7 @@ def told(url: str, document: Machine, messages: Sequence[SampleBatch]) -> Stored
         with database.transaction() as session:
             machines.create(session, document)
         journal = PromptJournal(database, Collector(late_s=0.0))
-        arrived = [Arrived(one, "", encode_batch(one), START + 3 * 86_400 * SECOND) for one in messages]
+        arrived = [ArrivedBatch(one, "", encode_batch(one), START + 3 * 86_400 * SECOND) for one in messages]
         for first in range(0, len(arrived), CYCLE):
             journal.store(arrived[first : first + CYCLE], [])
             journal.settle(silence_s=NEVER_S)  # what came late so far is sorted in, again and again

@@ -13,7 +13,7 @@ import numpy as np
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 
-from service.journal.batch import Arrived
+from service.journal.batch import ArrivedBatch
 from service.journal.journal import Journal
 from service.runs.collector import Collector
 from service.wire import (
@@ -220,7 +220,7 @@ class Fuzzed:
     taken: int = 0
     reasons: Counter[str] = field(default_factory=Counter)
     kinds: Counter[str] = field(default_factory=Counter)
-    _waiting: list[Arrived] = field(default_factory=list)
+    _waiting: list[ArrivedBatch] = field(default_factory=list)
     _rejections: list[Rejection] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -269,7 +269,7 @@ class Fuzzed:
                 )
             )
         else:
-            self._waiting.append(Arrived(read, KEY.samples, payload, RECEIVED_AT))
+            self._waiting.append(ArrivedBatch(read, KEY.samples, payload, RECEIVED_AT))
         if len(self._waiting) + len(self._rejections) >= STORED_TOGETHER:
             self._store()
 

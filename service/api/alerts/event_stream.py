@@ -49,7 +49,7 @@ PAGES = 8
 
 
 @dataclass(frozen=True)
-class Told:
+class StreamEvent:
     """An event with its serialised bytes, which all clients share. event: None where it cannot be rendered."""
 
     number: int
@@ -66,7 +66,7 @@ class Client:
     """
 
     joined: int
-    queue: asyncio.Queue[Told | None] = field(default_factory=lambda: asyncio.Queue(QUEUE_SIZE))
+    queue: asyncio.Queue[StreamEvent | None] = field(default_factory=lambda: asyncio.Queue(QUEUE_SIZE))
     slow: bool = False
 
 
@@ -80,8 +80,8 @@ class Broadcaster:
         self._task: asyncio.Task[None] | None = None
         self._last = 0
         self._ended = False
-        self._pages: OrderedDict[int, list[Told]] = OrderedDict()
-        self._lock = threading.Lock()  # guards the pages
+        self._pages: OrderedDict[int, list[StreamEvent]] = OrderedDict()
+        self._lock = threading.Lock()  # of the pages
         self.trouble: str | None = None
         """Reason why no events are sent at the moment."""
 
@@ -94,7 +94,7 @@ class Broadcaster:
         """Add a client."""
         async with self._joining:
             if self._task is None or self._task.done():
-                if not self._clients:  # else connected clients would miss events not sent yet
+                if not self._clients:  # else they would miss what they have not been told yet
                     self._last = await asyncio.to_thread(self.newest)
                 self._task = asyncio.create_task(self._run())
             client = Client(self._last)
@@ -117,22 +117,22 @@ class Broadcaster:
                 client.queue.put_nowait(None)
         self._clients.clear()
 
-    def page(self, after: int) -> list[Told]:
+    def page(self, after: int) -> list[StreamEvent]:
         """Return a page of events behind a number, oldest first; empty only where no more exist."""
         first = after // PAGE * PAGE
         with self._lock:
             page = self._pages.get(first)
             if page is None:
                 page = self._read(first)
-                if len(page) == PAGE:  # a full page never changes
+                if len(page) == PAGE:  # nothing will be added to it
                     self._pages[first] = page
                     while len(self._pages) > PAGES:
                         self._pages.popitem(last=False)
         return [one for one in page if one.number > after]
 
-    def _read(self, after: int) -> list[Told]:
+    def _read(self, after: int) -> list[StreamEvent]:
         with self._database.reading() as session:
-            return [_told(row) for row in alerts.events_after(session, after, limit=PAGE)]
+            return [_stream_event(row) for row in alerts.events_after(session, after, limit=PAGE)]
 
     def newest(self) -> int:
         """Return the number of the newest event."""
@@ -153,10 +153,10 @@ class Broadcaster:
                 logger.exception("unexpected error while alert events are handed out, trying again")
             await asyncio.sleep(RETRY_S if self.trouble else POLL_S)
             if not self._clients:
-                self.trouble = None  # without clients it concerns nobody
+                self.trouble = None  # nobody's
                 return
 
-    def _hand_out(self, one: Told) -> None:
+    def _hand_out(self, one: StreamEvent) -> None:
         self._last = one.number
         for client in list(self._clients):
             if client.queue.full():
@@ -166,21 +166,21 @@ class Broadcaster:
                 client.queue.put_nowait(one)
 
 
-def _told(row: AlertEventRow) -> Told:
+def _stream_event(row: AlertEventRow) -> StreamEvent:
     """Return an event with its text; one that cannot be rendered must not stop those behind it."""
     try:
         event = alert_event(row)
-        return Told(row.id, event, _text(event))
+        return StreamEvent(row.id, event, _text(event))
     except (ValueError, OverflowError):
         logger.exception("alert event %d cannot be told in streams", row.id)
-        return Told(row.id, None)
+        return StreamEvent(row.id, None)
 
 
 def _text(event: AlertEvent) -> bytes:
     return f"id: {event.id}\nevent: alert\ndata: {event.model_dump_json()}\n\n".encode()
 
 
-async def _anybody_still() -> bool:
+async def _still_authenticated() -> bool:
     return True
 
 
@@ -188,7 +188,7 @@ def _everything(_event: AlertEvent) -> bool:
     return True
 
 
-def _for(sees: Callable[[AlertEvent], bool], one: Told) -> bool:
+def _for(sees: Callable[[AlertEvent], bool], one: StreamEvent) -> bool:
     return one.event is not None and sees(one.event)
 
 
@@ -197,7 +197,7 @@ async def stream(
     after: int | None,
     *,
     sees: Callable[[AlertEvent], bool] = _everything,
-    still: Callable[[], Awaitable[bool]] = _anybody_still,
+    still: Callable[[], Awaitable[bool]] = _still_authenticated,
 ) -> AsyncGenerator[bytes]:
     """Yield events behind `after` that the client sees, or from now on, without end; first the id behind which they begin.
 

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, Field
 
 from estimator.strict_model import Written
-from service.api.conventions.fields import Comment, Moment, Said
+from service.api.conventions.fields import Comment, Moment, NonBlankText
 from service.api.findings.evidence import AlertEvidence
 from service.security.principal import Author
 
@@ -48,7 +48,7 @@ class Remark(Written):
     """A comment with its author."""
 
     by: Author
-    comment: Said
+    comment: NonBlankText
 
 
 class Shelving(By):

@@ -20,7 +20,7 @@ def subscription(row: SubscriptionRow, secrets: SigningSecrets) -> schemas.Subsc
         reason=row.reason,
         secret_kept=where_kept(row.secret),
         trouble=secrets.trouble(row),
-        plants=deliveries.told_of(row),
+        plants=deliveries.subscribed_plants(row),
         created_at=to_datetime(row.created_at),
     )
 

@@ -29,7 +29,7 @@ router = APIRouter(prefix="/subscriptions", tags=["subscriptions"], responses=RE
 @router.get("", operation_id="list_subscriptions")
 def list_subscriptions(request: Request, session: Reading, paging: ById) -> list[schemas.SubscriptionOut]:
     """List all subscriptions, without their secrets."""
-    rows = deliveries.every(session, limit=paging.wanted, after=paging.after)
+    rows = deliveries.list_subscriptions(session, limit=paging.wanted, after=paging.after)
     return [rendering.subscription(row, _secrets(request)) for row in paging.page(rows, lambda row: (row.id,))]
 
 
@@ -120,7 +120,7 @@ def redeliver(request: Request, subscription_id: Number, delivery_id: Number) ->
         if row.subscription_id != subscription_id:
             raise deliveries.DeliveryUnknown(f"{delivery_id} of subscription {subscription_id}")
         deliveries.require_active(subscription)
-        deliveries.again(row)
+        deliveries.redeliver(row)
         return rendering.delivery(row)
 
 

@@ -34,7 +34,7 @@ LARGEST_KEPT_BYTES = 4 * 1024 * 1024
 
 
 @dataclass(frozen=True)
-class _KeptAnswer:
+class _CachedResponse:
     """A cached response.
 
     mark: state of the tables before it was made. lately: state of the tables that may be a little behind. begun: monotonic
@@ -57,10 +57,10 @@ class ResponseCache:
 
     def __init__(self, database: Database) -> None:
         self._changes = Changes(database)
-        self._kept: OrderedDict[Hashable, _KeptAnswer] = OrderedDict()
+        self._kept: OrderedDict[Hashable, _CachedResponse] = OrderedDict()
         self._bytes = 0
         self._threads: CapacityLimiter | None = None
-        self._made: dict[Hashable, asyncio.Task[_KeptAnswer]] = {}
+        self._made: dict[Hashable, asyncio.Task[_CachedResponse]] = {}
 
     @property
     def making(self) -> int:
@@ -88,21 +88,21 @@ class ResponseCache:
         if kept is not None and mark is not None and kept.mark == mark and await self._is_late_enough(kept, lately):
             self._kept.move_to_end(asked)
             if lately and time.monotonic() > kept.begun + AHEAD_S and kept.lately != await self._mark(lately):
-                self._begin(asked, mark, lately, make, zipped=zipped).add_done_callback(_passed_over)
+                self._begin(asked, mark, lately, make, zipped=zipped).add_done_callback(_ignore_error)
             return kept.response()
         if mark is None:
             return (await self._apart(make, mark, None, zipped=zipped)).response()
-        # Shielded: a client that disconnects does not cancel the computation for the others.
+        # Shielded: who goes away does not take the answer from the others.
         return (await asyncio.shield(self._begin(asked, mark, lately, make, zipped=zipped))).response()
 
-    async def _is_late_enough(self, kept: _KeptAnswer, lately: Sequence[str]) -> bool:
+    async def _is_late_enough(self, kept: _CachedResponse, lately: Sequence[str]) -> bool:
         if not lately or time.monotonic() < kept.begun + LATELY_S:
             return True
         return kept.lately is not None and kept.lately == await self._mark(lately)
 
     async def _apart(
         self, make: Callable[[], Response], mark: Hashable | None, lately: Hashable | None, *, zipped: bool
-    ) -> _KeptAnswer:
+    ) -> _CachedResponse:
         if self._threads is None:
             self._threads = CapacityLimiter(THREADS)
         return await run_sync(_made, make, mark, lately, zipped, limiter=self._threads)
@@ -114,7 +114,7 @@ class ResponseCache:
 
     def _begin(
         self, asked: Hashable, mark: Hashable, lately: Sequence[str], make: Callable[[], Response], *, zipped: bool
-    ) -> "asyncio.Task[_KeptAnswer]":
+    ) -> "asyncio.Task[_CachedResponse]":
         """Start to compute a response, or return the task that already does."""
         task = self._made.get((asked, mark))
         if task is None:
@@ -123,7 +123,7 @@ class ResponseCache:
 
     async def _make(
         self, asked: Hashable, mark: Hashable, lately: Sequence[str], make: Callable[[], Response], *, zipped: bool
-    ) -> _KeptAnswer:
+    ) -> _CachedResponse:
         try:
             kept = await self._apart(make, mark, await self._mark(lately) if lately else None, zipped=zipped)
             self._keep(asked, kept)
@@ -131,7 +131,7 @@ class ResponseCache:
         finally:
             del self._made[asked, mark]
 
-    def _keep(self, asked: Hashable, kept: _KeptAnswer) -> None:
+    def _keep(self, asked: Hashable, kept: _CachedResponse) -> None:
         if len(kept.body) > LARGEST_KEPT_BYTES:
             return
         earlier = self._kept.pop(asked, None)
@@ -141,13 +141,13 @@ class ResponseCache:
             self._bytes -= len(self._kept.popitem(last=False)[1].body)
 
 
-def _passed_over(task: "asyncio.Task[_KeptAnswer]") -> None:
+def _ignore_error(task: "asyncio.Task[_CachedResponse]") -> None:
     """Ignore an error that no request waits for: the next request meets it again."""
     if not task.cancelled():
         task.exception()
 
 
-def _made(make: Callable[[], Response], mark: Hashable | None, lately: Hashable | None, zipped: bool) -> _KeptAnswer:
+def _made(make: Callable[[], Response], mark: Hashable | None, lately: Hashable | None, zipped: bool) -> _CachedResponse:
     begun = time.monotonic()
     response = make()
     body = bytes(response.body)
@@ -156,7 +156,7 @@ def _made(make: Callable[[], Response], mark: Hashable | None, lately: Hashable 
     if zipped and response.media_type in COMPRESSED_TYPES and len(body) >= LEAST_COMPRESSED:
         body = compressed(body)
         headers["content-encoding"] = "gzip"
-    return _KeptAnswer(mark, lately, begun, body, response.media_type, headers)
+    return _CachedResponse(mark, lately, begun, body, response.media_type, headers)
 
 
 async def _response_cache(request: Request) -> ResponseCache:

@@ -13,7 +13,7 @@ from fastapi.exceptions import RequestValidationError
 from sqlalchemy.orm import Session
 
 from service.api.conventions.times import Time
-from service.identification.job_options import Asker
+from service.identification.job_options import Requester
 from service.identification.job_quota import JobQuota
 from service.security.principal import Principal
 from service.security.store import Store
@@ -34,13 +34,13 @@ def principal(request: Request) -> Principal:
     return cast(Principal, request.state.principal)
 
 
-def asker(request: Request, priority: int = ASKED) -> Asker:
+def requester(request: Request, priority: int = ASKED) -> Requester:
     """Return who asks for identifications, with their quota of waiting jobs."""
-    return Asker(principal(request).identity, cast(JobQuota, request.app.state.job_quota), priority)
+    return Requester(principal(request).identity, cast(JobQuota, request.app.state.job_quota), priority)
 
 
 async def _reading(request: Request) -> AsyncIterator[Session]:
-    # Opening a session sends the database nothing; closing it may, and is left to a thread even when the request is cancelled.
+    # Opening a session asks the database nothing yet; closing it may, and is left to a thread, whatever happens meanwhile.
     with ExitStack() as opened:
         yield opened.enter_context(database(request).reading())
         closing = opened.pop_all()
@@ -78,7 +78,7 @@ class TimeRange:
 async def _period(first: From = None, last: To = None) -> TimeRange:
     begin, end = moment(first), moment(last)
     if end is not None:
-        end = min(LAST_INSTANT, end + MICROSECOND - 1)  # times in answers are cut to microseconds: include the whole last one
+        end = min(LAST_INSTANT, end + MICROSECOND - 1)  # answers are cut to whole ones: what they say belongs to it as well
     if begin is not None and end is not None and begin > end:
         message = "from lies behind to: exchange them"
         raise RequestValidationError([{"type": "value_error", "loc": ("query", "from"), "msg": message, "input": str(first)}])

@@ -17,7 +17,7 @@ from service.api.conventions.patterns import WORDS
 from service.http.error_status import status_of
 from service.http.problem import FieldProblem, problem_response
 from service.http.security_headers import ALWAYS
-from storage.database.damage import is_damage, said
+from storage.database.damage import error_text, is_damage
 
 UNREADABLE = "There was an error parsing the body"
 """Detail that the framework gives for a body that is not JSON."""
@@ -101,8 +101,8 @@ def _damaged(request: Request, error: DBAPIError) -> JSONResponse:
     """Answer that stored data are damaged. A machine named in the path is reported in the service's health as well."""
     machine_id = request.path_params.get("machine_id")
     if machine_id is not None:
-        request.app.state.database.damage.concerns(machine_id)
-    detail = f"what is stored is damaged, and cannot be read: {said(error)}; look at the disk, and restore a backup"
+        request.app.state.database.damage.record_machine(machine_id)
+    detail = f"what is stored is damaged, and cannot be read: {error_text(error)}; look at the disk, and restore a backup"
     return problem_response(HTTPStatus.SERVICE_UNAVAILABLE, detail)
 
 

@@ -14,7 +14,7 @@ from service.api.conventions.problems import RESPONSES, Unsuitable
 from service.api.conventions.units import UnitChoice, Units, column
 from service.api.conventions.values import rfc3339_texts
 from service.api.findings import model_schemas as schemas
-from service.api.findings.model import head, kept
+from service.api.findings.model import cached_result, head
 from service.identification.stored_model import Identified, UsedRun, used_runs
 from service.security.requirement import VIEWER
 
@@ -38,7 +38,9 @@ def read_bode(
             return used_runs(session, one, one.run_ids if run is None else [run])
 
     asked = ("bode", run, points)
-    one, (speed, curve, measured) = kept(request, identification_id, asked, partial(_curves, points=points), given=runs)
+    one, (speed, curve, measured) = cached_result(
+        request, identification_id, asked, partial(_curves, points=points), given=runs
+    )
     return schemas.Bode(
         **head(one, units),
         slow_roll_subtracted=one.slow_roll is not None,

@@ -20,7 +20,7 @@ from service.api.conventions.problems import RESPONSES, Unsuitable
 from service.api.conventions.values import time_or_none
 from service.api.findings import deviation_schemas as schemas
 from service.monitoring.comparison import WEEK, Compared, compared
-from service.monitoring.condition_adjustment import like_conditions, points, readings
+from service.monitoring.condition_adjustment import condition_adjustment, points, readings
 from service.monitoring.limit_rule import Level
 from service.monitoring.limits import Limits, deviation_rule, severity_of
 from service.monitoring.limits_in_force import limits_in_force
@@ -116,7 +116,7 @@ def _compared(request: Request, session: Session, machine_id: str, which: int | 
 
 def _chosen(session: Session, machine_id: str, which: int | None) -> IdentificationRow:
     if which is None:
-        newest = identifications.newest_of_a_run(session, machine_id)
+        newest = identifications.newest_of_single_run(session, machine_id)
         if newest is None:
             raise IdentificationUnknown(f"of machine '{machine_id}' was accepted yet")
         return newest
@@ -155,7 +155,7 @@ def _about(session: Session, found: Compared, left_out: dict[str, str]) -> dict[
         "measured_at": to_datetime(row.measured_at),
         "run_kind": row.run_kind,
         "conditions": row.conditions,
-        "adjusted_for": [] if found.missing else list(like_conditions(session, found).conditions),
+        "adjusted_for": [] if found.missing else list(condition_adjustment(session, found).conditions),
         "baseline": schemas.BaselineUsed(
             identifications=[one.id for one in found.baseline],
             wanted=found.wanted,

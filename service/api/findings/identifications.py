@@ -4,7 +4,7 @@ from typing import Annotated
 
 from fastapi import APIRouter, Body, Request, Response, status
 
-from service.api.conventions.dependencies import MachineId, Number, Period, Reading, asker, database
+from service.api.conventions.dependencies import MachineId, Number, Period, Reading, database, requester
 from service.api.conventions.paging import ById, ByTime
 from service.api.conventions.parameter_units import ParameterUnitChoice
 from service.api.conventions.problems import RESPONSES, WAIT
@@ -65,7 +65,7 @@ def identify_run(
     identifications is used up.
     """
     with database(request).transaction() as session:
-        row = job_options.ask(session, run_id, job_options.Request(**body.model_dump()), asker(request))
+        row = job_options.request_identification(session, run_id, job_options.Request(**body.model_dump()), requester(request))
     response.headers["Location"] = f"/api/v1/jobs/{row.id}"
     return rendering.job(row)
 

@@ -53,7 +53,7 @@ Points = Annotated[int, Query(ge=10, le=500, description="evenly spaced speeds")
 def read_critical_speeds(request: Request, identification_id: Number, units: UnitChoice) -> schemas.CriticalSpeeds:
     """Read the critical speeds of the updated model, with standard errors, up to 1.25 times the end of the speed range."""
 
-    one, (table, errors) = kept(request, identification_id, ("critical-speeds",), _table, slow=True)
+    one, (table, errors) = cached_result(request, identification_id, ("critical-speeds",), _table, slow=True)
     return schemas.CriticalSpeeds(
         **head(one, units),
         highest=units.speed_of(_highest(one)),
@@ -70,7 +70,7 @@ def read_campbell(
 ) -> schemas.CampbellOut:
     """Read the Campbell diagram of the updated model, from standstill to 1.25 times the end of the speed range."""
 
-    one, found = kept(request, identification_id, ("campbell", points), partial(_diagram, points=points), slow=True)
+    one, found = cached_result(request, identification_id, ("campbell", points), partial(_diagram, points=points), slow=True)
     return schemas.CampbellOut(
         **head(one, units),
         speed=units.speeds(found.speed),
@@ -91,7 +91,7 @@ def read_campbell(
 def read_modes(request: Request, identification_id: Number, units: UnitChoice, rpm: Rpm = None) -> schemas.ModesOut:
     """Read the modes of the updated model and their shapes at a spin speed, by default the highest one of the runs."""
 
-    one, (shapes, errors) = kept(request, identification_id, ("modes", rpm), partial(_shapes, rpm=rpm))
+    one, (shapes, errors) = cached_result(request, identification_id, ("modes", rpm), partial(_shapes, rpm=rpm))
     begins = shaft_begins(one.machine)
     return schemas.ModesOut(
         **head(one, units),
@@ -113,7 +113,7 @@ def read_misalignment_force(
     """Read 1× forces and moments in each coupling over speed, by default over the speeds of the runs."""
 
     work = partial(_coupling_forces, from_rpm=from_rpm, to_rpm=to_rpm, points=points)
-    one, found = kept(request, identification_id, ("misalignment-force", from_rpm, to_rpm, points), work)
+    one, found = cached_result(request, identification_id, ("misalignment-force", from_rpm, to_rpm, points), work)
     return schemas.MisalignmentForce(
         **head(one, units),
         speed=units.speeds(_speeds(one, from_rpm, to_rpm, points)),
@@ -144,7 +144,7 @@ def read_balancing(
 
     asked = ("balancing", None if plane is None else tuple(plane), from_rpm, to_rpm, points)
     work = partial(_correction, plane=plane, from_rpm=from_rpm, to_rpm=to_rpm, points=points)
-    one, found = kept(request, identification_id, asked, work)
+    one, found = cached_result(request, identification_id, asked, work)
     return schemas.Balancing(
         **head(one, units),
         speed=units.speeds(found.speed),
@@ -160,7 +160,7 @@ def read_balancing(
     )
 
 
-def kept(
+def cached_result(
     request: Request,
     identification_id: int,
     asked: tuple[Any, ...],

@@ -14,7 +14,7 @@ from fastapi import HTTPException, status
 
 from estimator.machine.document import Machine
 from estimator.machine.document_size import document_size
-from service.workers.process_pool import ProcessPool, Stuck
+from service.workers.process_pool import ProcessPool, WorkerStuck
 from service.workers.time_limit import OutOfTime, limited
 
 LONG_ELEMENTS, LONG_UNKNOWNS = 50, 150
@@ -51,7 +51,7 @@ class ModelProcess:
             future: Future[T] = self._processes.submit(self._time_s, _in_time, self._time_s, work, *args, **kwargs)
         try:
             return future.result()
-        except (MemoryError, OutOfTime, Stuck, BrokenProcessPool) as error:
+        except (MemoryError, OutOfTime, WorkerStuck, BrokenProcessPool) as error:
             limits = f"{self._time_s:.0f} s and {self._memory / 2**30:.1f} GiB"
             raise HTTPException(
                 status.HTTP_503_SERVICE_UNAVAILABLE,

@@ -8,7 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from estimator.field_types import Identifier
 from service.api.conventions.dependencies import MachineId, Period, Reading, database, instant
-from service.api.conventions.fields import Moment, Said
+from service.api.conventions.fields import Moment, NonBlankText
 from service.api.conventions.paging import ByTime
 from service.api.conventions.problems import RESPONSES, Unsuitable
 from service.security.principal import Author
@@ -30,7 +30,7 @@ class CalibrationIn(BaseModel):
 
     channel: Identifier = Field(description="of a probe in the document in force")
     at: Moment = Field(description="when it was calibrated")
-    certificate: Said = Field(description="what it says: number, laboratory, sensitivity found, uncertainty")
+    certificate: NonBlankText = Field(description="what it says: number, laboratory, sensitivity found, uncertainty")
     by: Author
 
 

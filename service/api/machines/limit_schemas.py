@@ -4,7 +4,7 @@ from datetime import datetime
 
 from pydantic import BaseModel, ConfigDict
 
-from service.api.conventions.fields import Said
+from service.api.conventions.fields import NonBlankText
 from service.monitoring.limits import Limits
 from service.security.principal import Author
 
@@ -15,7 +15,7 @@ class LimitsIn(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
     by: Author
-    comment: Said
+    comment: NonBlankText
     limits: Limits
 
 

@@ -30,7 +30,7 @@ class MachineList:
             kept = self._kept.get(seen)
         machines = kept[1] if kept is not None and kept[0] == stamp else None
         if machines is None:
-            machines = fleet.every(session)
+            machines = fleet.list_all(session)
             with self._lock:
                 if len(self._kept) >= MOST_KEPT:
                     self._kept.clear()

@@ -14,7 +14,7 @@ from service.api.conventions.dependencies import MachineId, Period, Reading
 from service.api.conventions.paging import ByTime
 from service.api.conventions.problems import RESPONSES
 from service.api.conventions.values import direction
-from service.runs.collection_state import CollectionState, standing
+from service.runs.collection_state import CollectionState, state_of
 from service.security.requirement import VIEWER
 from storage.clock import to_datetime
 from storage.machines import machines
@@ -57,7 +57,7 @@ class PastState(BaseModel):
 def read_machine_state(session: Reading, machine_id: MachineId) -> MachineState:
     """Read the state: stopped, slow roll, run-up, at speed, run-down or trip, with the progress of the open run."""
     machine = machines.document(session, machine_id)
-    now = standing(session, machine_id)
+    now = state_of(session, machine_id)
     if now is None:
         return MachineState(
             machine=machine_id, state="unknown", since=None, speed_rpm=None, direction=None, newest_sample_at=None, run=None
@@ -83,7 +83,7 @@ def progress(kind: str, now: CollectionState, *, minimum_rpm: float, maximum_rpm
 
 
 def _open_run(session: Session, machine: Machine, now: CollectionState) -> OpenRun | None:
-    row = runs.current(session, machine.id)
+    row = runs.open_run_of(session, machine.id)
     if row is None:
         return None
     limits = machine.speed_range

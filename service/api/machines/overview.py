@@ -26,7 +26,7 @@ Row = dict[str, Any]
 
 
 @dataclass(frozen=True)
-class _KeptRow:
+class _CachedRow:
     """A row as JSON with its inputs. standing: state of run collection, as JSON; None before samples."""
 
     glance: MachineGlance
@@ -40,7 +40,7 @@ class Overview:
     def __init__(self, database: Database) -> None:
         self._changes = Changes(database)
         self._glances: tuple[Hashable, list[MachineGlance]] | None = None
-        self._rows: dict[str, _KeptRow] = {}
+        self._rows: dict[str, _CachedRow] = {}
         self._lock = threading.Lock()
 
     def rows(self, session: Session, machines: Sequence[ListedMachine], *, since: int) -> list[msgspec.Raw]:
@@ -64,13 +64,13 @@ class Overview:
         kept = self._rows.get(glance.machine.id)
         if kept is None or kept.standing != standing or (kept.glance is not glance and kept.glance != glance):
             known = None if standing is None else CollectionState.restored(msgspec.json.decode(standing))
-            kept = _KeptRow(glance, standing, msgspec.Raw(msgspec.json.encode(_row(glance, known))))
+            kept = _CachedRow(glance, standing, msgspec.Raw(msgspec.json.encode(_row(glance, known))))
             self._rows[glance.machine.id] = kept
         return kept.row
 
 
 def _row(one: MachineGlance, standing: CollectionState | None) -> Row:
-    # Encoded without a model: validating a thousand rows field by field takes too long.
+    # Encoded without a model: a thousand of them would be looked at field by field.
     readings = None if standing is None else standing.operating.sweep.readings
     known = readings is not None and readings.last_time is not None
     return {

@@ -17,7 +17,7 @@ from estimator.machine.document import Machine
 from estimator.phasors.slow_roll import SlowRoll, capture
 from estimator.strict_model import Written
 from estimator.units import METRES, PEAK, RADIANS, rad_per_s_to_rpm, rpm_to_rad_per_s
-from service.api.conventions.dependencies import MachineId, Reading, asker, database, moment
+from service.api.conventions.dependencies import MachineId, Reading, database, moment, requester
 from service.api.conventions.paging import ById
 from service.api.conventions.preconditions import IfMatch, require, tagged
 from service.api.conventions.problems import RESPONSES, WAIT, Unsuitable
@@ -177,11 +177,11 @@ def put_in_force(
         revision = machines.get(session, machine_id).revision
         if body.identify_again:
             newest = runs.newest_closed(session, machine_id, revision=revision, limit=body.identify_again)
-            person = asker(request, RECOMPUTED)
+            person = requester(request, RECOMPUTED)
             if len(newest) > person.quota.at_once:
                 raise Unsuitable(f"identify_again: no more than {person.quota.at_once} runs may wait to be identified again")
             for run in newest:
-                job_options.ask(session, run.id, job_options.Request(), person)
+                job_options.request_identification(session, run.id, job_options.Request(), person)
     with database(request).reading() as session:
         tagged(response, _in_force(session, machine_id))
         return _listed(session, machine_id, slow_roll.versions(session, machine_id, limit=100))
@@ -242,7 +242,7 @@ def _stored(session: Session, machine_id: str, body: SlowRollIn) -> tuple[Machin
         raise Unsuitable(f"from must be before to, by at most {LONGEST_CAPTURE_S // 86_400} days")
     revision = machines.get(session, machine_id).revision
     document = machines.document(session, machine_id, revision)
-    channels, also = len(document.probes), machines.measured_alike(session, machine_id, revision)
+    channels, also = len(document.probes), machines.revisions_with_same_channels(session, machine_id, revision)
     return document, samples.between(
         session,
         machine_id,

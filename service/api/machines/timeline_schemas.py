@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, Field
 
 from estimator.strict_model import Written
-from service.api.conventions.fields import Moment, Said
+from service.api.conventions.fields import Moment, NonBlankText
 from service.security.principal import Author
 
 
@@ -15,7 +15,7 @@ class TimelineIn(Written):
 
     at: Moment
     kind: Literal["note", "maintenance", "marker"] = "note"
-    text: Said
+    text: NonBlankText
     by: Author
 
 
@@ -35,7 +35,7 @@ class BaselineIn(Written):
     """A new baseline. Without named identifications it consists of the first accepted ones of each kind of run."""
 
     since: Moment
-    reason: Said
+    reason: NonBlankText
     by: Author
     identifications: Annotated[list[Annotated[int, Field(ge=0, le=2**62)]], Field(max_length=200)] | None = None
 

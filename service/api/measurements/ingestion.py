@@ -15,7 +15,7 @@ from service.api.conventions.dependencies import MachineId
 from service.api.conventions.problems import RESPONSES
 from service.api.measurements import schemas
 from service.http.problem import Problem
-from service.journal.http_queue import RETRY_AFTER_S, Taking
+from service.journal.http_queue import RETRY_AFTER_S, SubmissionSink
 from service.security.requirement import SOURCE
 from service.wire import ENCODINGS, LARGEST_MESSAGE, Reason, Rejected
 
@@ -61,7 +61,7 @@ async def add_samples(request: Request, machine_id: MachineId) -> schemas.Submit
     Everything confirmed by the answer is durable. Invalid samples are listed with the reason, and the others are stored; a
     batch rejected as a whole may be sent again corrected, under the same numbers.
     """
-    submissions = cast(Taking | None, request.app.state.submissions)
+    submissions = cast(SubmissionSink | None, request.app.state.submissions)
     if submissions is None:
         raise _unavailable("this process takes no samples")
     encoding = request.headers.get("content-type", "")

@@ -53,7 +53,7 @@ def read_samples(
     """
     chosen = revision or machines.get(session, machine_id).revision
     machine = machines.document(session, machine_id, chosen)
-    alike = machines.measured_alike(session, machine_id, chosen)
+    alike = machines.revisions_with_same_channels(session, machine_id, chosen)
     newest = samples.latest(
         session,
         machine_id,

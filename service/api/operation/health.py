@@ -13,10 +13,10 @@ from service.api.conventions.times import Time
 from service.api.operation import rendering, schemas
 from service.configuration.release import VERSION
 from service.security.requirement import ADMIN, ANYBODY, VIEWER
-from service.wire import OwnFault, Reason
+from service.wire import InternalErrorReason, Reason
 from storage.database.claim import DatabaseUnusable
 from storage.database.engine import Database
-from storage.database.errors import concerns_all
+from storage.database.errors import is_database_wide
 from storage.measurements import quarantine, samples
 
 router = APIRouter(tags=["operations"])
@@ -38,7 +38,7 @@ class HealthReport:
     answers: bool
 
 
-async def looked_at(request: Request) -> HealthReport:
+async def health_report(request: Request) -> HealthReport:
     """Check the parts and the database now."""
     kept = cast(Database, request.app.state.database)
     parts: dict[str, str] = request.app.state.parts()
@@ -51,19 +51,19 @@ async def looked_at(request: Request) -> HealthReport:
     except DatabaseUnusable as error:
         unanswered = str(error)
     except DBAPIError as error:
-        if concerns_all(error):
+        if is_database_wide(error):
             unanswered = f"the database does not answer: {error.orig}"
     parts["database"] = unanswered or kept.damage.trouble or "ok"
     return HealthReport(parts, counts, answers=unanswered is None)
 
 
 async def _health(request: Request) -> schemas.Health:
-    look = await looked_at(request)
+    look = await health_report(request)
     parts = look.parts
     kept = cast(Database, request.app.state.database)
     # A stream without a peer is waiting, not broken.
     healthy = all(state == "ok" for name, state in parts.items() if name != "stream")
-    # A partly damaged store still takes data of the other machines.
+    # Of a store that is damaged in parts, what concerns other machines is taken.
     ready = look.answers and all(state == "ok" for name, state in parts.items() if name != "database")
     whole = schemas.Health(
         healthy=healthy,
@@ -77,7 +77,7 @@ async def _health(request: Request) -> schemas.Health:
     who = principal(request)
     if who.kind != "anonymous" and who.plants is None:
         return whole
-    # Faults may name machines and files: anonymous clients and those of single plants see only whether each works.
+    # What ails it may name machines and files: who is not known is told that much and no more.
     outline = {name: "ok" if state == "ok" else "not ok" for name, state in parts.items()}
     return whole.model_copy(
         update={"parts": outline, "jobs": {}, "database": "", "warnings": []} | ({} if who.known else {"version": ""})
@@ -124,7 +124,7 @@ def list_sources(session: Reading, paging: BySource) -> list[schemas.SourceOut]:
     return [rendering.source(row) for row in paging.page(rows, lambda row: (row.machine_id, row.source, row.epoch))]
 
 
-WhichReason = Annotated[Reason | OwnFault | None, Query(description="only entries with this reason")]
+WhichReason = Annotated[Reason | InternalErrorReason | None, Query(description="only entries with this reason")]
 
 
 @router.get("/quarantine", operation_id="read_quarantine", dependencies=[VIEWER])

@@ -16,14 +16,14 @@ from prometheus_client.registry import Collector
 from sqlalchemy.exc import DBAPIError
 
 from service.api.conventions.dependencies import database
-from service.api.operation.health import looked_at
+from service.api.operation.health import health_report
 from service.security.requirement import VIEWER
 from service.security.store import Store
-from service.wire import OwnFault, Reason
+from service.wire import InternalErrorReason, Reason
 from storage.alerts import deliveries
 from storage.clock import now
 from storage.database.claim import DatabaseUnusable
-from storage.database.errors import concerns_all
+from storage.database.errors import is_database_wide
 from storage.findings import jobs
 from storage.measurements import quarantine, samples
 from storage.measurements.samples import Totals
@@ -78,7 +78,7 @@ class _Figures(Collector):
             duplicates.add_metric(labels, one.duplicates)
             late.add_metric(labels, one.late)
             lost.add_metric(labels, one.lost)
-        # The oldest samples, not the first ids as for the counts: an alarm must see silent machines.
+        # Not of the first ones by id, as the counts are: an alarm must see who is silent.
         for machine, seconds in heapq.nlargest(LARGEST_MACHINE_COUNT, self._ages.items(), key=lambda one: one[1]):
             age.add_metric([machine], seconds)
         yield from (received, duplicates, late, lost, age)
@@ -142,14 +142,14 @@ async def read_metrics(request: Request) -> Response:
     if state.submissions is not None:
         gauges["rundown_http_queue_batches"] = len(state.submissions)
         gauges["rundown_ingest_storing"] = int(state.submissions.trouble is None)
-    # Only the parts: the job counts there are of all plants, not of the client's.
-    look = await looked_at(request)
+    # Only the parts: the jobs that are counted there are of all plants, whoever asks.
+    look = await health_report(request)
     parts, answers, kept = look.parts, look.answers, _StoreFigures()
     if answers:
         try:
             kept = await run_in_threadpool(_kept, database(request))
         except (DatabaseUnusable, DBAPIError) as error:
-            answers = not concerns_all(error) and not isinstance(error, DatabaseUnusable)
+            answers = not is_database_wide(error) and not isinstance(error, DatabaseUnusable)
             parts["database"] = state.database.damage.trouble or str(error)
     gauges["rundown_database_answers"] = int(answers)
     gauges["rundown_store_damaged"] = int(state.database.damage.trouble is not None)
@@ -163,7 +163,7 @@ def _kept(store: Store) -> _StoreFigures:
         totals = samples.totals(session)
         by_state = _of_every(jobs.STATES, jobs.count(session))
         on_their_way = _of_every(deliveries.STATES, deliveries.counts(session))
-        rejected = _of_every((*get_args(Reason), *get_args(OwnFault)), quarantine.counts(session))
+        rejected = _of_every((*get_args(Reason), *get_args(InternalErrorReason)), quarantine.counts(session))
         ages = _ages(totals)
         silent = sum(seconds > SILENT_S for seconds in ages.values())
         return _StoreFigures(_bounded(totals), ages, silent, rejected, by_state, on_their_way)

@@ -47,5 +47,5 @@ def list_replicas(session: Reading) -> list[ReplicaOut]:
             machine_shares=len(set(held[row.id]) & set(INGEST)),
             leases=held[row.id],
         )
-        for row in replicas.every(session)
+        for row in replicas.list_all(session)
     ]

@@ -52,7 +52,7 @@ class Columns:
 
 
 @dataclass(frozen=True)
-class _KeptHistory:
+class _CachedHistory:
     """A history with the state of the whole store (mark) and of the machine (stamp) before it was read."""
 
     mark: Hashable | None
@@ -67,7 +67,7 @@ class HistoryCache:
         self._database = database
         self._changes = Changes(database)
         self._baseline_runs = baseline_runs
-        self._kept: OrderedDict[tuple[str, str, str], _KeptHistory] = OrderedDict()
+        self._kept: OrderedDict[tuple[str, str, str], _CachedHistory] = OrderedDict()
         self._lock = threading.Lock()
 
     def columns(self, machine_id: str, parameters: Sequence[str], *, scope: str) -> dict[str, Columns]:
@@ -95,11 +95,11 @@ class HistoryCache:
                     bands = baseline_bands(session, machine_id, name, history, baseline_runs=self._baseline_runs)
                 found[name] = _columns(history, bands)
         for name, columns in found.items():
-            self._keep((machine_id, name, scope), _KeptHistory(mark, stamp, columns))
+            self._keep((machine_id, name, scope), _CachedHistory(mark, stamp, columns))
         return found
 
     def _still_good(
-        self, machine_id: str, parameters: Sequence[str], scope: str, holds: Callable[[_KeptHistory], bool]
+        self, machine_id: str, parameters: Sequence[str], scope: str, holds: Callable[[_CachedHistory], bool]
     ) -> dict[str, Columns]:
         found = {}
         with self._lock:
@@ -110,9 +110,9 @@ class HistoryCache:
                     self._kept.move_to_end((machine_id, name, scope))
         return found
 
-    def _keep(self, key: tuple[str, str, str], kept: _KeptHistory) -> None:
+    def _keep(self, key: tuple[str, str, str], kept: _CachedHistory) -> None:
         if not len(kept.columns):
-            return  # not cached: clients may ask for any number of absent names
+            return  # anybody can ask for names that are not there
         with self._lock:
             self._kept[key] = kept
             self._kept.move_to_end(key)
@@ -120,7 +120,7 @@ class HistoryCache:
                 self._kept.popitem(last=False)
 
 
-def cut(columns: Columns, *, first: int | None, last: int | None, most: int) -> Chosen:
+def in_time_range(columns: Columns, *, first: int | None, last: int | None, most: int) -> Chosen:
     """Return the points of a closed time range [ns], downsampled to at most `most`.
 
     Accepted and not accepted points of each kind of run are downsampled separately: a failed fit displaces no valid value.
@@ -132,7 +132,7 @@ def cut(columns: Columns, *, first: int | None, last: int | None, most: int) -> 
     return Chosen(begin + chosen.index, chosen.method, chosen.points)
 
 
-def table(columns: Columns, chosen: Chosen) -> dict[str, list[Any]]:
+def value_columns(columns: Columns, chosen: Chosen) -> dict[str, list[Any]]:
     """Return the chosen points by column; NaN where there is no value."""
     history, at = columns.history, chosen.index
     return {
@@ -148,7 +148,7 @@ def table(columns: Columns, chosen: Chosen) -> dict[str, list[Any]]:
     }
 
 
-def parts(columns: Columns, chosen: Chosen) -> dict[str, list[float] | None]:
+def complex_parts(columns: Columns, chosen: Chosen) -> dict[str, list[float] | None]:
     """Return real and imaginary part of an unbalance, and its angle; null for every other parameter."""
     if not columns.complex:
         return dict.fromkeys(("real", "imaginary", "angle_deg", "angle_half_width_deg"))
@@ -162,7 +162,7 @@ def parts(columns: Columns, chosen: Chosen) -> dict[str, list[float] | None]:
     }
 
 
-def beside(columns: Columns, chosen: Chosen) -> dict[str, list[float]]:
+def baseline_columns(columns: Columns, chosen: Chosen) -> dict[str, list[float]]:
     """Return the baseline band that applies to each chosen point; NaN where there is none."""
     history, at = columns.history, chosen.index
     band = np.full((3, len(at)), np.nan)

@@ -13,7 +13,7 @@ from service.api.conventions.formats import CSV, MEDIA_TYPES, PARQUET, Format, a
 from service.api.conventions.parameter_units import ParameterUnitChoice
 from service.api.conventions.problems import RESPONSES
 from service.api.conventions.values import rfc3339_text
-from service.api.trends.columns import Columns, HistoryCache, beside, cut, parts, table
+from service.api.trends.columns import Columns, HistoryCache, baseline_columns, complex_parts, in_time_range, value_columns
 from service.api.trends.downsampling import Chosen
 from service.api.trends.units import in_units
 from service.monitoring.trend_bands import BaselineBand
@@ -138,7 +138,10 @@ async def read_trends(
     def read() -> Response:
         stored = kept.columns(machine_id, names, scope=scope)
         found = {name: in_units(columns, units) for name, columns in stored.items()}
-        points = {name: cut(columns, first=period.first, last=period.last, most=max_points) for name, columns in found.items()}
+        points = {
+            name: in_time_range(columns, first=period.first, last=period.last, most=max_points)
+            for name, columns in found.items()
+        }
         body = _json(machine_id, scope, found, points) if wanted == "json" else _file(wanted, found, points)
         return Response(body, media_type=MEDIA_TYPES[wanted], headers={"Vary": "Accept"})
 
@@ -160,7 +163,12 @@ def _series(name: str, columns: Columns, chosen: Chosen) -> dict[str, Any]:
     head = {"parameter": name, "unit": columns.history.unit}
     down_sampling = {"method": chosen.method, "points": chosen.points}
     bands = [_baseline(one) for one in columns.baselines]
-    return head | {"down_sampling": down_sampling, "baselines": bands} | table(columns, chosen) | parts(columns, chosen)
+    return (
+        head
+        | {"down_sampling": down_sampling, "baselines": bands}
+        | value_columns(columns, chosen)
+        | complex_parts(columns, chosen)
+    )
 
 
 def _baseline(one: BaselineBand) -> dict[str, Any]:
@@ -181,9 +189,13 @@ def _rows(found: Mapping[str, Columns], points: Mapping[str, Chosen]) -> dict[st
     for name, columns in found.items():
         chosen = points[name]
         count = len(chosen.index)
-        components = {part: [None] * count if values is None else values for part, values in parts(columns, chosen).items()}
+        components = {
+            part: [None] * count if values is None else values for part, values in complex_parts(columns, chosen).items()
+        }
         rows: dict[str, list[Any]] = {"parameter": [name] * count, "unit": [columns.history.unit] * count}
         thinned: dict[str, list[Any]] = {"down_sampling": [chosen.method] * count, "points": [chosen.points] * count}
-        for column, values in (rows | table(columns, chosen) | components | beside(columns, chosen) | thinned).items():
+        for column, values in (
+            rows | value_columns(columns, chosen) | components | baseline_columns(columns, chosen) | thinned
+        ).items():
             whole.setdefault(column, []).extend(values)
     return whole

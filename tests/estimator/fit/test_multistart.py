@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from estimator.fit import maximum_likelihood as fit_module
+from estimator.fit import fit_problem as fit_module
 from estimator.fit.identify import Options, identify
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement

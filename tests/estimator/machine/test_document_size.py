@@ -24,8 +24,7 @@ from estimator.updated_model.model import expected_model
 from service.configuration.document_files import UnreadableFile, read_machine
 from tests.estimator.long_trains import TRAINS
 from tests.estimator.trains import Document, one_disc_document
-
-EXAMPLES = Path(__file__).parents[2] / "examples"
+from tests.paths import EXAMPLES
 
 
 def sliced(sections: int, *, shafts: int = 1) -> Document:

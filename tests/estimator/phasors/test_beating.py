@@ -1,7 +1,6 @@
 """Beats behind a resonance: found in a measured run-up and in integrated sweeps, and not in steady-state runs."""
 
 import csv
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,8 +12,9 @@ from estimator.simulation.simulated_plant import draw_truth, measured_phasors, s
 from estimator.units import rpm_to_rad_per_s
 from tests.estimator.sweeps import linear_law, noisy, single_mass
 from tests.estimator.trains import chapter_3
+from tests.paths import DATA
 
-MEASURED = Path(__file__).parents[1] / "data" / "rk4_runup_1x.csv"
+MEASURED = DATA / "rk4_runup_1x.csv"
 
 
 def test_measured_run_up_beats_at_the_rate_that_its_turns_tell() -> None:

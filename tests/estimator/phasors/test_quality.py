@@ -1,7 +1,6 @@
 """Flags and findings of runs that need no model of the machine."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +11,7 @@ from estimator.phasors.quality import MEANING, Flag, assess, own_noise
 from estimator.phasors.recorded_run import RecordedRun
 from estimator.units import rpm_to_rad_per_s
 from tests.estimator.sweeps import Complexes, Floats, noisy, recorded, single_mass, steady
+from tests.paths import ROOT
 
 NOISE = Noise(relative=0.01, floor=1e-9)
 CHANNELS = ("X", "Y")
@@ -42,7 +42,7 @@ def test_every_flag_has_its_own_bit_name_and_meaning() -> None:
     assert len({one.label for one in Flag}) == len(Flag)
     assert Flag.SWEEP_RATE_BEAT.label == "sweep-rate-beat"
     assert max(Flag) < 2**16
-    page = (Path(__file__).parents[2] / "docs" / "analysts.md").read_text()
+    page = (ROOT / "docs" / "analysts.md").read_text()
     assert [one.label for one in Flag if f"`{one.label}`" not in page] == []
 
 

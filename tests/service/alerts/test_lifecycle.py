@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from service.alerts.lifecycle import (
     Acknowledged,
     AlertCondition,
-    AlertStanding,
+    AlertStatus,
     Cleared,
     Event,
     Forbidden,
@@ -51,7 +51,7 @@ def test_the_table_names_every_condition() -> None:
 
 @pytest.mark.parametrize(("condition", "event", "latching", "expected"), CASES)
 def test_transitions_of_the_standard(condition: AlertCondition, event: Event, latching: bool, expected: str) -> None:
-    standing = AlertStanding(condition, latching=latching)
+    standing = AlertStatus(condition, latching=latching)
     if expected == "-":
         with pytest.raises(Forbidden):
             advance(standing, event)
@@ -60,27 +60,27 @@ def test_transitions_of_the_standard(condition: AlertCondition, event: Event, la
 
 
 def test_an_acknowledged_alert_that_gets_worse_calls_again() -> None:
-    seen = AlertStanding(AlertCondition.ACKNOWLEDGED, Severity.ALERT)
-    assert advance(seen, Raised(Severity.DANGER)) == AlertStanding(AlertCondition.UNACKNOWLEDGED, Severity.DANGER)
-    worst = AlertStanding(AlertCondition.ACKNOWLEDGED, Severity.DANGER)
-    assert advance(worst, Raised(Severity.ALERT)) == AlertStanding(AlertCondition.ACKNOWLEDGED, Severity.ALERT)
+    seen = AlertStatus(AlertCondition.ACKNOWLEDGED, Severity.ALERT)
+    assert advance(seen, Raised(Severity.DANGER)) == AlertStatus(AlertCondition.UNACKNOWLEDGED, Severity.DANGER)
+    worst = AlertStatus(AlertCondition.ACKNOWLEDGED, Severity.DANGER)
+    assert advance(worst, Raised(Severity.ALERT)) == AlertStatus(AlertCondition.ACKNOWLEDGED, Severity.ALERT)
 
 
 @pytest.mark.parametrize("suppression", Suppression)
 def test_a_suppressed_alert_calls_nobody_and_follows_its_cause(suppression: Suppression) -> None:
-    quiet = advance(AlertStanding(AlertCondition.ACKNOWLEDGED), Suppressed(suppression))
+    quiet = advance(AlertStatus(AlertCondition.ACKNOWLEDGED), Suppressed(suppression))
     assert quiet.state == suppression.value
     assert advance(quiet, Cleared()).closed
     with pytest.raises(Forbidden, match="end that first"):
         advance(quiet, Acknowledged())
     assert advance(quiet, Released(suppression)).condition is AlertCondition.UNACKNOWLEDGED  # it calls again
-    risen = advance(advance(AlertStanding(), Suppressed(suppression)), Raised())
+    risen = advance(advance(AlertStatus(), Suppressed(suppression)), Raised())
     assert risen.state == suppression.value
     assert advance(risen, Released(suppression)).state == "unacknowledged"
 
 
 def test_several_suppressions_hold_until_the_last_one_ends() -> None:
-    standing = AlertStanding(AlertCondition.ACKNOWLEDGED)
+    standing = AlertStatus(AlertCondition.ACKNOWLEDGED)
     for suppression in reversed(Suppression):
         standing = advance(standing, Suppressed(suppression))
     shown = []
@@ -93,12 +93,12 @@ def test_several_suppressions_hold_until_the_last_one_ends() -> None:
 
 def test_what_is_not_suppressed_is_not_released() -> None:
     with pytest.raises(Forbidden, match="not shelved"):
-        advance(AlertStanding(AlertCondition.UNACKNOWLEDGED), Released(Suppression.SHELVED))
+        advance(AlertStatus(AlertCondition.UNACKNOWLEDGED), Released(Suppression.SHELVED))
 
 
 def test_a_latched_alert_is_acknowledged_before_it_is_reset() -> None:
     with pytest.raises(Forbidden, match="acknowledge it, then reset it"):
-        advance(AlertStanding(AlertCondition.LATCHED_UNACKNOWLEDGED), Reset())
+        advance(AlertStatus(AlertCondition.LATCHED_UNACKNOWLEDGED), Reset())
 
 
 events = st.one_of(
@@ -113,7 +113,7 @@ events = st.one_of(
 
 @given(st.booleans(), st.lists(events, max_size=60))
 def test_laws_of_any_life(latching: bool, lived: list[Event]) -> None:
-    standing, cause, quiet = AlertStanding(latching=latching), False, set[Suppression]()
+    standing, cause, quiet = AlertStatus(latching=latching), False, set[Suppression]()
     for event in lived:
         try:
             after = advance(standing, event)

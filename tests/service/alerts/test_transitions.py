@@ -141,11 +141,11 @@ def test_a_shelved_alert_calls_nobody_until_its_time_is_over(plant: Database, fo
         transitions.acknowledge(session, row, ANNA)
         transitions.shelve(session, row, ANNA, until=time.time_ns() + SECOND // 2)
         assert row.state == "shelved"
-        assert transitions.release_over(session) == 0
+        assert transitions.release_expired(session) == 0
     time.sleep(0.6)
     with plant.transaction() as session:
-        assert transitions.release_over(session) == 1
-        assert transitions.release_over(session) == 0
+        assert transitions.release_expired(session) == 1
+        assert transitions.release_expired(session) == 0
         row = alerts.get(session, row.id)
         assert row.state == "unacknowledged"
         assert kinds(session, row) == ["raised", "acknowledged", "shelved", "shelved_ended"]

@@ -23,7 +23,7 @@ def test_days_have_bounds(database: Database, days: str) -> None:
     assert "--days" in said
     assert "must be from 0.001 to 36500 days, which is a hundred years" in said
     with database.reading() as session:
-        assert not keys.are_there(session)
+        assert not keys.any_exist(session)
 
 
 @pytest.mark.parametrize("plant", ["", "p\n1", "p\n", "p,q", "p" * 65])
@@ -31,7 +31,7 @@ def test_a_plant_is_named_as_machines_name_it(database: Database, plant: str) ->
     said = refused("create", "anna", "--role", "viewer", "--plant", "p1", "--plant", plant, "--database", database.url)
     assert said == f"rundown: --plant {plant!r} is no plant: it must have 1 to 64 letters, digits, '_' and '-'"
     with database.reading() as session:
-        assert not keys.are_there(session)
+        assert not keys.any_exist(session)
 
 
 @pytest.mark.parametrize("option", ["--days", "--overlap-days"])
@@ -41,7 +41,7 @@ def test_a_rotation_s_days_have_bounds(database: Database, option: str) -> None:
     for days in ("inf", "nan", "1e9", "-1"):
         assert f"rundown: {option} " in refused("rotate", row.prefix, option, days, "--database", database.url)
     with database.reading() as session:
-        assert len(keys.every(session)) == 1
+        assert len(keys.list_all(session)) == 1
 
 
 def test_a_hundred_years_are_not_too_long(database: Database) -> None:

@@ -5,8 +5,9 @@ from pathlib import Path
 import pytest
 
 from service.commands.page_declarations import documents, write
+from tests.paths import ROOT
 
-PAGE = Path(__file__).parents[3] / "dashboard" / "src" / "declarations"
+PAGE = ROOT / "dashboard" / "src" / "declarations"
 
 
 @pytest.mark.parametrize("name", list(documents()))

@@ -94,7 +94,7 @@ def test_backed_up_restored_and_moved(told: Database, databases: Databases, tmp_
     assert "holds" in rundown("move", there, away, status=1)
     moved = Database(away)
     with moved.reading() as session:
-        assert [row.id for row in machines.every(session)] == ["other", "pump-7"]
+        assert [row.id for row in machines.list_all(session)] == ["other", "pump-7"]
     moved.close()
     databases.drop(there)
 

@@ -24,7 +24,7 @@ from service.delivery.dispatcher import Dispatcher
 from service.delivery.outbox import AT_ONCE
 from service.delivery.zenoh_channel import LastStates
 from service.messaging.session import open_session
-from service.replication.work_share import Whole
+from service.replication.work_share import WholeShare
 from service.secrets.sealing import Sealing
 from storage.alerts import alerts, deliveries
 from storage.database.engine import Database
@@ -254,7 +254,7 @@ def test_what_nobody_expected_is_told_of_until_it_is_over(
 ) -> None:
     monkeypatch.setattr(dispatcher_module, "RETRY_S", 0.05)
 
-    class Confused(Whole):
+    class Confused(WholeShare):
         clear = False
 
         def leads(self, work: str) -> bool:
@@ -304,7 +304,7 @@ def test_a_delivery_is_given_up_when_the_schedule_is_over_and_can_be_asked_for_a
         assert rows(plant, subscription)[0].attempts == 3
         http.well.set()
         with plant.transaction() as session:
-            deliveries.again(deliveries.delivery(session, rows(plant, subscription)[0].id))
+            deliveries.redeliver(deliveries.delivery(session, rows(plant, subscription)[0].id))
         wait_until(lambda: states(plant, subscription) == ["delivered"])
     assert len({one.headers["webhook-id"] for one in http.received}) == 1
 

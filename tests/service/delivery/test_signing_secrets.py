@@ -182,19 +182,19 @@ def test_plain_secrets_of_an_older_release_are_sealed_and_leave_no_copy(stores: 
             for number, secret in enumerate(plain):
                 deliveries.subscribe(session, kind="webhook", name=f"{number}", target=TARGET, secret=secret)
                 idempotency.claim(session, f"key {number}", "")
-                idempotency.answered(session, f"key {number}", told(secret))
+                idempotency.store_response(session, f"key {number}", told(secret))
             idempotency.claim(session, "other", "")
-            idempotency.answered(session, "other", StoredResponse(201, [], b"{}"))
+            idempotency.store_response(session, "other", StoredResponse(201, [], b"{}"))
         with database.transaction() as session:  # these leave their pages behind
             keep_deleted(session)
             for number in range(20):
                 idempotency.release(session, f"key {number}")
-            for row in deliveries.with_secret(session):
+            for row in deliveries.list_subscriptions_with_secret(session):
                 row.reason = "x" * 300
-        secrets = secret_upkeep.opened(database, Settings(database=url))
+        secrets = secret_upkeep.open_secrets(database, Settings(database=url))
         assert held(tmp_path, *plain) == []
         with database.reading() as session:
-            rows = deliveries.with_secret(session)
+            rows = deliveries.list_subscriptions_with_secret(session)
             assert [secrets.reveal(row) for row in rows] == plain
             assert SecretReport.at(rows, secrets) == SecretReport([], [])
         with database.transaction() as session:
@@ -203,14 +203,14 @@ def test_plain_secrets_of_an_older_release_are_sealed_and_leave_no_copy(stores: 
     assert stat.S_IMODE(key.stat().st_mode) == 0o600
     text = key.read_text()
     with closing(Database(url)) as database:
-        assert secret_upkeep.opened(database, Settings(database=url)).trouble(rows[0]) is None
+        assert secret_upkeep.open_secrets(database, Settings(database=url)).trouble(rows[0]) is None
     assert key.read_text() == text
 
 
 def test_a_lost_key_is_stated_and_no_other_one_is_made_in_its_place(stores: Stores, tmp_path: Path) -> None:
     url = stores.databases("sqlite").copy(stores.empty("sqlite"), tmp_path / "rundown.db")
     with closing(Database(url)) as database:
-        secrets = secret_upkeep.opened(database, Settings(database=url))
+        secrets = secret_upkeep.open_secrets(database, Settings(database=url))
         made = Api(database, secrets=secrets)("POST", "/subscriptions", 201, json=WANTED)
         before = stored(database, made["id"])
         key = tmp_path / "rundown.db.key"
@@ -218,12 +218,12 @@ def test_a_lost_key_is_stated_and_no_other_one_is_made_in_its_place(stores: Stor
             key.unlink(missing_ok=True)
             if text is not None:
                 private(key, text)
-            without = secret_upkeep.opened(database, Settings(database=url))
+            without = secret_upkeep.open_secrets(database, Settings(database=url))
             told = Api(database, secrets=without).value(f"/subscriptions/{made['id']}")
             assert "put back" in told["trouble"]
             assert stored(database, made["id"]) == before
         key.unlink()
-        secret_upkeep.opened(database, Settings(database=url))
+        secret_upkeep.open_secrets(database, Settings(database=url))
         assert not key.exists()
 
 
@@ -231,12 +231,12 @@ def test_the_first_of_several_keys_seals_anew_what_the_others_sealed(plant: Data
     file = tmp_path / "keys"
     private(file, key_text(FIRST))
     settings = Settings(sealing_key_file=str(file))
-    api = Api(plant, secrets=secret_upkeep.opened(plant, settings))
+    api = Api(plant, secrets=secret_upkeep.open_secrets(plant, settings))
     made = api("POST", "/subscriptions", 201, json=WANTED)
     private(file, key_text(SECOND, FIRST))
-    secret_upkeep.opened(plant, settings)
+    secret_upkeep.open_secrets(plant, settings)
     private(file, key_text(SECOND))
-    now = secret_upkeep.opened(plant, settings)
+    now = secret_upkeep.open_secrets(plant, settings)
     with plant.reading() as session:
         row = deliveries.get(session, made["id"])
         assert now.reveal(row) == made["secret"]
@@ -271,7 +271,7 @@ def test_without_a_key_what_an_older_release_left_plain_stays_in_use(plant: Data
     monkeypatch.setattr(signing_secrets, "key_file", lambda _: None)
     with plant.transaction() as session:
         number = deliveries.subscribe(session, kind="webhook", name="old", target=TARGET, secret="whsec_c2VjcmV0").id
-    secrets = secret_upkeep.opened(plant, Settings())
+    secrets = secret_upkeep.open_secrets(plant, Settings())
     told = Api(plant, secrets=secrets).value(f"/subscriptions/{number}")
     assert (told["secret_kept"], told["trouble"], stored(plant, number)) == ("plain", None, "whsec_c2VjcmV0")
 

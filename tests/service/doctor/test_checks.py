@@ -16,7 +16,7 @@ from cryptography.hazmat.primitives.asymmetric import ec
 from service.configuration.settings import Settings
 from service.doctor.checks import CheckResult, examine
 from storage.backup.backup import back_up
-from storage.backup.backup_file import described_by
+from storage.backup.backup_file import description_path
 from storage.database.engine import Database
 from storage.machines import machines
 from tests.conftest import Stores
@@ -236,7 +236,7 @@ def test_the_newest_backup_is_looked_at(stores: Stores, tmp_path: Path) -> None:
     made = back_up(database, folder / "nightly")
     level, words = found_without_the_service(chosen)["backups"]
     assert (level, words[:-4]) == ("ok", f"the newest in {folder} is of {made.made_at[:16].replace('T', ' ')}")
-    description = described_by(folder / "nightly")
+    description = description_path(folder / "nightly")
     description.write_text(description.read_text().replace(made.made_at, "2026-01-02T03:04:05Z"))
     assert found_without_the_service(chosen)["backups"] == ("warning", f"the newest in {folder} is of 2026-01-02 03:04 UTC")
 

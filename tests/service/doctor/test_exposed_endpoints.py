@@ -15,8 +15,8 @@ import pytest
 
 from service.api.application import every_operation
 from service.configuration.settings import Settings
-from service.doctor.endpoint_probes import tried
-from service.doctor.exposed_endpoints import Door, doors
+from service.doctor.endpoint_probes import probe_endpoints
+from service.doctor.exposed_endpoints import ExposedEndpoint, exposed_endpoints
 from service.security.principal import Role
 from tests.end_to_end.processes import ROOT, Service, free_port, rundown, until
 from tests.plant import sqlite_url
@@ -41,8 +41,8 @@ def zenoh_tls(folder: Path, **besides: str) -> dict[str, str]:
     return {f"zenoh_tls_{name}": str(folder / file) for name, file in files.items()} | besides
 
 
-def found(what: str, **settings: Any) -> Door:
-    (one,) = [door for door in doors(Settings(**({"zenoh_listen": []} | settings))) if door.what == what]
+def found(what: str, **settings: Any) -> ExposedEndpoint:
+    (one,) = [door for door in exposed_endpoints(Settings(**({"zenoh_listen": []} | settings))) if door.what == what]
     return one
 
 
@@ -128,11 +128,11 @@ def test_files_that_others_may_read_are_named_and_the_worst_comes_first(tmp_path
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).touch(mode=0o600)
     settings = Settings(database=sqlite_url(database), backups=str(tmp_path / "backups"), host="0.0.0.0")
-    assert [one.address for one in doors(settings) if one.what == "file"] == []
+    assert [one.address for one in exposed_endpoints(settings) if one.what == "file"] == []
     readable = ("rundown.db", "rundown.db.key", "backups/monday")
     for name in readable:
         (tmp_path / name).chmod(0o644)
-    told = doors(settings)
+    told = exposed_endpoints(settings)
     files = [one for one in told if one.what == "file"]
     assert {one.address for one in files} == {
         str(tmp_path / one) for one in ("rundown.db", "rundown.db.key", "backups/monday")
@@ -179,7 +179,7 @@ def test_a_real_zenoh_door_refuses_who_shows_no_certificate(certificates: Path, 
     service.endpoint = service.endpoint.replace("tcp/", "tls/")
     with service.running():
         chosen = Settings.model_validate({"zenoh_listen": [service.endpoint], "port": service.port} | settings)
-        told = {one.what: one for one in tried(chosen, asked=False)}
+        told = {one.what: one for one in probe_endpoints(chosen, asked=False)}
         assert told[f"{service.endpoint} without a certificate"].level == "ok", told
     service.client.close()
 
@@ -188,7 +188,7 @@ def test_a_door_with_tls_that_lets_anybody_in_is_found(certificates: Path) -> No
     with anybody(certificates) as port:
         endpoint = f"tls/127.0.0.1:{port}"
         chosen = Settings.model_validate({"zenoh_listen": [endpoint], "port": free_port()} | zenoh_tls(certificates))
-        api, zenoh = tried(chosen, asked=True)
+        api, zenoh = probe_endpoints(chosen, asked=True)
     assert (api.level, zenoh.level) == ("not tried", "open")
 
 

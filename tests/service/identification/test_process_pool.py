@@ -14,7 +14,7 @@ import pytest
 
 from service.identification.computation import compute
 from service.workers import process_pool
-from service.workers.process_pool import Interrupted, ProcessPool, Stuck
+from service.workers.process_pool import Interrupted, ProcessPool, WorkerStuck
 from tests.plant import wait_until
 
 MEMORY = 2**31
@@ -90,7 +90,7 @@ def test_stopped_processes_are_killed_and_others_take_their_places(two: ProcessP
     for pid in pids:
         os.kill(pid, signal.SIGSTOP)
     for future in computing:
-        with pytest.raises(Stuck, match="did not answer for"):
+        with pytest.raises(WorkerStuck, match="did not answer for"):
             future.result(SOON_S)
     assert {two.submit(10.0, os.getpid).result(SOON_S) for _ in range(4)}.isdisjoint(pids)
     wait_until(lambda: not any(psutil.pid_exists(pid) for pid in pids))
@@ -103,14 +103,14 @@ def test_one_that_was_stopped_before_is_noticed_at_once_whatever_it_gets(two: Pr
         os.kill(pid, signal.SIGSTOP)
     large = [two.submit(300.0, len, bytes(5_000_000)) for _ in range(4)]
     ended = [future.exception(SOON_S) for future in large]
-    assert {type(one) for one in ended} == {Stuck, type(None)}
+    assert {type(one) for one in ended} == {WorkerStuck, type(None)}
 
 
 def test_work_that_does_not_keep_to_its_time_is_ended_and_the_other_process_works_on(two: ProcessPool) -> None:
     hanging = two.submit(0.5, time.sleep, 600.0)
     others = [two.submit(10.0, abs, -number) for number in range(20)]
     assert [future.result(SOON_S) for future in others] == list(range(20))
-    with pytest.raises(Stuck):
+    with pytest.raises(WorkerStuck):
         hanging.result(SOON_S)
 
 

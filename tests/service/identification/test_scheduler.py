@@ -273,7 +273,7 @@ def test_what_is_asked_for_in_one_plant_delays_no_alert_of_another(database: Dat
     run_id = close_run(database, train, seed=1, start_s=1_700_000_000, ask=False)
     with database.transaction() as session:
         for seed in range(1, 100):
-            job_options.ask(session, run_id, job_options.Request(seed=seed), job_options.Asker("anna"))
+            job_options.request_identification(session, run_id, job_options.Request(seed=seed), job_options.Requester("anna"))
     with identifying(database, workers=2):
         wait_until(lambda: counts(database).get("done", 0) >= 2)
         before = counts(database)["done"]

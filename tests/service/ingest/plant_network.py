@@ -7,12 +7,12 @@ from typing import Any
 import zenoh
 
 from service.ingest.ingest_thread import Ingest
-from service.journal.batch import Arrived
+from service.journal.batch import ArrivedBatch
 from service.journal.journal import Journal
 from service.journal.sequence_gaps import SequenceGap
 from service.journal.source_backoff import SourceBackoff
 from service.recovery.gap_recovery import GapRecovery
-from service.replication.work_share import Whole
+from service.replication.work_share import WholeShare
 from service.runs.collector import Collector
 from service.sources.publisher import Source
 from service.wire import MESSAGEPACK, Key, SampleBatch, encode_batch
@@ -46,20 +46,20 @@ class Confused(Journal):
         return super().plant_of(machine_id)
 
 
-class Surroundings(Whole):
+class Surroundings(WholeShare):
     """What gap recovery needs around it: of each source 100 samples are known, and none is missing before them.
 
     gaps: that are recorded. answer: what every reply reads as. own: machines that are stored here; None for all.
     """
 
-    def __init__(self, *, gaps: list[SequenceGap] | None = None, answer: Arrived | None = None) -> None:
+    def __init__(self, *, gaps: list[SequenceGap] | None = None, answer: ArrivedBatch | None = None) -> None:
         self.gaps = [] if gaps is None else gaps
         self.answer = answer
         self.own: set[str] | None = None
-        self.taken: list[Arrived] = []
+        self.taken: list[ArrivedBatch] = []
         self.backoff = SourceBackoff()
         self.paused: list[SourceKey] = []
-        self.backoff.on_pause(self.paused.append)
+        self.backoff.call_on_pause(self.paused.append)
 
     def recovery(self, session: zenoh.Session) -> GapRecovery:
         """Gap recovery by itself."""
@@ -71,10 +71,10 @@ class Surroundings(Whole):
     def sequence_gaps(self, _source: SourceKey) -> list[SequenceGap]:
         return self.gaps
 
-    def replied(self, _key: Key, _reply: zenoh.Sample) -> Arrived | None:
+    def replied(self, _key: Key, _reply: zenoh.Sample) -> ArrivedBatch | None:
         return self.answer
 
-    def take(self, arrived: Arrived) -> None:
+    def take(self, arrived: ArrivedBatch) -> None:
         self.taken.append(arrived)
 
     def owns(self, machine_id: str) -> bool:

@@ -14,7 +14,7 @@ from service.alerts.lifecycle import Suppression
 from service.alerts.transitions import AlertFinding, Person
 from service.delivery.dispatcher import Dispatcher
 from service.monitoring import baseline_changes
-from service.runs.collection_state import standing
+from service.runs.collection_state import state_of
 from service.runs.collector import Collector
 from storage.alerts import alerts, deliveries
 from storage.clock import to_datetime
@@ -68,13 +68,13 @@ def test_a_shelving_ends_when_the_clock_is_set_back_before_it_began(plant: Datab
         alert = raised(session)
         transitions.shelve(session, alert, ANNA, until=time.time_ns() + HOUR)
         off[0] = -10 * SECOND  # as clocks are set every day
-        assert transitions.release_over(session) == 0
+        assert transitions.release_expired(session) == 0
         off[0] = -24 * HOUR
-        assert transitions.any_over(session)
-        assert transitions.release_over(session) == 1
+        assert transitions.any_expired(session)
+        assert transitions.release_expired(session) == 1
         assert alert.state == "unacknowledged"
         transitions.shelve(session, alert, ANNA, until=time.time_ns() + HOUR)
-        assert transitions.release_over(session) == 0
+        assert transitions.release_expired(session) == 0
 
 
 def test_a_shelving_ends_when_the_clock_jumps_past_its_end(plant: Database, off: list[int]) -> None:
@@ -82,9 +82,9 @@ def test_a_shelving_ends_when_the_clock_jumps_past_its_end(plant: Database, off:
         alert = raised(session)
         transitions.shelve(session, alert, ANNA, until=time.time_ns() + HOUR)
         off[0] = 2 * HOUR
-        assert transitions.release_over(session) == 1
+        assert transitions.release_expired(session) == 1
         off[0] = 0
-        assert (transitions.release_over(session), alert.state) == (0, "unacknowledged")
+        assert (transitions.release_expired(session), alert.state) == (0, "unacknowledged")
 
 
 def test_what_a_person_must_end_outlasts_any_clock(plant: Database, off: list[int]) -> None:
@@ -92,7 +92,7 @@ def test_what_a_person_must_end_outlasts_any_clock(plant: Database, off: list[in
         alert = raised(session)
         transitions.suppress(session, "pump-7", Suppression.OUT_OF_SERVICE, ANNA)
         for off[0] in (-WEEK, 1000 * WEEK):
-            assert transitions.release_over(session) == 0
+            assert transitions.release_expired(session) == 0
         assert alert.state == "out_of_service"
 
 
@@ -318,12 +318,12 @@ def test_late_samples_stay_late_where_no_clock_was_wrong(plant: Database, off: l
     source = Source(PromptJournal(plant, Collector(late_s=0.0)), off)
     source.send([1000.0] * 10, at=moment)
     with plant.reading() as session:
-        before = standing(session, KEY.machine)
+        before = state_of(session, KEY.machine)
     off[0] = hours * HOUR
     one = batch([900.0] * 10, sequence=source.sequence, start=moment - 24 * HOUR, source="other")
     source.journal.store([arrived(one, received_at=moment)], [])
     with plant.reading() as session:
-        after = standing(session, KEY.machine)
+        after = state_of(session, KEY.machine)
     assert before is not None
     assert after is not None
     assert (after.seen, after.operating) == (before.seen, before.operating)

@@ -13,7 +13,7 @@ from service.journal.journal import Journal
 from service.journal.source_backoff import SourceBackoff
 from service.journal.write_batch import WriteBatch
 from service.recovery import gap_recovery as healing_module
-from service.replication.work_share import Whole
+from service.replication.work_share import WholeShare
 from service.runs.collector import Collector
 from service.wire import ALL_LIVE, Key
 from storage.database.engine import Database
@@ -102,7 +102,7 @@ class AwayInTheReview(Journal):
         return super().next_sequence(source)
 
 
-class Moving(Whole):
+class Moving(WholeShare):
     """All of it, though its share is said to have changed."""
 
     def __init__(self) -> None:

@@ -14,7 +14,7 @@ from sqlalchemy.exc import IntegrityError, OperationalError
 from service.ingest import ingest_thread as ingest_module
 from service.ingest.ingest_thread import Ingest
 from service.journal import single_writes
-from service.journal.batch import Arrived, StoreOutcome
+from service.journal.batch import ArrivedBatch, StoreOutcome
 from service.journal.http_queue import NotStoring, Submissions
 from service.journal.journal import Journal
 from service.journal.sequence_gaps import SequenceGap
@@ -99,7 +99,7 @@ def test_a_machine_that_fails_is_put_off_and_caught_up_with(
         standing = session.get_one(CollectorRow, KEY.machine).state
     spoil(plant, KEY.machine)
     paused: list[SourceKey] = []
-    ingest._cycle.backoff.on_pause(paused.append)
+    ingest._cycle.backoff.call_on_pause(paused.append)
     while not paused:
         edge.publish(1)
         time.sleep(0.15)
@@ -172,7 +172,7 @@ class Partial(Journal):
 
     broken = True
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
+    def store(self, arrived: list[ArrivedBatch], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
         if self.broken and any(one.batch.source == "failing" for one in arrived):
             raise ZeroDivisionError("a fault of ours")
         return super().store(arrived, rejections, **more)
@@ -206,7 +206,7 @@ class AwayForOne(Partial):
 
     away = True
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
+    def store(self, arrived: list[ArrivedBatch], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
         if self.away and [one.batch.source for one in arrived] == ["working"]:
             self.away = False
             raise AWAY
@@ -313,7 +313,7 @@ def test_what_was_left_untried_is_held_where_storing_one_by_one_is_interrupted(
     monkeypatch.setattr(single_writes, "MOST_TRIES", 1)
     paused: list[SourceKey] = []
     backoff = SourceBackoff()
-    backoff.on_pause(paused.append)
+    backoff.call_on_pause(paused.append)
     waiting = WriteBatch(AwayForOne(plant, Collector()), backoff)
     for number in range(3):
         waiting.take(arrived(batch([900.0], sequence=number, source="failing")))
@@ -329,7 +329,7 @@ def test_what_was_left_untried_is_held_where_storing_one_by_one_is_interrupted(
 class FirstThreeFail(Journal):
     """Meets an error that nobody foresaw with what a source sent first."""
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
+    def store(self, arrived: list[ArrivedBatch], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
         if any(one.batch.sequence < 15 for one in arrived):
             raise ZeroDivisionError("a fault of ours")
         return super().store(arrived, rejections, **more)
@@ -355,7 +355,7 @@ class Failing(Journal):
         super().__init__(database, Collector())
         self.errors = list(errors)
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
+    def store(self, arrived: list[ArrivedBatch], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
         if arrived and self.errors:
             raise self.errors.pop(0)
         return super().store(arrived, rejections, **more)
@@ -491,7 +491,7 @@ class AwayAtTheEnd(Journal):
         super().__init__(database, Collector())
         self.tries, self.ending = tries, False
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
+    def store(self, arrived: list[ArrivedBatch], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
         if arrived and (not self.ending or self.tries > 0):
             self.tries -= self.ending
             raise AWAY

@@ -11,7 +11,7 @@ import zenoh
 
 from service.ingest import inbox as inbox_module
 from service.ingest.inbox import Inbox, PublishedMessage
-from service.resilience.heap_trim import give_back
+from service.resilience.heap_trim import release_free_memory
 from service.wire import LARGEST_MESSAGE
 from storage.measurements.quarantine import KEPT_BYTES
 from tests.plant import listened_to, wait_until
@@ -123,13 +123,13 @@ def test_what_waits_costs_little_more_than_its_own_size(router: zenoh.Session, c
     publisher = client.declare_publisher(KEY, congestion_control=zenoh.CongestionControl.BLOCK)
     wait_until(lambda: listened_to(publisher))
     gc.collect()
-    give_back()
+    release_free_memory()
     before = process.memory_info().rss
     for _ in range(1_500):
         publisher.put(bytes(SIZE))
         time.sleep(0.001)
     wait_until(lambda: len(inbox) == 1_500)
-    give_back()
+    release_free_memory()
     cost = (process.memory_info().rss - before) / len(inbox)
     publisher.undeclare()
     inbox.close()

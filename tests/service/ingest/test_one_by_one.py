@@ -12,7 +12,7 @@ from sqlalchemy.exc import OperationalError
 
 from service.ingest.ingest_thread import Ingest
 from service.journal import single_writes, write_batch
-from service.journal.batch import Arrived, StoreOutcome
+from service.journal.batch import ArrivedBatch, StoreOutcome
 from service.journal.http_queue import NotStoring
 from service.journal.journal import Journal
 from service.journal.source_backoff import SourceBackoff
@@ -36,7 +36,7 @@ class OnlyAlone(Journal):
         self.alone: list[tuple[str, int]] = []
         self.away = False
 
-    def store(self, arrived: list[Arrived], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
+    def store(self, arrived: list[ArrivedBatch], rejections: list[Rejection], **more: Any) -> list[StoreOutcome]:
         if len(arrived) > 1 or any(one.batch.source == "failing" for one in arrived):
             raise ZeroDivisionError("a fault of ours")
         if arrived and self.away:
@@ -65,7 +65,7 @@ def held(journal: OnlyAlone, backoff: SourceBackoff, monkeypatch: pytest.MonkeyP
     return WriteBatch(journal, backoff)
 
 
-def one(sequence: int, source: str = "monitor") -> Arrived:
+def one(sequence: int, source: str = "monitor") -> ArrivedBatch:
     return arrived(batch([900.0], sequence=sequence, start=START + sequence * SECOND, source=source))
 
 
@@ -136,7 +136,7 @@ def test_a_database_that_goes_away_between_two_turns_loses_nothing(
     with pytest.raises(OperationalError):
         held.store()
     assert len(held) == 3
-    held.break_promises(NotStoring("the server went away"))
+    held.fail_waiting(NotStoring("the server went away"))
     turns_until_stored(held)
     assert promises[0].result(0.0).received == 1
     for promise in promises[1:]:
@@ -147,7 +147,7 @@ def test_a_database_that_goes_away_between_two_turns_loses_nothing(
 def test_promises_that_are_broken_between_two_turns_are_not_answered_again(plant: Database, held: WriteBatch) -> None:
     promises = take(held, 0, 3)
     held.store()
-    held.break_promises(NotStoring("the server went away"))
+    held.fail_waiting(NotStoring("the server went away"))
     turns_until_stored(held)
     assert [promise.exception(0.0) is None for promise in promises] == [True, False, False]
     assert counts(plant) == (3, 3, 0)
@@ -165,7 +165,7 @@ def test_machines_that_are_taken_over_between_two_turns_are_let_go_of(plant: Dat
 def test_refusals_are_answered_once_they_are_kept_one_a_turn(plant: Database, held: WriteBatch) -> None:
     refused: list[Future[StoreOutcome]] = [Future() for _ in range(3)]
     for number, promise in enumerate(refused):
-        held.refusals.put_aside(one(number), LookupError("no such thing"), promise)
+        held.refusals.quarantine(one(number), LookupError("no such thing"), promise)
     take(held, 10, 12)
     held.store()  # together, which fails; then two rejections and a batch
     assert not any(promise.done() for promise in refused)

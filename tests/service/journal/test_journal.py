@@ -11,7 +11,7 @@ from sqlalchemy import select, text
 from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
 
-from service.journal.batch import Arrived
+from service.journal.batch import ArrivedBatch
 from service.journal.source_backoff import SourceBackoff
 from service.journal.write_batch import WriteBatch
 from service.runs.collector import Collector
@@ -132,7 +132,7 @@ def test_any_pieces_in_any_order_store_each_sample_at_most_once(
     """Each sample that comes at all is stored, once; what never came is lost, and what came again a duplicate."""
     with opened(databases, plant_template, tmp_path_factory.mktemp("journal") / "journal.db") as database:
         journal = PromptJournal(database, Collector())
-        waiting: list[Arrived] = []
+        waiting: list[ArrivedBatch] = []
         expected: set[int] = set()
         sent = 0
         for first, size, last_of_call in pieces:

@@ -52,7 +52,7 @@ def path(tmp_path: Path) -> Path:
         for name in (HURT, KEY.machine):
             run = runs.open_run(session, name, revision=1, kind="run-down", direction=1, time_first=START)
             runs.close(run, samples=samples(40), state=runs.CLOSED, reason="the speed left the speed range")
-            jobs.ask(session, name, scope=jobs.RUN, run_ids=[run.id])
+            jobs.enqueue(session, name, scope=jobs.RUN, run_ids=[run.id])
             if name == HURT:
                 run.data = b"samples of the fan " * 2_000
         session.add(CollectorRow(machine_id=HURT, state={"filler": "collection of the fan " * 2_000}))
@@ -103,7 +103,7 @@ def test_it_is_told_until_a_check_is_clean_also_behind_a_restart(path: Path, tmp
         met = database.damage.trouble
     with closing(Database(sqlite_url(path))) as database:
         assert database.damage.trouble == met
-        database.look_for_damage(within_s=20.0, stopped=lambda: False)
+        database.check_integrity(within_s=20.0, stopped=lambda: False)
         assert database.damage.trouble is not None
         assert "btreeInitPage" in database.damage.trouble or "Tree" in database.damage.trouble
     path.write_bytes((tmp_path / "whole").read_bytes())
@@ -184,16 +184,16 @@ def test_what_postgresql_says_of_damage_is_heard(stores: Stores, tmp_path: Path,
     assert is_damage(caught.value)
     assert database.damage.trouble is not None
     assert "invalid page in block 7" in database.damage.trouble
-    database.look_for_damage(within_s=1.0, stopped=lambda: False)
+    database.check_integrity(within_s=1.0, stopped=lambda: False)
     assert database.damage.trouble is not None
     database.close()
 
 
 def test_a_check_that_is_not_at_its_end_clears_nothing(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(file_inspection, "_STEPS", 1)
-    database.damage.found(["something"])
-    database.look_for_damage(within_s=0.0, stopped=lambda: False)
-    database.look_for_damage(within_s=20.0, stopped=lambda: True)
+    database.damage.record_findings(["something"])
+    database.check_integrity(within_s=0.0, stopped=lambda: False)
+    database.check_integrity(within_s=20.0, stopped=lambda: True)
     assert database.damage.trouble is not None
     assert "something" in database.damage.trouble
 

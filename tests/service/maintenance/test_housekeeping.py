@@ -16,7 +16,7 @@ from service.maintenance.disk_watch import warning
 from service.maintenance.housekeeping import Housekeeping
 from service.maintenance.retention_cut_offs import DAY_NS
 from service.maintenance.retention_tiers import Blocks, Runs, tiers_of
-from service.replication.work_share import Whole
+from service.replication.work_share import WholeShare
 from service.runs.collector import Collector
 from storage.database import disk
 from storage.database.disk import DiskUse
@@ -64,7 +64,7 @@ def confirmed(database: Database, **settings: Any) -> Settings:
     given = Settings(database=database.url, **settings)
     with database.transaction() as session:
         for tier in tiers_of(given):
-            retention.keep_cut_off(session, tier.name, time=time.time_ns() - tier.kept, allowance=DAY_NS)
+            retention.store_cut_off(session, tier.name, time=time.time_ns() - tier.kept, allowance=DAY_NS)
     return given
 
 
@@ -224,11 +224,11 @@ def test_the_newest_runs_keep_their_samples(plant: Database) -> None:
 def test_runs_that_wait_for_an_identification_keep_theirs(plant: Database) -> None:
     made = add_runs(plant, DAYS)
     with plant.transaction() as session:
-        jobs.ask(session, KEY.machine, scope=jobs.RUN, run_ids=[made[3]])
-        gathered = jobs.ask(session, KEY.machine, scope=jobs.GATHERED, run_ids=[made[5], made[6]])
+        jobs.enqueue(session, KEY.machine, scope=jobs.RUN, run_ids=[made[3]])
+        gathered = jobs.enqueue(session, KEY.machine, scope=jobs.GATHERED, run_ids=[made[5], made[6]])
         assert gathered is not None
         gathered.state = jobs.RUNNING
-        over = jobs.ask(session, KEY.machine, scope=jobs.RUN, run_ids=[made[7]])
+        over = jobs.enqueue(session, KEY.machine, scope=jobs.RUN, run_ids=[made[7]])
         assert over is not None
         jobs.finish(over, state=jobs.DONE)
     kept(plant, run_days=1)
@@ -272,7 +272,7 @@ def test_a_released_run_is_no_reason_to_fail_for_the_next(plant: Database) -> No
     made = add_runs(plant, 2)
     with plant.transaction() as session:
         session.execute(text("UPDATE runs SET data = NULL, released_at = 1 WHERE id = 1"))
-        job = jobs.ask(session, KEY.machine, scope=jobs.RUN, run_ids=[made[1]])
+        job = jobs.enqueue(session, KEY.machine, scope=jobs.RUN, run_ids=[made[1]])
         assert job is not None
         assert _earlier(session, job) is None
 
@@ -394,7 +394,7 @@ def test_a_round_that_fails_is_told_of_until_one_does_not(plant: Database, monke
     one.stop()
 
 
-class _Elsewhere(Whole):
+class _Elsewhere(WholeShare):
     """The share of a replica that does what one does for all at first, and then another one does it."""
 
     leading = True

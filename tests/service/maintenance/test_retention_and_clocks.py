@@ -18,7 +18,7 @@ from service.maintenance import housekeeping
 from service.maintenance.housekeeping import Housekeeping
 from service.maintenance.retention_cut_offs import DAY_NS
 from service.maintenance.retention_tiers import Blocks
-from service.replication.work_share import Whole
+from service.replication.work_share import WholeShare
 from service.runs.collector import Collector
 from service.wire import JSON, encode_body
 from storage.database.engine import Database
@@ -48,7 +48,7 @@ def clocks(monkeypatch: pytest.MonkeyPatch) -> Clocks:
     return one
 
 
-class Led(Whole):
+class Led(WholeShare):
     """The share of a replica that leads, or does not."""
 
     leading = True

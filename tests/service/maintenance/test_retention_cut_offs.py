@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from service.maintenance.retention_cut_offs import DAY_NS, CutOff, advanced, begun
+from service.maintenance.retention_cut_offs import DAY_NS, CutOff, advanced_cut_off, initial_cut_off
 from tests.plant import START, few_examples
 
 HOUR, MINUTE = DAY_NS // 24, DAY_NS // 1440
@@ -24,20 +24,20 @@ YEAR, MONTH = 365 * DAY_NS, 30 * DAY_NS
     ],
 )
 def test_it_moves_by_the_time_served_and_a_day(wanted: int, served: int, moved: int, allowance: int) -> None:
-    found = advanced(CutOff(START), wanted=START + wanted, served=served)
+    found = advanced_cut_off(CutOff(START), wanted=START + wanted, served=served)
     assert found == CutOff(START + moved, allowance)
 
 
 def test_a_day_off_in_small_parts_is_a_day() -> None:
     found = CutOff(START)
     for night in range(1, 4):
-        found = advanced(found, wanted=START + night * 10 * HOUR, served=HOUR)
+        found = advanced_cut_off(found, wanted=START + night * 10 * HOUR, served=HOUR)
     assert found == CutOff(START + 21 * HOUR, 6 * HOUR)
 
 
 def test_a_clock_that_is_behind_for_a_while_spoils_nothing() -> None:
-    found = advanced(CutOff(START), wanted=0, served=HOUR)
-    assert advanced(found, wanted=START + HOUR + MINUTE, served=MINUTE).time == START + HOUR + MINUTE
+    found = advanced_cut_off(CutOff(START), wanted=0, served=HOUR)
+    assert advanced_cut_off(found, wanted=START + HOUR + MINUTE, served=MINUTE).time == START + HOUR + MINUTE
 
 
 @few_examples
@@ -45,7 +45,7 @@ def test_a_clock_that_is_behind_for_a_while_spoils_nothing() -> None:
 def test_whatever_the_clock_says_it_is_never_further_than_time_has_passed(rounds: list[tuple[int, int]]) -> None:
     cut_offs, served = [CutOff(START)], [0]
     for wanted, more in rounds:
-        cut_offs.append(advanced(cut_offs[-1], wanted=START + wanted, served=more))
+        cut_offs.append(advanced_cut_off(cut_offs[-1], wanted=START + wanted, served=more))
         served.append(served[-1] + more)
     for first in range(len(cut_offs)):
         for last in range(first, len(cut_offs)):
@@ -62,4 +62,4 @@ def test_whatever_the_clock_says_it_is_never_further_than_time_has_passed(rounds
     ],
 )
 def test_a_store_that_has_none_begins_where_nothing_much_is_let_go_of(oldest: int | None, expected: int) -> None:
-    assert begun(wanted=START, oldest=oldest, kept=MONTH) == CutOff(expected)
+    assert initial_cut_off(wanted=START, oldest=oldest, kept=MONTH) == CutOff(expected)

@@ -144,5 +144,5 @@ def test_comparable_revisions_are_those_without_a_break_between(plant: Database)
     with plant.transaction() as session:
         for change in ({"name": "b"}, {"element_length": 0.01}, {"element_length": 0.01, "name": "c"}, {"name": "d"}):
             machines.revise(session, machine(**change))
-        found = [machines.comparable(session, "pump-7", number) for number in range(1, 6)]
+        found = [machines.comparable_revisions(session, "pump-7", number) for number in range(1, 6)]
         assert found == [[1, 2], [1, 2], [3, 4], [3, 4], [5]]

@@ -1,15 +1,15 @@
 """Declarations of findings: complete, without contradictions, and in the documentation as in the code."""
 
 import re
-from pathlib import Path
 
 import pytest
 
 from estimator.diagnosis.finding_kinds import FINDING_KINDS
 from service.monitoring.finding_rules import FINDING_RULES, LIMITED_RULES, AlertRule, FindingRule, SizedCause, require_complete
 from service.monitoring.limit_rule import Level, Rule
+from tests.paths import ROOT
 
-DOCS = Path(__file__).parents[2] / "docs"
+DOCS = ROOT / "docs"
 KINDS = [one.kind for one in FINDING_KINDS]
 
 

@@ -6,7 +6,7 @@ import threading
 
 import psutil
 
-from service.resilience.heap_trim import give_back
+from service.resilience.heap_trim import release_free_memory
 
 PIECES, SIZE = 4_000, 50_000
 
@@ -46,7 +46,7 @@ def test_memory_between_what_is_in_use_goes_back() -> None:
     for thread in threads:
         thread.join()
     before = process.memory_info().rss
-    give_back()
+    release_free_memory()
     assert process.memory_info().rss < before - PIECES * SIZE / 2
     assert all(piece == bytes([1]) * SIZE for piece in kept)
 

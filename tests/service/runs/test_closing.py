@@ -9,7 +9,7 @@ from service.journal.journal import Journal
 from service.runs import closing
 from service.runs.closing import Closing
 from service.runs.collector import Collector
-from service.runs.run_samples import Gathered, gathered
+from service.runs.run_samples import RunContent, gather
 from storage.database.engine import Database
 from storage.findings import jobs
 from storage.measurements import runs
@@ -62,13 +62,13 @@ def test_storing_goes_on_while_a_run_is_being_closed(
 ) -> None:
     begun, go_on = threading.Event(), threading.Event()
 
-    def slowly(session: Session, row: RunRow) -> Gathered:
-        found = gathered(session, row)
+    def slowly(session: Session, row: RunRow) -> RunContent:
+        found = gather(session, row)
         begun.set()
         assert go_on.wait(10.0)
         return found
 
-    monkeypatch.setattr(closing, "gathered", slowly)
+    monkeypatch.setattr(closing, "gather", slowly)
     thread = Closing(plant, collector)
     thread.start()
     try:
@@ -85,9 +85,9 @@ def test_storing_goes_on_while_a_run_is_being_closed(
 def test_what_comes_late_while_a_run_is_being_closed_is_sorted_in(
     plant: Database, journal: Journal, collector: Collector, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def late_meanwhile(session: Session, row: RunRow) -> Gathered:
-        found = gathered(session, row)
-        monkeypatch.setattr(closing, "gathered", gathered)
+    def late_meanwhile(session: Session, row: RunRow) -> RunContent:
+        found = gather(session, row)
+        monkeypatch.setattr(closing, "gather", gather)
         threading.Thread(target=lambda: send(journal, 50, 60)).start()
         wait_until(lambda: collector.late.may_wait(KEY.machine))
         return found
@@ -96,7 +96,7 @@ def test_what_comes_late_while_a_run_is_being_closed_is_sorted_in(
     send(journal, 60, len(CYCLE))
     both = Closing(plant, collector)
     both.sort_in_late()  # nothing yet
-    monkeypatch.setattr(closing, "gathered", late_meanwhile)
+    monkeypatch.setattr(closing, "gather", late_meanwhile)
     both.close_ended()
     assert (only_run(plant).state, only_run(plant).count) == (runs.CLOSED, 75)
     both.sort_in_late()

@@ -16,7 +16,7 @@ from service.runs.late_samples import BESIDE, LARGEST_COUNT, Window, add_late
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples
 from storage.findings import identifications, jobs, trends
-from storage.findings.identifications import Like, Origin
+from storage.findings.identifications import ComparisonGroup, Origin
 from storage.machines import machines
 from storage.measurements import quarantine, runs
 from storage.measurements import samples as sample_store
@@ -311,7 +311,7 @@ def test_of_a_reopened_run_the_newest_identification_counts(plant: Database, jou
             jobs.finish(job, state=jobs.DONE)
             file_identification(session, job.id, reopened, scope=jobs.RUN)
         assert [row.run_ids for row in identifications.of_machine(session, KEY.machine)] == [[run.id]] * 2
-        (counted,) = identifications.first_accepted(session, KEY.machine, Like((1,), "run-down"), limit=10)
+        (counted,) = identifications.first_accepted(session, KEY.machine, ComparisonGroup((1,), "run-down"), limit=10)
         assert counted.id == max(row.id for row in identifications.of_machine(session, KEY.machine))
         points = trends.histories(session, KEY.machine, ["coupling.C1.kxx"], scope=jobs.RUN)["coupling.C1.kxx"]
         assert points.identification.tolist() == [counted.id]
@@ -327,12 +327,12 @@ def test_the_identification_of_a_run_that_was_joined_to_another_counts_no_more(
         for job in jobs.take(session, 10):
             jobs.finish(job, state=jobs.DONE)
             file_identification(session, job.id, runs.get(session, job.run_ids[0]), scope=jobs.RUN)
-        assert len(identifications.first_accepted(session, KEY.machine, Like((1,), "run-down"), limit=10)) == 2
+        assert len(identifications.first_accepted(session, KEY.machine, ComparisonGroup((1,), "run-down"), limit=10)) == 2
     send(journal, slow, 220, 400)
     settle(journal)
     first, _ = found_runs(plant)
     with plant.reading() as session:
-        counted = identifications.first_accepted(session, KEY.machine, Like((1,), "run-down"), limit=10)
+        counted = identifications.first_accepted(session, KEY.machine, ComparisonGroup((1,), "run-down"), limit=10)
         assert [row.run_ids for row in counted] == [[first.id]]
 
 

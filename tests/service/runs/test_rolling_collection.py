@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from service.runs.collection_state import standing
+from service.runs.collection_state import state_of
 from service.runs.collector import Collector
 from storage.database.engine import Database
 from storage.findings import identifications, jobs
@@ -102,10 +102,10 @@ def test_a_restart_at_any_message_changes_nothing(rolling: Database, new_databas
 
 
 def test_what_is_remembered_is_bounded(rolling: Database, journal: PromptJournal, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("storage.measurements.runs.end_collected", lambda *_args, **_more: None)
+    monkeypatch.setattr("storage.measurements.runs.end_rolling", lambda *_args, **_more: None)
     send(journal, wander(3000, high=1500.0), 0, 3000)
     with rolling.reading() as session:
-        now = standing(session, KEY.machine)
+        now = state_of(session, KEY.machine)
     assert now is not None
     assert now.bins is not None
     assert all(len(times) <= 4 for times in now.bins.times)

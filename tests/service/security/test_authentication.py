@@ -81,7 +81,7 @@ def test_a_rotated_key_is_good_for_the_overlap(store: Database) -> None:
         assert (row.name, row.role) == ("anna", "operator")
     assert authentication.key(old).role is authentication.key(new).role is Role.OPERATOR
     with store.transaction() as session:
-        keys.end_by(keys.get(session, prefix), now())
+        keys.expire_by(keys.get(session, prefix), now())
     with pytest.raises(Unauthenticated):
         authentication.key(old)
     assert authentication.key(new).name == "anna"

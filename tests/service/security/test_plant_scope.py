@@ -12,7 +12,7 @@ from service.api.alerts.event_stream import stream
 from service.security.principal import Principal, Role
 from storage.alerts import deliveries
 from storage.database.engine import Database
-from storage.database.plant_scope import NotScoped, PlantScope
+from storage.database.plant_scope import PlantScope, UnscopedStatement
 from storage.findings import jobs
 from storage.machines import machines
 from storage.measurements import quarantine
@@ -46,7 +46,7 @@ def test_every_table_has_its_rule(store: Database) -> None:
 def test_what_is_not_about_mapped_classes_is_refused(store: Database) -> None:
     with PlantScope(store, frozenset({KEY.plant})).reading() as session:
         for statement in (text("SELECT * FROM machines"), select(MachineRow.__table__.c.id)):
-            with pytest.raises(NotScoped):
+            with pytest.raises(UnscopedStatement):
                 session.execute(statement)
 
 
@@ -197,7 +197,7 @@ def test_health_tells_the_unknown_no_more_than_that(api: Api, filled: Filled) ->
 def test_the_metrics_count_ones_own_plants_only(api: Api, filled: Filled) -> None:
     """Also what is counted without naming a machine."""
     with api.database.transaction() as session:
-        failed = jobs.ask(session, HIDDEN, scope=jobs.VARIANT, run_ids=[filled.hidden.run_id], options={"starts": 3})
+        failed = jobs.enqueue(session, HIDDEN, scope=jobs.VARIANT, run_ids=[filled.hidden.run_id], options={"starts": 3})
         assert failed is not None
         jobs.finish(failed, state=jobs.FAILED, error="NotEnoughData: too few")
 

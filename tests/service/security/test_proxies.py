@@ -9,7 +9,7 @@ import pytest
 from pydantic import ValidationError
 
 from service.configuration.settings import Settings
-from service.security.proxies import as_seen, of_proxies
+from service.security.proxies import normalised_networks, proxy_matcher
 from storage.database.engine import Database
 from storage.operation import audit
 from tests.end_to_end.processes import Service, rundown
@@ -45,8 +45,8 @@ def test_the_address_is_the_peers_own_unless_a_trusted_proxy_says_another(
 
 def test_a_proxy_is_known_on_either_kind_of_socket() -> None:
     networks = [ip_network("127.0.0.1"), ip_network("10.0.3.0/24"), ip_network("fd00::/8")]
-    assert as_seen(networks)[3:] == ["::ffff:127.0.0.1/128", "::ffff:10.0.3.0/120"]
-    is_proxy = of_proxies(networks)
+    assert normalised_networks(networks)[3:] == ["::ffff:127.0.0.1/128", "::ffff:10.0.3.0/120"]
+    is_proxy = proxy_matcher(networks)
     assert all(map(is_proxy, ["127.0.0.1", "::ffff:10.0.3.7", "10.0.3.255", "fd12::1"]))
     assert not any(map(is_proxy, ["127.0.0.2", "10.0.4.1", "::ffff:10.0.4.1", "::1", "", "localhost", "10.0.3.7:80"]))
 

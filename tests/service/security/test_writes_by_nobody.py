@@ -119,7 +119,7 @@ def test_what_was_counted_is_written_at_a_clean_stop(database: Database) -> None
     repeated = RepeatedEntries(database)
 
     async def served() -> None:
-        async with repeated.written():
+        async with repeated.regular_writing():
             assert [repeated.first(entry()) for _ in range(3)] == [True, False, False]
 
     asyncio.run(served())

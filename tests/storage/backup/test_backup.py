@@ -14,7 +14,7 @@ import pytest
 from sqlalchemy import select
 
 from storage.backup import backup, backup_file
-from storage.backup.backup_file import BackupUnusable, described_by
+from storage.backup.backup_file import BackupUnusable, description_path
 from storage.database.claim import DatabaseUnusable
 from storage.database.engine import Database
 from storage.machines import machines
@@ -167,8 +167,8 @@ def test_a_backup_of_something_else_is_refused(
 ) -> None:
     file = tmp_path / "backup"
     backup.back_up(told.url, file)
-    description = json.loads(described_by(file).read_text())
-    described_by(file).write_text(json.dumps(description | changes))
+    description = json.loads(description_path(file).read_text())
+    description_path(file).write_text(json.dumps(description | changes))
     with pytest.raises((BackupUnusable, DatabaseUnusable), match=said):
         backup.restore(target, file)
 
@@ -176,7 +176,7 @@ def test_a_backup_of_something_else_is_refused(
 def test_a_backup_without_its_description_is_refused(told: Database, target: str, tmp_path: Path) -> None:
     file = tmp_path / "backup"
     backup.back_up(told.url, file)
-    described_by(file).unlink()
+    description_path(file).unlink()
     with pytest.raises(BackupUnusable, match=r"is no backup: .*backup\.json"):
         backup.restore(target, file)
 
@@ -299,9 +299,9 @@ def test_a_database_that_somebody_reads_is_not_replaced(told: Database, target: 
 def test_a_backup_that_is_not_what_it_says_leaves_what_was_there(told: Database, target: str, tmp_path: Path) -> None:
     file = tmp_path / "backup"
     backup.back_up(told.url, file)
-    description = json.loads(described_by(file).read_text())
+    description = json.loads(description_path(file).read_text())
     description["rows"]["machines"] += 1
-    described_by(file).write_text(json.dumps(description))
+    description_path(file).write_text(json.dumps(description))
     before = contents_of(target)
     with pytest.raises(BackupUnusable, match="not restored whole: machines differ in their number of rows"):
         backup.restore(target, file, overwrite=True)

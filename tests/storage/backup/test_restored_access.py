@@ -54,7 +54,7 @@ def opening(url: str, made: dict[str, tuple[str, str]]) -> set[str]:
     with closing(Database(url)) as database, database.reading() as session:
         assert browser_sessions.find(session, "cookie", at=now()) is None
         assert audit.verify(session) == []
-        return {name for name, (prefix, text) in made.items() if api_keys.opens(keys.find(session, prefix), text)}
+        return {name for name, (prefix, text) in made.items() if api_keys.is_valid_secret(keys.find(session, prefix), text)}
 
 
 def test_what_was_revoked_stays_so(database: Database, made: dict[str, tuple[str, str]], tmp_path: Path) -> None:
@@ -72,13 +72,13 @@ def test_where_nothing_is_known_of_them_keys_wait(
     assert found == RestoredAccess(revoked=(), waiting=tuple(prefix for prefix, _ in made.values()), sessions=1)
     assert opening(target, made) == set()
     with closing(Database(target)) as restored, restored.transaction() as session:
-        assert keys.waiting(session) == 3
+        assert keys.count_unconfirmed(session) == 3
         with pytest.raises(ValueError, match="waits for a confirmation"):
             api_keys.rotate(session, made["good"][0], overlap_days=1.0, days=1.0)
         api_keys.confirm(session, made["good"][0])
         with pytest.raises(ValueError, match="does not wait"):
             api_keys.confirm(session, made["good"][0])
-        assert keys.are_there(session)
+        assert keys.any_exist(session)
     assert opening(target, made) == {"good"}
     # What waits goes on to wait when the same is restored once more.
     assert backup.restore(target, tmp_path / "backup", overwrite=True).access.waiting == found.waiting[1:]

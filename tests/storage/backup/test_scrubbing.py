@@ -9,10 +9,10 @@ from sqlalchemy import text
 
 from storage.alerts import deliveries
 from storage.backup import scrubbing
-from storage.backup.scrubbing import NotScrubbed, overwrite_deleted, scrub
+from storage.backup.scrubbing import ScrubFailed, overwrite_deleted, scrub
 from storage.database.claim import DatabaseUnusable
 from storage.database.engine import Database
-from storage.database.read_only import looking
+from storage.database.read_only import read_only_session
 from storage.operation import api_keys
 from tests.conftest import Stores
 from tests.plant import sqlite_url
@@ -45,12 +45,12 @@ def test_of_a_large_file_and_of_one_that_is_read_it_is_said_what_to_do(path: Pat
     with closing(Database(sqlite_url(path))) as database, closing(sqlite3.connect(path, isolation_level=None)) as reader:
         with monkeypatch.context() as patched:
             patched.setattr(scrubbing, "LARGEST", 1)
-            with pytest.raises(NotScrubbed, match=r"too large .*: stop the service and run: sqlite3 .* VACUUM"):
+            with pytest.raises(ScrubFailed, match=r"too large .*: stop the service and run: sqlite3 .* VACUUM"):
                 scrub(database)
         monkeypatch.setattr("storage.database.writer_turn.BUSY_TIMEOUT_MS", 100)
         reader.execute("BEGIN")
         reader.execute("SELECT count(*) FROM subscriptions").fetchall()
-        with pytest.raises(NotScrubbed, match="another program reads"):
+        with pytest.raises(ScrubFailed, match="another program reads"):
             scrub(database)
 
 
@@ -72,10 +72,10 @@ def test_looking_changes_no_file_and_makes_none(path: Path, tmp_path: Path) -> N
 
     def looked() -> int:
         before = files()
-        with looking(sqlite_url(path)) as session:
-            assert not api_keys.are_there(session)
+        with read_only_session(sqlite_url(path)) as session:
+            assert not api_keys.any_exist(session)
             count = session.scalar(text("SELECT count(*) FROM subscriptions"))
-        with pytest.raises(DatabaseUnusable, match="readonly"), looking(sqlite_url(path)) as session:
+        with pytest.raises(DatabaseUnusable, match="readonly"), read_only_session(sqlite_url(path)) as session:
             session.execute(text("DELETE FROM subscriptions"))
         assert files() == before
         return int(count or 0)
@@ -88,7 +88,10 @@ def test_looking_changes_no_file_and_makes_none(path: Path, tmp_path: Path) -> N
         path.with_name("rundown.db-wal").unlink()
         assert looked() == 0
     with closing(Database(sqlite_url(path))) as database, database.reading() as session:
-        assert len(deliveries.every(session)) == 1
-    with pytest.raises(DatabaseUnusable, match="unable to open"), looking(sqlite_url(tmp_path / "none.db")) as session:
-        api_keys.are_there(session)
+        assert len(deliveries.list_subscriptions(session)) == 1
+    with (
+        pytest.raises(DatabaseUnusable, match="unable to open"),
+        read_only_session(sqlite_url(tmp_path / "none.db")) as session,
+    ):
+        api_keys.any_exist(session)
     assert not (tmp_path / "none.db").exists()

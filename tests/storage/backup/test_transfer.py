@@ -11,10 +11,10 @@ import pytest
 from sqlalchemy import JSON, Float, create_engine, delete, insert, inspect, select, text, update
 from sqlalchemy.exc import IntegrityError
 
-from storage.backup.transfer import NotMoved, move
+from storage.backup.transfer import TransferFailed, move
 from storage.database.claim import DatabaseUnusable
 from storage.database.engine import Database
-from storage.encoding.text import nul_back
+from storage.encoding.text import nul_unescaped
 from storage.machines import machines
 from storage.measurements import quarantine
 from storage.measurements.quarantine import Rejection
@@ -144,7 +144,7 @@ def test_a_database_that_holds_data_is_refused(plant: Database, target: str) -> 
         machines.create(session, machine(id="other"))
     other.close()
     before = contents(target)
-    with pytest.raises(NotMoved, match="holds 2 rows"):
+    with pytest.raises(TransferFailed, match="holds 2 rows"):
         move(plant.url, target)
     assert contents(target) == before
 
@@ -254,7 +254,7 @@ def test_nul_in_a_text_is_escaped_where_it_cannot_be_and_the_audit_trail_holds(
         if to_postgresql:
             assert texts[0] == "/api/v1/machines/a\\x00b"
             assert note == "two\nlines\\x00"
-            assert tuple(map(nul_back, texts[:3])) == OLD_TARGETS[:3]
+            assert tuple(map(nul_unescaped, texts[:3])) == OLD_TARGETS[:3]
         else:
             assert (tuple(texts), note) == (OLD_TARGETS, "two\nlines\0")
 
@@ -285,6 +285,8 @@ def test_a_text_that_is_too_long_with_nul_escaped_is_named(with_nul: Database, t
     if not target.startswith("postgresql"):
         assert move(with_nul.url, target).escaped == {}
         return
-    with pytest.raises(NotMoved, match=r"audit \(5\): who holds NUL, .* 203 characters, of which 200 are allowed: shorten it"):
+    with pytest.raises(
+        TransferFailed, match=r"audit \(5\): who holds NUL, .* 203 characters, of which 200 are allowed: shorten it"
+    ):
         move(with_nul.url, target)
     assert all(rows == [] for rows in contents(target).values())

@@ -126,14 +126,14 @@ def test_a_transaction_is_stored_whole_or_not_at_all(plant: Database) -> None:
     with pytest.raises(ZeroDivisionError):
         add_and_fail()
     with plant.reading() as session:
-        assert [row.id for row in machines.every(session)] == ["pump-7"]
+        assert [row.id for row in machines.list_all(session)] == ["pump-7"]
 
 
 def test_what_is_only_read_is_not_stored(plant: Database) -> None:
     with plant.reading() as session:
         machines.create(session, machine(id="other"))
     with plant.reading() as session:
-        assert [row.id for row in machines.every(session)] == ["pump-7"]
+        assert [row.id for row in machines.list_all(session)] == ["pump-7"]
 
 
 def test_references_are_enforced(database: Database) -> None:
@@ -175,17 +175,17 @@ def test_a_reader_is_not_held_up_by_a_writer(plant: Database) -> None:
     with plant.transaction() as writing:
         machines.create(writing, machine(id="other"))
         with plant.reading() as reading:
-            assert [row.id for row in machines.every(reading)] == ["pump-7"]
+            assert [row.id for row in machines.list_all(reading)] == ["pump-7"]
 
 
 def test_a_reader_sees_one_state_to_the_end(plant: Database) -> None:
     with plant.reading() as reading:
-        assert len(machines.every(reading)) == 1
+        assert len(machines.list_all(reading)) == 1
         with plant.transaction() as writing:
             machines.create(writing, machine(id="other"))
-        assert len(machines.every(reading)) == 1
+        assert len(machines.list_all(reading)) == 1
     with plant.reading() as reading:
-        assert len(machines.every(reading)) == 2
+        assert len(machines.list_all(reading)) == 2
 
 
 def test_several_processes_may_open_a_new_database_at_once(databases: Databases, tmp_path: Path) -> None:
@@ -210,7 +210,7 @@ def test_lists_are_in_the_order_of_their_letters_codes(database: Database) -> No
         for name in ids:
             session.add(MachineRow(id=name, plant="p", revision=1, created_at=1))
     with database.reading() as session:
-        assert [row.id for row in machines.every(session)] == sorted(ids)
+        assert [row.id for row in machines.list_all(session)] == sorted(ids)
         query = select(MachineRow.id)
         passed: list[str] = []
         while part := session.scalars(ordered(query, (MachineRow.id,), tuple(passed[-1:]) or None, descending=False).limit(3)):

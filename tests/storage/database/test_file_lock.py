@@ -87,7 +87,7 @@ def test_by_the_same_name_others_may_look(path: Path) -> None:
     with service(sqlite_url(path)):
         assert in_use(path)
         with closing(Database(sqlite_url(path))) as database, database.reading() as session:
-            assert machines.ids(session) == ["pump-7"]
+            assert machines.list_ids(session) == ["pump-7"]
     assert not in_use(path)
 
 

@@ -13,7 +13,7 @@ from sqlalchemy import event, text
 from sqlalchemy.exc import DBAPIError
 
 from storage.backup import backup
-from storage.backup.backup_file import BackupUnusable, described_by
+from storage.backup.backup_file import BackupUnusable, description_path
 from storage.database.claim import DatabaseUnusable
 from storage.database.engine import Database
 from storage.machines import machines
@@ -38,12 +38,12 @@ def test_a_server_that_was_restarted_is_used_again(plant: Database, postgresql: 
     with plant.transaction() as session:
         machines.create(session, machine(id="other"))
     with plant.reading() as session:
-        assert len(machines.every(session)) == 2
+        assert len(machines.list_all(session)) == 2
 
 
 def test_what_was_read_before_a_connection_broke_stays_read(plant: Database, postgresql: Server) -> None:
     with plant.reading() as session:
-        assert [row.id for row in machines.every(session)] == ["pump-7"]
+        assert [row.id for row in machines.list_all(session)] == ["pump-7"]
         end_connections(plant, postgresql)
     plant.check()
 
@@ -109,12 +109,12 @@ def test_a_restore_that_fails_leaves_what_was_there(plant: Database, tmp_path: P
     whole = file.read_bytes()
     file.write_bytes(whole[: -len(whole) // 4])
     description = asdict(made) | {"sha256": hashlib.sha256(file.read_bytes()).hexdigest()}
-    described_by(file).write_text(json.dumps(description))
+    description_path(file).write_text(json.dumps(description))
     with pytest.raises(BackupUnusable, match="pg_restore failed"):
         backup.restore(plant.url, file, overwrite=True)
     with plant.transaction() as session:
         machines.create(session, machine(id="other"))
-        assert [row.id for row in machines.every(session)] == ["other", "pump-7"]
+        assert [row.id for row in machines.list_all(session)] == ["other", "pump-7"]
         assert session.scalar(text("SELECT count(*) FROM pg_namespace WHERE nspname = 'rundown_before_restore'")) == 0
 
 

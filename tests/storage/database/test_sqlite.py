@@ -13,7 +13,7 @@ import pytest
 from sqlalchemy import URL, event, insert
 
 from storage.backup import backup
-from storage.backup.transfer import NotMoved, move
+from storage.backup.transfer import TransferFailed, move
 from storage.database import disk
 from storage.database.claim import DatabaseUnusable
 from storage.database.engine import Database
@@ -136,7 +136,7 @@ def test_another_process_s_lock_is_waited_for(plant: Database, tmp_path: Path) -
     release.join(5)
     other.close()
     with plant.reading() as session:
-        assert len(machines.every(session)) == 2
+        assert len(machines.list_all(session)) == 2
 
 
 @pytest.fixture
@@ -164,7 +164,7 @@ def test_what_a_link_leads_to_is_restored(plant: Database, linked: str, tmp_path
     assert (tmp_path / "elsewhere" / "link.db").is_symlink()
     restored = Database(plant.url)
     with restored.reading() as session:
-        assert [row.id for row in machines.every(session)] == ["pump-7"]
+        assert [row.id for row in machines.list_all(session)] == ["pump-7"]
     restored.close()
 
 
@@ -187,7 +187,7 @@ def test_the_room_and_the_log_are_those_of_what_a_link_leads_to(
 
 
 def test_a_database_is_not_moved_into_itself_by_another_name(plant: Database, linked: str) -> None:
-    with pytest.raises(NotMoved, match="are the same database"):
+    with pytest.raises(TransferFailed, match="are the same database"):
         move(plant.url, linked)
 
 
@@ -232,7 +232,7 @@ def test_what_happened_in_a_day_is_counted_without_reading_years(plant: Database
     asked: list[tuple[str, Any]] = []
     event.listen(plant.engine, "before_cursor_execute", lambda *args: asked.append((args[2], args[3])))
     with plant.reading() as session:
-        (pump,) = fleet.glances(session, fleet.every(session), since=days[-10])
+        (pump,) = fleet.glances(session, fleet.list_all(session), since=days[-10])
     assert pump.since["identifications"] == 10 + 1  # of those days, and the first, of now
     with plant.engine.connect() as connection:
         plans = [connection.exec_driver_sql(f"EXPLAIN QUERY PLAN {query}", given).all() for query, given in list(asked)]

@@ -78,7 +78,7 @@ def test_nothing_more_is_taken(database: Database, tmp_path: Path, narrow: bool)
     with pytest.raises(OperationalError, match="was deleted or replaced"), store.transaction():
         pass
     with database.reading() as session:  # by a connection that is open
-        assert machines.ids(session) == ["first"]
+        assert machines.list_ids(session) == ["first"]
 
 
 def test_no_connection_makes_a_second_log(database: Database, tmp_path: Path) -> None:
@@ -94,7 +94,7 @@ def test_no_connection_makes_a_second_log(database: Database, tmp_path: Path) ->
 
 def test_while_a_reader_hinders_it_is_said_that_not_all_is_saved(database: Database, tmp_path: Path) -> None:
     with database.reading() as reading:
-        assert machines.ids(reading) == ["first"]
+        assert machines.list_ids(reading) == ["first"]
         add(database, "second")
         (tmp_path / "rundown.db-wal").unlink()
         with pytest.raises(DatabaseUnusable, match=r"not saved yet\. Stop the service cleanly"):
@@ -111,7 +111,7 @@ def test_a_clean_end_saves_all_though_nobody_has_looked(database: Database, tmp_
     database.close()
     again = Database(database.url)
     with again.reading() as session:
-        assert machines.ids(session) == ["first"]
+        assert machines.list_ids(session) == ["first"]
     again.close()
 
 

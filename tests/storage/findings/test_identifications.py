@@ -82,7 +82,7 @@ def test_only_accepted_single_runs_of_one_kind_and_revision_make_a_baseline(plan
         def ids(rows: Any) -> list[int]:
             return [row.id for row in rows]
 
-        like = identifications.Like(revisions=(1,), run_kind="run-down")
+        like = identifications.ComparisonGroup(revisions=(1,), run_kind="run-down")
         assert ids(identifications.first_accepted(session, "pump-7", like, limit=2)) == good[:0:-1]
         assert ids(identifications.newest(session, "pump-7", like, limit=2)) == good[:2]
 

@@ -31,7 +31,7 @@ def ask(session: Session, plants: str, priority: int = AUTOMATIC) -> None:
     for plant in plants:
         by = None if priority == AUTOMATIC else "anna"
         run = [next(NUMBERS)]
-        jobs.ask(session, f"pump-{plant}", scope=jobs.RUN, run_ids=run, asked_by=by, priority=priority)
+        jobs.enqueue(session, f"pump-{plant}", scope=jobs.RUN, run_ids=run, asked_by=by, priority=priority)
 
 
 def taken(session: Session, limit: int, **rules: Any) -> str:
@@ -82,7 +82,7 @@ def test_what_has_done_harm_is_behind_everything_and_in_turns_too(plants: Databa
     with plants.transaction() as session:
         ask(session, "aab")
         for row in jobs.take(session, 3):
-            jobs.put_back(session, row, "it took too long")
+            jobs.requeue(session, row, "it took too long")
         ask(session, "c", RECOMPUTED)
         assert taken(session, 4) == "caba"
 
@@ -113,7 +113,7 @@ def test_an_interrupted_job_keeps_its_turn(plants: Database) -> None:
         ask(session, "aaaa")
         assert taken(session, 2) == "aa"
         ask(session, "bb")
-        jobs.put_back_running(session)
+        jobs.requeue_running(session)
         assert taken(session, 4) == "aaba"
 
 
@@ -127,8 +127,8 @@ def test_taking_and_queueing_reads_few_rows_of_many_that_wait(plants: Database) 
     with plants.transaction() as session:
         ask(session, "b", ASKED)
         assert taken(session, 2) == "ab"
-        assert jobs.waiting_of(session, asked_by="anna", most=9) == 9
-        assert jobs.asked_of_machine(session, "pump-a", most=9) == 9
+        assert jobs.count_waiting_of(session, asked_by="anna", most=9) == 9
+        assert jobs.count_requested_of_machine(session, "pump-a", most=9) == 9
     with plants.engine.connect() as connection:
         plans = [
             row[3]

@@ -8,7 +8,7 @@ from storage.findings import jobs
 
 
 def ask(session: Session, *run_ids: int, scope: str = jobs.RUN) -> int | None:
-    row = jobs.ask(session, "pump-7", scope=scope, run_ids=list(run_ids))
+    row = jobs.enqueue(session, "pump-7", scope=scope, run_ids=list(run_ids))
     return None if row is None else row.id
 
 
@@ -30,13 +30,13 @@ def test_the_same_identification_is_asked_for_once(plant: Database) -> None:
 def test_jobs_are_taken_oldest_first_and_only_once(plant: Database) -> None:
     with plant.transaction() as session:
         asked = [ask(session, run_id) for run_id in (5, 3, 4)]
-        assert jobs.waiting(session)
+        assert jobs.any_waiting(session)
     with plant.transaction() as session:
         assert [row.id for row in jobs.take(session, 2)] == asked[:2]
     with plant.transaction() as session:
         assert [row.id for row in jobs.take(session, 2)] == asked[2:]
         assert jobs.take(session, 2) == []
-        assert not jobs.waiting(session)
+        assert not jobs.any_waiting(session)
         assert states(session) == [jobs.RUNNING] * 3
 
 
@@ -60,7 +60,7 @@ def test_a_job_that_costs_every_worker_is_given_up(plant: Database) -> None:
         for attempt in range(1, jobs.LARGEST_ATTEMPTS + 1):
             (row,) = jobs.take(session, 1)
             assert row.attempts == attempt
-            jobs.put_back(session, row, "the worker died")
+            jobs.requeue(session, row, "the worker died")
         assert jobs.take(session, 1) == []
         assert row.state == jobs.QUARANTINED
         assert row.error == "given up after 3 attempts: the worker died"
@@ -70,7 +70,7 @@ def test_a_job_that_did_harm_waits_behind_all_others(plant: Database) -> None:
     with plant.transaction() as session:
         first, second, third = (ask(session, run_id) for run_id in (1, 2, 3))
         (harmful,) = jobs.take(session, 1)
-        jobs.put_back(session, harmful, "it took too long")
+        jobs.requeue(session, harmful, "it took too long")
     with plant.transaction() as session:
         assert [row.id for row in jobs.take(session, 1)] == [second]
         assert [row.id for row in jobs.take(session, 2)] == [third, first]
@@ -83,7 +83,7 @@ def test_what_an_earlier_process_left_running_is_queued_again(plant: Database) -
         jobs.finish(jobs.take(session, 1)[0], state=jobs.DONE)
         jobs.take(session, 2)
     with plant.transaction() as session:
-        assert jobs.put_back_running(session) == 2
+        assert jobs.requeue_running(session) == 2
         assert states(session) == [jobs.DONE, jobs.QUEUED, jobs.QUEUED, jobs.QUEUED]
         # A stop of the service is no attempt.
         assert [row.attempts for row in jobs.take(session, 3)] == [1, 1, 1]

@@ -78,7 +78,7 @@ def test_machines_come_by_id(plant: Database) -> None:
         for name in ("zeta", "alpha"):
             machines.create(session, machine(id=name))
     with plant.reading() as session:
-        assert [row.id for row in machines.every(session)] == ["alpha", "pump-7", "zeta"]
+        assert [row.id for row in machines.list_all(session)] == ["alpha", "pump-7", "zeta"]
 
 
 def with_conditions(*names_and_units: str) -> tuple[Condition, ...]:
@@ -128,10 +128,10 @@ def require_right(database: Database, made: list[Machine]) -> None:
     with database.reading() as session:
         for number in range(1, len(made) + 1):
             expected = around(made, number)
-            assert machines.comparable(session, "pump-7", number) == expected
+            assert machines.comparable_revisions(session, "pump-7", number) == expected
             names = made[number - 1].condition_names
             alike = [one for one in expected if made[one - 1].condition_names == names]
-            assert machines.measured_alike(session, "pump-7", number) == alike
+            assert machines.revisions_with_same_channels(session, "pump-7", number) == alike
 
 
 def test_revisions_that_can_be_compared_are_those_around_one_that_describe_the_same(plant: Database) -> None:
@@ -209,4 +209,4 @@ def test_neither_a_revision_nor_a_read_beside_it_costs_more_with_their_number(pl
     assert costs(60) == few
     assert max(documents for documents, _ in few) <= 4
     with plant.reading() as session:
-        assert machines.comparable(session, "pump-7", 60) == list(range(1, 61))
+        assert machines.comparable_revisions(session, "pump-7", 60) == list(range(1, 61))

@@ -33,13 +33,13 @@ def test_an_open_run_is_current_until_it_is_closed(plant: Database) -> None:
     with plant.transaction() as session:
         run_id = open_run(session).id
     with plant.transaction() as session:
-        row = runs.current(session, "pump-7")
+        row = runs.open_run_of(session, "pump-7")
         assert row is not None
         assert row.id == run_id
         assert runs.samples(session, run_id) is None
         runs.close(row, samples=samples(5), state=runs.CLOSED, reason="the speed turned back")
     with plant.reading() as session:
-        assert runs.current(session, "pump-7") is None
+        assert runs.open_run_of(session, "pump-7") is None
         row = runs.get(session, run_id)
         assert (row.state, row.reason, row.count) == (runs.CLOSED, "the speed turned back", 5)
         assert row.time_last == int(samples(5).time[-1])

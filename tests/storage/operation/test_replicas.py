@@ -6,7 +6,7 @@ from service.replication import lease_keeper
 from service.replication.lease_keeper import Leasing
 from service.replication.work_share import DELIVERY, INGEST, lease_of
 from storage.database.engine import Database
-from storage.database.errors import NotHeld
+from storage.database.errors import LeaseLost
 from storage.findings import jobs
 from storage.operation import leases, replicas
 from storage.tables import JobRow
@@ -27,13 +27,13 @@ def test_a_lease_is_one_replicas_at_a_time(database: Database) -> None:
         assert leases.take(session, INGEST, holder=second, most=3) == set(INGEST[3:6])
     with database.transaction(beside_others=True) as session:
         leases.require(session, INGEST[:2], holder=first)
-        with pytest.raises(NotHeld, match=INGEST[3]):
+        with pytest.raises(LeaseLost, match=INGEST[3]):
             leases.require(session, [INGEST[0], INGEST[3]], holder=first)
     with database.transaction() as session:
-        leases.give_back(session, INGEST[:1], holder=first)
-        leases.give_back(session, INGEST[3:4], holder=first)  # not its own: nothing
+        leases.release(session, INGEST[:1], holder=first)
+        leases.release(session, INGEST[3:4], holder=first)  # not its own: nothing
         assert leases.held(session, holder=first) == set(INGEST[1:3])
-        leases.give_back_all(session, holder=second)
+        leases.release_all(session, holder=second)
         assert leases.held(session, holder=second) == set()
 
 
@@ -41,17 +41,17 @@ def test_numbers_are_never_given_twice(database: Database) -> None:
     first = join(database)
     with database.transaction() as session:
         replicas.forget(session, first)
-        assert not replicas.beat(session, first)
+        assert not replicas.heartbeat(session, first)
     assert join(database) > first
 
 
 def test_who_was_taken_for_gone_gets_no_job_and_what_nobody_computes_is_put_back(plant: Database) -> None:
     number = join(plant)
     with plant.transaction() as session:
-        jobs.ask(session, KEY.machine, scope=jobs.RUN, run_ids=[1])
+        jobs.enqueue(session, KEY.machine, scope=jobs.RUN, run_ids=[1])
         assert len(jobs.take(session, 5, holder=number)) == 1
         replicas.forget(session, number)
-        assert jobs.put_back_running(session, living=[number + 1]) == 1
+        assert jobs.requeue_running(session, living=[number + 1]) == 1
         assert jobs.take(session, 5, holder=number) == []
         (row,) = session.query(JobRow).all()
         assert (row.state, row.attempts, row.holder) == (jobs.QUEUED, 0, None)
@@ -63,9 +63,9 @@ def test_a_round_takes_over_what_the_dead_held_and_were_computing(plant: Databas
         dead = replicas.join(session, role="all", host="gone", process=2)
         leases.ensure(session, INGEST)
         leases.take(session, INGEST, holder=dead, most=32)
-        jobs.ask(session, KEY.machine, scope=jobs.RUN, run_ids=[1])
+        jobs.enqueue(session, KEY.machine, scope=jobs.RUN, run_ids=[1])
         jobs.take(session, 1, holder=dead)
-        row = next(one for one in replicas.every(session) if one.id == dead)
+        row = next(one for one in replicas.list_all(session) if one.id == dead)
         row.seen_at -= int(2 * replicas.LEASE_S * 1e9)
     plant.claim(shared=True)
     living = Leasing(plant, "all")
@@ -74,13 +74,13 @@ def test_a_round_takes_over_what_the_dead_held_and_were_computing(plant: Databas
         assert living.owns(KEY.machine)
         with plant.transaction(beside_others=True) as session:
             living.require(session, [KEY.machine])
-            assert [one.id for one in replicas.every(session)] == [living.holder]
+            assert [one.id for one in replicas.list_all(session)] == [living.holder]
             assert session.query(JobRow).one().state == jobs.QUEUED
     finally:
         living.stop()
     with plant.transaction() as session:
         assert set(leases.holders(session).values()) == {None}
-        with pytest.raises(NotHeld, match=lease_of(KEY.machine)):
+        with pytest.raises(LeaseLost, match=lease_of(KEY.machine)):
             living.require(session, [KEY.machine])
 
 

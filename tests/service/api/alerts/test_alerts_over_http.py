@@ -16,7 +16,7 @@ from benchmarks.serving import served
 from service.alerts import transitions
 from service.alerts.transitions import AlertFinding
 from service.api.alerts import event_stream
-from service.api.alerts.event_stream import Broadcaster, Told, stream
+from service.api.alerts.event_stream import Broadcaster, StreamEvent, stream
 from storage.alerts import alerts
 from storage.database.engine import Database
 from storage.tables import AlertRow
@@ -292,7 +292,7 @@ class Confused(Broadcaster):
 
     puzzled = False
 
-    def _read(self, after: int) -> list[Told]:
+    def _read(self, after: int) -> list[StreamEvent]:
         if self.puzzled:
             raise LookupError("no such thing")
         return super()._read(after)

@@ -70,7 +70,7 @@ def tell(database: Database) -> None:
             row = store_identification(session, outcome, run_id=100 + number, measured_at=START + number * 3600 * SECOND)
         gathered = identification({"coupling.C1.kxx": 1.5})
         store_identification(session, gathered, run_id=200, scope=jobs.GATHERED, run_kind="gathered")
-        failed = jobs.ask(session, "pump-7", scope=jobs.GATHERED, run_ids=[1, 2])
+        failed = jobs.enqueue(session, "pump-7", scope=jobs.GATHERED, run_ids=[1, 2])
         assert failed is not None
         jobs.finish(failed, state=jobs.FAILED, error="NotEnoughData: too few")
         finding = AlertFinding(

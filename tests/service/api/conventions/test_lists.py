@@ -53,7 +53,7 @@ def test_every_list_goes_on(api: Api) -> None:
         machines.revise(session, machine(name="New"))
         deliveries.subscribe(session, kind="email", name="shift", target="smtp://h/a@b.c/d@e.f", secret=None)
         for number in (1, 2):
-            jobs.ask(session, KEY.machine, scope=jobs.GATHERED, run_ids=[number, 99])
+            jobs.enqueue(session, KEY.machine, scope=jobs.GATHERED, run_ids=[number, 99])
     for word in ("one", "two"):
         api("POST", f"/machines/{KEY.machine}/timeline", 201, json=NOTE | {"text": word, "kind": "maintenance"})
         suppression = ANNA | {"kind": "out_of_service", "rule": word}
@@ -104,5 +104,5 @@ def test_a_range_whose_ends_are_exchanged_is_refused(api: Api, path: str) -> Non
 
 def test_machines_are_listed_without_reading_their_documents(api: Api) -> None:
     with api.database.reading() as session:
-        (one,) = fleet.every(session)
+        (one,) = fleet.list_all(session)
     assert (one.id, one.name, one.plant) == (KEY.machine, "Pump 7", KEY.plant)

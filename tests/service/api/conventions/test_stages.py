@@ -42,7 +42,7 @@ def test_each_stage_says_how_it_is_doing(api: Api) -> None:
 def test_what_is_not_all_right_is_degraded(api: Api) -> None:
     with api.database.transaction() as session:
         store_identification(session, identification(accepted=False), run_id=77)
-        job = jobs.ask(session, KEY.machine, scope=jobs.RUN, run_ids=[78])
+        job = jobs.enqueue(session, KEY.machine, scope=jobs.RUN, run_ids=[78])
         assert job is not None
         jobs.finish(job, state=jobs.FAILED, error="NotEnoughData")
         waiting = deliveries.of_subscription(session, 1, limit=1)

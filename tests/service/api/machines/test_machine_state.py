@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from service.runs.collection_state import standing
+from service.runs.collection_state import state_of
 from service.runs.collector import Collector
 from storage.database.engine import Database
 from storage.machines import machines
@@ -112,7 +112,7 @@ def test_a_restart_at_any_message_changes_neither_states_nor_runs(
                 (row.kind, row.state, row.time_first, row.time_last, row.count, row.coverage)
                 for row in runs.of_machine(session, KEY.machine)
             ]
-            now = standing(session, KEY.machine)
+            now = state_of(session, KEY.machine)
             assert now is not None
             told.append((states, found, now.stored()))
     assert told[0] == told[1]

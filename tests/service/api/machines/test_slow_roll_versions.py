@@ -26,7 +26,7 @@ from storage.database.engine import Database
 from storage.database.plant_scope import PlantScope
 from storage.encoding.sample_blocks import Samples, encode
 from storage.findings import identifications, jobs, trends
-from storage.findings.identifications import Like
+from storage.findings.identifications import ComparisonGroup
 from storage.machines import machines
 from storage.measurements import runs
 from tests.asking import PREFIX, Api, problem
@@ -265,28 +265,28 @@ def test_nothing_is_put_in_force_where_its_identifications_may_not_wait(plant: D
 
 def test_the_same_is_asked_for_a_hundred_times_in_few_questions_each(plant: Database, api: Api) -> None:
     (run,) = api("GET", "/machines/pump-7/runs")
-    asker, wanted = job_options.Asker("anna"), job_options.Request(seed=4)
+    asker, wanted = job_options.Requester("anna"), job_options.Request(seed=4)
     numbers = []
     for _ in range(100):
         with plant.transaction() as session:
-            row = job_options.ask(session, run["id"], wanted, asker)
+            row = job_options.request_identification(session, run["id"], wanted, asker)
             jobs.finish(row, state=jobs.DONE)
             numbers.append((row.options or {}).get("again", 0))
     assert numbers == list(range(100))
     questions: list[str] = []
     event.listen(plant.engine, "before_cursor_execute", lambda *args: questions.append(args[2]))
     with plant.transaction() as session:
-        job_options.ask(session, run["id"], wanted, asker)
+        job_options.request_identification(session, run["id"], wanted, asker)
     assert len(questions) < 40
 
 
 def test_who_sees_one_plant_asks_in_the_same_order_and_quota(plant: Database, api: Api) -> None:
     (run,) = api("GET", "/machines/pump-7/runs")
     with PlantScope(plant, frozenset({KEY.plant})).transaction() as session:
-        asker = job_options.Asker("anna", JobQuota(1, 9))
-        assert job_options.ask(session, run["id"], job_options.Request(seed=4), asker).plant == KEY.plant
+        asker = job_options.Requester("anna", JobQuota(1, 9))
+        assert job_options.request_identification(session, run["id"], job_options.Request(seed=4), asker).plant == KEY.plant
         with pytest.raises(QuotaExceeded):
-            job_options.ask(session, run["id"], job_options.Request(seed=5), asker)
+            job_options.request_identification(session, run["id"], job_options.Request(seed=5), asker)
 
 
 @pytest.fixture
@@ -357,13 +357,13 @@ def test_an_old_run_is_identified_again_without_its_slow_roll(train: tuple[Datab
 
 
 def test_the_newest_accepted_identification_of_a_run_counts(plant: Database) -> None:
-    like = Like(revisions=(1,), run_kind="run-down")
+    like = ComparisonGroup(revisions=(1,), run_kind="run-down")
     with plant.transaction() as session:
         first = store_identification(session, identification({"coupling.C1.kxx": 1.1}), run_id=1).id
         other = store_identification(session, identification(), run_id=2, measured_at=START + 1).id
 
         def again(accepted: bool, scope: str = jobs.RUN) -> int:
-            job = jobs.ask(session, "pump-7", scope=scope, run_ids=[1], options={"again": len(made), "scope": scope})
+            job = jobs.enqueue(session, "pump-7", scope=scope, run_ids=[1], options={"again": len(made), "scope": scope})
             assert job is not None
             origin = identifications.Origin("pump-7", 1, job.id, scope, "run-down", [1], START, {"starts": 10}, "0.1.0")
             made.append(identifications.add(session, origin, identification(accepted=accepted)).id)
@@ -385,7 +385,7 @@ def test_the_newest_accepted_identification_of_a_run_counts(plant: Database) -> 
         assert counted() == ([first, other], [first, other])
         second = again(accepted=True)
         assert counted() == ([second, other], [second, other])
-        pinned = identifications.named(session, "pump-7", like, [first])
+        pinned = identifications.accepted_among(session, "pump-7", like, [first])
         assert [row.id for row in pinned] == [second]  # a baseline of named identifications follows
         assert identifications.get(session, first).accepted  # the older ones stay readable
         assert len(identifications.of_machine(session, "pump-7")) == 5
@@ -394,7 +394,7 @@ def test_the_newest_accepted_identification_of_a_run_counts(plant: Database) -> 
 def test_of_a_run_that_was_never_accepted_the_newest_identification_shows(plant: Database) -> None:
     with plant.transaction() as session:
         store_identification(session, identification(accepted=False), run_id=1)
-        job = jobs.ask(session, "pump-7", scope=jobs.RUN, run_ids=[1], options={"reopened": True})
+        job = jobs.enqueue(session, "pump-7", scope=jobs.RUN, run_ids=[1], options={"reopened": True})
         assert job is not None
         origin = identifications.Origin("pump-7", 1, job.id, jobs.RUN, "run-down", [1], START, {}, "0.1.0")
         newest = identifications.add(session, origin, identification(accepted=False)).id

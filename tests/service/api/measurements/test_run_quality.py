@@ -54,7 +54,7 @@ def test_measured_run_up_is_told_to_ring_point_by_point(database: Database, kit:
     outcome = computation.compute(IdentificationTask(kit.model_dump(mode="json"), [encode(samples)], Options(starts=1), 60.0))
     with database.transaction() as session:
         run_id = closed(session, kit, samples)
-        runs.keep_quality(session, run_id, outcome.qualities[0])
+        runs.store_quality(session, run_id, outcome.qualities[0])
     found = get(database, f"/api/v1/runs/{run_id}/quality").json()
     assert found["judged"]
     assert found["counts"]["sweep-rate-beat"] > 60
