@@ -84,7 +84,7 @@ class HeldJobs:
             logger.info("%d identifications were interrupted and are computed again", left)
 
     def put_back_lost(self, known: Collection[int]) -> None:
-        """Put back jobs whose taking was lost with the database's answer. known: ids of those computed here."""
+        """Put back jobs that were taken here though the database's answer was lost. known: ids of those computed here."""
         with self._database.transaction() as session:
             for row in jobs.held_by(session, self._share.holder):
                 if row.id not in known:

@@ -58,7 +58,8 @@ class LateArrivals:
         self._settled |= {one for one in machine_ids if one not in known or not known[one].late}
 
     def patience(self, session: Session, machine_id: str) -> float | None:
-        """Return how long late samples of a machine were awaited [s]; None while they still come, or without any."""
+        """Return the time [s] for which late samples were awaited, once it is over; None while they still come, or without
+        any."""
         now = standing(session, machine_id)
         if now is None or not now.late:
             self._settled.add(machine_id)
@@ -76,7 +77,7 @@ class LateArrivals:
         return [] if now is None else now.late
 
     def take(self, session: Session, machine_id: str, window: Window) -> bool:
-        """Note that a window, as of `late_samples.by_run`, is sorted in; return False when more samples came into it since."""
+        """Note that a window, one of `late_samples.by_run`, is sorted in; return False when more samples came into it since."""
         now = standing(session, machine_id)
         left = None if now is None else remove_window(now.late, window)
         if now is None or left is None:
