@@ -77,7 +77,7 @@ class LateArrivals:
         return [] if now is None else now.late
 
     def take(self, session: Session, machine_id: str, window: Window) -> bool:
-        """Note that a window, one of `late_samples.by_run`, is sorted in; return False when more samples came into it since."""
+        """Note that a window, one of `late_samples.by_run`, is sorted in; return False when more samples have come into it."""
         now = standing(session, machine_id)
         left = None if now is None else remove_window(now.late, window)
         if now is None or left is None:
