@@ -10,7 +10,7 @@ from service.identification.task import IdentificationOutcome
 class TakenJob:
     """A job that was taken to be computed.
 
-    automatic: as of `storage.findings.job_order`. reopened: how often each of its runs had been rebuilt when it was taken.
+    automatic: see `storage.findings.job_order`. reopened: how often each of its runs had been rebuilt when it was taken.
     """
 
     job_id: int

@@ -109,7 +109,7 @@ class Housekeeping(SupervisedThread):
         return not self._stop.wait(pause)
 
     def look(self) -> None:
-        """Read disk space and return free memory."""
+        """Check the disk space, and give free memory back to the system."""
         self._looked_at = time.monotonic()
         release_free_memory()
         self.unseen = _tried(self._disk.look)

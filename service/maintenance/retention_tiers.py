@@ -107,7 +107,7 @@ class Runs:
 
 
 def tiers_of(settings: Settings) -> list[Tier]:
-    """Return the tiers of which the settings delete anything."""
+    """Return the tiers for which the settings limit the age."""
     found: list[Tier] = []
     if settings.raw_days:
         found.append(Blocks(settings.raw_days))

@@ -91,7 +91,7 @@ def compared_with(
 ) -> Compared:
     """Read the runs between a baseline and an identification, over about the same speeds.
 
-    baseline, wanted: as of `baseline_of`. accepted: only accepted runs come after the baseline; otherwise the refused ones as
+    baseline, wanted: see `baseline_of`. accepted: only accepted runs come after the baseline; otherwise the refused ones as
     well. longest: largest number of them.
     """
     stored, known = terms.identification, {row.id for row in baseline}

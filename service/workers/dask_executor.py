@@ -61,7 +61,7 @@ class DaskExecutor:
         self._sent: dict[Future[Any], _Sent] = {}
         self._looked = 0.0
         self._seen: dict[str, tuple[float, float]] = {}
-        """Per worker, when the scheduler last heard of it by its clock, and since when that is unchanged."""
+        """Per worker, when the scheduler last heard from it by its clock, and since when that has not changed."""
         self._refused: dict[str, tuple[str, float]] = {}
         """Per worker that refused a task, why, and until when it gets none."""
         self._usable: tuple[str, ...] = ()

@@ -13,7 +13,7 @@ from storage.tables import AlertEventRow, AlertRow
 
 
 class AlertUnknown(Missing):
-    """There is no alert with this id."""
+    """Raised when no alert has this id."""
 
     subject = "alert"
 

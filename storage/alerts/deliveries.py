@@ -17,7 +17,7 @@ STATES = (PENDING, DELIVERED, GIVEN_UP)
 
 
 class SubscriptionUnknown(Missing):
-    """There is no subscription with this id."""
+    """Raised when no subscription has this id."""
 
     subject = "subscription"
 
@@ -31,7 +31,7 @@ class SubscriptionDisabled(Conflict):
 
 
 class DeliveryUnknown(Missing):
-    """There is no delivery with this id."""
+    """Raised when no delivery has this id."""
 
     subject = "delivery"
 

@@ -12,7 +12,7 @@ from storage.tables import SuppressionRow
 
 
 class SuppressionUnknown(Missing):
-    """There is no suppression with this id."""
+    """Raised when no suppression has this id."""
 
     subject = "suppression"
 

@@ -23,7 +23,7 @@ from storage.tables import EstimateRow, IdentificationRow, RunRow
 
 
 class IdentificationUnknown(Missing):
-    """There is no identification with this id."""
+    """Raised when no identification has this id."""
 
     subject = "identification"
 

@@ -30,7 +30,7 @@ LARGEST_ATTEMPTS = 3
 
 
 class JobUnknown(Missing):
-    """There is no job with this id."""
+    """Raised when no job has this id."""
 
     subject = "job"
 

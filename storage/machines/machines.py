@@ -19,7 +19,7 @@ class MachineExists(Conflict):
 
 
 class MachineUnknown(Missing):
-    """There is no machine with this id."""
+    """Raised when no machine has this id."""
 
     subject = "machine"
 

@@ -28,7 +28,7 @@ _OF_THE_PROBE = ("shaft", "station", "angle_deg", "sensitivity")
 
 
 class SlowRollUnknown(Missing):
-    """There are no slow-roll vectors of this version."""
+    """Raised when no slow-roll vectors have this version."""
 
     subject = "slow-roll vectors"
 

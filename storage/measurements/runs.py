@@ -35,7 +35,7 @@ LAST_TIME = 2**63 - 1
 
 
 class RunUnknown(Missing):
-    """There is no run with this id."""
+    """Raised when no run has this id."""
 
     subject = "run"
 

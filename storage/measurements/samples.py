@@ -121,7 +121,7 @@ def at(
 ) -> Samples:
     """Return the samples of one revision at these times [ns], ascending; one per time when several sources have it.
 
-    damaged: as of `between`.
+    damaged: see `between`.
     """
     parts: list[Samples] = []
     waiting = list(reversed(times))

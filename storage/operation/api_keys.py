@@ -13,7 +13,7 @@ USE_INTERVAL_NS = 600 * 1_000_000_000
 
 
 class KeyUnknown(KeyError):
-    """There is no key with this prefix."""
+    """Raised when no key has this prefix."""
 
 
 def add(
