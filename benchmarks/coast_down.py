@@ -25,7 +25,7 @@ from threadpoolctl import threadpool_limits
 from benchmarks.trains import EXAMPLES
 from estimator.arrays import Complexes, Floats
 from estimator.fit.identify import Identification, Options, identify
-from estimator.identification.quality_gate import Gated, identify_gated
+from estimator.identification.quality_gate import GatedIdentification, identify_gated
 from estimator.identification.sweep_correction import sweep_transient
 from estimator.machine.document import Machine, parse_machine
 from estimator.modes.eigenmodes import modes
@@ -173,7 +173,7 @@ def compared(true: Document, rate: float, runs: int, from_rpm: float = FROM_RPM)
         noisy, measurement = recorded(machine, run, rng)
         options = Options(starts=STARTS)
         rows["no gate"].append(score(identify(machine, measurement, options), true))
-        gated: Gated = identify_gated(machine, [noisy], [measurement], options=options)
+        gated: GatedIdentification = identify_gated(machine, [noisy], [measurement], options=options)
         left.append(float(np.mean(gated.qualities[0].usable)))
         if gated.identification is None:
             lost += 1
