@@ -24,10 +24,12 @@ from threadpoolctl import threadpool_limits
 
 from benchmarks.trains import EXAMPLES
 from estimator.arrays import Complexes, Floats
+from estimator.bearings.terms import TERMS
 from estimator.fit.identify import Identification, Options, identify
-from estimator.identification.quality_gate import Gated, identify_gated
+from estimator.identification.quality_gate import GatedIdentification, identify_gated
 from estimator.identification.sweep_correction import sweep_transient
 from estimator.machine.document import Machine, parse_machine
+from estimator.machine.parameter_description import describe
 from estimator.modes.eigenmodes import modes
 from estimator.phasors.beating import find_beats
 from estimator.phasors.channel_status import ChannelStatus
@@ -102,7 +104,7 @@ def nominal_document(true: Document, rng: np.random.Generator) -> Document:
     document = copy.deepcopy(true)
     for part in (*document["bearings"], *document["couplings"]):
         for name in part:
-            if name[0] in "kc" and isinstance(part[name], float | int):
+            if name in TERMS and isinstance(part[name], float | int):
                 part[name] *= math.exp(COEFFICIENT_SPREAD * rng.standard_normal())
     for disc in document["discs"]:
         disc["unbalance"]["magnitude"] *= math.exp(UNBALANCE_SPREAD * rng.standard_normal())
@@ -145,7 +147,8 @@ def score(found: Identification, true: Document) -> Score:
     for one in found.estimates:
         if one.value is None or one.lower is None or one.upper is None:
             continue
-        kind, element, name = one.name.split(".")
+        described = describe(one.name)
+        kind, element, name = described.element_kind, described.element_id, described.quantity
         if kind == "material":
             continue
         part = next(part for part in true[f"{kind}s"] if part["id"] == element)
@@ -173,7 +176,7 @@ def compared(true: Document, rate: float, runs: int, from_rpm: float = FROM_RPM)
         noisy, measurement = recorded(machine, run, rng)
         options = Options(starts=STARTS)
         rows["no gate"].append(score(identify(machine, measurement, options), true))
-        gated: Gated = identify_gated(machine, [noisy], [measurement], options=options)
+        gated: GatedIdentification = identify_gated(machine, [noisy], [measurement], options=options)
         left.append(float(np.mean(gated.qualities[0].usable)))
         if gated.identification is None:
             lost += 1

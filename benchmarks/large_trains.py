@@ -17,6 +17,7 @@ from typing import Any, TypeVar
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from estimator.bearings.terms import TERMS
 from estimator.fit.identify import Identification, identify
 from estimator.machine.document import Machine
 from estimator.machine.document_size import accepted_machine, document_size
@@ -111,7 +112,7 @@ def off(document: Document, *, seed: int) -> Document:
     rng = np.random.default_rng(seed)
 
     def changed(part: Document) -> Document:
-        wrong = {name: value * (1 + rng.uniform(-OFF, OFF)) for name, value in part.items() if name[0] in "kc"}
+        wrong = {name: value * (1 + rng.uniform(-OFF, OFF)) for name, value in part.items() if name in TERMS}
         return part | wrong
 
     discs = [{name: value for name, value in disc.items() if name != "unbalance"} for disc in document["discs"]]

@@ -23,7 +23,7 @@ from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.measurement import Measurement
 from estimator.phasors.orbits import orbit_findings
 from estimator.phasors.probe_axes import probe_stations
-from estimator.simulation.simulated_plant import Truth, draw_truth, measured_phasors, scattered, speed_law
+from estimator.simulation.simulated_plant import Truth, draw_truth, measured_phasors, speed_law, truth_of_run
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 TRAINS = ("motor-pump", "sealed-pump", "thesis-chapter-3", "thesis-chapter-5-rig", "turbine-compressor-generator")
@@ -58,7 +58,7 @@ def with_unbalance(truth: Truth, machine: Machine, kind: str, rng: np.random.Gen
 def run_down(machine: Machine, kind: str, run_out: float, seed: int) -> tuple[Floats, Complexes]:
     """Return the speeds and phasors of one run-down."""
     rng = np.random.default_rng(seed)
-    truth = with_unbalance(scattered(draw_truth(machine, rng), rng), machine, kind, rng)
+    truth = with_unbalance(truth_of_run(draw_truth(machine, rng), rng), machine, kind, rng)
     _, speed = speed_law(machine, "run-down", duration=600.0, samples=200)
     phasor = measured_phasors(machine, truth, speed, rng)
     return speed, phasor + run_out * np.exp(2j * np.pi * rng.random(phasor.shape[1]))

@@ -4,7 +4,7 @@ from typing import Annotated
 
 from pydantic import ConfigDict, Field
 
-from estimator.strict_model import Written
+from estimator.strict_model import StrictModel
 
 Identifier = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}$", description="letters, digits, '_' and '-', up to 64")]
 Text = Annotated[str, Field(pattern=r"^[^\x00]*$")]
@@ -19,7 +19,7 @@ Angle = Annotated[float, Field(ge=-3600, le=3600, allow_inf_nan=False)]
 Spread = Annotated[float, Field(ge=0, lt=0.5, allow_inf_nan=False)]
 
 
-class Part(Written):
+class Part(StrictModel):
     """A part of a document, which nothing changes once it is read."""
 
     model_config = ConfigDict(frozen=True)

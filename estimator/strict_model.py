@@ -7,7 +7,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, ValidationInfo, field_validator
 
 
-class Written(BaseModel):
+class StrictModel(BaseModel):
     """A part of a document or of a request."""
 
     model_config = ConfigDict(extra="forbid")

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 from benchmarks.fleet.histories import WEEKS_A_YEAR, History
 from estimator.diagnosis.healthy_variation import typical_amplitude
-from estimator.diagnosis.observation import Observation, observed
-from estimator.diagnosis.run_windows import Watch
+from estimator.diagnosis.observation import Observation, observation_of
+from estimator.diagnosis.run_windows import RunWindows
 from estimator.diagnosis.severity_measures import change_size
 from estimator.fit.identify import Identification
 from service.alerts.lifecycle import Severity
@@ -89,9 +89,9 @@ def service_rule(history: History, weeks: Sequence[Identification]) -> Standing:
     """Return the alerts that the service has open with its default limits: its monitoring without a database."""
     machine, limits = history.machine, Limits()
     channels = tuple(probe.id for probe in machine.probes)
-    observations = [observed(one, channels) for one in weeks]
+    observations = [observation_of(one, channels) for one in weeks]
     baseline = [week for week, one in enumerate(observations) if one.accepted][: history.baseline]
-    watch = Watch.over(machine, [observations[week] for week in baseline])
+    watch = RunWindows.over(machine, [observations[week] for week in baseline])
     amplitude = {channel: typical_amplitude(channel, watch.baseline) for channel in channels}
     standing: dict[tuple[str, str], Severity] = {}
     found: list[frozenset[Named]] = []
@@ -104,7 +104,7 @@ def service_rule(history: History, weeks: Sequence[Identification]) -> Standing:
 
 
 def _updated(
-    watch: Watch,
+    watch: RunWindows,
     after: Sequence[Observation],
     before: dict[tuple[str, str], Severity],
     limits: Limits,

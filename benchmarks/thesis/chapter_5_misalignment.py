@@ -10,8 +10,8 @@ import numpy as np
 from benchmarks.thesis.rig import LARGEST_GROWTH, PRINTED, RUN_UP, SETS, Floats, Rig, fitted, logarithmic_point
 from benchmarks.thesis.tables import percent, table
 from estimator.diagnosis.finding_kind import Cause
-from estimator.diagnosis.observation import observed
-from estimator.diagnosis.run_windows import Watch
+from estimator.diagnosis.observation import observation_of
+from estimator.diagnosis.run_windows import RunWindows
 from estimator.diagnosis.severity_measures import change_size
 from estimator.fit.identify import Identification
 from estimator.machine.coupling_neighbours import neighbouring_bearings
@@ -47,13 +47,13 @@ class _Baseline:
     """Fits of the aligned rig, and the watch over its later runs."""
 
     fits: Sequence[Identification]
-    watch: Watch
+    watch: RunWindows
 
     @classmethod
     def of(cls, rig: Rig) -> Self:
         """Fit the aligned rig's runs."""
         fits = [fitted(rig, RUN_UP, seed=seed) for seed in SETS]
-        return cls(fits, Watch.over(rig.machine, [observed(outcome, rig.machine.channels) for outcome in fits]))
+        return cls(fits, RunWindows.over(rig.machine, [observation_of(outcome, rig.machine.channels) for outcome in fits]))
 
 
 def misalignment_section(rig: Rig) -> str:
@@ -123,9 +123,9 @@ def stiffnesses(rig: Rig) -> tuple[str, ...]:
     return tuple(f"{element}.{name}" for element in (f"coupling.{coupling.id}", *beside) for name in ("kxx", "kyy"))
 
 
-def diagnosed(rig: Rig, watch: Watch, runs: Sequence[Identification]) -> tuple[Cause, ...]:
+def diagnosed(rig: Rig, watch: RunWindows, runs: Sequence[Identification]) -> tuple[Cause, ...]:
     """Return the diagnosis of some runs, all of which must agree."""
-    said = [observed(run, rig.machine.channels) for run in runs]
+    said = [observation_of(run, rig.machine.channels) for run in runs]
     return watch.found(said, on_delay=lambda _kind, _element: len(said)).causes
 
 

@@ -9,6 +9,7 @@ from benchmarks.thesis.chapter_5_geometry import three_frequencies
 from benchmarks.thesis.chapter_5_misalignment import bearing_growth, imposed_factors
 from benchmarks.thesis.rig import Floats, Rig
 from benchmarks.thesis.tables import table
+from estimator.machine.parameter_description import describe
 from estimator.modes.eigenmodes import eigenvalues
 from estimator.thesis.impact_spectrum import Place, impact_spectrum, spectrum_peaks
 from estimator.thesis.rig import ALIGNED_HZ, CASES, MisalignmentCase, plane_frequencies
@@ -81,7 +82,7 @@ def _share(rig: Rig, case: MisalignmentCase, printed_hz: tuple[float, float, flo
 
 def _energy_share(rig: Rig) -> float:
     """Share of the first mode's elastic energy in bearings and coupling: ½ d ln ω² / d ln k of all of them together."""
-    viscous = np.array([name.rsplit(".", 1)[1].startswith("c") for name in rig.names])
+    viscous = np.array([(term := describe(name).term) is not None and term.order == 1 for name in rig.names])
     step = 1e-4
     grown = plane_frequencies(rig.machine, coefficients=rig.coefficients * np.where(viscous, 1.0, 1.0 + step))
     return float(2.0 * np.log(grown[0] / plane_frequencies(rig.machine, coefficients=rig.coefficients)[0]) / math.log1p(step))

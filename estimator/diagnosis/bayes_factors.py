@@ -27,11 +27,11 @@ from estimator.rotor.parameters import unknowns
 
 STRONG = 4.0
 """Evidence from which on a cause is reported [-]: a factor of 55, in runs that each speak for it."""
-BESIDE = 0.05
+FURTHER_CAUSE_PART = 0.05
 """Part of the strongest cause's evidence that a further cause needs as well [-]: a large cause is never explained quite
 exactly.
 """
-BESIDE_LINEAR = 6.0
+MOST_FURTHER_EVIDENCE = 6.0
 """Most evidence that a cause which enters the response linearly asks of a further one [-]: however large it is, a cause that
 stands for months must not hide a misalignment.
 """
@@ -45,7 +45,7 @@ GAIN_TOLERANCE = 0.05
 """Standard deviation of a channel's gain as believed before the baseline [-]."""
 RUN_OUT_TOLERANCE = 0.5
 """Standard deviation of a channel's run-out as believed before the baseline, in units of its median amplitude [-]."""
-OPEN = 1e-6
+UNKNOWN_PRECISION = 1e-6
 """Precision of everything else as believed before the baseline, in units of the healthy variation [-]: nothing."""
 
 
@@ -85,7 +85,7 @@ class Reference:
     hypotheses: tuple[Hypothesis, ...]
     _spoken: dict[Observation, tuple[Floats, Floats]] = field(default_factory=dict, repr=False)
 
-    def spoken(self, one: Observation) -> tuple[Floats, Floats]:
+    def likelihood(self, one: Observation) -> tuple[Floats, Floats]:
         """Return the likelihood of the quantities around which a run varies.
 
         Args:
@@ -126,7 +126,7 @@ def reference(machine: Machine, baseline: Sequence[Observation]) -> Reference:
     unknown = unknowns(machine, assemble_rotor(machine))
     origin = np.median([one.reference for one in baseline], axis=0)
     unit = run_variation(baseline)
-    precision = np.diag(OPEN + unit**2 * np.array([_believed(name, baseline) for name in names]))
+    precision = np.diag(UNKNOWN_PRECISION + unit**2 * np.array([_prior_precision(name, baseline) for name in names]))
     pull = np.zeros(len(names))
     for one in baseline:
         seen, drawn = _through_variation(one, origin, unit)
@@ -158,12 +158,12 @@ def diagnose(baseline: Reference, window: Sequence[Observation]) -> Diagnosis:
     chosen = _chosen(deviation)
     causes = []
     for one in chosen:
-        beside = deviation.given([other for other in chosen if other is not one])
+        beside = deviation.allowing_for([other for other in chosen if other is not one])
         rest = sorted((o for o in baseline.hypotheses if o not in chosen), key=beside.evidence, reverse=True)
         runners_up = tuple(beside.cause(o) for o in rest[:RUNNERS_UP] if beside.evidence(o) > 0.0)
         causes.append((beside.cause(one), runners_up))
     causes.sort(key=lambda pair: -pair[0].evidence)
-    left = deviation.given(chosen)
+    left = deviation.allowing_for(chosen)
     evidence: dict[tuple[str, str], float] = {(one.kind, one.element): left.evidence(one) for one in baseline.hypotheses}
     evidence |= {(cause.kind, cause.element): cause.evidence for cause, _ in causes}
     return Diagnosis(tuple(cause for cause, _ in causes), tuple(others for _, others in causes), evidence)
@@ -174,7 +174,7 @@ def _chosen(deviation: "Deviation") -> list[Hypothesis]:
     chosen: list[Hypothesis] = []
     least = STRONG
     for _ in range(LARGEST_STEPS):
-        within = deviation.given(chosen)
+        within = deviation.allowing_for(chosen)
         left = [one for one in deviation.baseline.hypotheses if one not in chosen and not _is_part(one, chosen)]
         if not left or len(chosen) == MOST_CAUSES:
             break
@@ -183,18 +183,18 @@ def _chosen(deviation: "Deviation") -> list[Hypothesis]:
             break
         # A whole takes the place of its parts.
         chosen = [*(one for one in chosen if not _is_part(one, [best])), best]
-        least = max([STRONG, *(_asked_beside(one, deviation.evidence(one)) for one in chosen)])
+        least = max([STRONG, *(_evidence_needed_beside(one, deviation.evidence(one)) for one in chosen)])
         # What a new cause explains better is taken back.
-        needed = [one for one in chosen if deviation.given([o for o in chosen if o is not one]).evidence(one) >= STRONG]
+        needed = [one for one in chosen if deviation.allowing_for([o for o in chosen if o is not one]).evidence(one) >= STRONG]
         if len(needed) < len(chosen) and best not in needed:
             break
         chosen = needed
     return chosen
 
 
-def _asked_beside(one: Hypothesis, evidence: float) -> float:
+def _evidence_needed_beside(one: Hypothesis, evidence: float) -> float:
     """Return the evidence that a further cause needs beside one with so much."""
-    return min(BESIDE * evidence, BESIDE_LINEAR if one.linear else math.inf)
+    return min(FURTHER_CAUSE_PART * evidence, MOST_FURTHER_EVIDENCE if one.linear else math.inf)
 
 
 def _is_part(one: Hypothesis, of: Sequence[Hypothesis]) -> bool:
@@ -232,13 +232,13 @@ class Deviation:
         Returns:
             The deviation.
         """
-        runs = [baseline.spoken(one) for one in window]
+        runs = [baseline.likelihood(one) for one in window]
         precision = np.sum([seen for seen, _ in runs], axis=0)
         pull = np.sum([drawn for _, drawn in runs], axis=0)
         kept = np.linalg.inv(np.eye(len(pull)) + precision @ baseline.doubt)
         return cls(baseline, _symmetric(kept @ precision), kept @ pull, tuple(runs))
 
-    def given(self, causes: Sequence[Hypothesis]) -> "Deviation":
+    def allowing_for(self, causes: Sequence[Hypothesis]) -> "Deviation":
         """Return the deviation with some causes allowed for.
 
         Args:
@@ -341,7 +341,7 @@ def agreement(baseline: Reference, cause: Cause, one: Observation) -> float:
     white = np.zeros(len(baseline.names))
     white[[baseline.names.index(name) for name in cause.names]] = cause.change
     white /= baseline.unit
-    seen, drawn = baseline.spoken(one)
+    seen, drawn = baseline.likelihood(one)
     return float(white @ drawn - 0.5 * white @ seen @ white)
 
 
@@ -357,7 +357,7 @@ def _symmetric(matrix: Floats) -> Floats:
     return np.asarray((matrix + matrix.T) / 2)
 
 
-def _believed(name: str, baseline: Sequence[Observation]) -> float:
+def _prior_precision(name: str, baseline: Sequence[Observation]) -> float:
     """Return the precision of a channel's error as believed before the baseline; 0 for everything else."""
     described = describe(name)
     if described.channel is None:

@@ -103,7 +103,7 @@ class ObservedFit:
     outliers: dict[str, int]
 
 
-def observed(identification: "Identification", channels: tuple[str, ...]) -> Observation:
+def observation_of(identification: "Identification", channels: tuple[str, ...]) -> Observation:
     """Return the observation of an identification.
 
     Args:
@@ -124,10 +124,10 @@ def observed(identification: "Identification", channels: tuple[str, ...]) -> Obs
         samples=identification.samples,
         outliers=identification.outliers,
     )
-    return observation(fit, channels)
+    return fit_observation(fit, channels)
 
 
-def observation(fit: ObservedFit, channels: tuple[str, ...]) -> Observation:
+def fit_observation(fit: ObservedFit, channels: tuple[str, ...]) -> Observation:
     """Build the observation of a fit.
 
     Args:

@@ -28,7 +28,7 @@ Delay = Callable[[str, str], int]
 
 
 @dataclass(frozen=True)
-class Watch:
+class RunWindows:
     """A machine under watch.
 
     Attributes:
@@ -41,7 +41,7 @@ class Watch:
     _explained: dict[tuple[Observation, ...], Diagnosis] = field(default_factory=dict, repr=False)
 
     @classmethod
-    def over(cls, machine: Machine, baseline: Sequence[Observation]) -> "Watch":
+    def over(cls, machine: Machine, baseline: Sequence[Observation]) -> "RunWindows":
         """Build the watch from the observations of a healthy machine.
 
         Args:

@@ -67,7 +67,7 @@ class ChannelCoordinates:
         return np.asarray(phasor * self.gains(theta) + turned)
 
     def add_derivatives(self, derivatives: Complexes, phasor: Complexes, direction: Floats) -> None:
-        """Enter the derivatives of readings by gains and run-outs.
+        """Add the derivatives of readings by gains and run-outs to those by other coordinates.
 
         Args:
             derivatives: Derivatives by all coordinates (n, S, m) [m], which are changed.

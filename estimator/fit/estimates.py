@@ -124,9 +124,9 @@ def _coefficients(
     told: set[int] = set()
     for k, coefficient in enumerate(train.unknowns.coefficients):
         if coefficient.fixed:
-            yield _without(coefficient, f"kept at its nominal value {coefficient.nominal:g} {coefficient.unit}")
+            yield _not_estimated(coefficient, f"kept at its nominal value {coefficient.nominal:g} {coefficient.unit}")
         elif coefficient.tied_to is not None:
-            yield _without(coefficient, f"tied to {coefficient.tied_to}")
+            yield _not_estimated(coefficient, f"tied to {coefficient.tied_to}")
         else:
             for place in coordinates.places(k):
                 if place in told:
@@ -135,14 +135,14 @@ def _coefficients(
                 parameter = coordinates.parameters[place]
                 common = (parameter.name, coefficient.element, parameter.quantity, parameter.unit)
                 if place in doubtful:
-                    why = _because(reason, parameter.name)
-                    yield _open(common, f"the data leave it open far beyond its standard error{why}")
+                    why = _reason_text(reason, parameter.name)
+                    yield _estimate_without_value(common, f"the data leave it open far beyond its standard error{why}")
                     continue
-                judged_by = parameter.scale if parameter.coefficient is None else beside(coefficient, size)
+                judged_by = parameter.scale if parameter.coefficient is None else comparison_size(coefficient, size)
                 yield _parameter(parameter, common, float(theta[place]), float(error[place]), judged_by, reason)
 
 
-def beside(coefficient: Coefficient, size: dict[str, float]) -> float:
+def comparison_size(coefficient: Coefficient, size: dict[str, float]) -> float:
     """Return the size that a coefficient's error is compared with: of a cross-coupled term, the direct terms beside it.
 
     A cross-coupled term's own value may well be zero.
@@ -169,13 +169,13 @@ def _parameter(
         if spread > LARGEST_DIRECT_ERROR:
             limit = f"its standard error; {100 * LARGEST_DIRECT_ERROR:.0f} % at most"
             words = f"the data leave it uncertain by {100 * spread:.0f} % of its value ({limit})"
-            return _open(common, words + _because(reason, parameter.name))
+            return _estimate_without_value(common, words + _reason_text(reason, parameter.name))
         return _positive(common, parameter.expected * math.exp(fitted), spread)
     if spread > LARGEST_RELATIVE_ERROR * judged_by:
-        part, why = 100 * spread / judged_by, _because(reason, parameter.name)
+        part, why = 100 * spread / judged_by, _reason_text(reason, parameter.name)
         limit = f"its standard error; {100 * LARGEST_RELATIVE_ERROR:.0f} % at most"
         whole = "what is expected of it" if parameter.coefficient is None else "the direct terms of its element"
-        return _open(common, f"the data leave it uncertain by {part:.0f} % of {whole} ({limit}){why}")
+        return _estimate_without_value(common, f"the data leave it uncertain by {part:.0f} % of {whole} ({limit}){why}")
     value, half = parameter.step * fitted, CONFIDENCE_95 * spread
     return Estimate(*common, value, spread, value - half, value + half)
 
@@ -189,14 +189,14 @@ def _excitations(
     for item, value, place in zip(train.unknowns.excitations, values, coordinates.excitation_place, strict=True):
         common = (item.name, item.element, item.quantity, item.unit)
         if place < 0:
-            yield _without(item, f"kept at its nominal value {abs(value):g} {item.unit}")
+            yield _not_estimated(item, f"kept at its nominal value {abs(value):g} {item.unit}")
             continue
         spread = coordinates.unit[place] * error[place : place + 2]
         if item.quantity == "unbalance" and float(np.max(spread)) > LARGEST_RELATIVE_ERROR * largest:
-            yield _open(
+            yield _estimate_without_value(
                 common,
                 f"the data leave it uncertain by {float(np.max(spread)):.2g} kg m, more than the largest unbalance found"
-                f"{_because(reason, coordinates.names[place])}",
+                f"{_reason_text(reason, coordinates.names[place])}",
             )
         else:
             yield _complex(common, complex(value), spread)
@@ -241,13 +241,13 @@ def _complex(common: Common, value: complex, error: Floats) -> Estimate:
     )
 
 
-def _because(reason: Reason, name: str) -> str:
+def _reason_text(reason: Reason, name: str) -> str:
     return "" if reason is None else f": {reason(name)}"
 
 
-def _without(item: Coefficient | Excitation, reason: str) -> Estimate:
-    return _open((item.name, item.element, item.quantity, item.unit), reason)
+def _not_estimated(item: Coefficient | Excitation, reason: str) -> Estimate:
+    return _estimate_without_value((item.name, item.element, item.quantity, item.unit), reason)
 
 
-def _open(common: Common, reason: str) -> Estimate:
+def _estimate_without_value(common: Common, reason: str) -> Estimate:
     return Estimate(*common, None, None, None, None, reason=reason)

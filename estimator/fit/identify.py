@@ -13,7 +13,7 @@ from estimator.fit.goodness_of_fit import VerdictRemark, judge, remark
 from estimator.fit.identifiability import Reasons, reasons_for
 from estimator.fit.maximum_likelihood import STAGE_MISFITS
 from estimator.fit.multistart import BestFit, best_fit
-from estimator.fit.profile_likelihood import flat
+from estimator.fit.profile_likelihood import flat_coordinates
 from estimator.machine.document import Machine
 from estimator.machine.document_size import FEWEST_SAMPLES, document_size
 from estimator.machine.rules import Noise
@@ -356,7 +356,7 @@ def _result(problem: FitProblem, best: BestFit, reasons: Reasons | None) -> Iden
     error = np.sqrt(np.diag(covariance))
     doubtful = frozenset[int]()
     if verdict.accepted and condition > LARGEST_CONDITION:
-        doubtful = flat(problem, found, covariance, determined(coordinates, error))
+        doubtful = flat_coordinates(problem, found, covariance, determined(coordinates, error))
     why = None if reasons is None else reasons(problem, found, covariance)
     return Identification(
         estimates=estimates(problem.train, coordinates, found.theta, error, why, doubtful),

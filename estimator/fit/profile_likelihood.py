@@ -26,7 +26,7 @@ PINNED = 1e-3
 """Spread with which the moved parameter is held, in standard errors [-]."""
 
 
-def flat(problem: FitProblem, found: FitResult, covariance: Floats, places: Sequence[int]) -> frozenset[int]:
+def flat_coordinates(problem: FitProblem, found: FitResult, covariance: Floats, places: Sequence[int]) -> frozenset[int]:
     """Find the coordinates whose interval the profile does not confirm (Venzon and Moolgavkar 1988, doi:10.2307/2347496).
 
     Args:
@@ -45,11 +45,11 @@ def flat(problem: FitProblem, found: FitResult, covariance: Floats, places: Sequ
     return frozenset(
         place
         for place in places
-        if any(_rise(final, found, covariance, weight, place, side) - lowest < wanted for side in (-ENDS, ENDS))
+        if any(_profile_rise(final, found, covariance, weight, place, side) - lowest < wanted for side in (-ENDS, ENDS))
     )
 
 
-def _rise(problem: FitProblem, found: FitResult, covariance: Floats, weight: Floats, place: int, side: float) -> float:
+def _profile_rise(problem: FitProblem, found: FitResult, covariance: Floats, weight: Floats, place: int, side: float) -> float:
     """Compute χ² with its prior after one parameter was moved by `side` standard errors and the others were fitted anew."""
     error = float(np.sqrt(covariance[place, place]))
     # Where a Gaussian's ridge would lead.

@@ -26,7 +26,7 @@ from estimator.rotor.response import sensitivity
 
 
 @dataclass(frozen=True)
-class Help:
+class Benefit:
     """Effect of one further measurement, beside those before it in the list.
 
     Attributes:
@@ -41,7 +41,7 @@ class Help:
 
 
 @dataclass(frozen=True)
-class HelpfulSpeed(Help):
+class HelpfulSpeed(Benefit):
     """Effect of one more sample at a speed.
 
     Attributes:
@@ -52,7 +52,7 @@ class HelpfulSpeed(Help):
 
 
 @dataclass(frozen=True)
-class HelpfulProbe(Help):
+class HelpfulProbe(Benefit):
     """Effect of a further probe that measures at all speeds of the run.
 
     Attributes:

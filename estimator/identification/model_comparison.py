@@ -100,7 +100,7 @@ def compare_misalignment(
         NotEnoughData: There are fewer measured numbers than unknowns.
         FitFailed: No start of a fit leads anywhere.
     """
-    following = _following(machine)
+    following = _speed_dependent_coefficients(machine)
     if following:
         raise ValueError(
             f"views can be compared only where coefficients are constant; {', '.join(following)} follow the speed"
@@ -109,12 +109,19 @@ def compare_misalignment(
     if found is None:
         raise KeyError(coupling)
     suspects = {f"coupling.{coupling}", *(f"bearing.{bearing}" for bearing in neighbouring_bearings(machine, found))}
-    healthy = as_identified(machine, baseline)
-    unchanged = _held(healthy, baseline, set())
+    healthy = with_identified_values(machine, baseline)
+    unchanged = _with_held_coefficients(healthy, baseline, set())
     views = [
         _view("unchanged", unchanged, measurement, baseline, set(), options),
-        _view("changed coefficients", _held(healthy, baseline, suspects), measurement, baseline, suspects, options),
-        _view("equivalent load", _loaded(unchanged, found, baseline), measurement, baseline, set(), options),
+        _view(
+            "changed coefficients",
+            _with_held_coefficients(healthy, baseline, suspects),
+            measurement,
+            baseline,
+            suspects,
+            options,
+        ),
+        _view("equivalent load", _with_equivalent_load(unchanged, found, baseline), measurement, baseline, set(), options),
     ]
     views.sort(key=lambda view: view.criterion)
     preferred, verdict = _verdict(views)
@@ -123,7 +130,7 @@ def compare_misalignment(
     )
 
 
-def _following(machine: Machine) -> list[str]:
+def _speed_dependent_coefficients(machine: Machine) -> list[str]:
     """List the names of the free coefficients that follow the speed."""
     coefficients = unknowns(machine, assemble_rotor(machine)).coefficients
     models = (one for one in governing_models(coefficients) if not one.model.constant)
@@ -144,7 +151,7 @@ def _unbalances_moved(found: Identification, baseline: Identification) -> str:
     return f"; unbalance has changed: {', '.join(moved)}" if moved else ""
 
 
-def as_identified(machine: Machine, baseline: Identification) -> Machine:
+def with_identified_values(machine: Machine, baseline: Identification) -> Machine:
     """Return the machine with the values and the noise of an identification in place of the nominal ones.
 
     Coefficients that follow the speed keep their nominal values.
@@ -188,13 +195,13 @@ def as_identified(machine: Machine, baseline: Identification) -> Machine:
     )
 
 
-def _held(machine: Machine, baseline: Identification, free: set[str]) -> Machine:
+def _with_held_coefficients(machine: Machine, baseline: Identification, free: set[str]) -> Machine:
     """Return the machine with all constant coefficients kept near their values but those of the free elements."""
-    rules = tuple(ParameterRule(names=name, spread=RUN_SCATTER) for name in _holdable(baseline, free))
+    rules = tuple(ParameterRule(names=name, spread=RUN_SCATTER) for name in _constant_coefficients(baseline, free))
     return machine.model_copy(update={"parameters": (*machine.parameters, *rules)})
 
 
-def _holdable(baseline: Identification, free: set[str]) -> list[str]:
+def _constant_coefficients(baseline: Identification, free: set[str]) -> list[str]:
     """List the names of constant coefficients, but for those of the free elements."""
     said = {name: describe(name) for name in baseline.coordinates}
     return [name for name, one in said.items() if one.term is not None and one.knot is None and one.element not in free]
@@ -203,14 +210,14 @@ def _holdable(baseline: Identification, free: set[str]) -> list[str]:
 def _moves(found: Identification, baseline: Identification, free: set[str]) -> dict[str, float]:
     """Compute the move of each held coefficient from the baseline, in units of the run-to-run scatter."""
     moves = {}
-    for name in _holdable(baseline, free):
+    for name in _constant_coefficients(baseline, free):
         before, after = (float(one.point[one.coordinates.index(name)]) for one in (baseline, found))
         size = 1.0 if is_direct(name) else abs(before)
         moves[name] = (after - before) / (RUN_SCATTER * size) if size > 0.0 else 0.0
     return moves
 
 
-def _loaded(machine: Machine, coupling: Coupling, baseline: Identification) -> Machine:
+def _with_equivalent_load(machine: Machine, coupling: Coupling, baseline: Identification) -> Machine:
     unbalances = [d.unbalance.magnitude for d in machine.discs if d.unbalance is not None]
     force = WIDE_LOAD * max(unbalances, default=1.0) * baseline.speed_maximum**2
     force = force or WIDE_LOAD * rpm_to_rad_per_s(machine.speed_range.maximum_rpm) ** 2

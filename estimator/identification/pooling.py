@@ -19,7 +19,7 @@ from estimator.fit.identify import Identification
 from estimator.machine.parameter_description import is_direct
 
 
-def combined(results: Sequence[Identification]) -> Identification:
+def combine(results: Sequence[Identification]) -> Identification:
     """Combine the identifications of single runs of the same machine into one.
 
     Source: random-effects mean (DerSimonian and Laird 1986, doi:10.1016/0197-2456(86)90046-2) with equal weights.

@@ -20,7 +20,7 @@ from estimator.machine.document import Machine
 from estimator.machine.rules import QualityRules
 from estimator.phasors.measurement import Measurement, joined
 from estimator.phasors.noise import error_size
-from estimator.phasors.quality import Flag, Quality, assess, own_noise, too_few
+from estimator.phasors.quality import Flag, Quality, assess, scatter_from_neighbours, too_few
 from estimator.phasors.recorded_run import RecordedRun
 from estimator.updated_model.model import UpdatedModel, model_at, updated_model
 
@@ -43,7 +43,7 @@ LARGEST_SQUARE = 25.0
 
 
 @dataclass(frozen=True)
-class Gated:
+class GatedIdentification:
     """Outcome of an identification behind the quality gate.
 
     Attributes:
@@ -85,7 +85,7 @@ def identify_gated(
     rules: QualityRules | None = None,
     gate: bool = True,
     beginning: Floats | None = None,
-) -> Gated:
+) -> GatedIdentification:
     """Judge runs and identify the machine from what may be used of all of them together.
 
     Args:
@@ -109,7 +109,7 @@ def identify_gated(
     rules = rules or machine.quality
     qualities = tuple(assess(run, noise=machine.noise, rules=rules) for run in runs)
     triples = zip(runs, measurements, qualities, strict=True)
-    base = joined([_base(machine, *one) for one in triples] if gate else list(measurements))
+    base = joined([_usable_measurement(machine, *one) for one in triples] if gate else list(measurements))
     error, found = None, None
     try:
         if rules.sweep_rate and all(_clock_trusted(*one) for one in zip(runs, qualities, strict=True)):
@@ -123,12 +123,12 @@ def identify_gated(
     if left_out:
         error = f"{error}; {left_out}" if error else None
         found = replace(found, verdict=f"{found.verdict}; {left_out}") if found else None
-    return Gated(qualities, found, error)
+    return GatedIdentification(qualities, found, error)
 
 
-def _base(machine: Machine, run: RecordedRun, measurement: Measurement, quality: Quality) -> Measurement:
+def _usable_measurement(machine: Machine, run: RecordedRun, measurement: Measurement, quality: Quality) -> Measurement:
     stated = "noise" in machine.model_fields_set
-    scatter = measurement.scatter if stated else own_noise(run, quality)
+    scatter = measurement.scatter if stated else scatter_from_neighbours(run, quality)
     return replace(measurement, usable=measurement.usable & quality.usable, scatter=scatter)
 
 
@@ -148,7 +148,7 @@ def _without_sweep(
     beginning: Floats | None,
 ) -> tuple[tuple[Quality, ...], Identification]:
     """Identify from the points that the sweeps left usable."""
-    pieces = _pieces(runs)
+    pieces = _run_slices(runs)
     plain = identify(machine, base, replace(options or Options(), starts=1), beginning=beginning)
     used, found = base, plain
     if not plain.accepted:
@@ -156,10 +156,10 @@ def _without_sweep(
     for _ in range(PASSES):
         steady = expected_phasors(machine, base, found.point)
         transient = _transient(updated_model(machine, found), runs, base, pieces)
-        deviation = _nearer(machine, base, steady, transient)
+        deviation = _nearer_transient(machine, base, steady, transient)
         treatment = _treatment(machine, base, steady, deviation, limit=LARGEST_FITTED, correct=True)
         wanted = treatment.applied(base) if correct else base
-        if _same(used, wanted, treatment.error):
+        if _is_unchanged(used, wanted, treatment.error):
             break
         used = wanted
         # A few points have changed: the fit goes on from where it stands, and a hopeless one is not begun again and again.
@@ -171,8 +171,8 @@ def _without_sweep(
         found = plain
     each = zip(qualities, pieces, strict=True)
     if (found.accepted or not correct) and not steady_is_better:
-        return tuple(_told(one, piece, treatment, base) for one, piece in each), found
-    return tuple(_doubted(one, piece, base, treatment, fitted=found.accepted) for one, piece in each), found
+        return tuple(_with_findings(one, piece, treatment, base) for one, piece in each), found
+    return tuple(_with_doubtful_steady_state(one, piece, base, treatment, fitted=found.accepted) for one, piece in each), found
 
 
 def _by_the_document(
@@ -180,7 +180,7 @@ def _by_the_document(
 ) -> tuple[Measurement, Identification]:
     """Find the usable points by the document's own model, and fit them: for sweeps with which nothing fits as it is."""
     model = model_at(machine, *expected_point(machine, base))
-    transient = _transient(model, runs, base, _pieces(runs))
+    transient = _transient(model, runs, base, _run_slices(runs))
     treatment = _treatment(machine, base, base.phasor, transient.instant, limit=LARGEST_UNFITTED, correct=False)
     if correct and np.any(treatment.excluded & base.usable):
         used = treatment.applied(base)
@@ -191,7 +191,7 @@ def _by_the_document(
     return base, identify(machine, base, options)
 
 
-def _pieces(runs: Sequence[RecordedRun]) -> list[slice]:
+def _run_slices(runs: Sequence[RecordedRun]) -> list[slice]:
     """Return the slice of each run's samples among those of all."""
     ends = np.cumsum([run.speed.size for run in runs])
     return [slice(end - run.speed.size, end) for end, run in zip(ends, runs, strict=True)]
@@ -225,7 +225,7 @@ def _treatment(
     return _Treatment(deviation, error, size, excluded, (size > NEGLIGIBLE) & ~excluded & correct)
 
 
-def _nearer(machine: Machine, base: Measurement, steady: Complexes, transient: SweepTransient) -> Complexes:
+def _nearer_transient(machine: Machine, base: Measurement, steady: Complexes, transient: SweepTransient) -> Complexes:
     """Choose the predicted transient that is nearer to the data: of phasors of an instant, or of means over a block."""
     error = error_size(machine.noise, np.abs(steady), base.scatter)
     telling = base.usable & (np.abs(transient.instant) > NEGLIGIBLE * error)
@@ -259,14 +259,16 @@ def _steady_fits_better(
     return cost(without, error) + CERTAIN < cost(steady + treatment.deviation, widened)
 
 
-def _same(before: Measurement, after: Measurement, error: Floats) -> bool:
+def _is_unchanged(before: Measurement, after: Measurement, error: Floats) -> bool:
     if not np.array_equal(before.usable, after.usable):
         return False
     moved = np.abs(before.phasor - after.phasor)[after.usable] / error[after.usable]
     return bool(not moved.size or np.sqrt(np.mean(moved**2)) < SETTLED)
 
 
-def _doubted(quality: Quality, piece: slice, base: Measurement, treatment: _Treatment, *, fitted: bool) -> Quality:
+def _with_doubtful_steady_state(
+    quality: Quality, piece: slice, base: Measurement, treatment: _Treatment, *, fitted: bool
+) -> Quality:
     """Return the quality of a run with phasors of a steady state, although by its times they should not be."""
     beyond = int(np.count_nonzero(base.usable[piece] & (treatment.size[piece] > LARGEST_UNFITTED)))
     if not beyond:
@@ -282,7 +284,7 @@ def _doubted(quality: Quality, piece: slice, base: Measurement, treatment: _Trea
     return replace(quality, findings=(*quality.findings, words))
 
 
-def _told(quality: Quality, piece: slice, treatment: _Treatment, base: Measurement) -> Quality:
+def _with_findings(quality: Quality, piece: slice, treatment: _Treatment, base: Measurement) -> Quality:
     """Return the quality of one run, a piece of all samples, with flags and findings on what was done."""
     usable = base.usable[piece]
     excluded, corrected = treatment.excluded[piece] & usable, treatment.corrected[piece] & usable

@@ -14,7 +14,7 @@ SCALE_FACTORS = frozenset({"young_modulus", "density"})
 """Factors on a material's properties, positive and fitted as logarithms."""
 COMPONENTS = ("real", "imaginary")
 """Parts of a complex parameter."""
-REMEMBERED = 10_000
+CACHE_SIZE = 10_000
 """Number of names whose description is cached."""
 
 
@@ -73,7 +73,7 @@ class ParameterDescription:
         return f"{self.element}.{term}" + ("" if self.knot is None else f"@{self.knot}")
 
 
-@lru_cache(maxsize=REMEMBERED)
+@lru_cache(maxsize=CACHE_SIZE)
 def describe(name: str) -> ParameterDescription:
     """Separate a parameter's name into its parts.
 

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine
-from estimator.modes.critical_speed import HEAVILY_DAMPED, CriticalSpeed, MatricesOverSpeed, felt_crossings
+from estimator.modes.critical_speed import HEAVILY_DAMPED, CriticalSpeed, MatricesOverSpeed, lightly_damped_crossings
 from estimator.modes.eigenmodes import Modes, damping_ratio, log_decrement, modes
-from estimator.modes.snapshot_reduction import narrowed, snapshot_basis
+from estimator.modes.snapshot_reduction import projected_matrices, snapshot_basis
 from estimator.rotor.modal_reduction import EVERYTHING, modal_basis
 from estimator.rotor.system_matrices import CoefficientsOverSpeed, system_matrices_over_speed
 from estimator.rotor.whirl import whirl
@@ -96,7 +96,7 @@ def campbell(
             fastest=float(speed[-1]),
             highest=max(highest_frequency, float(speed[-1])),
         )
-        matrices = narrowed(matrices, basis)
+        matrices = projected_matrices(matrices, basis)
     follower = _Follower(matrices, machine.direction, highest_frequency)
     at = [follower.modes(float(one)) for one in speed]
     curves: list[dict[int, int]] = [{0: number} for number in range(at[0].eigenvalue.size)]
@@ -214,5 +214,5 @@ def _diagram(
         speed=speed,
         eigenvalue=eigenvalue[:, shown],
         whirl=sense[:, shown],
-        critical_speeds=felt_crossings(matrices, direction=machine.direction, highest=float(speed[-1])),
+        critical_speeds=lightly_damped_crossings(matrices, direction=machine.direction, highest=float(speed[-1])),
     )

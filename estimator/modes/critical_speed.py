@@ -15,9 +15,9 @@ import scipy.optimize
 
 from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine
-from estimator.modes.crossing_correction import corrected, mode_of
+from estimator.modes.crossing_correction import corrected_crossing, mode_by_inverse_iteration
 from estimator.modes.eigenmodes import Modes
-from estimator.modes.snapshot_reduction import narrowed, snapshot_basis
+from estimator.modes.snapshot_reduction import projected_matrices, snapshot_basis
 from estimator.rotor.modal_reduction import SMALL, modal_basis
 from estimator.rotor.system_matrices import CoefficientsOverSpeed, SystemMatrices, system_matrices_over_speed
 from estimator.rotor.whirl import whirl
@@ -84,7 +84,7 @@ def critical_speed_table(
         ValueError: The highest speed is not positive.
     """
     matrices = system_matrices_over_speed(machine, coefficients=coefficients, basis=modal_basis(machine, highest))
-    return felt_crossings(matrices, direction=machine.direction, highest=highest)
+    return lightly_damped_crossings(matrices, direction=machine.direction, highest=highest)
 
 
 def critical_speeds(machine: Machine, *, highest: float, coefficients: CoefficientsOverSpeed = None) -> Floats:
@@ -129,7 +129,7 @@ def undamped_critical_speeds(matrices: SystemMatrices, *, direction: int) -> Flo
     return np.asarray(np.sort((1 / np.sqrt(positive)).real))
 
 
-def felt_crossings(matrices: MatricesOverSpeed, *, direction: int, highest: float) -> tuple[CriticalSpeed, ...]:
+def lightly_damped_crossings(matrices: MatricesOverSpeed, *, direction: int, highest: float) -> tuple[CriticalSpeed, ...]:
     """Find the synchronous crossings of modes whose damping ratio is below HEAVILY_DAMPED.
 
     Args:
@@ -144,20 +144,20 @@ def felt_crossings(matrices: MatricesOverSpeed, *, direction: int, highest: floa
         ValueError: The highest speed is not positive.
     """
     large = matrices(highest).mass.shape[0] > SMALL
-    search = _searched if large else synchronous_crossings
+    search = _crossings_by_reduction if large else synchronous_crossings
     found = search(matrices, direction=direction, highest=highest)
     return tuple(one for one in found if one.damping_ratio < HEAVILY_DAMPED)
 
 
-def _searched(matrices: MatricesOverSpeed, *, direction: int, highest: float) -> tuple[CriticalSpeed, ...]:
+def _crossings_by_reduction(matrices: MatricesOverSpeed, *, direction: int, highest: float) -> tuple[CriticalSpeed, ...]:
     """Find the crossings of a large train in the basis of its modes at a few speeds, and correct each."""
     basis = snapshot_basis(matrices, direction=direction, fastest=highest, highest=highest, smallest=SEARCHED_PART)
-    narrow = narrowed(matrices, basis)
+    narrow = projected_matrices(matrices, basis)
     found: list[Modes] = []
     for root, _ in crossing_modes(narrow, direction=direction, highest=highest):
-        shape, left = mode_of(narrow(root.imag), root, spin=direction * root.imag)
+        shape, left = mode_by_inverse_iteration(narrow(root.imag), root, spin=direction * root.imag)
         guess = Modes(np.array([root]), basis.expanded(shape[:, None]), basis.expanded(left[:, None]))
-        exact = corrected(matrices, guess, direction=direction)
+        exact = corrected_crossing(matrices, guess, direction=direction)
         # Of two that nearly coincide, both corrections may lead to one.
         lost = exact is None or abs(exact.eigenvalue[0] - root) > SEARCHED_WITHIN * abs(root)
         found.append(guess if lost or exact is None or any(_same(one, exact) for one in found) else exact)

@@ -23,7 +23,7 @@ ITERATIONS = 3
 """Number of steps of inverse iteration."""
 
 
-def corrected(matrices: Callable[[float], SystemMatrices], guess: Modes, *, direction: int) -> Modes | None:
+def corrected_crossing(matrices: Callable[[float], SystemMatrices], guess: Modes, *, direction: int) -> Modes | None:
     """Correct a crossing with the synchronous line by Newton's method (Schreiber 2008, module's docstring).
 
     Args:
@@ -61,7 +61,7 @@ def corrected(matrices: Callable[[float], SystemMatrices], guess: Modes, *, dire
     return None
 
 
-def mode_of(matrices: SystemMatrices, eigenvalue: complex, *, spin: float) -> tuple[Complexes, Complexes]:
+def mode_by_inverse_iteration(matrices: SystemMatrices, eigenvalue: complex, *, spin: float) -> tuple[Complexes, Complexes]:
     """Compute shape and left vector of a mode whose eigenvalue is known, by inverse iteration.
 
     Args:

@@ -11,7 +11,7 @@ from estimator.rotor.modal_reduction import modal_basis
 from estimator.rotor.system_matrices import system_matrices_over_speed
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 
-REMEMBERED = 256
+CACHE_SIZE = 256
 """Number of machines whose critical speeds are cached."""
 
 
@@ -42,7 +42,7 @@ def nominal_critical_speeds(machine: Machine) -> Floats:
     return _critical_speeds(machine.model_dump_json())
 
 
-@lru_cache(maxsize=REMEMBERED)
+@lru_cache(maxsize=CACHE_SIZE)
 def _critical_speeds(document: str) -> Floats:
     machine = Machine.model_validate_json(document)
     highest = rpm_to_rad_per_s(machine.speed_range.maximum_rpm)

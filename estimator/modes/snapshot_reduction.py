@@ -11,7 +11,7 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.modes.eigenmodes import Modes, modes
-from estimator.rotor.identity_cache import remembered
+from estimator.rotor.identity_cache import cached_by_identity
 from estimator.rotor.modal_reduction import Basis, in_planes
 from estimator.rotor.system_matrices import SystemMatrices
 
@@ -53,7 +53,7 @@ def snapshot_basis(
     return Basis(orthogonal[:, :kept])
 
 
-def narrowed(matrices: Callable[[float], SystemMatrices], basis: Basis) -> Callable[[float], SystemMatrices]:
+def projected_matrices(matrices: Callable[[float], SystemMatrices], basis: Basis) -> Callable[[float], SystemMatrices]:
     """Project matrices over the spin speed on a basis, with the latest results cached.
 
     Args:
@@ -65,7 +65,7 @@ def narrowed(matrices: Callable[[float], SystemMatrices], basis: Basis) -> Calla
     """
     shapes = basis.shapes
 
-    @remembered
+    @cached_by_identity
     def over(here: SystemMatrices) -> SystemMatrices:
         return here.over(shapes)
 

@@ -109,7 +109,7 @@ def neighbour_noise(fit: LocalFit, amplitude: Floats) -> tuple[float, float]:
     return float(np.sqrt(scale * relative)), float(np.sqrt(scale * floor))
 
 
-def resolved(fit: LocalFit, speed: Floats, phasor: Complexes) -> bool:
+def is_resolved(fit: LocalFit, speed: Floats, phasor: Complexes) -> bool:
     """Check whether one channel's samples are dense enough for the differences to be noise.
 
     The straight line through the nearest two neighbours then leaves as much as the cubic through four.
@@ -130,7 +130,7 @@ def resolved(fit: LocalFit, speed: Floats, phasor: Complexes) -> bool:
     return bool(np.median(left_over) < DENSE * np.nanmedian(fit.error))
 
 
-def out_of_line(fit: LocalFit, noise: Floats) -> NDArray[np.intp]:
+def isolated_samples(fit: LocalFit, noise: Floats) -> NDArray[np.intp]:
     """Find the samples of one channel that no neighbour agrees with.
 
     Args:

@@ -149,33 +149,35 @@ def orbit_findings(machine: Machine, measurement: Measurement) -> tuple[OrbitFin
     try:
         expected = ExpectedOrbits.of(machine)
     except ValueError as error:
-        return tuple(_undetectable(place, str(error)) for place in places)
+        return tuple(_undetectable_finding(place, str(error)) for place in places)
     grown: list[tuple[StationOrbits, float]] = []
     for place in places:
         try:
-            one = _what_grows(machine, measurement, place, expected)
+            one = _growing_orbit(machine, measurement, place, expected)
             grown.append((one, float(one.semi_major[0]) / expected.size(place)))
-        except _NotSeen as why:
-            findings.append(_undetectable(place, str(why)))
+        except _SenseUndetectable as why:
+            findings.append(_undetectable_finding(place, str(why)))
     largest = max((size for _, size in grown), default=0.0)
     for one, size in grown:
         sense = one.sense(0)
         if size < SMALLEST_PART * largest:
-            findings.append(_undetectable(one.place, "the orbit is small beside those elsewhere, so it may turn either way"))
+            findings.append(
+                _undetectable_finding(one.place, "the orbit is small beside those elsewhere, so it may turn either way")
+            )
         elif sense == "undecided":
-            findings.append(_undetectable(one.place, "the orbit is too flat or too small for the noise"))
+            findings.append(_undetectable_finding(one.place, "the orbit is too flat or too small for the noise"))
         else:
             backward[one.place.channels] = sense == "backward"
-    wrong = _wrong([place for place in places if backward.get(place.channels)], len(backward))
+    wrong = _backward_findings([place for place in places if backward.get(place.channels)], len(backward))
     return (*wrong, *findings)
 
 
-def _undetectable(place: ProbeStation, why: str) -> OrbitFinding:
+def _undetectable_finding(place: ProbeStation, why: str) -> OrbitFinding:
     words = f"whether {_named(place)} {'are swapped' if len(place.channels) > 1 else 'is swapped'} cannot be seen: {why}"
     return OrbitFinding("orbit_sense_undetectable", place.channels, words)
 
 
-def _wrong(backward: list[ProbeStation], judged: int) -> list[OrbitFinding]:
+def _backward_findings(backward: list[ProbeStation], judged: int) -> list[OrbitFinding]:
     """Return the findings for backward orbits among so many that were judged: one per station, or one for all."""
     if len(backward) == judged > 1:
         channels = tuple(channel for place in backward for channel in place.channels)
@@ -291,19 +293,19 @@ class ExpectedOrbits:
         return np.asarray(np.linalg.pinv(place.directions) @ grown)
 
 
-class _NotSeen(Exception):
+class _SenseUndetectable(Exception):
     """The sense of an orbit cannot be judged."""
 
 
-def _what_grows(machine: Machine, measurement: Measurement, place: ProbeStation, expected: ExpectedOrbits) -> StationOrbits:
-    """Compute the one orbit that grows with the speed at a station. Raises _NotSeen."""
+def _growing_orbit(machine: Machine, measurement: Measurement, place: ProbeStation, expected: ExpectedOrbits) -> StationOrbits:
+    """Compute the one orbit that grows with the speed at a station. Raises _SenseUndetectable."""
     if len(place.channels) < 2:
-        raise _NotSeen("one probe alone sees no orbit")
+        raise _SenseUndetectable("one probe alone sees no orbit")
     if not place.sees_both_axes:
-        raise _NotSeen("the probes look along one line")
+        raise _SenseUndetectable("the probes look along one line")
     chance = expected.chance_forward(place, direction=machine.direction)
     if chance < CERTAIN_FORWARD:
-        raise _NotSeen(f"the model's own orbit is forward for {100 * chance:.0f} % of all unbalances only")
+        raise _SenseUndetectable(f"the model's own orbit is forward for {100 * chance:.0f} % of all unbalances only")
     limit = BELOW_CRITICAL * expected.critical
     axes = axis_phasors(place, phasor=measurement.phasor, usable=measurement.usable)
     direction = 1.0 if np.sum(measurement.direction) >= 0.0 else -1.0
@@ -311,14 +313,14 @@ def _what_grows(machine: Machine, measurement: Measurement, place: ProbeStation,
     speed = measurement.speed[which]
     below = f"below {rad_per_s_to_rpm(limit):.0f} rpm, where it is certain"
     if speed.size < FEWEST_SAMPLES:
-        raise _NotSeen(f"{speed.size} samples {below}; {FEWEST_SAMPLES} are needed")
+        raise _SenseUndetectable(f"{speed.size} samples {below}; {FEWEST_SAMPLES} are needed")
     if np.ptp(speed) < NARROWEST * limit:
-        raise _NotSeen(f"the speeds {below}, lie too near to each other")
+        raise _SenseUndetectable(f"the speeds {below}, lie too near to each other")
     error = np.where(measurement.usable, _noise_error(machine, measurement), 0.0)[which][:, list(place.columns)]
-    return _grown(place, axes.pick(which), expected.growth(speed), error, direction)
+    return _orbit_of_growth(place, axes.pick(which), expected.growth(speed), error, direction)
 
 
-def _grown(place: ProbeStation, axes: AxisPhasors, growth: Floats, error: Floats, direction: float) -> StationOrbits:
+def _orbit_of_growth(place: ProbeStation, axes: AxisPhasors, growth: Floats, error: Floats, direction: float) -> StationOrbits:
     """Compute the one orbit that grows with the speed; its error is as large as the rest beside it and a constant."""
     x, y = np.asarray(axes.x @ growth, dtype=complex), np.asarray(axes.y @ growth, dtype=complex)
     law = growth / float(growth @ growth)

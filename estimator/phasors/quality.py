@@ -15,7 +15,7 @@ from estimator.machine.rules import Noise, QualityRules
 from estimator.phasors.beating import Beat, find_beats
 from estimator.phasors.channel_status import ChannelStatus
 from estimator.phasors.half_power import HalfPowerNotReached, half_power_points, outside, peak_samples
-from estimator.phasors.local_noise import LocalFit, local_fit, neighbour_noise, out_of_line, resolved
+from estimator.phasors.local_noise import LocalFit, is_resolved, isolated_samples, local_fit, neighbour_noise
 from estimator.phasors.noise import error_size
 from estimator.phasors.recorded_run import RecordedRun
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
@@ -190,7 +190,7 @@ def assess(run: RecordedRun, *, noise: Noise, rules: QualityRules | None = None)
         own = np.sqrt((relative * amplitude[:, c]) ** 2 + floor**2)
         used = flags[:, c] == 0
         typical, local = (float(np.median(size[used])) if used.any() else float("nan") for size in (stated[:, c], own))
-        seen[channel] = ChannelNoiseEstimate(relative, floor, typical, local, resolved(fit, run.speed, run.phasor[:, c]))
+        seen[channel] = ChannelNoiseEstimate(relative, floor, typical, local, is_resolved(fit, run.speed, run.phasor[:, c]))
     flags[_outliers(run, fits, stated, seen, flags == 0)] |= np.uint16(Flag.OUTLIER)
     flags[_not_accepted(run.speed, rules)] |= np.uint16(Flag.NOT_ACCEPTED)
     if rules.half_power:
@@ -198,10 +198,10 @@ def assess(run: RecordedRun, *, noise: Noise, rules: QualityRules | None = None)
     quality = Quality(run.channels, flags, (), seen)
     if rules.sweep_rate and run.speed.size:
         quality = _ringing(run, quality, error_size(noise, amplitude, run.scatter))
-    return replace(quality, findings=(*quality.findings, *_lost(run, quality), *_noise_findings(quality)))
+    return replace(quality, findings=(*quality.findings, *_lost_channels(run, quality), *_noise_findings(quality)))
 
 
-def own_noise(run: RecordedRun, quality: Quality) -> Floats:
+def scatter_from_neighbours(run: RecordedRun, quality: Quality) -> Floats:
     """Compute the scatter of a run whose source and document state none: each channel's noise as its neighbours show it.
 
     Args:
@@ -282,7 +282,7 @@ def _outliers(
         if np.isfinite(own.relative):
             modelled = np.sqrt((own.relative * np.abs(run.phasor[:, c])) ** 2 + own.floor**2)
             size = np.maximum(stated[:, c], np.where(np.isfinite(modelled), modelled, 0.0))
-            found[out_of_line(fits[c], size), c] = True
+            found[isolated_samples(fits[c], size), c] = True
             place = fits[c].place
             disturbed[place, c] = fits[c].error > DISTURBED * size[place]
     others = np.maximum(1, good.sum(axis=1) - 1)
@@ -352,26 +352,28 @@ def _clock(run: RecordedRun, beat: Beat) -> str:
     return f"; the samples' times say {rad_per_s_to_rpm(rate):.3g} rpm/s and are not to be trusted"
 
 
-def _lost(run: RecordedRun, quality: Quality) -> tuple[str, ...]:
+def _lost_channels(run: RecordedRun, quality: Quality) -> tuple[str, ...]:
     """Report channels that gave nothing, or nothing for a part of the run."""
     source = Flag.NOT_AVAILABLE | Flag.BAD | Flag.OUT_OF_RANGE | Flag.SATURATED | Flag.FROZEN
     words = []
     for c, channel in enumerate(run.channels):
         lost = (quality.flags[:, c] & np.uint16(source)) != 0
         if lost.all():
-            words.append(f"channel lost: {channel} has no usable value in the whole run ({_why(quality.flags[:, c])})")
+            words.append(
+                f"channel lost: {channel} has no usable value in the whole run ({_exclusion_reasons(quality.flags[:, c])})"
+            )
             continue
         pieces = _runs_of(lost[1:] & lost[:-1], max(LOST_SAMPLES, int(LOST_PART * lost.size)))
         if pieces.any():
             first, last = run.speed[pieces][[0, -1]]
             words.append(
                 f"channel lost: {channel} has no usable value from {rad_per_s_to_rpm(first):.0f} to "
-                f"{rad_per_s_to_rpm(last):.0f} rpm ({_why(quality.flags[pieces, c])})"
+                f"{rad_per_s_to_rpm(last):.0f} rpm ({_exclusion_reasons(quality.flags[pieces, c])})"
             )
     return tuple(words)
 
 
-def _why(flags: NDArray[np.uint16]) -> str:
+def _exclusion_reasons(flags: NDArray[np.uint16]) -> str:
     return ", ".join(one.label for one in Flag if np.any(flags & np.uint16(one)) and one & EXCLUDING)
 
 

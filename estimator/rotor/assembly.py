@@ -12,7 +12,7 @@ from estimator.arrays import Floats
 from estimator.machine.document import Machine
 from estimator.machine.mesh import node_stations
 from estimator.machine.parts import STATION_TOLERANCE, Disc, Half, Section, Shaft
-from estimator.rotor.identity_cache import remembered
+from estimator.rotor.identity_cache import cached_by_identity
 from estimator.rotor.shaft_element import NODE_DOFS, PLANE_DOFS, plane_element
 
 
@@ -192,7 +192,7 @@ def across_planes(matrix: Floats) -> Floats:
     return np.asarray(x_plane @ matrix @ y_plane.T - y_plane @ matrix @ x_plane.T)
 
 
-@remembered
+@cached_by_identity
 def assemble_rotor(machine: Machine) -> Rotor:
     """Assemble the matrices of all shafts and discs (thesis Eq. 3.1-3.6, 3.10-3.11).
 

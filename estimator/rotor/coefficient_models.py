@@ -45,12 +45,12 @@ def governing_models(coefficients: Sequence[Coefficient]) -> tuple[GoverningMode
     found = [
         GoverningModel(model, tuple(index[name] for name in model.coefficients))
         for group in groups.values()
-        for model in group[0].form.models([believed(one) for one in group])
+        for model in group[0].form.models([prior_parameter(one) for one in group])
     ]
     return tuple(sorted(found, key=lambda one: min(one.coefficients)))
 
 
-def believed(coefficient: Coefficient) -> ModelParameter:
+def prior_parameter(coefficient: Coefficient) -> ModelParameter:
     """Return a coefficient as a parameter of its own, with the prior on it.
 
     Args:

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from functools import lru_cache, wraps
 from typing import TypeVar, TypeVarTuple
 
-KEPT = 6
+CACHE_SIZE = 6
 """Number of results cached of each function: an identification needs its machine, with exact probes, scaled, and turned the
 other way.
 """
@@ -16,7 +16,7 @@ Arguments = TypeVarTuple("Arguments")
 Result = TypeVar("Result")
 
 
-class _Same:
+class _IdentityKey:
     """Arguments that equal others where each is the very same object or number."""
 
     def __init__(self, arguments: tuple[object, ...]) -> None:
@@ -26,13 +26,13 @@ class _Same:
         return hash(tuple(one if isinstance(one, float) else id(one) for one in self.arguments))
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Same) and all(
+        return isinstance(other, _IdentityKey) and all(
             one is another or (isinstance(one, float) and one == another)
             for one, another in zip(self.arguments, other.arguments, strict=True)
         )
 
 
-def remembered(function: Callable[[*Arguments], Result]) -> Callable[[*Arguments], Result]:
+def cached_by_identity(function: Callable[[*Arguments], Result]) -> Callable[[*Arguments], Result]:
     """Cache a function's results by the identity of its arguments; neither they nor the result may be changed.
 
     Args:
@@ -42,12 +42,12 @@ def remembered(function: Callable[[*Arguments], Result]) -> Callable[[*Arguments
         The cached function.
     """
 
-    @lru_cache(maxsize=KEPT)
-    def known(key: _Same) -> Result:
+    @lru_cache(maxsize=CACHE_SIZE)
+    def known(key: _IdentityKey) -> Result:
         return function(*key.arguments)  # type: ignore[arg-type]
 
     @wraps(function)
     def answered(*arguments: *Arguments) -> Result:
-        return known(_Same(arguments))
+        return known(_IdentityKey(arguments))
 
     return answered

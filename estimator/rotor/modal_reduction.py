@@ -19,7 +19,7 @@ import scipy.linalg
 from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine
 from estimator.rotor.assembly import PlaneMatrices, Rotor, assemble_rotor
-from estimator.rotor.identity_cache import remembered
+from estimator.rotor.identity_cache import cached_by_identity
 from estimator.rotor.parameters import dense, unknowns
 from estimator.rotor.shaft_element import NODE_DOFS, PLANE_DOFS
 
@@ -126,7 +126,7 @@ EVERYTHING = Basis(None)
 """Basis without reduction: every degree of freedom is a coordinate."""
 
 
-@remembered
+@cached_by_identity
 def modal_basis(machine: Machine, highest: float) -> Basis:
     """Compute shapes in which the modes of a machine up to a frequency are as on its whole mesh.
 

@@ -92,7 +92,7 @@ def derived_unit(machine: Machine, name: str) -> str | None:
     return None if name.endswith(tuple(PLACES)) else derived_units(machine).get(without_number(name))
 
 
-def in_words(name: str) -> str:
+def number_as_word(name: str) -> str:
     """Replace N or M-N in a name of `derived_units` by the first numbers that it can have: `critical_speed.1 …`.
 
     Args:

@@ -21,7 +21,7 @@ from estimator.machine.parts import Bearing, Coupling, LateralCoefficients, Seal
 from estimator.machine.rules import ParameterRule
 from estimator.quantities import UNITS, Quantity
 from estimator.rotor.assembly import Rotor
-from estimator.rotor.identity_cache import remembered
+from estimator.rotor.identity_cache import cached_by_identity
 from estimator.rotor.shaft_element import NODE_DOFS, PLANE_DOFS
 from estimator.units import rpm_to_rad_per_s
 
@@ -187,7 +187,7 @@ class Unknowns:
         return tuple(item for item in self.excitations if item.quantity == "unbalance")
 
 
-@remembered
+@cached_by_identity
 def unknowns(machine: Machine, rotor: Rotor) -> Unknowns:
     """List all coefficients and excitations of a machine (thesis Eq. 3.7, 3.9), in the document's order.
 

@@ -17,7 +17,7 @@ CoefficientsOverSpeed = Floats | Callable[[float], Floats] | None
 """Coefficients (K,) [SI], or a function that returns them at a spin speed [rad/s, without sign]; None for the expected
 ones."""
 
-KEPT = 4
+CACHE_SIZE = 4
 """Number of matrices cached, by their coefficients: a train whose coefficients do not follow the speed has but one."""
 
 
@@ -116,7 +116,7 @@ def system_matrices_over_speed(
     if callable(coefficients):
         at = coefficients
 
-        @lru_cache(maxsize=KEPT)
+        @lru_cache(maxsize=CACHE_SIZE)
         def known(values: bytes) -> SystemMatrices:
             return built(np.frombuffer(values))
 

@@ -150,7 +150,7 @@ def advance(
         Next state and events.
     """
     sweep, events = advance_sweep(state.sweep, limits.sweep, time=time, speed=speed, direction=direction)
-    return _told(replace(state, sweep=sweep), limits, events)
+    return _with_mode_event(replace(state, sweep=sweep), limits, events)
 
 
 def silence(state: OperatingState, limits: OperatingLimits, *, reason: str) -> tuple[OperatingState, tuple[Event, ...]]:
@@ -173,7 +173,7 @@ def silence(state: OperatingState, limits: OperatingLimits, *, reason: str) -> t
     return state, (*events, *changed)
 
 
-def _told(
+def _with_mode_event(
     state: OperatingState, limits: OperatingLimits, events: tuple[RunEvent, ...]
 ) -> tuple[OperatingState, tuple[Event, ...]]:
     """Return the mode after a sample, its event behind those of its sweep."""
@@ -183,7 +183,7 @@ def _told(
         state = replace(state, judged=False)
     mode = _mode(state, limits, speed)
     if mode == "run-down" and state.mode != "trip":
-        state, tripped = _judged(state, limits, time, speed)
+        state, tripped = _judge_trip(state, limits, time, speed)
         if tripped:
             mode = "trip"
     elif mode == "run-down" and not events:
@@ -219,7 +219,7 @@ def _mode(state: OperatingState, limits: OperatingLimits, speed: float) -> Mode:
     return state.mode if turning else "at speed"
 
 
-def _judged(state: OperatingState, limits: OperatingLimits, time: int, speed: float) -> tuple[OperatingState, bool]:
+def _judge_trip(state: OperatingState, limits: OperatingLimits, time: int, speed: float) -> tuple[OperatingState, bool]:
     """Judge once, as soon as it has covered enough, whether the run-down in progress is a trip."""
     top, sweep = state.sweep.high_speed, limits.sweep
     covered = top - speed

@@ -13,7 +13,7 @@ import msgspec
 from msgspec.structs import replace
 
 from estimator.machine.rules import Operation, SpeedRange
-from estimator.runs.speed_filter import NO_READINGS, SpeedReadings, take
+from estimator.runs.speed_filter import NO_READINGS, SpeedReadings, add_reading
 from estimator.units import rpm_to_rad_per_s
 
 RunKind = Literal["run-up", "run-down"]
@@ -193,7 +193,7 @@ def advance(
         state, events = finish(state, limits, reason="a pause in the data")
     elif last is not None and direction != state.direction:
         state, events = finish(state, limits, reason="the sense of rotation changed")
-    readings, believed = take(state.readings, time=time, speed=speed)
+    readings, believed = add_reading(state.readings, time=time, speed=speed)
     state = replace(state, readings=readings, direction=direction)
     if believed is None:
         return state, events
@@ -215,7 +215,7 @@ def finish(state: SweepState, limits: SweepLimits, *, reason: str) -> tuple[Swee
     events: tuple[RunEvent, ...] = ()
     if state.readings.before_time is not None and state.readings.last_time is not None:
         state, events = _step(state, limits, state.readings.last_time, state.readings.last_speed)
-    readings = state.readings.forgotten()
+    readings = state.readings.restarted()
     if state.sweep:
         events = (*events, _ended(state, state.high_time if state.sweep > 0 else state.low_time, reason))
     return SweepState(readings=readings), events

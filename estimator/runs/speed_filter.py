@@ -45,7 +45,7 @@ class SpeedReadings(msgspec.Struct, frozen=True):
         """Return the standard deviation of a reading [rad/s]; 0 as long as nothing is known."""
         return self.deviation / MEAN_DEVIATION
 
-    def forgotten(self) -> "SpeedReadings":
+    def restarted(self) -> "SpeedReadings":
         """Return the state with the noise only, for readings that do not follow these.
 
         Returns:
@@ -58,7 +58,7 @@ NO_READINGS = SpeedReadings()
 """State before the first reading."""
 
 
-def take(readings: SpeedReadings, *, time: int, speed: float) -> tuple[SpeedReadings, tuple[int, float] | None]:
+def add_reading(readings: SpeedReadings, *, time: int, speed: float) -> tuple[SpeedReadings, tuple[int, float] | None]:
     """Take a reading, later than all before it.
 
     The first reading is believed at once; after that each new one makes the one before it believed.

@@ -87,7 +87,7 @@ def draw_truth(machine: Machine, rng: np.random.Generator) -> Truth:
     return Truth(unknown, expected * factor, turned, dict(zip(train.scale_names, drawn, strict=True)))
 
 
-def at_progress(truth: Truth, machine: Machine, story: Story, progress: float) -> Truth:
+def truth_at_progress(truth: Truth, machine: Machine, story: Story, progress: float) -> Truth:
     """Return the truth when a story has gone a part of its way.
 
     Args:
@@ -122,7 +122,7 @@ def _misaligned(truth: Truth, machine: Machine, progress: float) -> Truth:
     return replace(truth, coefficients=truth.coefficients * factor)
 
 
-def scattered(truth: Truth, rng: np.random.Generator) -> Truth:
+def truth_of_run(truth: Truth, rng: np.random.Generator) -> Truth:
     """Draw the truth of one run: load and temperature are never quite the same.
 
     Args:
@@ -154,7 +154,7 @@ def drawn_conditions(machine: Machine, time_s: float, rng: np.random.Generator) 
     return np.asarray(size * (CONDITION_LEVEL + season + WEATHER * rng.standard_normal(size.size)))
 
 
-def under_conditions(truth: Truth, machine: Machine, conditions: Floats) -> Truth:
+def truth_under_conditions(truth: Truth, machine: Machine, conditions: Floats) -> Truth:
     """Return the truth under operating conditions: oil that is warmer is thinner, and the bearings softer.
 
     Args:

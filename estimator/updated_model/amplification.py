@@ -145,7 +145,7 @@ def separation_margin(peak: Peak, *, minimum_speed: float, maximum_continuous_sp
 
 
 @dataclass(frozen=True)
-class SurePeak:
+class UncertainPeak:
     """A response peak with the standard error of its amplification factor.
 
     Attributes:
@@ -174,7 +174,7 @@ def response_peaks(speed: Floats, amplitude: Floats) -> tuple[Peak, ...]:
         height = float(curve.spline(top))
         # What lies beyond a higher part of the curve belongs to another peak.
         lower, upper = (
-            curve.fallen_to(HALF_POWER * height, start=top, highest=height * (1 + 1e-9), upwards=upwards)
+            curve.first_below(HALF_POWER * height, start=top, highest=height * (1 + 1e-9), upwards=upwards)
             for upwards in (False, True)
         )
         peaks.append(Peak(speed=top, amplitude=height, lower=lower, upper=upper))
@@ -223,9 +223,9 @@ def amplification(
     )
 
 
-def sure_peaks(
+def peaks_with_errors(
     model: UpdatedModel, *, places: Sequence[Probe], crossings: Complexes, lowest: float, highest: float
-) -> tuple[tuple[SurePeak, ...], ...]:
+) -> tuple[tuple[UncertainPeak, ...], ...]:
     """Find the response peaks between two speeds at places of a train, with the standard errors of their factors.
 
     Args:
@@ -246,7 +246,7 @@ def sure_peaks(
     )
 
 
-def _with_errors(speed: Floats, phasor: Complexes, slope: Complexes, covariance: Floats) -> Iterator[SurePeak]:
+def _with_errors(speed: Floats, phasor: Complexes, slope: Complexes, covariance: Floats) -> Iterator[UncertainPeak]:
     """Compute the peaks of one curve (S,) with slopes (S, n).
 
     With u = |X|⁻², which is as smooth over a resonance as |X| is steep: a half-power speed N, u(N) = 2 u(Nc), moves by dN = (2
@@ -258,7 +258,7 @@ def _with_errors(speed: Floats, phasor: Complexes, slope: Complexes, covariance:
     for peak in response_peaks(speed, np.abs(phasor)):
         factor = peak.amplification_factor
         if factor is None:
-            yield SurePeak(peak, None)
+            yield UncertainPeak(peak, None)
             continue
         top = -slopes(peak.speed, 1) / float(curve(peak.speed, 2))
         level = 2.0 * slopes(peak.speed)
@@ -266,7 +266,7 @@ def _with_errors(speed: Floats, phasor: Complexes, slope: Complexes, covariance:
         width, times = sides[1] - sides[0], 2.0 if peak.one_sided else 1.0
         # AF = Nc / width, the width doubled where one side is missing.
         change = (top - factor * times * width) * factor / peak.speed
-        yield SurePeak(peak, float(standard_errors(change, covariance)))
+        yield UncertainPeak(peak, float(standard_errors(change, covariance)))
 
 
 def _response(model: UpdatedModel, speed: Floats, places: Sequence[Probe]) -> ForcedResponse:

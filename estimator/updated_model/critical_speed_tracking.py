@@ -17,7 +17,7 @@ from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine
 from estimator.modes.campbell import assurance
 from estimator.modes.critical_speed import HEAVILY_DAMPED, MatricesOverSpeed, crossing_modes
-from estimator.modes.crossing_correction import corrected
+from estimator.modes.crossing_correction import corrected_crossing
 from estimator.modes.eigenmodes import Modes, modes
 from estimator.rotor.modal_reduction import Basis
 from estimator.rotor.shaft_element import NODE_DOFS, PLANE_DOFS
@@ -39,7 +39,7 @@ SAME_ROOT = 1e-6
 """Relative distance of two eigenvalues up to which they may be one crossing [-]."""
 ALIKE = 0.6
 """Assurance of two deflection lines from which on the modes are one bending mode in two planes [-]."""
-REMEMBERED = 256
+CACHE_SIZE = 256
 """Number of documents whose crossings are cached."""
 
 
@@ -87,8 +87,8 @@ def followed_crossings(model: UpdatedModel) -> FollowedCrossings:
         The crossings that were followed.
     """
     nominal = _nominal(model.machine.model_dump_json())
-    begins = [_over(model.basis, one) for one in _each(nominal.modes)]
-    way = _Way.between(expected_model(model.machine), model)
+    begins = [_in_basis(model.basis, one) for one in _single_modes(nominal.modes)]
+    way = _ModelPath.between(expected_model(model.machine), model)
     ends = [way.followed(one) for one in begins]
     for place, end in enumerate(ends):
         if end is None:
@@ -100,21 +100,21 @@ def followed_crossings(model: UpdatedModel) -> FollowedCrossings:
     for place in sorted({place for pair in nominal.pairs for place in pair}):
         if ends[place] is None:
             known = [end for end in ends if end is not None]
-            ends[place] = _new_one(way.at(1.0), begins[place], known, direction=way.direction)
+            ends[place] = _newly_found_crossing(way.at(1.0), begins[place], known, direction=way.direction)
     found = [end for end in ends if end is not None]
     number = np.array([place for place, end in enumerate(ends) if end is not None], dtype=np.intp)
     return FollowedCrossings(_joined(found, way.mass.shape[0]), number, len(ends), nominal.pairs)
 
 
 @dataclass(frozen=True)
-class _Way:
+class _ModelPath:
     """From one model to another, both of one machine. at: the matrices over speed after a part of the way."""
 
     at: Callable[[float], MatricesOverSpeed]
     direction: int
 
     @classmethod
-    def between(cls, start: UpdatedModel, end: UpdatedModel) -> "_Way":
+    def between(cls, start: UpdatedModel, end: UpdatedModel) -> "_ModelPath":
         def at(part: float) -> MatricesOverSpeed:
             return replace(end, values=start.values + part * (end.values - start.values)).matrices
 
@@ -130,7 +130,7 @@ class _Way:
         done, step = 0.0, 1.0
         while done < 1.0:
             reached = min(done + step, 1.0)
-            found = corrected(self.at(reached), mode, direction=self.direction)
+            found = corrected_crossing(self.at(reached), mode, direction=self.direction)
             if found is not None and _assurance(mode, found, self.mass) >= SAME_SHAPE:
                 mode, done, step = found, reached, 2 * step
             elif step > SMALLEST_STEP:
@@ -140,7 +140,7 @@ class _Way:
         return mode
 
 
-def _new_one(matrices: MatricesOverSpeed, like: Modes, known: Sequence[Modes], *, direction: int) -> Modes | None:
+def _newly_found_crossing(matrices: MatricesOverSpeed, like: Modes, known: Sequence[Modes], *, direction: int) -> Modes | None:
     """Find a felt crossing with the deflection line of a mode that is none of those known.
 
     Equal planes make circles out of which any difference makes lines: no step is small enough for such a mode's shape.
@@ -148,7 +148,7 @@ def _new_one(matrices: MatricesOverSpeed, like: Modes, known: Sequence[Modes], *
     mass = matrices(like.eigenvalue[0].imag).mass
     line = _deflection_line(like.shape[:, 0], mass)
     for guess in _polarised(line, complex(like.eigenvalue[0])):
-        found = corrected(matrices, guess, direction=direction)
+        found = corrected_crossing(matrices, guess, direction=direction)
         if found is None or found.damping_ratio[0] >= HEAVILY_DAMPED or any(_coincide(one, found, mass) for one in known):
             continue
         other = _deflection_line(found.shape[:, 0], mass)
@@ -165,7 +165,7 @@ def _polarised(line: Complexes, eigenvalue: complex) -> Iterator[Modes]:
         yield Modes(np.array([eigenvalue]), shape, np.conj(shape))
 
 
-@lru_cache(maxsize=REMEMBERED)
+@lru_cache(maxsize=CACHE_SIZE)
 def _nominal(document: str) -> NominalCrossings:
     """Compute the crossings of a document in JSON, of a machine with exact probes."""
     model = expected_model(Machine.model_validate_json(document))
@@ -185,9 +185,9 @@ def _nominal(document: str) -> NominalCrossings:
         if crowd.damping_ratio[nearest] >= HEAVILY_DAMPED:
             continue
         guess = Modes(crowd.eigenvalue[[nearest]], basis @ crowd.shape[:, [nearest]], basis @ crowd.left[:, [nearest]])
-        exact = corrected(model.matrices, guess, direction=direction)
+        exact = corrected_crossing(model.matrices, guess, direction=direction)
         if exact is not None and any(_coincide(other, exact, mass) for other in found):
-            exact = _new_one(model.matrices, exact, found, direction=direction)
+            exact = _newly_found_crossing(model.matrices, exact, found, direction=direction)
         if exact is not None:
             found.append(exact)
     joined = _joined(found, mass.shape[0])
@@ -242,12 +242,12 @@ def _coincide(one: Modes, other: Modes, mass: Floats) -> bool:
     return bool(near) and _assurance(one, other, mass) >= SAME_SHAPE
 
 
-def _over(basis: Basis, found: Modes) -> Modes:
+def _in_basis(basis: Basis, found: Modes) -> Modes:
     """Convert modes of the whole mesh to a basis."""
     return Modes(found.eigenvalue, basis.coordinates(found.shape), basis.coordinates(found.left))
 
 
-def _each(found: Modes) -> list[Modes]:
+def _single_modes(found: Modes) -> list[Modes]:
     return [Modes(found.eigenvalue[[i]], found.shape[:, [i]], found.left[:, [i]]) for i in range(found.eigenvalue.size)]
 
 

@@ -15,7 +15,7 @@ from estimator.fit.identify import Identification
 from estimator.machine.document import Machine
 from estimator.phasors.harmonic_ratio import FEWEST, NEAR, Orders, measures_second, second_over_first
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
-from estimator.updated_model.amplification import SurePeak, sure_peaks
+from estimator.updated_model.amplification import UncertainPeak, peaks_with_errors
 from estimator.updated_model.coupling_loads import coupling_forces
 from estimator.updated_model.critical_speed_tracking import HIGHEST_ABOVE_TRIP, FollowedCrossings, followed_crossings
 from estimator.updated_model.modal_uncertainty import crossing_slopes
@@ -147,7 +147,7 @@ def _coupling_loads(model: UpdatedModel, speed: float) -> Iterator[Derived]:
 def _amplification_factors(model: UpdatedModel, crossings: FollowedCrossings) -> Iterator[Derived]:
     limits = model.machine.speed_range
     lowest, highest = rpm_to_rad_per_s(limits.minimum_rpm), rpm_to_rad_per_s(limits.maximum_rpm)
-    found = sure_peaks(
+    found = peaks_with_errors(
         model,
         places=model.machine.probes,
         crossings=crossings.modes.eigenvalue,
@@ -165,10 +165,10 @@ def _amplification_factors(model: UpdatedModel, crossings: FollowedCrossings) ->
             yield Derived(name, "1", factor, factor / ratio, factor * ratio)
 
 
-def _owners(peaks: Sequence[SurePeak], crossings: FollowedCrossings) -> dict[int, SurePeak]:
+def _owners(peaks: Sequence[UncertainPeak], crossings: FollowedCrossings) -> dict[int, UncertainPeak]:
     """Find the highest of the peaks that belong to each critical speed, by its number."""
     root = crossings.modes.eigenvalue
-    owners: dict[int, SurePeak] = {}
+    owners: dict[int, UncertainPeak] = {}
     for one in peaks if root.size else ():
         nearest = int(np.argmin(np.abs(one.peak.speed - root.imag)))
         number, near = int(crossings.number[nearest]), NEAR_PEAK * abs(root[nearest].real)

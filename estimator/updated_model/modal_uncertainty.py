@@ -6,7 +6,7 @@ import numpy as np
 
 from estimator.arrays import Complexes, Floats
 from estimator.modes.critical_speed import CriticalSpeed
-from estimator.modes.crossing_correction import mode_of
+from estimator.modes.crossing_correction import mode_by_inverse_iteration
 from estimator.modes.eigenmodes import Modes, eigenvalue_slopes, modes
 from estimator.rotor.modal_reduction import EVERYTHING
 from estimator.updated_model.forced_response import coefficient_slopes
@@ -116,7 +116,7 @@ def critical_speed_errors(model: UpdatedModel, table: tuple[CriticalSpeed, ...])
 def _vectors(model: UpdatedModel, one: CriticalSpeed) -> tuple[Complexes, Complexes]:
     """Compute shape and left vector of the mode that crosses."""
     if model.basis is not EVERYTHING:
-        return mode_of(model.matrices(one.speed), one.eigenvalue, spin=model.machine.direction * one.speed)
+        return mode_by_inverse_iteration(model.matrices(one.speed), one.eigenvalue, spin=model.machine.direction * one.speed)
     found = modes_at(model, speed=one.speed)
     mode = int(np.argmin(np.abs(found.eigenvalue - one.eigenvalue)))
     return found.shape[:, mode], found.left[:, mode]

@@ -12,7 +12,7 @@ from estimator.fit.coordinates import Coordinates
 from estimator.fit.identify import Identification
 from estimator.machine.document import Machine
 from estimator.rotor.condensation import CondensedTrain, condense
-from estimator.rotor.identity_cache import remembered
+from estimator.rotor.identity_cache import cached_by_identity
 from estimator.rotor.modal_reduction import Basis, modal_basis
 from estimator.rotor.system_matrices import SystemMatrices, system_matrices_over_speed
 from estimator.units import rpm_to_rad_per_s
@@ -217,7 +217,7 @@ def expected_model(machine: Machine) -> UpdatedModel:
     return UpdatedModel(exact, coordinates.names, coordinates.point(coordinates.centre), np.zeros((size, size)))
 
 
-@remembered
+@cached_by_identity
 def with_exact_probes(machine: Machine) -> Machine:
     """Return the machine without gain errors and run-outs of its channels.
 
@@ -231,13 +231,13 @@ def with_exact_probes(machine: Machine) -> Machine:
     return machine.model_copy(update={"probes": tuple(probe.model_copy(update=exact) for probe in machine.probes)})
 
 
-@remembered
+@cached_by_identity
 def _reference(machine: Machine) -> CondensedTrain:
     """Condense the machine at any one speed, to learn its coordinates from."""
     return condense(machine, speed=np.ones(1), direction=np.ones(1))
 
 
-@remembered
+@cached_by_identity
 def _coordinates(machine: Machine) -> Coordinates:
     """Return the machine's coordinates at that speed: their names, centre and spread are those at any."""
     return Coordinates.of(_reference(machine), unbalance_scale=1.0)

@@ -46,7 +46,7 @@ class TurningCurve:
         cuts = np.union1d(place, turns)
         return cls(spline, cuts, np.asarray(spline(cuts)), turns[spline(turns, 2) < 0.0])
 
-    def fallen_to(self, level: float, *, start: float, highest: float, upwards: bool) -> float | None:
+    def first_below(self, level: float, *, start: float, highest: float, upwards: bool) -> float | None:
         """Find the first place beyond a start at which the curve is down to a level.
 
         Args:

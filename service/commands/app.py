@@ -15,12 +15,19 @@ from pydantic import ValidationError
 
 from estimator.fit.identify import Identification
 from estimator.identification.model_comparison import compare_misalignment
-from estimator.identification.quality_gate import Gated, identify_gated
+from estimator.identification.quality_gate import GatedIdentification, identify_gated
 from estimator.machine.document import Machine
 from estimator.machine.rules import QualityRules
 from estimator.phasors.measurement import Measurement, joined
 from estimator.phasors.recorded_run import RecordedRun
-from estimator.simulation.simulated_plant import Story, at_progress, draw_truth, measured_phasors, scattered, speed_law
+from estimator.simulation.simulated_plant import (
+    Story,
+    draw_truth,
+    measured_phasors,
+    speed_law,
+    truth_at_progress,
+    truth_of_run,
+)
 from estimator.thesis.machine_regression import regress
 from estimator.thesis.tikhonov import Rule
 from estimator.units import RAD_PER_S
@@ -283,10 +290,10 @@ def sample(
     """Write one simulated run-down as a recording, to try the commands on."""
     try:
         described, story = _machine_and_story(machine)
-        true = at_progress(draw_truth(described, np.random.default_rng(seed)), described, story, progress)
+        true = truth_at_progress(draw_truth(described, np.random.default_rng(seed)), described, story, progress)
         rng = np.random.default_rng([seed, run_seed])
         times, speed = speed_law(described, "run-down", duration=SAMPLE_S, samples=samples)
-        phasor = measured_phasors(described, scattered(true, rng), speed, rng)
+        phasor = measured_phasors(described, truth_of_run(true, rng), speed, rng)
         interval = float(times[1] - times[0])
         write_recording(file, described, speed_rpm=speed / RAD_PER_S["rpm"], phasor=phasor, interval_s=interval)
     except (UnreadableFile, ValueError, OSError) as error:
@@ -449,7 +456,7 @@ def _gated(
     rules: dict[str, Any] | None = None,
     gate: bool = True,
     slow_roll: str | None = None,
-) -> tuple[Machine, Measurement, Gated]:
+) -> tuple[Machine, Measurement, GatedIdentification]:
     try:
         described, runs = _runs(machine, files, sidecar, slow_roll)
         recorded, measured = [run for run, _ in runs], [measurement for _, measurement in runs]

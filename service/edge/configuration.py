@@ -10,7 +10,7 @@ from estimator.field_types import Identifier, Positive, Real
 from estimator.machine.document import field_path
 from estimator.machine.rules import SpeedRange
 from estimator.signal.keyphasor import Edge
-from estimator.strict_model import Written
+from estimator.strict_model import StrictModel
 from estimator.units import METRES
 from service.configuration.document_files import UnreadableFile, read_yaml
 from service.configuration.settings import DEFAULT_ZENOH_ENDPOINT
@@ -23,7 +23,7 @@ SUFFIXES = {".csv", ".npz", ".h5", ".hdf5", ".wav"}
 Range = tuple[Real, Real]
 
 
-class _ConfigurationPart(Written):
+class _ConfigurationPart(StrictModel):
     model_config = ConfigDict(frozen=True)
 
 

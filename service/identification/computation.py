@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from estimator.fit.identify import Identification
-from estimator.identification.pooling import combined
-from estimator.identification.quality_gate import Gated, identify_gated
+from estimator.identification.pooling import combine
+from estimator.identification.quality_gate import GatedIdentification, identify_gated
 from estimator.machine.document import Machine, parse_machine
 from estimator.modes.nominal_critical_speeds import crossed_critical_speeds
 from estimator.phasors.harmonic_ratio import Orders
@@ -38,7 +38,7 @@ def compute(task: IdentificationTask) -> IdentificationOutcome:
         if len(found) < len(gated):
             why = next(one.error for one in gated if one.identification is None)
             return IdentificationOutcome(qualities, None, why, crossed=crossed)
-        result = found[0] if len(found) == 1 else combined(found)
+        result = found[0] if len(found) == 1 else combine(found)
         conditions = mean_conditions(runs, machine.condition_names)
         beginning = None if task.beginning is None else task.beginning[0]
         derived, why = _derived(machine, result, runs)
@@ -69,7 +69,7 @@ def _derived(machine: Machine, result: Identification, runs: Sequence[Samples]) 
         return (), f"{type(error).__name__}: {error}"
 
 
-def _gated(machine: Machine, samples: Samples, task: IdentificationTask) -> Gated:
+def _gated(machine: Machine, samples: Samples, task: IdentificationTask) -> GatedIdentification:
     run, measurement = samples.recorded(machine.channels), samples.measurement()
     described, without = machine, measurement
     if task.slow_roll is not None:

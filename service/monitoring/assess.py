@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 from estimator.diagnosis.bayes_factors import Diagnosis
 from estimator.diagnosis.healthy_variation import typical_amplitude
-from estimator.diagnosis.observation import Observation, observation
-from estimator.diagnosis.run_windows import Watch
+from estimator.diagnosis.observation import Observation, fit_observation
+from estimator.diagnosis.run_windows import RunWindows
 from estimator.diagnosis.severity_measures import change_form, change_size
 from estimator.machine.document import Machine
 from estimator.rotor.parameter_names import change_unit, parameter_units
@@ -48,7 +48,7 @@ def readings(history: BaselineHistory) -> list[Reading]:
 class BaselineComparison:
     """A machine's newest runs compared with its baseline, oldest first."""
 
-    watch: Watch
+    watch: RunWindows
     after: tuple[AssessedRun, ...]
     observations: tuple[Observation, ...]
 
@@ -57,18 +57,18 @@ def compare(context: AssessmentContext) -> BaselineComparison | None:
     """Compare the newest runs with their baseline, under its mean operating conditions; return None when they are not
     comparable."""
     channels = tuple(probe.id for probe in context.machine.probes)
-    baseline = [(run, observation(run.fit, channels)) for run in context.baseline]
+    baseline = [(run, fit_observation(run.fit, channels)) for run in context.baseline]
     if not baseline:
         return None
     names = baseline[0][1].names
-    after = [(run, said) for run in context.after if (said := observation(run.fit, channels)).names == names]
+    after = [(run, said) for run in context.after if (said := fit_observation(run.fit, channels)).names == names]
     newest = context.after[-1].id if context.after else None
     if not after or after[-1][0].id != newest or any(said.names != names for _, said in baseline):
         return None
     follows = adjustment(
         [said.point for _, said in baseline], [run.conditions for run, _ in baseline], context.machine.conditions
     )
-    watch = Watch.over(context.machine, [_adjusted(said, run, follows) for run, said in baseline])
+    watch = RunWindows.over(context.machine, [_adjusted(said, run, follows) for run, said in baseline])
     return BaselineComparison(
         watch, tuple(run for run, _ in after), tuple(_adjusted(said, run, follows) for run, said in after)
     )

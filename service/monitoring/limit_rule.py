@@ -8,7 +8,7 @@ from typing import Annotated, Literal, Self, get_args
 
 from pydantic import ConfigDict, Field, model_validator
 
-from estimator.strict_model import Written
+from estimator.strict_model import StrictModel
 
 Quantity = Literal["sigma", "per_cent", "force", "rate_per_cent_per_week"]
 QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
@@ -21,7 +21,7 @@ LONGEST_DELAY = 20
 Limit = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 
-class Level(Written):
+class Level(StrictModel):
     """From where on something is an alert, or a danger. What is null does not matter."""
 
     model_config = ConfigDict(frozen=True)
@@ -56,7 +56,7 @@ class Level(Written):
         return certain and (not sizes or any(reaches(name, getattr(self, name)) for name in sizes))
 
 
-class Rule(Written):
+class Rule(StrictModel):
     """Levels of one kind of finding, and how patient its alerts are. Delays count identifications of the same kind of run."""
 
     # A rule of a machine is completed from the defaults, so that none of its fields is required.

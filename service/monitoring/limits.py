@@ -11,7 +11,7 @@ from pydantic import ConfigDict, Field, ValidationInfo, create_model, field_vali
 from estimator.errors import Invalid
 from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe
-from estimator.strict_model import Written
+from estimator.strict_model import StrictModel
 from service.alerts.lifecycle import Severity
 from service.monitoring.finding_rules import LIMITED_RULES, concerned_elements
 from service.monitoring.limit_rule import Rule
@@ -58,11 +58,11 @@ class LimitsRefused(Invalid):
 
 
 _FIELDS: dict[str, Any] = {name: (Rule, Field(default=rule)) for name, rule in DEFAULTS.items()}
-_RuleFields: Any = create_model("_RuleFields", __base__=Written, **_FIELDS)
+_RuleFields: Any = create_model("_RuleFields", __base__=StrictModel, **_FIELDS)
 """Model with one field for each alert rule that has limits."""
 
 
-class Limits(_RuleFields, Written):
+class Limits(_RuleFields, StrictModel):
     """Limits of one machine. A rule, or a field of one, that is left out is as in the defaults."""
 
     model_config = ConfigDict(frozen=True)

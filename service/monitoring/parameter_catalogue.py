@@ -8,7 +8,7 @@ from sqlalchemy.orm import Session
 from estimator.errors import Missing
 from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe
-from estimator.rotor.parameter_names import derived_unit, derived_units, in_words, parameter_units
+from estimator.rotor.parameter_names import derived_unit, derived_units, number_as_word, parameter_units
 from storage.machines import machines
 
 MOST_REVISIONS = 20
@@ -48,7 +48,7 @@ def _newest_first(session: Session, machine_id: str) -> Iterator[Machine]:
 
 def _what_there_is(document: Machine, name: str) -> str:
     """Return a text that lists the element's names or, when there is no such element, the elements."""
-    names = [*parameter_units(document), *map(in_words, derived_units(document))]
+    names = [*parameter_units(document), *map(number_as_word, derived_units(document))]
     element = _element(name)
     own = [one for one in names if _element(one) == element]
     if own:

@@ -20,13 +20,13 @@ from estimator.runs.segmentation import RunKind
 from estimator.simulation.simulated_plant import (
     Story,
     Truth,
-    at_progress,
     draw_truth,
     drawn_conditions,
     measured_phasors,
-    scattered,
     speed_law,
-    under_conditions,
+    truth_at_progress,
+    truth_of_run,
+    truth_under_conditions,
 )
 from estimator.units import METRES, PEAK, RADIANS, rad_per_s_to_rpm
 from service.sources.publisher import Source
@@ -132,7 +132,7 @@ class _SimulatedMachine:
         self._rng = rng
         self._stop = stop
         self._drawn = draw_truth(machine, rng)
-        at_progress(self._drawn, machine, story, 1.0)  # raises when the story is impossible
+        truth_at_progress(self._drawn, machine, story, 1.0)  # raises when the story is impossible
         self._due = time.monotonic()
         self._conditions: Floats = np.empty(0)
 
@@ -146,10 +146,10 @@ class _SimulatedMachine:
         with Source(self._session, Key(machine.plant, machine.id), name="simulator") as source:
             for cycle in range(plan.cycles):
                 progress = max(0.0, (cycle + 1) / plan.cycles - HEALTHY_PART) / (1.0 - HEALTHY_PART)
-                truth = scattered(at_progress(self._drawn, machine, self._story, progress), self._rng)
+                truth = truth_of_run(truth_at_progress(self._drawn, machine, self._story, progress), self._rng)
                 start = began + cycle * plan.interval_s
                 self._conditions = drawn_conditions(machine, start, self._rng)
-                truth = under_conditions(truth, machine, self._conditions)
+                truth = truth_under_conditions(truth, machine, self._conditions)
                 if self._stop.wait(max(0.0, start - time.time())):
                     return
                 logger.info(

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, Field
 
-from estimator.strict_model import Written
+from estimator.strict_model import StrictModel
 from service.api.conventions.fields import Comment, Moment, NonBlankText
 from service.api.findings.evidence import AlertEvidence
 from service.security.principal import Author
@@ -37,14 +37,14 @@ class AlertOut(BaseModel):
     events: int = Field(description="how many events it has had")
 
 
-class By(Written):
+class By(StrictModel):
     """The person who acts, and the reason."""
 
     by: Author
     comment: Comment = ""
 
 
-class Remark(Written):
+class Remark(StrictModel):
     """A comment with its author."""
 
     by: Author

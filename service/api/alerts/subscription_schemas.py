@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from estimator.strict_model import Written
+from estimator.strict_model import StrictModel
 from service.api.conventions.fields import Name
 from service.delivery.channels import CHANNEL_KINDS, channel_kind
 from service.secrets.references import FILE_NAME, VARIABLE
@@ -17,7 +17,7 @@ else:
 SIGNED_CHANNELS = " or ".join(one.kind for one in CHANNEL_KINDS if one.signed)
 
 
-class SubscriptionIn(Written):
+class SubscriptionIn(StrictModel):
     """A subscription to alert events, and where they are sent."""
 
     model_config = ConfigDict(

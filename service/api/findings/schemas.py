@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, Field, NonNegativeFloat, PositiveFloat, model_validator
 
-from estimator.strict_model import Written
+from estimator.strict_model import StrictModel
 
 
 class EstimateOut(BaseModel):
@@ -98,7 +98,7 @@ class JobOut(BaseModel):
     options: dict[str, Any] | None = Field(description="what differs from the usual")
 
 
-class IdentificationAsked(Written):
+class IdentificationAsked(StrictModel):
     """Options for identifying a run again; omitted ones keep their usual values."""
 
     slow_roll: Literal["none", "in_force"] | Annotated[int, Field(ge=1, le=2**62)] = Field(

@@ -15,7 +15,7 @@ from sqlalchemy.orm import Session
 from estimator.field_types import Identifier
 from estimator.machine.document import Machine
 from estimator.phasors.slow_roll import SlowRoll, capture
-from estimator.strict_model import Written
+from estimator.strict_model import StrictModel
 from estimator.units import METRES, PEAK, RADIANS, rad_per_s_to_rpm, rpm_to_rad_per_s
 from service.api.conventions.dependencies import MachineId, Reading, database, moment, requester
 from service.api.conventions.paging import ById
@@ -40,7 +40,7 @@ LONGEST_CAPTURE_S = 7 * 86_400
 MICROMETRES = METRES["um"] * PEAK["peak-to-peak"]
 
 
-class VectorIn(Written):
+class VectorIn(StrictModel):
     """A slow-roll vector of one channel, given by a person."""
 
     amplitude_um_pp: float = Field(ge=0, le=2e4, allow_inf_nan=False, description="peak-to-peak [µm]")
@@ -50,7 +50,7 @@ class VectorIn(Written):
     )
 
 
-class SlowRollIn(Written):
+class SlowRollIn(StrictModel):
     """Vectors to store: `vectors`, or `band_rpm` with the run or the time range to capture them from."""
 
     model_config = ConfigDict(populate_by_name=True)
@@ -123,7 +123,7 @@ class VersionInForce(BaseModel):
     version: int | None = Field(description="null: none")
 
 
-class InForce(Written):
+class InForce(StrictModel):
     """The version that identifications subtract from now on."""
 
     version: int | None = Field(ge=1, le=2**62, description="null: none")
@@ -148,7 +148,7 @@ def _listed(session: Session, machine_id: str, rows: Sequence[SlowRollRow]) -> S
 @router.post("", operation_id="add_slow_roll", dependencies=[ANALYST], status_code=status.HTTP_201_CREATED)
 def add_slow_roll(request: Request, machine_id: MachineId, body: Annotated[SlowRollIn, Body()]) -> SlowRollOut:
     """Store vectors, given or captured from stored samples, as a new version. It is not in force yet."""
-    with database(request).reading() as session:  # a capture reads days of samples; no writer should wait for it
+    with database(request).reading() as session:  # a capture reads days of samples, which no writer should wait for
         found = _given(session, machine_id, body) if body.vectors else _captured(session, machine_id, body)
     with database(request).transaction() as session:
         in_force = machines.get(session, machine_id).slow_roll_version

@@ -5,12 +5,12 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, Field
 
-from estimator.strict_model import Written
+from estimator.strict_model import StrictModel
 from service.api.conventions.fields import Moment, NonBlankText
 from service.security.principal import Author
 
 
-class TimelineIn(Written):
+class TimelineIn(StrictModel):
     """A note or a marker. A maintenance begins a new baseline."""
 
     at: Moment
@@ -31,7 +31,7 @@ class TimelineOut(BaseModel):
     created_at: datetime
 
 
-class BaselineIn(Written):
+class BaselineIn(StrictModel):
     """A new baseline. Without named identifications it consists of the first accepted ones of each kind of run."""
 
     since: Moment

@@ -9,8 +9,8 @@ import numpy as np
 import yaml
 
 from estimator.arrays import Complexes
-from estimator.diagnosis.observation import Observation, observed
-from estimator.diagnosis.run_windows import Watch
+from estimator.diagnosis.observation import Observation, observation_of
+from estimator.diagnosis.run_windows import RunWindows
 from estimator.fit.identify import Identification, Options, identify
 from estimator.machine.coupling_neighbours import neighbouring_bearings
 from estimator.machine.document import Machine, parse_machine
@@ -75,14 +75,14 @@ def run(truth: Truth, seed: int, edit: Edit | None = None) -> Identification:
 
 
 def says(identification: Identification) -> Observation:
-    return observed(identification, motor_pump().channels)
+    return observation_of(identification, motor_pump().channels)
 
 
 @cache
-def watch() -> Watch:
+def watch() -> RunWindows:
     """A watch over the healthy machine."""
     runs = [first_run(), *(run(true_machine(), seed) for seed in range(1, BASELINE))]
-    return Watch.over(motor_pump(), [says(one) for one in runs])
+    return RunWindows.over(motor_pump(), [says(one) for one in runs])
 
 
 @cache

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from estimator.fit.identify import Identification, identify
-from estimator.identification.model_comparison import ModelComparison, as_identified, compare_misalignment
+from estimator.identification.model_comparison import ModelComparison, compare_misalignment, with_identified_values
 from estimator.machine.document import parse_machine
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.assembly import assemble_rotor
@@ -98,7 +98,7 @@ def test_what_none_explains_is_said_to_be_so(baseline: Identification) -> None:
 
 
 def test_a_machine_as_identified_has_the_identified_values(baseline: Identification) -> None:
-    machine = as_identified(chapter_3(), baseline)
+    machine = with_identified_values(chapter_3(), baseline)
     assert machine.bearings[1].kxx == pytest.approx(baseline.estimate("bearing.B2.kxx").value, rel=1e-12)
     assert machine.couplings[0].cxy == pytest.approx(baseline.estimate("coupling.C1.cxy").value, rel=1e-12)
     unbalance = baseline.estimate("disc.D3.unbalance")

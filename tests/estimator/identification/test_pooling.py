@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from estimator.fit.identify import Identification, identify
-from estimator.identification.pooling import combined
+from estimator.identification.pooling import combine
 from estimator.machine.document import parse_machine
 from estimator.phasors.measurement import Measurement
-from estimator.simulation.simulated_plant import draw_truth, measured_phasors, scattered
+from estimator.simulation.simulated_plant import draw_truth, measured_phasors, truth_of_run
 from tests.estimator.trains import chapter_3, chapter_3_document, dense_response, noisy
 
 SPEED = np.linspace(10.0, 300.0, 100)
@@ -21,7 +21,8 @@ def runs(count: int) -> tuple[list[Identification], dict[str, float]]:
     drawn = draw_truth(chapter_3(), rng)
     found = [
         identify(
-            chapter_3(), Measurement.of(speed=SPEED, phasor=measured_phasors(chapter_3(), scattered(drawn, rng), SPEED, rng))
+            chapter_3(),
+            Measurement.of(speed=SPEED, phasor=measured_phasors(chapter_3(), truth_of_run(drawn, rng), SPEED, rng)),
         )
         for _ in range(count)
     ]
@@ -31,7 +32,7 @@ def runs(count: int) -> tuple[list[Identification], dict[str, float]]:
 
 def test_average_of_scattered_runs_is_accepted_and_covers_the_truth() -> None:
     results, truth = runs(4)
-    together = combined(results)
+    together = combine(results)
     assert together.accepted
     assert together.samples == 400
     inside = [
@@ -52,7 +53,7 @@ def test_what_one_run_does_not_determine_is_not_estimable() -> None:
         type(one)(one.name, one.element, one.quantity, one.unit, None, None, None, None, reason="narrow") if i == 0 else one
         for i, one in enumerate(weak)
     )
-    together = combined([results[0], type(results[1])(**(vars(results[1]) | {"estimates": lost}))])
+    together = combine([results[0], type(results[1])(**(vars(results[1]) | {"estimates": lost}))])
     assert together.estimates[0].value is None
     assert together.estimates[0].reason == "not every run determines it"
     assert together.estimates[1].value is not None
@@ -61,7 +62,7 @@ def test_what_one_run_does_not_determine_is_not_estimable() -> None:
 def test_one_run_is_nothing_to_combine() -> None:
     results, _ = runs(1)
     with pytest.raises(ValueError, match="at least two"):
-        combined(results)
+        combine(results)
 
 
 def test_fixed_and_tied_parameters_stay_what_they_are() -> None:
@@ -72,7 +73,7 @@ def test_fixed_and_tied_parameters_stay_what_they_are() -> None:
     ]
     machine = parse_machine(document)
     phasors = [noisy(dense_response(machine, SPEED, direction=1), seed=seed) for seed in (1, 2)]
-    together = combined([identify(machine, Measurement.of(speed=SPEED, phasor=one)) for one in phasors])
+    together = combine([identify(machine, Measurement.of(speed=SPEED, phasor=one)) for one in phasors])
     assert "kept at its nominal value" in (together.estimate("coupling.C1.k_phix").reason or "")
     assert together.estimate("bearing.B2.cxx").reason == "tied to bearing.B1.cxx"
     assert together.estimate("bearing.B1.cxx").value is not None

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from estimator.phasors.local_noise import local_fit, neighbour_noise, out_of_line, resolved
+from estimator.phasors.local_noise import is_resolved, isolated_samples, local_fit, neighbour_noise
 from tests.estimator.sweeps import noisy, single_mass, steady
 from tests.estimator.trains import few_examples
 
@@ -30,7 +30,7 @@ def test_noise_comes_out_at_its_size(relative: float, floor: float) -> None:
         clean = curve(0.2)
         phasor = noisy(clean, seed, relative) + floor / np.sqrt(2) * (rng.standard_normal(300) + 1j * rng.standard_normal(300))
         fit = local_fit(SPEED, phasor, np.ones(300, dtype=bool))
-        assert resolved(fit, SPEED, phasor)
+        assert is_resolved(fit, SPEED, phasor)
         part, least = neighbour_noise(fit, np.abs(phasor))
         ratios.append(np.median(np.hypot(part * np.abs(clean), least) / np.hypot(relative * np.abs(clean), floor)))
     assert 0.85 < np.median(ratios) < 1.3
@@ -40,7 +40,7 @@ def test_noise_comes_out_at_its_size(relative: float, floor: float) -> None:
 
 def test_sparse_samples_are_known_to_be_sparse() -> None:
     phasor = noisy(curve(0.02), 1, 1e-4)
-    assert not resolved(local_fit(SPEED[::8], phasor[::8], np.ones(38, dtype=bool)), SPEED[::8], phasor[::8])
+    assert not is_resolved(local_fit(SPEED[::8], phasor[::8], np.ones(38, dtype=bool)), SPEED[::8], phasor[::8])
 
 
 @few_examples
@@ -49,7 +49,7 @@ def test_a_wrong_phasor_is_found_and_it_alone(place: int, size: float, angle: fl
     phasor = noisy(curve(0.1), seed)
     phasor[place] *= 1 + size * np.exp(1j * angle)
     fit = local_fit(SPEED, phasor, np.ones(300, dtype=bool))
-    assert out_of_line(fit, 0.01 * np.abs(phasor)).tolist() == [place]
+    assert isolated_samples(fit, 0.01 * np.abs(phasor)).tolist() == [place]
 
 
 @few_examples
@@ -58,11 +58,11 @@ def test_a_sharp_resonance_is_no_outlier(damping_ratio: float, seed: int) -> Non
     # At 1 % half of the half-power width is two steps of the speed.
     phasor = noisy(curve(damping_ratio), seed)
     fit = local_fit(SPEED, phasor, np.ones(300, dtype=bool))
-    assert out_of_line(fit, 0.01 * np.abs(phasor)).size == 0
+    assert isolated_samples(fit, 0.01 * np.abs(phasor)).size == 0
 
 
 def test_few_points_say_nothing() -> None:
     fit = local_fit(SPEED[:6], np.ones(6, dtype=complex), np.ones(6, dtype=bool))
     assert np.isnan(neighbour_noise(fit, np.ones(6))).all()
-    assert out_of_line(fit, np.ones(6)).size == 0
-    assert not resolved(fit, SPEED[:6], np.ones(6, dtype=complex))
+    assert isolated_samples(fit, np.ones(6)).size == 0
+    assert not is_resolved(fit, SPEED[:6], np.ones(6, dtype=complex))

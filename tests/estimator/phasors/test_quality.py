@@ -7,7 +7,7 @@ import pytest
 
 from estimator.machine.rules import Noise, QualityRules
 from estimator.phasors.channel_status import ChannelStatus
-from estimator.phasors.quality import MEANING, Flag, assess, own_noise
+from estimator.phasors.quality import MEANING, Flag, assess, scatter_from_neighbours
 from estimator.phasors.recorded_run import RecordedRun
 from estimator.units import rpm_to_rad_per_s
 from tests.estimator.sweeps import Complexes, Floats, noisy, recorded, single_mass, steady
@@ -125,11 +125,11 @@ def test_noise_is_told_per_channel_and_compared_with_what_is_stated() -> None:
     assert quality.noise["X"].seen == pytest.approx(quality.noise["X"].stated, rel=0.3)
     assert quality.noise["Y"].seen == pytest.approx(5.1 * quality.noise["Y"].stated, rel=0.3)
     assert any(words.startswith("noise: Y scatters") for words in quality.findings)
-    scatter = own_noise(loud, quality)
+    scatter = scatter_from_neighbours(loud, quality)
     expected: Floats = 0.051 * np.abs(one.phasor[:, 1])
     assert np.median(scatter[:, 1] / expected) == pytest.approx(1.0, rel=0.3)
 
 
 def test_a_source_s_own_scatter_is_kept() -> None:
     one = replace(run(), scatter=np.full((SAMPLES, 2), 3e-6))
-    np.testing.assert_array_equal(own_noise(one, assess(one, noise=NOISE)), one.scatter)
+    np.testing.assert_array_equal(scatter_from_neighbours(one, assess(one, noise=NOISE)), one.scatter)

@@ -4,7 +4,7 @@ import numpy as np
 
 from estimator.rotor.assembly import assemble_rotor
 from estimator.rotor.condensation import condense
-from estimator.rotor.identity_cache import KEPT, remembered
+from estimator.rotor.identity_cache import CACHE_SIZE, cached_by_identity
 from tests.identification import chapter_3
 
 
@@ -21,7 +21,7 @@ class Counted:
 
 def test_the_same_objects_are_computed_once_and_equal_ones_again() -> None:
     counted = Counted()
-    asked = remembered(counted.__call__)
+    asked = cached_by_identity(counted.__call__)
     one, equal, other = [1], [1], [2]
     assert asked(one, other) is asked(one, other)
     assert counted.calls == 1
@@ -32,11 +32,11 @@ def test_the_same_objects_are_computed_once_and_equal_ones_again() -> None:
 
 def test_only_the_last_ones_are_kept() -> None:
     counted = Counted()
-    asked = remembered(counted.__call__)
-    several = [[number] for number in range(KEPT + 1)]
+    asked = cached_by_identity(counted.__call__)
+    several = [[number] for number in range(CACHE_SIZE + 1)]
     for one in [*several, several[0]]:
         asked(one, one)
-    assert counted.calls == KEPT + 2
+    assert counted.calls == CACHE_SIZE + 2
 
 
 def test_a_changed_copy_of_a_machine_is_another_one_and_nobody_changes_what_is_kept() -> None:

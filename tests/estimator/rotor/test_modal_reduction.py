@@ -12,7 +12,7 @@ from estimator.modes.critical_speed import critical_speed_table, synchronous_cro
 from estimator.modes.eigenmodes import Modes, modes
 from estimator.modes.mode_shapes import mode_shapes
 from estimator.modes.nominal_critical_speeds import nominal_critical_speeds
-from estimator.modes.snapshot_reduction import narrowed, snapshot_basis
+from estimator.modes.snapshot_reduction import projected_matrices, snapshot_basis
 from estimator.rotor import modal_reduction
 from estimator.rotor.assembly import assemble_rotor
 from estimator.rotor.modal_reduction import EVERYTHING, modal_basis
@@ -102,7 +102,7 @@ def test_between_the_speeds_of_the_snapshots_modes_are_right_as_well(machine: Ma
     highest, fastest = highest_of(machine), rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
     model = expected_model(machine)
     basis = snapshot_basis(model.matrices, direction=1, fastest=fastest, highest=highest)
-    narrow = narrowed(model.matrices, basis)
+    narrow = projected_matrices(model.matrices, basis)
     for speed in (0.2 * fastest, 0.77 * fastest):
         expected, found = modes(model.matrices(speed), spin=speed), modes(narrow(speed), spin=speed)
         for mode in felt(expected, highest):

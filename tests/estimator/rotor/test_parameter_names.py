@@ -7,7 +7,14 @@ from estimator.fit.coordinates import Coordinates
 from estimator.fit.estimates import estimates
 from estimator.machine.document import parse_machine
 from estimator.rotor.condensation import condense
-from estimator.rotor.parameter_names import change_unit, derived_unit, derived_units, in_words, parameter_units, without_number
+from estimator.rotor.parameter_names import (
+    change_unit,
+    derived_unit,
+    derived_units,
+    number_as_word,
+    parameter_units,
+    without_number,
+)
 from estimator.updated_model.derived_quantities import model_quantities
 from tests.estimator.models import rich_document, rich_model
 
@@ -79,5 +86,5 @@ def test_what_stands_for_numbers_is_no_name_of_a_derived_quantity(name: str) -> 
 def test_every_derived_quantity_is_said_by_a_name_that_it_can_have() -> None:
     machine = rich_model().machine
     for name, unit in derived_units(machine).items():
-        assert derived_unit(machine, in_words(name).removesuffix(" …")) == unit
-    assert in_words("critical_speed.N") == "critical_speed.1 …"
+        assert derived_unit(machine, number_as_word(name).removesuffix(" …")) == unit
+    assert number_as_word("critical_speed.N") == "critical_speed.1 …"

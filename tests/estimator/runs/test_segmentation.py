@@ -190,7 +190,7 @@ def test_below_the_range_a_pause_or_a_change_of_direction_is_nothing() -> None:
 
 def test_finish_without_a_run_says_nothing() -> None:
     state, _ = follow(every_second([1500.0] * 5))
-    assert finish(state, LIMITS, reason="enough") == (SweepState(readings=state.readings.forgotten()), ())
+    assert finish(state, LIMITS, reason="enough") == (SweepState(readings=state.readings.restarted()), ())
 
 
 @pytest.mark.parametrize("turns", [1, 2, 5])

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from estimator.runs.speed_filter import NO_READINGS, SpeedReadings, take
+from estimator.runs.speed_filter import NO_READINGS, SpeedReadings, add_reading
 
 SECOND = 1_000_000_000
 
@@ -11,7 +11,7 @@ SECOND = 1_000_000_000
 def follow(speeds: list[float], times: list[float] | None = None) -> tuple[SpeedReadings, list[tuple[float, float]]]:
     readings, believed = NO_READINGS, []
     for second, speed in zip(times or range(1, len(speeds) + 1), speeds, strict=True):
-        readings, new = take(readings, time=round(second * SECOND), speed=speed)
+        readings, new = add_reading(readings, time=round(second * SECOND), speed=speed)
         if new is not None:
             believed.append((new[0] / SECOND, new[1]))
     return readings, believed

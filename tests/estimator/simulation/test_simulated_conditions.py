@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from estimator.machine.rules import Condition
-from estimator.simulation.simulated_plant import YEAR_S, draw_truth, drawn_conditions, under_conditions
+from estimator.simulation.simulated_plant import YEAR_S, draw_truth, drawn_conditions, truth_under_conditions
 from tests.estimator.trains import chapter_3
 
 MACHINE = chapter_3().model_copy(
@@ -24,7 +24,7 @@ def test_conditions_swing_by_their_usual_change_over_a_year() -> None:
 
 def test_a_usual_change_softens_every_bearing_by_a_hundredth_and_nothing_else() -> None:
     truth = draw_truth(MACHINE, np.random.default_rng(2))
-    factor = under_conditions(truth, MACHINE, np.array([60.0, 20.0])).coefficients / truth.coefficients
+    factor = truth_under_conditions(truth, MACHINE, np.array([60.0, 20.0])).coefficients / truth.coefficients
     of_bearing = np.array([one.element.startswith("bearing.") for one in truth.unknowns.coefficients])
     assert factor[of_bearing] == pytest.approx(np.exp(-0.01))
     assert np.all(factor[~of_bearing] == 1.0)
@@ -36,5 +36,5 @@ def test_a_machine_without_conditions_stays_as_it_is() -> None:
     truth = draw_truth(chapter_3(), np.random.default_rng(2))
     conditions = drawn_conditions(chapter_3(), 0.0, rng)
     assert conditions.shape == (0,)
-    assert np.all(under_conditions(truth, chapter_3(), conditions).coefficients == truth.coefficients)
+    assert np.all(truth_under_conditions(truth, chapter_3(), conditions).coefficients == truth.coefficients)
     assert rng.bit_generator.state == before

@@ -17,12 +17,12 @@ from estimator.simulation.simulated_plant import (
     UNBALANCE_GROWTH,
     Story,
     Truth,
-    at_progress,
     draw_truth,
     measured_phasors,
     noise,
-    scattered,
     speed_law,
+    truth_at_progress,
+    truth_of_run,
 )
 from estimator.units import rad_per_s_to_rpm
 from tests.estimator.trains import Floats, chapter_3, chapter_3_document, one_disc_document, without
@@ -89,7 +89,7 @@ def assert_same(one: Truth, other: Truth) -> None:
 
 def test_the_truth_is_settled_by_the_seed() -> None:
     assert_same(truth(), truth())
-    assert_same(scattered(truth(), np.random.default_rng(5)), scattered(truth(), np.random.default_rng(5)))
+    assert_same(truth_of_run(truth(), np.random.default_rng(5)), truth_of_run(truth(), np.random.default_rng(5)))
     assert not np.array_equal(truth(1).coefficients, truth(2).coefficients)
 
 
@@ -103,7 +103,7 @@ def test_a_machine_is_near_its_document_but_not_at_it() -> None:
 def test_runs_scatter_about_the_truth() -> None:
     rng = np.random.default_rng(3)
     fixed = truth()
-    off = np.array([scattered(fixed, rng).coefficients / fixed.coefficients - 1 for _ in range(300)])
+    off = np.array([truth_of_run(fixed, rng).coefficients / fixed.coefficients - 1 for _ in range(300)])
     for quantity in ("stiffness", "damping", "angular stiffness"):
         which = [c.quantity == quantity for c in fixed.unknowns.coefficients]
         expected = RUN_SCATTER["damping"] if quantity == "damping" else OTHER_RUN_SCATTER
@@ -136,7 +136,7 @@ def test_missing_nominal_values_are_named() -> None:
 def growth(story: Story, progress: float) -> tuple[dict[str, float], dict[str, complex]]:
     """Factors by which a story has changed coefficients and unbalances, where it has."""
     before = truth()
-    after = at_progress(before, MACHINE, story, progress)
+    after = truth_at_progress(before, MACHINE, story, progress)
     changed = np.flatnonzero(after.coefficients != before.coefficients)
     names = [c.name for c in before.unknowns.coefficients]
     coefficients = {names[i]: float(after.coefficients[i] / before.coefficients[i]) for i in changed}
@@ -178,14 +178,14 @@ def test_unbalance_changes_one_disc_only(progress: float) -> None:
 def test_a_story_leaves_the_truth_that_it_began_with() -> None:
     before = truth()
     for story in get_args(Story):
-        at_progress(before, MACHINE, story, 1.0)
+        truth_at_progress(before, MACHINE, story, 1.0)
     assert_same(before, truth())
 
 
 def test_a_machine_without_coupling_cannot_be_misaligned() -> None:
     single = parse_machine(one_disc_document())
     with pytest.raises(ValueError, match="'one-disc' has no coupling"):
-        at_progress(draw_truth(single, np.random.default_rng(1)), single, "misalignment", 0.5)
+        truth_at_progress(draw_truth(single, np.random.default_rng(1)), single, "misalignment", 0.5)
 
 
 # --- noise ----------------------------------------------------------------------------------------------------------

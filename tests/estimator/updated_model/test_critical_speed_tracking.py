@@ -7,7 +7,7 @@ import pytest
 
 from estimator.machine.document import Machine
 from estimator.modes.critical_speed import critical_speed_table
-from estimator.modes.crossing_correction import corrected
+from estimator.modes.crossing_correction import corrected_crossing
 from estimator.modes.eigenmodes import Modes
 from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model.critical_speed_tracking import HIGHEST_ABOVE_TRIP, followed_crossings
@@ -113,5 +113,5 @@ def test_a_guess_without_a_crossing_is_not_corrected() -> None:
     size = model.matrices(1.0).mass.shape[0]
     right, left = rng.standard_normal((2, size, 1)).astype(complex)
     guess = Modes(np.array([1j]), right, left)
-    found = corrected(model.matrices, guess, direction=1)
+    found = corrected_crossing(model.matrices, guess, direction=1)
     assert found is None or found.eigenvalue[0].imag > 1000.0

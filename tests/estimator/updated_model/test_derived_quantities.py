@@ -11,7 +11,7 @@ from estimator.machine.document import Machine
 from estimator.machine.rules import Noise, Operation
 from estimator.phasors.harmonic_ratio import Orders
 from estimator.units import rpm_to_rad_per_s
-from estimator.updated_model.amplification import sure_peaks
+from estimator.updated_model.amplification import peaks_with_errors
 from estimator.updated_model.coupling_loads import coupling_forces
 from estimator.updated_model.critical_speed_tracking import followed_crossings
 from estimator.updated_model.derived_quantities import Derived, derived_quantities
@@ -123,7 +123,7 @@ def test_errors_of_amplification_factors_are_those_of_small_changes() -> None:
     def peaks(changed: UpdatedModel) -> list[tuple[float, float]]:
         root = followed_crossings(model).modes.eigenvalue  # the same speeds each time
         place = model.machine.probes[0]
-        (one,) = sure_peaks(changed, places=[place], crossings=root, lowest=30.0, highest=300.0)
+        (one,) = peaks_with_errors(changed, places=[place], crossings=root, lowest=30.0, highest=300.0)
         return [(peak.peak.amplification_factor or np.nan, peak.factor_error or np.nan) for peak in one]
 
     slopes = []

@@ -29,7 +29,7 @@ def test_the_first_crossing_is_found_unless_the_curve_rises_too_high_before(
         level, highest = height - part * abs(height), height * 1.1
         if height <= level:
             continue
-        found = curve.fallen_to(level, start=float(top), highest=highest, upwards=upwards)
+        found = curve.first_below(level, start=float(top), highest=highest, upwards=upwards)
         walk = fine[fine > top] if upwards else fine[fine < top][::-1]
         seen = curve.spline(walk)
         if found is None:
