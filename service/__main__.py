@@ -5,7 +5,7 @@ import os
 
 
 def main() -> None:
-    """Entry point."""
+    """Start the command."""
     # Before numpy is loaded: the matrices are small, and more threads would only take the processors from other work.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Nothing of what is loaded is garbage: looking for some takes a good part of the start.

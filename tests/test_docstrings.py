@@ -20,7 +20,10 @@ OWN_VERBS = (
     "Load Log Measure Migrate Monitor Notify Open Parse Pass Pause Post Print Probe Publish Push Put Quarantine Queue Raise "
     "Reactivate Receive Record Redirect Refuse Register Reject Release Remind Remove Render Reply Require Reset Resolve "
     "Retry Revoke Save Seal Select Send Serve Set Shelve Show Simulate Sort Split Start Stop Store Stream Submit Subscribe "
-    "Suppress Tell Try Tune Unlatch Update Verify Wait Write"
+    "Suppress Tell Try Tune Unlatch Update Verify Wait Write "
+    "Concatenate Do Flush Freeze Limit Lock Note Order Overwrite Pack Pickle Process Rename Restrict Rewrite Transfer "
+    "Undeclare Unlock Upgrade Work Abandon Continue Declare Deregister Exclude File Forget Go Have Iterate Look Postpone "
+    "Query Reopen Request Say Warn"
 )
 """First words of a function's docstring, beside those of the estimator; a verb that is missing may be added."""
 ALEMBIC = ("upgrade", "downgrade")

@@ -30,12 +30,15 @@ class WaveformFile(Protocol):
     """A file of waveforms; sampling_rate [Hz] and start_ns are None where it does not say them."""
 
     @property
-    def sampling_rate(self) -> float | None: ...
+    def sampling_rate(self) -> float | None:
+        """Return the sampling rate [Hz]; None when the file does not state it."""
 
     @property
-    def start_ns(self) -> int | None: ...
+    def start_ns(self) -> int | None:
+        """Return the time of the first sample [ns, UTC]; None when the file does not state it."""
 
-    def read(self, first: int, size: int) -> Iterator[Floats]: ...
+    def read(self, first: int, size: int) -> Iterator[Floats]:
+        """Yield columns (K, n) from sample `first` on, `size` samples at a time. Raises FileTrouble."""
 
 
 def open_file(path: Path, columns: list[str], *, full_scale: float) -> WaveformFile:

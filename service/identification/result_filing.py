@@ -29,7 +29,7 @@ from storage.tables import IdentificationRow, JobRow
 logger = logging.getLogger(__name__)
 
 REPORTED_S = 3600.0
-"""How long a warning is shown for a job whose process stopped responding."""
+"""Time for which a warning is shown for a job whose process stopped responding."""
 
 
 class ResultFiling:

@@ -17,7 +17,7 @@ logger = logging.getLogger(__name__)
 
 SECOND = 1_000_000_000
 HEARD_LATELY = 3600 * SECOND
-"""How long a source's time counts after its last batch [ns]: its clock has gone on as the monotonic one has."""
+"""Time for which a source's time counts after its last batch [ns]: its clock has gone on as the monotonic one has."""
 STEADY, JITTER = 60 * SECOND, 30 * SECOND
 """A source agrees once its newest times have kept pace with the monotonic clock for this long [ns], within JITTER: times from
 a log that is catching up overtake the clock."""

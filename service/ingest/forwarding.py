@@ -18,7 +18,7 @@ AT_ONCE = 16
 MOST_WAITING = 64
 """Largest number of bodies being forwarded or waiting for it; further ones are refused as busy."""
 PATIENCE_S = 15.0
-"""How long the other replica may take to make a body durable."""
+"""Time that the other replica may take to make a body durable."""
 
 
 class ForwardedAnswer(msgspec.Struct, omit_defaults=True):

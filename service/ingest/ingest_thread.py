@@ -54,7 +54,7 @@ class Ingest(SupervisedThread):
 
     @property
     def trouble(self) -> str | None:
-        """Why the last cycle could not be stored, or that the present one does not end."""
+        """Return why the last cycle could not be stored, or that the present one does not end."""
         lasts = time.monotonic() - self._began
         if self._trouble is None and lasts > STALLED_S and self.alive:
             return f"storing has not ended for {lasts:.0f} s"
@@ -62,16 +62,17 @@ class Ingest(SupervisedThread):
 
     @trouble.setter
     def trouble(self, words: str | None) -> None:
+        """Set why the last cycle could not be stored; None once one was."""
         self._trouble = words
 
     @property
     def alive(self) -> bool:
-        """Whether the threads run."""
+        """Return whether the threads run."""
         return super().alive and self._cycle.inbox.alive
 
     @property
     def gauges(self) -> dict[str, float]:
-        """Figures for a monitoring system, by the name of the metric."""
+        """Return figures for a monitoring system, by the name of the metric."""
         return {
             "rundown_ingest_queue_messages": len(self._cycle.inbox),
             "rundown_ingest_queue_bytes": self._cycle.inbox.size,
@@ -81,7 +82,7 @@ class Ingest(SupervisedThread):
 
     @property
     def warnings(self) -> list[str]:
-        """Doubts of this machine's clock."""
+        """Return the doubts of this machine's clock."""
         return [] if self._cycle.own_clock.doubt is None else [self._cycle.own_clock.doubt]
 
     def turn(self) -> float:

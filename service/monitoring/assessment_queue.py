@@ -32,7 +32,7 @@ from storage.measurements import quarantine
 logger = logging.getLogger(__name__)
 
 LARGEST_ATTEMPTS = 3
-"""How often an assessment may crash its worker or exceed a limit."""
+"""Interval at which an assessment may crash its worker or exceed a limit."""
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ from service.wire import Key
 from storage.measurements.samples import SourceKey
 
 PATIENCE_S = 3.0
-"""How long batches behind a gap wait for the source's log, which may still be reconnecting."""
+"""Time for which batches behind a gap wait for the source's log, which may still be reconnecting."""
 PAUSE_S = 0.3
 """Pause before a log is queried again meanwhile."""
 LARGEST_WAITING = 10_000

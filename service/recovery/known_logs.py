@@ -7,7 +7,7 @@ from service.resilience.bounded_dict import BoundedDict
 from storage.measurements.samples import SourceKey
 
 SILENCE_S = 10.0
-"""How long gaps of a source without a replying log are counted as lost at once; for a live source they are then requested."""
+"""Time for which gaps of a source without a replying log are counted as lost at once; for a live source they are then requested."""
 
 
 class KnownLogs:

@@ -18,7 +18,7 @@ APPLICATION_ID = 0x52444C47
 """SQLite application id that marks the file as a source's log: `RDLG`."""
 LOG_SCHEMA = 1
 BUSY_S = 1.0
-"""How long another process, such as one that was just killed, may take to release the file."""
+"""Time that another process, such as one that was just killed, may take to release the file."""
 WAL_PAGES = 1_000
 """Pages after which the write-ahead log is checkpointed into the file."""
 

@@ -31,14 +31,14 @@ A = TypeVar("A")
 R = TypeVar("R")
 
 CONNECT_S = 5.0
-"""How long a connection to the scheduler may take before it is retried."""
+"""Time that a connection to the scheduler may take before it is retried."""
 LOOK_S = 2.0
 SILENT_S = 30.0
 """Time after which a worker unheard by the scheduler counts as frozen."""
 GRACE_S = 60.0
 """Time after its limit at which a task of a silent worker is given up."""
 REFUSED_S = 60.0
-"""How long a worker that refused a task gets none."""
+"""Time for which a worker that refused a task gets none."""
 
 
 @dataclass(frozen=True)

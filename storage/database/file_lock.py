@@ -14,7 +14,7 @@ from collections import Counter
 from pathlib import Path
 
 KNOWN = hasattr(fcntl, "F_OFD_SETLK")
-"""Whether this system has open file description locks at all."""
+"""True where this system has open file description locks at all."""
 _BYTE = 2**62
 _FLOCK = "hhqqi"
 """`struct flock`: kind of lock, origin of `start`, start, length, process."""

@@ -14,7 +14,7 @@ from sqlalchemy.exc import OperationalError
 from storage.database.claim import DatabaseUnusable, logs_of
 
 SAVING_MS = 1_000
-"""How long a checkpoint waits for readers."""
+"""Time for which a checkpoint waits for readers."""
 
 
 class SqliteFiles:

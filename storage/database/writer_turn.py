@@ -13,9 +13,9 @@ from sqlalchemy.exc import OperationalError
 from storage.database.sqlite_files import SqliteFiles
 
 BUSY_TIMEOUT_MS = 15_000
-"""How long a writer waits for its turn."""
+"""Time for which a writer waits for its turn."""
 SAVING_TURN_S = 1.0
-"""How long saving a deleted log waits for the writers' turn; it is tried again."""
+"""Time for which saving a deleted log waits for the writers' turn; it is tried again."""
 
 
 class WriterTurn:

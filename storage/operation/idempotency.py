@@ -9,7 +9,7 @@ from storage.clock import now
 from storage.tables import IdempotencyKeyRow
 
 RETENTION_NS = 24 * 3600 * 1_000_000_000
-"""How long a key is kept [ns]: one day."""
+"""Time for which a key is kept [ns]: one day."""
 
 
 @dataclass(frozen=True)
