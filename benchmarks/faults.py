@@ -16,7 +16,7 @@ from pathlib import Path
 from storage.database.engine import Database
 from storage.machines import machines
 from tests import postgresql
-from tests.faults import clocks, disorder, gaps, parting, roles, scenarios, storage_faults, telling
+from tests.faults import alert_deliveries, clocks, disorder, gaps, network_partitions, roles, scenarios, storage_faults
 from tests.faults.chain import PARTS, every_order
 from tests.plant import machine
 
@@ -40,9 +40,14 @@ def every_scenario(rounds: int, kills: int) -> Iterator[tuple[str, Callable[[Pat
     yield "store locked for 30 s, read-only for 30 s", _file_in_the_way
     yield "store on a full disk for 30 s", _full_disk
     yield "store's server stopped for 60 s", _server_away
-    yield f"router started again {ROUTER_RESTARTS} times", partial(parting.router_restarted, times=ROUTER_RESTARTS, seed=0)
-    yield f"parted for {PARTITION_S:.0f} s", partial(parting.parted, times=PARTITIONS, seconds=PARTITION_S)
-    hour = partial(parting.plant_parted_from_centre, samples=parting.HOUR_SAMPLES, seconds=parting.HOUR_S)
+    yield (
+        f"router started again {ROUTER_RESTARTS} times",
+        partial(network_partitions.router_restarted, times=ROUTER_RESTARTS, seed=0),
+    )
+    yield f"parted for {PARTITION_S:.0f} s", partial(network_partitions.parted, times=PARTITIONS, seconds=PARTITION_S)
+    hour = partial(
+        network_partitions.plant_parted_from_centre, samples=network_partitions.HOUR_SAMPLES, seconds=network_partitions.HOUR_S
+    )
     yield "plant parted from centre for an hour", hour
     for seed in range(rounds):
         name = f"parted in the middle of runs, seed {seed}"
@@ -60,7 +65,7 @@ def every_scenario(rounds: int, kills: int) -> Iterator[tuple[str, Callable[[Pat
         name = f"mangled, without a log, seed {seed}"
         yield name, partial(scenarios.mangled_without_log, seed=seed, samples=10_000)
         name = f"alerts told through 20 kills, seed {seed}"
-        yield name, partial(telling.told_through_kills, seed=seed, kills=20)
+        yield name, partial(alert_deliveries.told_through_kills, seed=seed, kills=20)
 
 
 def _wandering_clock(folder: Path, *, seed: int) -> clocks.Wandered:

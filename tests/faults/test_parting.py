@@ -4,22 +4,24 @@ from pathlib import Path
 
 import pytest
 
-from tests.faults import gaps, parting
+from tests.faults import gaps, network_partitions
 
 
 @pytest.mark.long
 def test_a_router_that_starts_again_loses_nothing(tmp_path: Path) -> None:
-    parting.router_restarted(tmp_path, times=3, seed=1)
+    network_partitions.router_restarted(tmp_path, times=3, seed=1)
 
 
 @pytest.mark.long
 def test_a_partition_loses_nothing(tmp_path: Path) -> None:
-    parting.parted(tmp_path, times=1, seconds=5.0)
+    network_partitions.parted(tmp_path, times=1, seconds=5.0)
 
 
 @pytest.mark.long
 def test_a_plant_goes_on_alone_for_an_hour_and_the_centre_catches_up(tmp_path: Path) -> None:
-    parting.plant_parted_from_centre(tmp_path, samples=parting.HOUR_SAMPLES, seconds=parting.HOUR_S)
+    network_partitions.plant_parted_from_centre(
+        tmp_path, samples=network_partitions.HOUR_SAMPLES, seconds=network_partitions.HOUR_S
+    )
 
 
 @pytest.mark.long

@@ -17,7 +17,7 @@ from service.security import api_keys
 from service.security.principal import Role
 from storage.alerts import alerts
 from storage.database.engine import Database
-from tests.asking import Api
+from tests.api_in_process import Api
 from tests.paths import ROOT
 from tests.plant import KEY, SECOND, START, document, identification, machine, store_identification
 

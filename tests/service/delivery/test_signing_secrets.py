@@ -20,7 +20,7 @@ from storage.database.engine import Database
 from storage.operation import idempotency
 from storage.operation.idempotency import StoredResponse
 from storage.tables import SubscriptionRow
-from tests.asking import PREFIX, Api, problem
+from tests.api_in_process import PREFIX, Api, problem
 from tests.conftest import Stores
 
 TARGET = "https://historian.example/hook"

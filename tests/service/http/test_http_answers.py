@@ -15,7 +15,7 @@ from service.http.protocol import HttpProtocol
 from service.http.server import Server
 from storage.database.engine import Database
 from storage.measurements import runs
-from tests.asking import PREFIX, Api, fields, problem
+from tests.api_in_process import PREFIX, Api, fields, problem
 from tests.end_to_end.processes import until
 from tests.plant import KEY, SECOND, START, identification, samples, store_identification
 

@@ -30,7 +30,7 @@ from storage.database.engine import Database
 from storage.findings import derived, identifications, jobs
 from storage.machines import limits, machines
 from storage.measurements import quarantine, runs
-from tests.asking import Api
+from tests.api_in_process import Api
 from tests.damage import damage
 from tests.identification import chapter_3, close_run, counts
 from tests.plant import sqlite_url, wait_until

@@ -22,8 +22,8 @@ from storage.database.engine import Database
 from storage.machines import machines
 from storage.measurements import runs, samples
 from storage.tables import AlertRow, RunRow, SourceRow
-from tests.asking import Api
-from tests.assessing import judge
+from tests.api_in_process import Api
+from tests.assessment import judge
 from tests.plant import (
     KEY,
     SECOND,

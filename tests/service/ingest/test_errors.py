@@ -31,8 +31,8 @@ from storage.machines import machines
 from storage.measurements.quarantine import Rejection
 from storage.measurements.samples import SourceKey
 from storage.tables import CollectorRow, RevisionRow
+from tests.failing_writes import refuse
 from tests.plant import KEY, arrived, batch, machine, wait_until
-from tests.refusing import refuse
 from tests.service.ingest.plant_network import (
     Confused,
     DroppedOnTheWay,

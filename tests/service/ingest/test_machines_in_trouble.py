@@ -15,9 +15,9 @@ from storage.findings import jobs
 from storage.machines import machines
 from storage.measurements import quarantine, runs
 from storage.tables import QuarantineRow, RunRow, SampleBlockRow
+from tests.failing_writes import refuse
 from tests.plant import START, arrived, batch, machine, sweep_rpm
 from tests.prompt_journal import PromptJournal
-from tests.refusing import refuse
 
 DOWN, STANDSTILL = sweep_rpm(2990.0, 310.0), [250.0] * 2
 

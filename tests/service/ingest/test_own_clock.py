@@ -15,7 +15,7 @@ from service.runs.collector import Collector
 from service.sources.publisher import Source
 from service.wire import JSON, encode_body
 from storage.database.engine import Database
-from tests.asking import Api
+from tests.api_in_process import Api
 from tests.plant import KEY, SECOND, batch, wait_until
 from tests.service.ingest.plant_network import counts, heard, put_batch, received, rejected, rows
 

@@ -10,8 +10,8 @@ from service.wire import LARGEST_MESSAGE, encode_batch
 from storage.database.engine import Database
 from storage.machines import machines
 from storage.measurements import quarantine
+from tests.failing_writes import refuse
 from tests.plant import KEY, batch, machine, wait_until
-from tests.refusing import refuse
 from tests.service.ingest.plant_network import counts, heard, put, put_batch, received, rejected, rows, stored_times
 
 

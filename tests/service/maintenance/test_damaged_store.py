@@ -28,7 +28,7 @@ from storage.findings import jobs
 from storage.machines import machines, timeline
 from storage.measurements import quarantine, runs
 from storage.tables import CollectorRow
-from tests.asking import PREFIX, Api, problem
+from tests.api_in_process import PREFIX, Api, problem
 from tests.conftest import Stores
 from tests.damage import damage
 from tests.identification import counts

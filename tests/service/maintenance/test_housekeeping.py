@@ -26,7 +26,7 @@ from storage.machines import baselines, machines
 from storage.measurements import runs
 from storage.operation import retention
 from storage.tables import CollectorRow, RunRow, SampleBlockRow
-from tests.asking import Api, problem
+from tests.api_in_process import Api, problem
 from tests.conftest import Stores
 from tests.databases import Kind
 from tests.plant import (

@@ -26,7 +26,7 @@ from storage.machines import machines
 from storage.measurements import runs
 from storage.operation import audit, retention
 from storage.tables import CollectorRow, RunRow, SampleBlockRow
-from tests.asking import Api
+from tests.api_in_process import Api
 from tests.plant import KEY, SECOND, arrived, batch, machine, samples, wait_until
 
 HOUR, YEAR = 3600 * SECOND, 365 * DAY_NS

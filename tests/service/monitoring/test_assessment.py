@@ -10,7 +10,7 @@ from storage.alerts import alerts
 from storage.alerts.alerts import ListedAlert
 from storage.database.engine import Database
 from storage.findings import diagnoses
-from tests.assessing import judge
+from tests.assessment import judge
 from tests.plant import KEY, SECOND, START, identification, store_identification
 
 BASELINE = 5

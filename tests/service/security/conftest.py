@@ -15,7 +15,7 @@ from service.security.key_set import KeySet
 from service.security.principal import Role
 from service.security.tokens import Claims, Tokens
 from storage.database.engine import Database
-from tests.asking import Api, InProcess
+from tests.api_in_process import Api, InProcess
 from tests.databases import Databases, opened
 from tests.plant import KEY
 from tests.service.security.issuer import AUDIENCE, Issuer

@@ -13,7 +13,7 @@ from service.security.audit_watch import LOOK_S, AuditWatch
 from storage.database.engine import Database
 from storage.operation import audit
 from storage.operation.audit import AuditedOperation
-from tests.asking import PREFIX, Api, problem, value
+from tests.api_in_process import PREFIX, Api, problem, value
 from tests.end_to_end.processes import Service, rundown
 from tests.plant import KEY
 from tests.service.security.conftest import Filled, bearer

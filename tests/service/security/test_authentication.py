@@ -23,7 +23,7 @@ from storage.clock import now
 from storage.database.engine import Database
 from storage.operation import api_keys as keys
 from storage.tables import ApiKeyRow, TimelineRow
-from tests.asking import PREFIX, Api, problem, value
+from tests.api_in_process import PREFIX, Api, problem, value
 from tests.plant import KEY
 from tests.service.security.conftest import PATIENT, Filled, bearer, opened_api
 from tests.service.security.issuer import AUDIENCE, Issuer, public

@@ -11,7 +11,7 @@ from service.security.operations import ApiOperation, Operations, Undeclared
 from service.security.principal import Role
 from service.security.requirement import ANYBODY, VIEWER, Requirement
 from service.security.scope import FREE, ROWS
-from tests.asking import Api, InProcess, problem
+from tests.api_in_process import Api, InProcess, problem
 from tests.service.security.conftest import Filled, bearer
 from tests.service.security.forged import KINDS, refused
 from tests.service.security.issuer import Issuer

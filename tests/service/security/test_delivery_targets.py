@@ -7,7 +7,7 @@ import pytest
 
 from service.delivery.addresses import TargetRefused, checked
 from service.delivery.signing import new_secret
-from tests.asking import PREFIX, Api, problem
+from tests.api_in_process import PREFIX, Api, problem
 from tests.service.security.conftest import Filled, bearer
 
 REFUSED = [

@@ -19,7 +19,7 @@ from storage.clock import now
 from storage.database.engine import Database
 from storage.operation import audit, browser_sessions, logins
 from storage.tables import BrowserSessionRow
-from tests.asking import PREFIX, Api, problem, value
+from tests.api_in_process import PREFIX, Api, problem, value
 from tests.plant import KEY
 from tests.service.security.conftest import PATIENT, Filled, bearer, opened_api, tokens
 from tests.service.security.issuer import CLIENT, Issuer

@@ -17,7 +17,7 @@ from storage.findings import jobs
 from storage.machines import machines
 from storage.measurements import quarantine
 from storage.tables import AlertEventRow, Base, DeliveryRow, MachineRow, QuarantineRow, SubscriptionRow
-from tests.asking import PREFIX, Api, problem, value
+from tests.api_in_process import PREFIX, Api, problem, value
 from tests.plant import KEY, START, document
 from tests.service.security.conftest import Filled, bearer
 from tests.service.security.two_plants import HIDDEN, HIDDEN_PLANT, leaks

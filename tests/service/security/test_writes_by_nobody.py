@@ -12,7 +12,7 @@ from storage.database.engine import Database
 from storage.operation import audit
 from storage.operation.audit import AuditedOperation
 from storage.tables import IdempotencyKeyRow
-from tests.asking import PREFIX, Api, problem
+from tests.api_in_process import PREFIX, Api, problem
 from tests.plant import KEY
 from tests.service.security.conftest import Filled, bearer
 

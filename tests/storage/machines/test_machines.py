@@ -15,7 +15,7 @@ from storage.database.engine import Database
 from storage.database.schema import MIGRATIONS
 from storage.machines import machines
 from storage.tables import RevisionRow
-from tests.asking import Api
+from tests.api_in_process import Api
 from tests.plant import document, machine
 
 

@@ -20,7 +20,7 @@ from service.api.alerts.event_stream import Broadcaster, StreamEvent, stream
 from storage.alerts import alerts
 from storage.database.engine import Database
 from storage.tables import AlertRow
-from tests.asking import Api
+from tests.api_in_process import Api
 from tests.plant import START, identification, store_identification, wait_until
 
 ANNA = {"by": "anna", "comment": "looked at it"}

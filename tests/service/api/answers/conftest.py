@@ -11,7 +11,7 @@ from service.runs.collector import Collector
 from storage.database.engine import Database
 from storage.findings import jobs
 from storage.measurements.quarantine import Rejection
-from tests.asking import Api
+from tests.api_in_process import Api
 from tests.databases import Databases, opened
 from tests.plant import (
     SECOND,

@@ -2,7 +2,7 @@
 
 from service.alerts.transitions import Person, acknowledge, clear_alert
 from storage.tables import AlertRow
-from tests.asking import Api
+from tests.api_in_process import Api
 
 
 def test_alerts_of_all_machines_and_of_one(told: Api) -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from storage.database.engine import Database
 from storage.machines import machines
-from tests.asking import PREFIX, Api, fields, problem
+from tests.api_in_process import PREFIX, Api, fields, problem
 from tests.plant import (
     document,
     machine,

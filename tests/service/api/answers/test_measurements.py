@@ -9,7 +9,7 @@ import pytest
 from storage.database.engine import Database
 from storage.measurements import samples as sample_store
 from storage.measurements.samples import SourceKey
-from tests.asking import Api, problem
+from tests.api_in_process import Api, problem
 from tests.plant import (
     SECOND,
     START,

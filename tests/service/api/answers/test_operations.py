@@ -4,7 +4,7 @@ from datetime import UTC, datetime, timedelta
 
 import pytest
 
-from tests.asking import Api
+from tests.api_in_process import Api
 from tests.plant import (
     SECOND,
     START,

@@ -7,7 +7,7 @@ from sqlalchemy import update
 
 from storage.database.engine import Database
 from storage.tables import RunRow
-from tests.asking import PREFIX, Api, fields, problem
+from tests.api_in_process import PREFIX, Api, fields, problem
 from tests.databases import Databases
 
 

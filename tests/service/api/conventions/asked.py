@@ -2,7 +2,7 @@
 
 from datetime import UTC, datetime, timedelta
 
-from tests.asking import PREFIX, Api
+from tests.api_in_process import PREFIX, Api
 from tests.plant import KEY
 
 NOTE = {"at": "2026-01-01T00:00:00Z", "text": "looked", "by": "anna"}

@@ -6,7 +6,7 @@ from service.alerts import transitions
 from service.alerts.transitions import AlertFinding
 from storage.alerts import deliveries, suppressions
 from storage.database.engine import Database
-from tests.asking import Api
+from tests.api_in_process import Api
 from tests.plant import KEY, SECOND, START, identification, store_identification
 
 

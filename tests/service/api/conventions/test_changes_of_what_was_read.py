@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from tests.asking import PREFIX, Api, problem
+from tests.api_in_process import PREFIX, Api, problem
 from tests.plant import KEY, document
 from tests.service.api.conventions.asked import ALERT, ANNA, IN_FORCE, TOMORROW, without_if_match
 

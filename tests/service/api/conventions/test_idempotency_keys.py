@@ -10,9 +10,9 @@ from sqlalchemy.exc import DBAPIError
 
 from storage.operation import idempotency
 from storage.tables import IdempotencyKeyRow, TimelineRow
-from tests.asking import PREFIX, Api, fields, problem
+from tests.api_in_process import PREFIX, Api, fields, problem
+from tests.failing_writes import refuse
 from tests.plant import SECOND, document
-from tests.refusing import refuse
 from tests.service.api.conventions.asked import ALERT, ANNA, NOTE, TIMELINE, without_if_match
 
 

@@ -8,7 +8,7 @@ import pytest
 from storage.alerts import deliveries
 from storage.findings import jobs
 from storage.machines import fleet, machines
-from tests.asking import Api, fields, value
+from tests.api_in_process import Api, fields, value
 from tests.plant import KEY, SECOND, START, identification, machine, store_identification
 from tests.service.api.conventions.asked import ANNA, NOTE
 

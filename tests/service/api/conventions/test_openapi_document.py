@@ -7,7 +7,7 @@ from typing import Any
 
 from service.api.conventions.patterns import WORDS
 from service.commands import openapi
-from tests.asking import PREFIX, Api, problem
+from tests.api_in_process import PREFIX, Api, problem
 from tests.paths import ROOT
 from tests.plant import KEY
 

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from service.http.body_limit import LARGEST_BODY
-from tests.asking import PREFIX, Api, fields, problem
+from tests.api_in_process import PREFIX, Api, fields, problem
 from tests.plant import KEY, document
 from tests.service.api.conventions.asked import ALERT, NOTE, TIMELINE
 

@@ -4,7 +4,7 @@ from typing import Any
 
 from storage.alerts import deliveries
 from storage.findings import jobs
-from tests.asking import Api
+from tests.api_in_process import Api
 from tests.plant import KEY, START, identification, store_identification
 
 

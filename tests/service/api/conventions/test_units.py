@@ -7,7 +7,7 @@ from estimator.updated_model.derived_quantities import Derived
 from storage.database.engine import Database
 from storage.findings import derived, identifications
 from storage.measurements import runs
-from tests.asking import Api, fields
+from tests.api_in_process import Api, fields
 from tests.plant import KEY, SECOND, START, identification, samples, store_identification, sweep_rpm
 
 RUN = 20

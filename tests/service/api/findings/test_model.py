@@ -25,7 +25,7 @@ from storage.measurements import runs
 from storage.measurements import samples as sample_store
 from storage.measurements.samples import SourceKey
 from storage.tables import EstimateRow
-from tests.asking import PREFIX, Api, fields, problem
+from tests.api_in_process import PREFIX, Api, fields, problem
 from tests.databases import Databases, opened
 from tests.plant import KEY, SECOND, START, identification, machine, store_identification
 

@@ -9,7 +9,7 @@ from service.alerts.transitions import AlertFinding
 from service.runs.collector import Collector
 from storage.database.engine import Database
 from storage.machines import machines
-from tests.asking import Api, fields
+from tests.api_in_process import Api, fields
 from tests.plant import START, arrived, batch, identification, machine, store_identification, sweep_rpm
 from tests.prompt_journal import PromptJournal
 

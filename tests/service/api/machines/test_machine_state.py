@@ -10,7 +10,7 @@ from service.runs.collector import Collector
 from storage.database.engine import Database
 from storage.machines import machines
 from storage.measurements import runs
-from tests.asking import Api
+from tests.api_in_process import Api
 from tests.databases import NewDatabase
 from tests.plant import KEY, SECOND, START, arrived, batch, machine, sweep_rpm
 from tests.prompt_journal import PromptJournal

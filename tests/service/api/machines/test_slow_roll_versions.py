@@ -29,7 +29,7 @@ from storage.findings import identifications, jobs, trends
 from storage.findings.identifications import ComparisonGroup
 from storage.machines import machines
 from storage.measurements import runs
-from tests.asking import PREFIX, Api, problem
+from tests.api_in_process import PREFIX, Api, problem
 from tests.estimator.trains import ROOT
 from tests.plant import (
     CHANNELS,

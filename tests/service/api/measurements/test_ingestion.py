@@ -28,7 +28,7 @@ from storage.database.engine import Database
 from storage.machines import machines
 from storage.measurements import quarantine
 from storage.measurements import samples as sample_store
-from tests.asking import Api
+from tests.api_in_process import Api
 from tests.plant import KEY, SECOND, START, batch, machine, wait_until
 
 PATH = f"/api/v1/machines/{KEY.machine}/samples"

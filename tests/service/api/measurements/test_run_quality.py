@@ -22,7 +22,7 @@ from storage.database.engine import Database
 from storage.encoding.sample_blocks import DamagedBlock, Samples, encode
 from storage.machines import machines
 from storage.measurements import runs
-from tests.asking import Api
+from tests.api_in_process import Api
 from tests.paths import ROOT
 
 

@@ -26,7 +26,7 @@ from storage.machines import baselines, machines, timeline
 from storage.measurements import runs
 from storage.measurements import samples as sample_store
 from storage.measurements.samples import SourceKey
-from tests.asking import Api, fields, problem
+from tests.api_in_process import Api, fields, problem
 from tests.plant import KEY, SECOND, START, document, few_examples, identification, machine, samples, store_identification
 
 PATH = f"/machines/{KEY.machine}/trends"
