@@ -7,7 +7,10 @@ from service.resilience.bounded_dict import BoundedDict
 from storage.measurements.samples import SourceKey
 
 SILENCE_S = 10.0
-"""Time for which gaps of a source without a replying log are counted as lost at once; for a live source they are then requested."""
+"""Time for which gaps of a source without a replying log are counted as lost at once.
+
+For a live source they are requested then.
+"""
 
 
 class KnownLogs:

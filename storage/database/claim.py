@@ -18,7 +18,7 @@ from storage.database.private_files import PRIVATE
 CLAIM_KEY = 0x52554E444F574E
 """Key of the advisory lock that is held on a PostgreSQL database."""
 PATIENCE_S, LOOK_S = 2.0, 0.1
-"""Time for which, and interval at which [s], a claim is retried: a server needs a moment to notice that a claim's holder was killed."""
+"""Time for which, and interval at which [s], a claim is retried: a server notices late that a claim's holder was killed."""
 
 
 class DatabaseUnusable(Unavailable):

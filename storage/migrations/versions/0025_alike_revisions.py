@@ -50,7 +50,7 @@ def downgrade() -> None:
 
 
 def _since(bind: sa.Connection, keys: list[Any]) -> Iterator[dict[str, Any]]:
-    """Of each revision of a machine, from which one on they are the same."""
+    """Yield of each revision of a machine from which one on they are the same."""
     before: Machine | None = None
     same = alike = 0
     for machine_id, number in keys:
@@ -64,7 +64,7 @@ def _since(bind: sa.Connection, keys: list[Any]) -> Iterator[dict[str, Any]]:
 
 
 def _machine(bind: sa.Connection, machine_id: str, number: int) -> Machine | None:
-    """A document as it is understood today; None where it is not."""
+    """Return a document as it is understood today; None where it is not."""
     query = sa.select(REVISIONS.c.document).where(REVISIONS.c.machine_id == machine_id, REVISIONS.c.revision == number)
     try:
         return parse_machine(bind.execute(query).scalar_one())
