@@ -375,7 +375,7 @@ def test_a_result_that_cannot_be_stored_fails_with_its_reason_and_holds_up_no_ot
     tmp_path: Path,
 ) -> None:
     # What it logs, half a character, cannot be told to another process of tests.
-    caplog.set_level("CRITICAL", logger="service.identification")
+    caplog.set_level("CRITICAL", logger="service")
     with database.transaction() as session:
         machines.create(session, train)
     for number in range(3):

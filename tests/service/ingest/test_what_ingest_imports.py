@@ -6,20 +6,32 @@ from tests.imports import imported_by, imported_directly_by
 
 STATES_AND_COUNTS = {
     "arrays",
-    "capture",
-    "channel_status",
-    "coverage",
+    "bearings.constant",
+    "bearings.knots",
+    "bearings.mixed_coefficient",
+    "bearings.model",
+    "bearings.registry",
+    "bearings.terms",
     "errors",
-    "machine",
-    "measurement",
-    "operating_state",
-    "recorded",
-    "references",
-    "segmentation",
-    "speed_bins",
-    "speed_reading",
+    "field_types",
+    "machine.consistency",
+    "machine.document",
+    "machine.parameter_description",
+    "machine.part_coefficients",
+    "machine.parts",
+    "machine.rules",
+    "phasors.channel_status",
+    "phasors.measurement",
+    "phasors.recorded_run",
+    "quantities",
+    "runs.coverage",
+    "runs.operating_state",
+    "runs.sample_selection",
+    "runs.segmentation",
+    "runs.speed_bins",
+    "runs.speed_filter",
+    "strict_model",
     "units",
-    "written",
 }
 """Modules of the estimator that hold data, count samples and follow the speed; their work does not grow with the model."""
 
@@ -42,18 +54,21 @@ def test_storing_and_closing_need_no_model_of_the_machine(module: str) -> None:
         ("service.monitoring.conclusions", set[str]()),
         ("service.monitoring.assessment_queue", set[str]()),
         ("service.alerts.transitions", set[str]()),
-        ("service.monitoring.finding_text", set[str]()),
+        ("service.monitoring.finding_text", {"estimator.machine.parameter_description"}),
         ("service.identification.scheduler", {"estimator.fit.identify"}),
         ("service.identification.job_submission", {"estimator.fit.identify"}),
         ("service.identification.result_filing", {"estimator.fit.identify"}),
         ("service.identification.task_builder", {"estimator.fit.identify", "estimator.machine.document"}),
-        ("service.identification.job_options", {"estimator.fit.identify", "estimator.machine.document"}),
+        ("service.identification.job_options", {"estimator.fit.identify", "estimator.machine.rules"}),
     ],
 )
 def test_what_works_within_transactions_asks_workers_and_computes_nothing_itself(module: str, known: set[str]) -> None:
     """They name documents, options and points, which are data; what judges and identifies is imported by the worker only."""
-    named = {one for one in imported_directly_by(module) if one.startswith(("estimator.", "service.monitoring.assess"))}
-    named.discard("estimator.errors")
-    assert {one for one in named if not one.rpartition(".")[2][:1].isupper()} <= known | {
-        f"{one}.parse_machine" for one in known
+    named = {
+        one
+        for one in imported_directly_by(module)
+        if one.startswith("estimator.") or (one + ".").startswith("service.monitoring.assess.")
     }
+    named.discard("estimator.errors")
+    reading = {f"{one}.{function}" for one in known for function in ("parse_machine", "describe")}
+    assert {one for one in named if not one.rpartition(".")[2][:1].isupper()} <= known | reading
