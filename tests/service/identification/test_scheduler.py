@@ -473,7 +473,7 @@ CONFUSED = ZeroDivisionError("a fault of ours")
 REFUSED = IntegrityError("INSERT", {}, Exception("an alert that the database does not take"))
 
 
-@pytest.mark.parametrize("step", ["assessment_context.load_context", "watching.apply"])
+@pytest.mark.parametrize("step", ["assessment_context.load_context", "conclusions.apply"])
 @pytest.mark.parametrize("error", [CONFUSED, REFUSED], ids=["unforeseen", "refused by the database"])
 def test_a_result_that_cannot_be_judged_is_kept_and_that_no_alert_follows_is_told(
     database: Database, train: Machine, monkeypatch: pytest.MonkeyPatch, error: Exception, step: str
@@ -481,7 +481,7 @@ def test_a_result_that_cannot_be_judged_is_kept_and_that_no_alert_follows_is_tol
     def confused(*_: Any, **__: Any) -> None:
         raise error
 
-    monkeypatch.setattr(f"service.{step}", confused)
+    monkeypatch.setattr(f"service.monitoring.{step}", confused)
     with database.transaction() as session:
         machines.create(session, train)
     close_run(database, train, seed=1, start_s=1_700_000_000)
