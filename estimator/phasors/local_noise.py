@@ -157,6 +157,10 @@ def isolated_samples(fit: LocalFit, noise: Floats) -> NDArray[np.intp]:
     explained = np.divide(np.abs(np.sum(pattern * seen, axis=1)) ** 2, own, out=np.zeros(count), where=own > 0.0)
     limit = CLEARLY**2 * outlier_limit(np.ones(count, dtype=bool))
     found = (explained > limit) & (explained > ALONE * whole)
+    # The first and last samples have no cubic of their own: the few differences that hold them hold a neighbour as well.
+    for edge in np.flatnonzero(found & (expected == 0.0)):
+        near = found[max(0, edge - 4) : edge + 5]
+        found[edge] = explained[edge] >= np.max(explained[max(0, edge - 4) : edge + 5][near])
     return np.asarray(fit.place[found])
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from estimator.phasors.local_noise import is_resolved, isolated_samples, local_fit, neighbour_noise
@@ -45,6 +45,8 @@ def test_sparse_samples_are_known_to_be_sparse() -> None:
 
 @few_examples
 @given(st.integers(4, 295), st.floats(0.2, 1.0), st.floats(-np.pi, np.pi), st.integers(0, 1000))
+@example(place=4, size=0.5, angle=1.0, seed=0)
+@example(place=295, size=1.0, angle=-2.0, seed=6)
 def test_a_wrong_phasor_is_found_and_it_alone(place: int, size: float, angle: float, seed: int) -> None:
     phasor = noisy(curve(0.1), seed)
     phasor[place] *= 1 + size * np.exp(1j * angle)
