@@ -5,6 +5,7 @@
 
 import ast
 import re
+import textwrap
 from pathlib import Path
 
 from tests.paths import ROOT
@@ -498,10 +499,32 @@ def picture() -> str:
     return "\n".join(lines) + "\n"
 
 
+def height(room: str) -> int:
+    """Return how many rooms of its package stand below a room, one on the other."""
+    below = [one for one in ROOMS.get(room, ()) if one.split("/")[0] == room.split("/")[0] and one in ROOMS]
+    return 1 + max(map(height, below), default=-1)
+
+
+def drawing() -> str:
+    """Return the packages with their rooms as storeys: each imports from lower ones only."""
+    lines = ["```"]
+    for package in ("service", "storage", "estimator"):
+        storeys: dict[int, list[str]] = {}
+        for room in ROOMS:
+            if room.startswith(f"{package}/"):
+                storeys.setdefault(height(room), []).append(room.removeprefix(f"{package}/"))
+        for number, storey in enumerate(sorted(storeys, reverse=True)):
+            lines += textwrap.wrap(
+                "  ".join(storeys[storey]), 110, initial_indent=f"{'' if number else package:11}", subsequent_indent=" " * 11
+            )
+        lines.append("")
+    return "\n".join([*lines[:-1], "```"]) + "\n"
+
+
 def drawn(page: str) -> str:
     """Return a page with the picture between its marks drawn anew."""
     head, rest = page.split(BEGIN, 1)
-    return head + BEGIN + picture() + END + rest.split(END, 1)[1]
+    return head + BEGIN + drawing() + "\n" + picture() + END + rest.split(END, 1)[1]
 
 
 if __name__ == "__main__":

@@ -27,7 +27,7 @@ LARGEST_ROOM, MEDIAN_ROOM = 25, 12
 def files() -> dict[str, Path]:
     """All modules of the packages but migrations, by their dotted names."""
     listed = subprocess.run(["git", "ls-files", *PACKAGES], cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    paths = [Path(one) for one in listed.splitlines() if one.endswith(".py") and "migrations" not in one]
+    paths = [Path(one) for one in listed.splitlines() if one.endswith(".py") and not one.startswith("storage/migrations/")]
     return {".".join(path.with_suffix("").parts).removesuffix(".__init__"): path for path in paths}
 
 
@@ -125,3 +125,55 @@ def test_each_room_says_what_lives_there(package: str) -> None:
 
 def test_the_developers_page_shows_the_picture() -> None:
     assert drawn(PAGE.read_text()) == PAGE.read_text(), "stale: run `python -m tests.rooms` and commit docs/developers.md"
+
+
+FORBIDDEN_IN_ESTIMATOR = frozenset(
+    "asyncio datetime io logging multiprocessing os pathlib socket sqlalchemy subprocess threading time".split()
+)
+"""Modules of input, output, clocks and threads: the estimator is given what it needs."""
+
+
+def trees() -> Iterator[tuple[Path, ast.Module]]:
+    """Yield each file with its syntax tree."""
+    for path in files().values():
+        yield path, ast.parse((ROOT / path).read_text())
+
+
+def test_imports_are_absolute_and_in_the_open() -> None:
+    """Relative imports, imports by a string, and imports of what stands beside the house would not be seen in the picture."""
+    found = []
+    for path, tree in trees():
+        for node in ast.walk(tree):
+            if isinstance(node, ast.ImportFrom) and (node.level > 0 or node.module is None):
+                found.append(f"{path}:{node.lineno}: a relative import")
+            elif isinstance(node, ast.Import | ast.ImportFrom):
+                names = [one.name for one in node.names] if isinstance(node, ast.Import) else [str(node.module)]
+                beside = [one for one in names if one.split(".")[0] in ("tests", "benchmarks", "examples")]
+                found += [f"{path}:{node.lineno}: imports {one}, which is not installed" for one in beside]
+            elif isinstance(node, ast.Call) and ast.unparse(node.func).rpartition(".")[2] in ("import_module", "__import__"):
+                named = [one.value for one in node.args if isinstance(one, ast.Constant) and isinstance(one.value, str)]
+                own = [one for one in named if one.split(".")[0] in PACKAGES]
+                found += [f"{path}:{node.lineno}: imports {one} by a string" for one in own]
+    assert found == []
+
+
+def test_the_estimator_does_no_input_or_output_and_reads_no_clock() -> None:
+    found = [
+        f"{path}:{node.lineno} imports {one}"
+        for path, tree in trees()
+        if path.parts[0] == "estimator"
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Import | ast.ImportFrom)
+        for one in ([name.name for name in node.names] if isinstance(node, ast.Import) else [str(node.module)])
+        if one.split(".")[0] in FORBIDDEN_IN_ESTIMATOR
+    ]
+    assert found == []
+
+
+@pytest.mark.parametrize("package", sorted(ROOMS))
+def test_what_a_room_says_that_it_imports_is_an_arrow(package: str) -> None:
+    said = " ".join((ast.get_docstring(ast.parse((ROOT / package / "__init__.py").read_text())) or "").split())
+    clause = re.search(r"\b(?:It|They|Its ground floor \([^)]*\)) imports? ([^;.]*)", said)
+    named = re.findall(r"`([\w/]+)`", clause[1]) if clause else []
+    ends = [one.rsplit("/", 1)[-1] for one in ROOMS[package]]
+    assert [one for one in named if one.rsplit("/", 1)[-1] not in ends] == []

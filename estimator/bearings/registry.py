@@ -3,13 +3,16 @@
 A form is a `Part` with a literal field `form` and the methods of `BearingForm`.
 """
 
-from typing import TYPE_CHECKING, Annotated, Any, Union, get_args
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar, Union, get_args
 
-from pydantic import Discriminator, Tag
+from pydantic import BaseModel, Discriminator, Tag
 
 from estimator.bearings.constant import Constant
 from estimator.bearings.knots import SpeedDependence
 from estimator.bearings.model import BearingForm, OwnParameter
+
+T = TypeVar("T")
 
 FORMS = (SpeedDependence,)
 """Forms of `speed_dependence` in a machine document."""
@@ -17,10 +20,32 @@ FORMS = (SpeedDependence,)
 CONSTANT = Constant()
 """Form of an element whose document gives none."""
 
-OWN_PARAMETERS: dict[str, OwnParameter] = {one.name: one for form in FORMS for one in form.own_parameters}
+
+def _by_name(named: Iterable[tuple[str, T]]) -> dict[str, T]:
+    """Return what is registered by its names. Raises ValueError for a name that stands twice."""
+    found: dict[str, T] = {}
+    for name, one in named:
+        if name in found:
+            raise ValueError(f"bearing models register '{name}' twice: each form and each parameter needs a name of its own")
+        found[name] = one
+    return found
+
+
+def _require_members(form: type[BaseModel]) -> None:
+    """Raise TypeError for a form that lacks a method or a field of `BearingForm`."""
+    asked = [name for name in vars(BearingForm) if not name.startswith("_")]
+    missing = [name for name in asked if name not in form.model_fields and not hasattr(form, name)]
+    if missing:
+        raise TypeError(f"the bearing form {form.__name__} lacks {', '.join(missing)}")
+
+
+for _form in FORMS:
+    _require_members(_form)
+
+OWN_PARAMETERS: dict[str, OwnParameter] = _by_name((one.name, one) for form in FORMS for one in form.own_parameters)
 """Kinds of parameters that the models have beside coefficients, by the last part of their names."""
 
-_CLASSES = {name: form for form in FORMS for name in get_args(form.model_fields["form"].annotation)}
+_CLASSES = _by_name((name, form) for form in FORMS for name in get_args(form.model_fields["form"].annotation))
 FORM_NAMES = tuple(_CLASSES)
 """Values that `form` may have."""
 _UNKNOWN = "unknown_form"

@@ -1,3 +1,3 @@
-"""Simulated plants and coast-downs, for tests, the demo and the design of experiments. It imports `rotor`, `modes`, `phasors`
-and `machine`; nothing that judges real machines imports it.
+"""Simulated plants and coast-downs, for tests, the demo and the design of experiments. It imports `rotor`, `phasors`,
+`machine`, `runs` and `trends`; nothing that assesses real machines imports it.
 """

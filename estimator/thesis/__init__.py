@@ -1,3 +1,3 @@
-"""Published methods as Lal's thesis (IIT Guwahati) prints them, to be compared with. They import `rotor`, `machine` and the
-rooms beside these; `benchmarks/thesis` runs them, the service never does.
+"""Published methods as Lal's thesis (IIT Guwahati) prints them, for comparison. They import `rotor`, `modes`, `phasors`,
+`machine` and `bearings`; `benchmarks/thesis` runs them, of the service only the command that prints a comparison.
 """

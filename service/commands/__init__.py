@@ -1,1 +1,3 @@
-"""Every `rundown …` command. It may import every room; nothing imports it but `__main__`."""
+"""Every `rundown …` command. It may import every room, and nothing imports it but `service/__main__.py`; arguments come from
+the shell, and answers go to the terminal or to files.
+"""

@@ -29,6 +29,18 @@ STATUS: Mapping[type[DomainError], HTTPStatus] = {
 }
 
 
+def _require_complete() -> None:
+    """Raise LookupError when a category of errors has no status: the service must not start without."""
+    without = [one.__name__ for one in DomainError.__subclasses__() if one not in STATUS]
+    if without:
+        raise LookupError(
+            f"categories of errors without a status in STATUS of service/http/error_status.py: {', '.join(without)}"
+        )
+
+
+_require_complete()
+
+
 def status_of(error: DomainError) -> HTTPStatus:
     """Return the status of an error's category."""
     return next(STATUS[kind] for kind in type(error).__mro__ if kind in STATUS)

@@ -1,2 +1,4 @@
-"""Identification jobs: built, scheduled, computed in worker processes, and their results filed. It imports `configuration` and
-`replication`; a filed identification is assessed by `monitoring`."""
+"""Identification jobs: built, scheduled, computed in worker processes, and their results filed. It imports `workers`,
+`monitoring`, `configuration` and `replication`; jobs come from closed runs and the API, and a filed identification is
+queued for its assessment.
+"""

@@ -233,10 +233,19 @@ def is_finding(kind: str) -> bool:
     return kind in _BY_KIND
 
 
-DIAGNOSIS_RULES = {one.rule.name: one.rule for one in FINDING_RULES}
+def _rules_by_name() -> Mapping[str, AlertRule]:
+    """Return the alert rules of all findings. Raises ValueError for two different ones of one name."""
+    found: dict[str, AlertRule] = {}
+    for one in FINDING_RULES:
+        if found.setdefault(one.rule.name, one.rule) is not one.rule:
+            raise ValueError(f"two alert rules are called '{one.rule.name}': finding '{one.kind}' needs one of its own name")
+    return found
+
+
+DIAGNOSIS_RULES = _rules_by_name()
 """Alert rules of the findings of a diagnosis, by name."""
 LIMITED_RULES: Mapping[str, AlertRule] = {
-    name: rule for name, rule in (DIAGNOSIS_RULES | {RATE_OF_CHANGE.name: RATE_OF_CHANGE}).items() if rule.limits is not None
+    name: rule for name, rule in {**DIAGNOSIS_RULES, RATE_OF_CHANGE.name: RATE_OF_CHANGE}.items() if rule.limits is not None
 }
 """Alert rules with limits, by name, in the order of display."""
 

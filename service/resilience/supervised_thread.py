@@ -44,7 +44,7 @@ class SupervisedThread(ABC):
             log.error("%s; trying again", self.trouble)
         else:
             self.trouble = f"{self._failure}: {UNEXPECTED}"
-            log.error("%s; trying again", self.trouble, exc_info=error)
+            log.error("%s: unexpected error; trying again", self._failure, exc_info=error)
         return self._retry_s
 
     def start(self) -> None:

@@ -1,3 +1,3 @@
-"""Repositories of alerts, suppressions, subscriptions and deliveries. They import `tables`, `database` and `encoding`; the
-service's `alerts` and `delivery` work on their rows.
+"""Repositories of alerts, suppressions, subscriptions and deliveries. They import `tables` and `database`; the service's
+alerts and its delivery work on their rows.
 """

@@ -1,2 +1,3 @@
 """Repositories of machine documents, baselines, limits, calibrations, slow-roll vectors, timelines and the fleet. They import
-`tables` and `encoding`; every part of the service reads the document in force from here."""
+`tables`; every part of the service reads the document in force from here.
+"""
