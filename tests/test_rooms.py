@@ -128,7 +128,20 @@ def test_the_developers_page_shows_the_picture() -> None:
 
 
 FORBIDDEN_IN_ESTIMATOR = frozenset(
-    "asyncio datetime io logging multiprocessing os pathlib socket sqlalchemy subprocess threading time".split()
+    {
+        "asyncio",
+        "datetime",
+        "io",
+        "logging",
+        "multiprocessing",
+        "os",
+        "pathlib",
+        "socket",
+        "sqlalchemy",
+        "subprocess",
+        "threading",
+        "time",
+    }
 )
 """Modules of input, output, clocks and threads: the estimator is given what it needs."""
 

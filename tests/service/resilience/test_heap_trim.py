@@ -12,7 +12,7 @@ PIECES, SIZE = 4_000, 50_000
 
 AT_THE_END = """
 import threading, psutil
-from service.resilience.heap_trim import give_back, share_one_heap
+from service.resilience.heap_trim import release_free_memory, share_one_heap
 share_one_heap()
 bytes(16_000_000)  # who has once let go of so much is thought to need it again
 begun, go_on = threading.Event(), threading.Event()
@@ -25,7 +25,7 @@ thread = threading.Thread(target=allocate)
 before = psutil.Process().memory_info().rss
 thread.start()
 begun.wait(30)
-give_back()
+release_free_memory()
 print(psutil.Process().memory_info().rss - before)
 go_on.set()
 """

@@ -23,7 +23,7 @@ from storage.tables import AlertRow, AuditHeadRow, AuditRow, QuarantineRow, RunR
 from tests.databases import KINDS, Databases, Kind, PostgresqlDatabases, SqliteDatabases
 from tests.plant import START, identification, machine, sqlite_url, store_identification
 from tests.postgresql import connection
-from tests.storage.test_migrations import ROWS, TABLES, value
+from tests.storage.database.test_migrations import ROWS, TABLES, value
 
 
 @pytest.fixture(params=KINDS)
