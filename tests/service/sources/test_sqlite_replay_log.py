@@ -194,7 +194,7 @@ WRITER = """
     import sys
     from pathlib import Path
     from service.sources.sqlite_replay_log import DurableLog
-    from service.sources.replay_log import Entry
+    from service.sources.replay_log import LogEntry
 
     log = DurableLog(Path(sys.argv[1]), source="edge", samples=10**9)
     print(log.epoch, log.next_sequence, flush=True)
@@ -202,7 +202,7 @@ WRITER = """
         first = log.next_sequence
         # A number lives in its payload and in the position, as in a batch.
         log.append(
-            Entry(first, 3, b"%d " % first * 100, "", str(first + 3)), logged=lambda one: print(one.first, flush=True)
+            LogEntry(first, 3, b"%d " % first * 100, "", str(first + 3)), logged=lambda one: print(one.first, flush=True)
         )
 """
 
