@@ -31,6 +31,12 @@ def files() -> dict[str, Path]:
     return {".".join(path.with_suffix("").parts).removesuffix(".__init__"): path for path in paths}
 
 
+@cache
+def tree(path: Path) -> ast.Module:
+    """Return a file's syntax tree, which is parsed once for all tests here."""
+    return ast.parse((ROOT / path).read_text())
+
+
 def room(module: str) -> str:
     """The folder that a module lies in."""
     return files()[module].parent.as_posix()
@@ -51,11 +57,12 @@ def named(tree: ast.Module) -> Iterator[str]:
 def imports() -> dict[str, frozenset[str]]:
     """Which modules each module imports."""
     return {
-        module: frozenset(one for one in named(ast.parse((ROOT / path).read_text())) if one in files() and one != module)
+        module: frozenset(one for one in named(tree(path)) if one in files() and one != module)
         for module, path in files().items()
     }
 
 
+@cache
 def arrows() -> dict[str, dict[str, str]]:
     """From each room to others, with one import that makes the arrow."""
     found: dict[str, dict[str, str]] = defaultdict(dict)
@@ -149,14 +156,14 @@ FORBIDDEN_IN_ESTIMATOR = frozenset(
 def trees() -> Iterator[tuple[Path, ast.Module]]:
     """Yield each file with its syntax tree."""
     for path in files().values():
-        yield path, ast.parse((ROOT / path).read_text())
+        yield path, tree(path)
 
 
 def test_imports_are_absolute_and_in_the_open() -> None:
     """Relative imports, imports by a string, and imports of what stands beside the house would not be seen in the picture."""
     found = []
-    for path, tree in trees():
-        for node in ast.walk(tree):
+    for path, parsed in trees():
+        for node in ast.walk(parsed):
             if isinstance(node, ast.ImportFrom) and (node.level > 0 or node.module is None):
                 found.append(f"{path}:{node.lineno}: a relative import")
             elif isinstance(node, ast.Import | ast.ImportFrom):
@@ -173,9 +180,9 @@ def test_imports_are_absolute_and_in_the_open() -> None:
 def test_the_estimator_does_no_input_or_output_and_reads_no_clock() -> None:
     found = [
         f"{path}:{node.lineno} imports {one}"
-        for path, tree in trees()
+        for path, parsed in trees()
         if path.parts[0] == "estimator"
-        for node in ast.walk(tree)
+        for node in ast.walk(parsed)
         if isinstance(node, ast.Import | ast.ImportFrom)
         for one in ([name.name for name in node.names] if isinstance(node, ast.Import) else [str(node.module)])
         if one.split(".")[0] in FORBIDDEN_IN_ESTIMATOR
