@@ -1,12 +1,14 @@
 """A Dask worker that is not quite as `rundown worker` is: `SCHEDULER NAME=VALUE …`, as a process of the tests.
 
 release: of another one; pretends: another one that calls itself right; without: a release that has no such module;
-hand_over: seconds in which a process must say that it has its work.
+hand_over: seconds in which a process must say that it has its work; killing: computations end their process while a file of
+`tests.distribution.killed_computation` is there.
 """
 
 import logging
 import sys
 import threading
+from collections.abc import Callable
 
 
 def main() -> None:
@@ -31,7 +33,12 @@ def main() -> None:
         dask_task.RELEASE = changed["pretends"]
     dask_task.RELEASE = changed.get("release", dask_task.RELEASE)
     process_pool.HAND_OVER_S = float(changed.get("hand_over", process_pool.HAND_OVER_S))
-    work(scheduler, processes=1, memory_bytes=2**31, tasks=TASKS, stop=threading.Event())
+    tasks: tuple[Callable[..., object], ...] = TASKS
+    if "killing" in changed:
+        from tests.distribution.killed_computation import killed_compute
+
+        tasks = (*tasks, killed_compute)
+    work(scheduler, processes=1, memory_bytes=2**31, tasks=tasks, stop=threading.Event())
 
 
 if __name__ == "__main__":

@@ -16,6 +16,7 @@ from service.identification.scheduler import JobScheduler
 from storage.database.engine import Database
 from storage.findings import identifications, jobs
 from storage.machines import machines
+from tests.distribution.killed_computation import FILE
 from tests.end_to_end.processes import free_port, process, python, until
 from tests.identification import chapter_3, close_run, counts
 
@@ -105,26 +106,20 @@ def test_jobs_are_done_by_workers_also_when_one_is_killed_and_when_the_scheduler
 
 @pytest.mark.long
 def test_a_job_that_kills_its_process_every_time_is_put_aside_and_others_go_on(
-    cluster: Cluster, database: Database, train: Machine
+    cluster: Cluster, database: Database, train: Machine, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    killing = tmp_path / "killing"
+    killing.touch()
+    monkeypatch.setenv(FILE, str(killing))
     with database.transaction() as session:
         machines.create(session, train)
     cluster.start_scheduler()
-    worker = cluster.start_worker("worker")
+    cluster.start_other_worker("worker", "killing=1")
     close_run(database, train, seed=1, start_s=1_700_000_000)
     with identifying(database, cluster):
-        killed = 0
-        deadline = time.monotonic() + 90
-        while counts(database) != {jobs.QUARANTINED: 1}:
-            assert time.monotonic() < deadline, counts(database)
-            for child in psutil.Process(worker.pid).children(recursive=True):
-                # The process that computes, not multiprocessing's own.
-                if counts(database).get("running") and "spawn_main" in " ".join(child.cmdline()):
-                    with contextlib.suppress(psutil.NoSuchProcess):
-                        child.send_signal(signal.SIGKILL)
-                        killed += 1
-            time.sleep(0.05)
-        assert killed >= 3
+        until(lambda: counts(database) == {jobs.QUARANTINED: 1}, within_s=90, what="the job is put aside")
+        assert attempts(database) == [3]
+        killing.unlink()
         close_run(database, train, seed=2, start_s=1_700_100_000)
         until(lambda: counts(database) == {"quarantined": 1, "done": 1}, within_s=60, what="the next one is computed")
 
