@@ -1,531 +1,113 @@
-"""The picture of the house: by room the rooms that it may import, from the bottom up.
+"""The rooms of the house from the bottom up, and behind each the rooms that it may import; longer lists go on indented.
 
-`python -m tests.rooms` draws it in docs/developers.md anew; tests/test_rooms.py says when that is due.
+`python -m tests.rooms_picture` draws the same in docs/developers.md.
 """
 
-import ast
 import re
-import textwrap
-from pathlib import Path
 
-from tests.paths import ROOT
-
-PAGE = ROOT / "docs" / "developers.md"
-BEGIN, END = "<!-- rooms: drawn by `python -m tests.rooms` -->\n", "<!-- end of rooms -->"
+_ARROWS = """
+estimator:
+estimator/bearings: estimator
+estimator/signal: estimator
+estimator/machine: estimator estimator/bearings
+estimator/rotor: estimator estimator/bearings estimator/machine
+estimator/trends: estimator estimator/machine
+estimator/modes: estimator estimator/machine estimator/rotor
+estimator/phasors: estimator estimator/machine estimator/modes estimator/rotor
+estimator/fit: estimator estimator/bearings estimator/machine estimator/phasors estimator/rotor
+estimator/runs: estimator estimator/machine estimator/phasors
+estimator/thesis: estimator estimator/bearings estimator/machine estimator/modes estimator/phasors estimator/rotor
+estimator/diagnosis: estimator estimator/fit estimator/machine estimator/rotor estimator/trends
+estimator/simulation: estimator estimator/machine estimator/phasors estimator/rotor estimator/runs estimator/trends
+estimator/updated_model: estimator estimator/fit estimator/machine estimator/modes estimator/phasors estimator/rotor
+estimator/identification: estimator estimator/fit estimator/machine estimator/modes estimator/phasors estimator/rotor
+    estimator/updated_model
+storage:
+storage/tables:
+storage/machines: estimator estimator/machine estimator/phasors storage storage/tables
+storage/encoding: estimator estimator/fit estimator/phasors
+storage/database: estimator storage storage/encoding storage/tables
+storage/measurements: estimator estimator/phasors estimator/runs storage storage/encoding storage/tables
+storage/alerts: estimator storage storage/database storage/tables
+storage/backup: storage storage/database storage/encoding storage/tables
+storage/findings: estimator estimator/diagnosis estimator/fit estimator/machine estimator/trends
+    estimator/updated_model storage storage/database storage/encoding storage/machines storage/measurements
+    storage/tables
+storage/operation: storage storage/alerts storage/database storage/encoding storage/findings storage/machines
+    storage/tables
+service/export: estimator/machine estimator/phasors storage storage/database storage/encoding storage/machines
+    storage/measurements storage/tables
+service/wire: estimator estimator/machine estimator/phasors storage storage/encoding storage/measurements
+service/alerts: estimator storage storage/alerts storage/tables
+service/resilience: service/wire storage storage/database storage/measurements
+service/secrets: storage/backup storage/database
+service/configuration: estimator/machine service/secrets storage/encoding
+service/http: estimator service/configuration service/resilience service/secrets storage/database storage/operation
+service/messaging: service/configuration service/wire
+service/replication: service/configuration service/resilience storage/database storage/findings storage/operation
+    storage/tables
+service/sources: estimator estimator/machine estimator/runs estimator/simulation service/configuration service/export
+    service/wire storage storage/database
+service/workers: service/configuration
+service/delivery: estimator service/alerts service/configuration service/replication service/secrets storage
+    storage/alerts storage/backup storage/database storage/encoding storage/machines storage/operation storage/tables
+service/edge: estimator estimator/machine estimator/phasors estimator/signal service/configuration service/sources
+    service/wire storage
+service/monitoring: estimator estimator/diagnosis estimator/fit estimator/machine estimator/rotor estimator/trends
+    service/alerts service/configuration service/replication service/resilience service/workers storage storage/alerts
+    storage/database storage/findings storage/machines storage/measurements storage/tables
+service/runs: estimator estimator/machine estimator/runs service/replication service/resilience storage
+    storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
+service/security: estimator service/configuration service/http service/resilience storage storage/database
+    storage/encoding storage/operation storage/tables
+service/identification: estimator estimator/fit estimator/identification estimator/machine estimator/modes
+    estimator/phasors estimator/updated_model service/configuration service/monitoring service/replication
+    service/workers storage/database storage/encoding storage/findings storage/machines storage/measurements
+    storage/tables
+service/journal: estimator estimator/machine service/replication service/resilience service/runs service/wire
+    storage/database storage/encoding storage/machines storage/measurements storage/tables
+service/maintenance: service/configuration service/replication service/resilience service/runs storage storage/backup
+    storage/database storage/machines storage/measurements storage/operation
+service/api/conventions: estimator estimator/machine service/export service/http service/identification
+    service/secrets service/security storage storage/database storage/findings
+service/recovery: service/journal service/replication service/resilience service/wire storage/measurements
+service/api/cache: service/api/conventions service/http storage/database
+service/api/measurements: estimator estimator/machine estimator/phasors service/api/conventions service/http
+    service/identification service/journal service/security service/wire storage storage/encoding storage/machines
+    storage/measurements storage/tables
+service/api/operation: service/api/conventions service/configuration service/http service/replication service/security
+    service/wire storage storage/alerts storage/database storage/findings storage/measurements storage/operation
+    storage/tables
+service/ingest: service/journal service/recovery service/replication service/resilience service/wire storage
+    storage/database storage/machines storage/measurements
+service/api/findings: estimator estimator/diagnosis estimator/fit estimator/machine estimator/modes estimator/phasors
+    estimator/rotor estimator/trends estimator/updated_model service/api/cache service/api/conventions service/http
+    service/identification service/monitoring service/security service/workers storage storage/findings
+    storage/machines storage/tables
+service/api/machines: estimator estimator/machine estimator/phasors estimator/runs service/alerts service/api/cache
+    service/api/conventions service/http service/identification service/monitoring service/runs service/security
+    storage storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
+service/api/trends: estimator estimator/trends estimator/updated_model service/api/cache service/api/conventions
+    service/monitoring service/security storage/database storage/findings storage/machines
+service/api/alerts: estimator service/alerts service/api/cache service/api/conventions service/api/findings
+    service/delivery service/secrets service/security storage storage/alerts storage/database storage/machines
+    storage/tables
+service/api: service/api/alerts service/api/cache service/api/conventions service/api/findings service/api/machines
+    service/api/measurements service/api/operation service/api/trends service/configuration service/delivery
+    service/http service/identification service/journal service/resilience service/security storage/database
+service/doctor: service/api service/configuration service/delivery service/maintenance service/messaging
+    service/security service/wire storage/alerts storage/backup storage/database storage/operation
+service/commands: estimator estimator/fit estimator/identification estimator/machine estimator/modes estimator/phasors
+    estimator/simulation estimator/thesis estimator/updated_model service/api service/api/operation
+    service/configuration service/delivery service/doctor service/edge service/export service/http
+    service/identification service/ingest service/journal service/maintenance service/messaging service/monitoring
+    service/replication service/resilience service/runs service/secrets service/security service/sources service/wire
+    service/workers storage storage/backup storage/database storage/encoding storage/machines storage/operation
+    storage/tables
+service: estimator/machine service/alerts service/api/alerts service/api/findings service/api/machines
+    service/api/measurements service/api/trends service/commands service/http
+"""
 
 ROOMS: dict[str, tuple[str, ...]] = {
-    "estimator": (),
-    "estimator/bearings": ("estimator",),
-    "estimator/signal": ("estimator",),
-    "estimator/machine": ("estimator", "estimator/bearings"),
-    "estimator/rotor": ("estimator", "estimator/bearings", "estimator/machine"),
-    "estimator/trends": ("estimator", "estimator/machine"),
-    "estimator/modes": ("estimator", "estimator/machine", "estimator/rotor"),
-    "estimator/phasors": ("estimator", "estimator/machine", "estimator/modes", "estimator/rotor"),
-    "estimator/fit": ("estimator", "estimator/bearings", "estimator/machine", "estimator/phasors", "estimator/rotor"),
-    "estimator/runs": ("estimator", "estimator/machine", "estimator/phasors"),
-    "estimator/thesis": (
-        "estimator",
-        "estimator/bearings",
-        "estimator/machine",
-        "estimator/modes",
-        "estimator/phasors",
-        "estimator/rotor",
-    ),
-    "estimator/diagnosis": ("estimator", "estimator/fit", "estimator/machine", "estimator/rotor", "estimator/trends"),
-    "estimator/simulation": (
-        "estimator",
-        "estimator/machine",
-        "estimator/phasors",
-        "estimator/rotor",
-        "estimator/runs",
-        "estimator/trends",
-    ),
-    "estimator/updated_model": (
-        "estimator",
-        "estimator/fit",
-        "estimator/machine",
-        "estimator/modes",
-        "estimator/phasors",
-        "estimator/rotor",
-    ),
-    "estimator/identification": (
-        "estimator",
-        "estimator/fit",
-        "estimator/machine",
-        "estimator/modes",
-        "estimator/phasors",
-        "estimator/rotor",
-        "estimator/updated_model",
-    ),
-    "storage": (),
-    "storage/tables": (),
-    "storage/machines": ("estimator", "estimator/machine", "estimator/phasors", "storage", "storage/tables"),
-    "storage/encoding": ("estimator", "estimator/fit", "estimator/phasors"),
-    "storage/database": ("estimator", "storage", "storage/encoding", "storage/tables"),
-    "storage/measurements": (
-        "estimator",
-        "estimator/phasors",
-        "estimator/runs",
-        "storage",
-        "storage/encoding",
-        "storage/tables",
-    ),
-    "storage/alerts": ("estimator", "storage", "storage/database", "storage/tables"),
-    "storage/backup": ("storage", "storage/database", "storage/encoding", "storage/tables"),
-    "storage/findings": (
-        "estimator",
-        "estimator/diagnosis",
-        "estimator/fit",
-        "estimator/machine",
-        "estimator/trends",
-        "estimator/updated_model",
-        "storage",
-        "storage/database",
-        "storage/encoding",
-        "storage/machines",
-        "storage/measurements",
-        "storage/tables",
-    ),
-    "storage/operation": (
-        "storage",
-        "storage/alerts",
-        "storage/database",
-        "storage/encoding",
-        "storage/findings",
-        "storage/machines",
-        "storage/tables",
-    ),
-    "service/export": (
-        "estimator/machine",
-        "estimator/phasors",
-        "storage",
-        "storage/database",
-        "storage/encoding",
-        "storage/machines",
-        "storage/measurements",
-        "storage/tables",
-    ),
-    "service/wire": (
-        "estimator",
-        "estimator/machine",
-        "estimator/phasors",
-        "storage",
-        "storage/encoding",
-        "storage/measurements",
-    ),
-    "service/alerts": ("estimator", "storage", "storage/alerts", "storage/tables"),
-    "service/resilience": ("service/wire", "storage", "storage/database", "storage/measurements"),
-    "service/secrets": ("storage/backup", "storage/database"),
-    "service/configuration": ("estimator/machine", "service/secrets", "storage/encoding"),
-    "service/http": (
-        "estimator",
-        "service/configuration",
-        "service/resilience",
-        "service/secrets",
-        "storage/database",
-        "storage/operation",
-    ),
-    "service/messaging": ("service/configuration", "service/wire"),
-    "service/replication": (
-        "service/configuration",
-        "service/resilience",
-        "storage/database",
-        "storage/findings",
-        "storage/operation",
-        "storage/tables",
-    ),
-    "service/sources": (
-        "estimator",
-        "estimator/machine",
-        "estimator/runs",
-        "estimator/simulation",
-        "service/configuration",
-        "service/export",
-        "service/wire",
-        "storage",
-        "storage/database",
-    ),
-    "service/workers": ("service/configuration",),
-    "service/delivery": (
-        "estimator",
-        "service/alerts",
-        "service/configuration",
-        "service/replication",
-        "service/secrets",
-        "storage",
-        "storage/alerts",
-        "storage/backup",
-        "storage/database",
-        "storage/encoding",
-        "storage/machines",
-        "storage/operation",
-        "storage/tables",
-    ),
-    "service/edge": (
-        "estimator",
-        "estimator/machine",
-        "estimator/phasors",
-        "estimator/signal",
-        "service/configuration",
-        "service/sources",
-        "service/wire",
-        "storage",
-    ),
-    "service/monitoring": (
-        "estimator",
-        "estimator/diagnosis",
-        "estimator/fit",
-        "estimator/machine",
-        "estimator/rotor",
-        "estimator/trends",
-        "service/alerts",
-        "service/configuration",
-        "service/replication",
-        "service/resilience",
-        "service/workers",
-        "storage",
-        "storage/alerts",
-        "storage/database",
-        "storage/findings",
-        "storage/machines",
-        "storage/measurements",
-        "storage/tables",
-    ),
-    "service/runs": (
-        "estimator",
-        "estimator/machine",
-        "estimator/runs",
-        "service/replication",
-        "service/resilience",
-        "storage",
-        "storage/database",
-        "storage/encoding",
-        "storage/findings",
-        "storage/machines",
-        "storage/measurements",
-        "storage/tables",
-    ),
-    "service/security": (
-        "estimator",
-        "service/configuration",
-        "service/http",
-        "service/resilience",
-        "storage",
-        "storage/database",
-        "storage/encoding",
-        "storage/operation",
-        "storage/tables",
-    ),
-    "service/identification": (
-        "estimator",
-        "estimator/fit",
-        "estimator/identification",
-        "estimator/machine",
-        "estimator/modes",
-        "estimator/phasors",
-        "estimator/updated_model",
-        "service/configuration",
-        "service/monitoring",
-        "service/replication",
-        "service/workers",
-        "storage/database",
-        "storage/encoding",
-        "storage/findings",
-        "storage/machines",
-        "storage/measurements",
-        "storage/tables",
-    ),
-    "service/journal": (
-        "estimator",
-        "estimator/machine",
-        "service/replication",
-        "service/resilience",
-        "service/runs",
-        "service/wire",
-        "storage/database",
-        "storage/encoding",
-        "storage/machines",
-        "storage/measurements",
-        "storage/tables",
-    ),
-    "service/maintenance": (
-        "service/configuration",
-        "service/replication",
-        "service/resilience",
-        "service/runs",
-        "storage",
-        "storage/backup",
-        "storage/database",
-        "storage/machines",
-        "storage/measurements",
-        "storage/operation",
-    ),
-    "service/api/conventions": (
-        "estimator",
-        "estimator/machine",
-        "service/export",
-        "service/http",
-        "service/identification",
-        "service/secrets",
-        "service/security",
-        "storage",
-        "storage/database",
-        "storage/findings",
-    ),
-    "service/recovery": (
-        "service/journal",
-        "service/replication",
-        "service/resilience",
-        "service/wire",
-        "storage/measurements",
-    ),
-    "service/api/cache": ("service/api/conventions", "service/http", "storage/database"),
-    "service/api/measurements": (
-        "estimator",
-        "estimator/machine",
-        "estimator/phasors",
-        "service/api/conventions",
-        "service/http",
-        "service/identification",
-        "service/journal",
-        "service/security",
-        "service/wire",
-        "storage",
-        "storage/encoding",
-        "storage/machines",
-        "storage/measurements",
-        "storage/tables",
-    ),
-    "service/api/operation": (
-        "service/api/conventions",
-        "service/configuration",
-        "service/http",
-        "service/replication",
-        "service/security",
-        "service/wire",
-        "storage",
-        "storage/alerts",
-        "storage/database",
-        "storage/findings",
-        "storage/measurements",
-        "storage/operation",
-        "storage/tables",
-    ),
-    "service/ingest": (
-        "service/journal",
-        "service/recovery",
-        "service/replication",
-        "service/resilience",
-        "service/wire",
-        "storage",
-        "storage/database",
-        "storage/machines",
-        "storage/measurements",
-    ),
-    "service/api/findings": (
-        "estimator",
-        "estimator/diagnosis",
-        "estimator/fit",
-        "estimator/machine",
-        "estimator/modes",
-        "estimator/phasors",
-        "estimator/rotor",
-        "estimator/trends",
-        "estimator/updated_model",
-        "service/api/cache",
-        "service/api/conventions",
-        "service/http",
-        "service/identification",
-        "service/monitoring",
-        "service/security",
-        "service/workers",
-        "storage",
-        "storage/findings",
-        "storage/machines",
-        "storage/tables",
-    ),
-    "service/api/machines": (
-        "estimator",
-        "estimator/machine",
-        "estimator/phasors",
-        "estimator/runs",
-        "service/alerts",
-        "service/api/cache",
-        "service/api/conventions",
-        "service/http",
-        "service/identification",
-        "service/monitoring",
-        "service/runs",
-        "service/security",
-        "storage",
-        "storage/database",
-        "storage/encoding",
-        "storage/findings",
-        "storage/machines",
-        "storage/measurements",
-        "storage/tables",
-    ),
-    "service/api/trends": (
-        "estimator",
-        "estimator/trends",
-        "estimator/updated_model",
-        "service/api/cache",
-        "service/api/conventions",
-        "service/monitoring",
-        "service/security",
-        "storage/database",
-        "storage/findings",
-        "storage/machines",
-    ),
-    "service/api/alerts": (
-        "estimator",
-        "service/alerts",
-        "service/api/cache",
-        "service/api/conventions",
-        "service/api/findings",
-        "service/delivery",
-        "service/secrets",
-        "service/security",
-        "storage",
-        "storage/alerts",
-        "storage/database",
-        "storage/machines",
-        "storage/tables",
-    ),
-    "service/api": (
-        "service/api/alerts",
-        "service/api/cache",
-        "service/api/conventions",
-        "service/api/findings",
-        "service/api/machines",
-        "service/api/measurements",
-        "service/api/operation",
-        "service/api/trends",
-        "service/configuration",
-        "service/delivery",
-        "service/http",
-        "service/identification",
-        "service/journal",
-        "service/resilience",
-        "service/security",
-        "storage/database",
-    ),
-    "service/doctor": (
-        "service/api",
-        "service/configuration",
-        "service/delivery",
-        "service/maintenance",
-        "service/messaging",
-        "service/security",
-        "service/wire",
-        "storage/alerts",
-        "storage/backup",
-        "storage/database",
-        "storage/operation",
-    ),
-    "service/commands": (
-        "estimator",
-        "estimator/fit",
-        "estimator/identification",
-        "estimator/machine",
-        "estimator/modes",
-        "estimator/phasors",
-        "estimator/simulation",
-        "estimator/thesis",
-        "estimator/updated_model",
-        "service/api",
-        "service/api/operation",
-        "service/configuration",
-        "service/delivery",
-        "service/doctor",
-        "service/edge",
-        "service/export",
-        "service/http",
-        "service/identification",
-        "service/ingest",
-        "service/journal",
-        "service/maintenance",
-        "service/messaging",
-        "service/monitoring",
-        "service/replication",
-        "service/resilience",
-        "service/runs",
-        "service/secrets",
-        "service/security",
-        "service/sources",
-        "service/wire",
-        "service/workers",
-        "storage",
-        "storage/backup",
-        "storage/database",
-        "storage/encoding",
-        "storage/machines",
-        "storage/operation",
-        "storage/tables",
-    ),
-    "service": (
-        "estimator/machine",
-        "service/alerts",
-        "service/api/alerts",
-        "service/api/findings",
-        "service/api/machines",
-        "service/api/measurements",
-        "service/api/trends",
-        "service/commands",
-        "service/http",
-    ),
+    room: tuple(others.split()) for room, others in re.findall(r"^(\S+):(.*(?:\n    .*)*)", _ARROWS, re.MULTILINE)
 }
-
-
-def first_sentence(package: Path) -> str:
-    """Return what the docstring of a room says lives there, up to the first full stop."""
-    text = ast.get_docstring(ast.parse((package / "__init__.py").read_text())) or ""
-    return re.split(r"[.;](?=\s)", " ".join(text.split()) + " ", maxsplit=1)[0]
-
-
-def picture() -> str:
-    """Return the table of rooms that docs/developers.md shows: what lives in each, and the rooms that it imports."""
-    lines = ["| room | what lives there | imports |", "|---|---|---|"]
-    for room, others in ROOMS.items():
-        package = room.split("/")[0]
-        own = [one.removeprefix(f"{package}/") for one in others if one.startswith(f"{package}/")]
-        floor = [
-            f"ground floor of `{one}`" if one == package else f"`{one}`"
-            for one in dict.fromkeys(one.split("/")[0] for one in others if not one.startswith(f"{package}/"))
-        ]
-        named = [f"`{one}`" for one in own] + floor
-        lines.append(f"| `{room}/` | {first_sentence(ROOT / room)} | {', '.join(named) or '—'} |")
-    return "\n".join(lines) + "\n"
-
-
-def height(room: str) -> int:
-    """Return how many rooms of its package stand below a room, one on the other."""
-    below = [one for one in ROOMS.get(room, ()) if one.split("/")[0] == room.split("/")[0] and one in ROOMS]
-    return 1 + max(map(height, below), default=-1)
-
-
-def drawing() -> str:
-    """Return the packages with their rooms as storeys: each imports from lower ones only."""
-    lines = ["```"]
-    for package in ("service", "storage", "estimator"):
-        storeys: dict[int, list[str]] = {}
-        for room in ROOMS:
-            if room.startswith(f"{package}/"):
-                storeys.setdefault(height(room), []).append(room.removeprefix(f"{package}/"))
-        for number, storey in enumerate(sorted(storeys, reverse=True)):
-            lines += textwrap.wrap(
-                "  ".join(storeys[storey]), 110, initial_indent=f"{'' if number else package:11}", subsequent_indent=" " * 11
-            )
-        lines.append("")
-    return "\n".join([*lines[:-1], "```"]) + "\n"
-
-
-def drawn(page: str) -> str:
-    """Return a page with the picture between its marks drawn anew."""
-    head, rest = page.split(BEGIN, 1)
-    return head + BEGIN + drawing() + "\n" + picture() + END + rest.split(END, 1)[1]
-
-
-if __name__ == "__main__":
-    PAGE.write_text(drawn(PAGE.read_text()))

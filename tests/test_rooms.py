@@ -15,7 +15,8 @@ from statistics import median
 
 import pytest
 
-from tests.rooms import PAGE, ROOMS, drawn
+from tests.rooms import ROOMS
+from tests.rooms_picture import PAGE, drawn
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("estimator", "storage", "service")
@@ -131,7 +132,7 @@ def test_each_room_says_what_lives_there(package: str) -> None:
 
 
 def test_the_developers_page_shows_the_picture() -> None:
-    assert drawn(PAGE.read_text()) == PAGE.read_text(), "stale: run `python -m tests.rooms` and commit docs/developers.md"
+    assert drawn(PAGE.read_text()) == PAGE.read_text(), "stale: run `python -m tests.rooms_picture`, commit the page"
 
 
 FORBIDDEN_IN_ESTIMATOR = frozenset(

@@ -32,7 +32,7 @@ def _by_name(named: Iterable[tuple[str, T]]) -> dict[str, T]:
 
 
 def _require_members(form: type[BaseModel]) -> None:
-    """Raise TypeError for a form that lacks a method or a field of `BearingForm`."""
+    """Check that a form has all methods and fields of `BearingForm`. Raises TypeError."""
     asked = [name for name in vars(BearingForm) if not name.startswith("_")]
     missing = [name for name in asked if name not in form.model_fields and not hasattr(form, name)]
     if missing:

@@ -6,20 +6,12 @@ import signal
 import threading
 import time
 from pathlib import Path
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, get_args
 
 import numpy as np
-import threadpoolctl
 import typer
-from pydantic import ValidationError
 
-from estimator.fit.identify import Identification
-from estimator.identification.model_comparison import compare_misalignment
-from estimator.identification.quality_gate import GatedIdentification, identify_gated
 from estimator.machine.document import Machine
-from estimator.machine.rules import QualityRules
-from estimator.phasors.measurement import Measurement, joined
-from estimator.phasors.recorded_run import RecordedRun
 from estimator.simulation.simulated_plant import (
     Story,
     draw_truth,
@@ -28,23 +20,10 @@ from estimator.simulation.simulated_plant import (
     truth_at_progress,
     truth_of_run,
 )
-from estimator.thesis.machine_regression import regress
-from estimator.thesis.tikhonov import Rule
 from estimator.units import RAD_PER_S
-from estimator.updated_model.model import updated_model
+from service.commands.analysis import compare, identify_offline, model, show_slow_roll
 from service.commands.exit import fail
-from service.commands.identification_report import (
-    EXPLAINED,
-    advice_text,
-    comparison_text,
-    identification_text,
-    quality_text,
-    regression_text,
-    slow_roll_text,
-)
 from service.commands.keys import audit_app, key_app
-from service.commands.model_report import model_text
-from service.commands.offline import captured, read_measurement, read_runs, without_slow_roll
 from service.commands.retention import retention_app
 from service.commands.storage import backup, export, move, restore
 from service.commands.terminal import say, say_lines
@@ -60,7 +39,7 @@ from service.sources.recording import read_recording, split, write_recording
 from service.sources.replay_log import LogError
 from service.sources.simulator import BATCH_SAMPLES, SimulationPlan
 from service.sources.simulator import simulate as run_simulation
-from service.wire import Key, Rejected
+from service.wire import Key
 
 app = typer.Typer(no_args_is_help=True, add_completion=False)
 app.add_typer(key_app, name="key")
@@ -73,7 +52,6 @@ for command in (backup, restore, move, export):
 
 LINGER_S = 5.0
 SAMPLE_S = 600.0
-Method = Literal["likelihood", "regression"]
 
 
 def _say_version(asked: bool) -> None:
@@ -300,175 +278,10 @@ def sample(
         fail(str(error))
 
 
-MachineFile = Annotated[Path, typer.Argument(help="machine document")]
-RunFiles = Annotated[list[Path], typer.Argument(help="recorded runs, as for replay; several are fitted together")]
-OtherSidecar = Annotated[Path | None, typer.Option(help="another sidecar, for a single run")]
-
-
-@app.command("identify")
-def identify_offline(
-    machine: MachineFile,
-    files: RunFiles,
-    sidecar: OtherSidecar = None,
-    method: Annotated[Method, typer.Option(help="maximum likelihood, or the thesis's regression of Chapter 4")] = "likelihood",
-    tikhonov: Annotated[Rule | None, typer.Option(help="regularise the regression, its parameter chosen by this rule")] = None,
-    advice: Annotated[bool, typer.Option(help="say which further speeds and probes would help most")] = False,
-    gate: Annotated[bool, typer.Option("--gate/--no-gate", help="leave out points of bad quality")] = True,
-    half_power: Annotated[
-        bool | None, typer.Option(help="leave out what lies within half-power points, as in thesis §2.3")
-    ] = None,
-    accepted_rpm: Annotated[tuple[float, float] | None, typer.Option(help="the only speeds that count [r/min]")] = None,
-    slow_roll: Annotated[
-        str | None, typer.Option(help="subtract the run's own slow-roll vectors of this band, such as 200:400 [rpm]")
-    ] = None,
-) -> None:
-    """Identify a machine from recorded runs, without a service, and print estimates ± standard errors.
-
-    Ends with status 1 when the fit is not accepted.
-    """
-    if method == "regression" and advice:
-        fail("--advice goes with the likelihood: the regression has no information to read it from")
-    if method == "likelihood" and tikhonov is not None:
-        fail("--tikhonov goes with --method regression: the likelihood has its own prior")
-    if method == "regression":
-        _regress(machine, files, sidecar, tikhonov, slow_roll)
-        return
-    described, measurement, found = _gated(
-        machine, files, sidecar, rules={"half_power": half_power, "accepted_rpm": accepted_rpm}, gate=gate, slow_roll=slow_roll
-    )
-    text = quality_text([file.name for file in files], found.qualities, gate=gate)
-    if found.identification is None:
-        fail("\n".join([found.error or "", text]).strip())
-    result = found.identification
-    say_lines(identification_text(result))
-    if text:
-        say_lines(f"\n{text}")
-    if advice:
-        say_lines(advice_text(described, result, measurement))
-    if not result.accepted:
-        raise typer.Exit(1)
-
-
-@app.command()
-def model(
-    machine: MachineFile,
-    files: RunFiles,
-    sidecar: OtherSidecar = None,
-    service_rpm: Annotated[
-        float | None, typer.Option(min=1e-3, help="speed at which it works; by default the range's end")
-    ] = None,
-    grade: Annotated[float, typer.Option(min=1e-3, help="balance quality grade G asked for [mm/s]")] = 2.5,
-) -> None:
-    """Identify a machine from recorded runs and print the results of the updated model.
-
-    Critical speeds, amplification factors and separation margins, coupling loads, balance and corrections, impact test. Ends
-    with status 1 when the fit is not accepted.
-    """
-    described, _, result = _identified(machine, files, sidecar)
-    say(result.verdict)
-    if not result.accepted:
-        raise typer.Exit(1)
-    try:
-        speed = described.speed_range.maximum_rpm if service_rpm is None else service_rpm
-        with threadpoolctl.threadpool_limits(1):
-            say_lines(model_text(updated_model(described, result), service_rpm=speed, grade=grade))
-    except ValueError as error:
-        fail(str(error))
-
-
-@app.command()
-def compare(
-    machine: MachineFile,
-    baseline: Annotated[Path, typer.Argument(help="a recorded run of the healthy machine")],
-    files: RunFiles,
-    coupling: Annotated[str, typer.Option(help="id of the coupling that may be misaligned")],
-) -> None:
-    """Tell whether later runs show changed coefficients at a coupling, an equivalent load in it, or no change."""
-    described, _, healthy = _identified(machine, [baseline], None)
-    if not healthy.accepted:
-        fail(f"{baseline}: {healthy.verdict}")
-    try:
-        measurement, _ = read_measurement(described, files)
-        with threadpoolctl.threadpool_limits(1):
-            found = compare_misalignment(described, measurement, baseline=healthy, coupling=coupling)
-    except KeyError:
-        fail(f"'{coupling}' is no coupling of '{described.id}'; there are {', '.join(c.id for c in described.couplings)}")
-    except (UnreadableFile, Rejected, ValueError) as error:
-        fail(str(error))
-    say_lines(comparison_text(found))
-
-
-@app.command("slow-roll")
-def show_slow_roll(
-    machine: MachineFile,
-    file: Annotated[Path, typer.Argument(help="recorded run, as for replay")],
-    band: Annotated[str, typer.Argument(help="lowest and highest speed, such as 200:400 [rpm]")],
-    sidecar: OtherSidecar = None,
-) -> None:
-    """Print the slow-roll vectors of a recorded run. Ends with status 1 when no channel shows one."""
-    try:
-        described, runs = _runs(machine, [file], sidecar)
-        say_lines(slow_roll_text(described, captured(described, joined([measured for _, measured in runs]), band)))
-    except (UnreadableFile, Rejected, ValueError) as error:
-        fail(str(error))
-
-
-def _regress(machine: Path, files: list[Path], sidecar: Path | None, tikhonov: Rule | None, slow_roll: str | None) -> None:
-    try:
-        described, runs = _runs(machine, files, sidecar, slow_roll)
-        measurement = joined([measured for _, measured in runs])
-        with threadpoolctl.threadpool_limits(1):
-            found = regress(described, measurement, tikhonov=tikhonov)
-        say_lines(regression_text(found))
-        if found.reduced_chi_square > EXPLAINED or found.impossible:
-            raise typer.Exit(1)
-    except (UnreadableFile, Rejected, ValueError) as error:
-        fail(str(error))
-
-
-def _runs(
-    machine: Path, files: list[Path], sidecar: Path | None, slow_roll: str | None = None
-) -> tuple[Machine, list[tuple[RecordedRun, Measurement]]]:
-    """Read a document and its recorded runs, without the slow roll of a band where one is given."""
-    described = read_machine(machine)
-    runs, left_out = read_runs(described, files, sidecar)
-    for line in left_out:
-        say(line, err=True)
-    if slow_roll is None:
-        return described, runs
-    corrected, rest, found = without_slow_roll(described, runs, slow_roll)
-    say_lines(slow_roll_text(described, found), err=True)
-    return corrected, rest
-
-
-def _identified(machine: Path, files: list[Path], sidecar: Path | None) -> tuple[Machine, Measurement, Identification]:
-    described, measurement, found = _gated(machine, files, sidecar)
-    if found.identification is None:
-        fail(found.error or "there is nothing to identify from")
-    return described, measurement, found.identification
-
-
-def _gated(
-    machine: Path,
-    files: list[Path],
-    sidecar: Path | None,
-    *,
-    rules: dict[str, Any] | None = None,
-    gate: bool = True,
-    slow_roll: str | None = None,
-) -> tuple[Machine, Measurement, GatedIdentification]:
-    try:
-        described, runs = _runs(machine, files, sidecar, slow_roll)
-        recorded, measured = [run for run, _ in runs], [measurement for _, measurement in runs]
-        given = {name: value for name, value in (rules or {}).items() if value is not None}
-        wanted = QualityRules.model_validate(described.quality.model_dump() | given)
-        with threadpoolctl.threadpool_limits(1):
-            found = identify_gated(described, recorded, measured, rules=wanted, gate=gate)
-        return described, joined(measured), found
-    except ValidationError as error:
-        fail("\n".join(item["msg"].removeprefix("Value error, ") for item in error.errors()))
-    except (UnreadableFile, Rejected, ValueError) as error:
-        fail(str(error))
+app.command("identify")(identify_offline)
+app.command()(model)
+app.command()(compare)
+app.command("slow-roll")(show_slow_roll)
 
 
 @app.command()

@@ -56,23 +56,26 @@ def probing_if_asked(url: str) -> Iterator[None]:
 def ask(url: str) -> None:
     """Ask until standard input ends, then print how long each answer took [s], as JSON.
 
-    Not counted is what nobody listens for: before the service has begun, and after its end. An answer that is waited for at
-    the end counts as long as it was waited for.
+    Not counted is what nobody listens for, before the service has begun and after its end, nor the first answer after a start,
+    which waits for the start. An answer that is waited for at the end counts as long as it was waited for.
     """
     took: list[float] = []
     began: list[float] = []
 
     def go_on() -> None:
+        started = False
         with httpx.Client(timeout=60.0) as client:
             while True:
                 began[:] = [time.perf_counter()]
                 try:
                     client.get(f"{url}/alive")
-                    took.append(time.perf_counter() - began[0])
+                    if started:
+                        took.append(time.perf_counter() - began[0])
+                    started = True
                 except httpx.TimeoutException:
                     took.append(time.perf_counter() - began[0])
                 except httpx.TransportError:
-                    pass  # it is not there
+                    started = False  # it is not there
                 began.clear()
                 time.sleep(INTERVAL_S)
 

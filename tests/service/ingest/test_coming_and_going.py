@@ -12,7 +12,7 @@ from service.ingest.ingest_thread import Ingest
 from service.journal.journal import Journal
 from service.journal.source_backoff import SourceBackoff
 from service.journal.write_batch import WriteBatch
-from service.recovery import gap_recovery as healing_module
+from service.recovery import gap_recovery as recovery_module
 from service.replication.work_share import WholeShare
 from service.runs.collector import Collector
 from service.wire import ALL_LIVE, Key
@@ -113,7 +113,7 @@ def test_a_review_that_the_database_interrupted_is_done_again(
     router: zenoh.Session, plant: Database, client: zenoh.Session, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(ingest_module, "RETRY_S", 0.05)
-    monkeypatch.setattr(healing_module, "PATIENCE_S", 3600.0)
+    monkeypatch.setattr(recovery_module, "PATIENCE_S", 3600.0)
     journal, share = AwayInTheReview(plant, Collector()), Moving()
     ingest = Ingest(router, journal, silence_s=60.0, share=share)
     with ExitStack() as until:

@@ -1,0 +1,65 @@
+"""The picture of the house in docs/developers.md, drawn from `tests.rooms` by `python -m tests.rooms_picture`."""
+
+import ast
+import re
+import textwrap
+from pathlib import Path
+
+from tests.paths import ROOT
+from tests.rooms import ROOMS
+
+PAGE = ROOT / "docs" / "developers.md"
+BEGIN, END = "<!-- rooms: drawn by `python -m tests.rooms_picture` -->\n", "<!-- end of rooms -->"
+
+
+def first_sentence(package: Path) -> str:
+    """Return what the docstring of a room says lives there, up to the first full stop."""
+    text = ast.get_docstring(ast.parse((package / "__init__.py").read_text())) or ""
+    return re.split(r"[.;](?=\s)", " ".join(text.split()) + " ", maxsplit=1)[0]
+
+
+def picture() -> str:
+    """Return the table of rooms that docs/developers.md shows: what lives in each, and the rooms that it imports."""
+    lines = ["| room | what lives there | imports |", "|---|---|---|"]
+    for room, others in ROOMS.items():
+        package = room.split("/")[0]
+        own = [one.removeprefix(f"{package}/") for one in others if one.startswith(f"{package}/")]
+        floor = [
+            f"ground floor of `{one}`" if one == package else f"`{one}`"
+            for one in dict.fromkeys(one.split("/")[0] for one in others if not one.startswith(f"{package}/"))
+        ]
+        named = [f"`{one}`" for one in own] + floor
+        lines.append(f"| `{room}/` | {first_sentence(ROOT / room)} | {', '.join(named) or '—'} |")
+    return "\n".join(lines) + "\n"
+
+
+def height(room: str) -> int:
+    """Return how many rooms of its package stand below a room, one on the other."""
+    below = [one for one in ROOMS.get(room, ()) if one.split("/")[0] == room.split("/")[0] and one in ROOMS]
+    return 1 + max(map(height, below), default=-1)
+
+
+def drawing() -> str:
+    """Return the packages with their rooms as storeys: each imports from lower ones only."""
+    lines = ["```"]
+    for package in ("service", "storage", "estimator"):
+        storeys: dict[int, list[str]] = {}
+        for room in ROOMS:
+            if room.startswith(f"{package}/"):
+                storeys.setdefault(height(room), []).append(room.removeprefix(f"{package}/"))
+        for number, storey in enumerate(sorted(storeys, reverse=True)):
+            lines += textwrap.wrap(
+                "  ".join(storeys[storey]), 110, initial_indent=f"{'' if number else package:11}", subsequent_indent=" " * 11
+            )
+        lines.append("")
+    return "\n".join([*lines[:-1], "```"]) + "\n"
+
+
+def drawn(page: str) -> str:
+    """Return a page with the picture between its marks drawn anew."""
+    head, rest = page.split(BEGIN, 1)
+    return head + BEGIN + drawing() + "\n" + picture() + END + rest.split(END, 1)[1]
+
+
+if __name__ == "__main__":
+    PAGE.write_text(drawn(PAGE.read_text()))
