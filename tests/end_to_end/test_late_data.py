@@ -59,6 +59,7 @@ def post(service: Service, batch: SampleBatch) -> dict[str, Any]:
 def test_what_came_late_is_in_the_run_and_its_newest_identification_counts(tmp_path: Path) -> None:
     service = Service(tmp_path, RUNDOWN_LATE_S="0.5", RUNDOWN_SILENCE_S="60")
     batches = story()
+    listing = f"/machines/{MACHINE}/identifications"
     with service.running():
         service.create(MACHINE)
         for number in (0, 1, 3, 2, 2, 4, 8, 9, 10, 11):
@@ -70,17 +71,22 @@ def test_what_came_late_is_in_the_run_and_its_newest_identification_counts(tmp_p
         assert service.get(f"/machines/{MACHINE}/state")["state"] in ("slow roll", "stopped")
         (source,) = service.get("/sources")
         assert (source["received"], source["duplicates"], source["lost"]) == (180, 20, 60)
-        until(service.idle, within_s=150, what="the run is identified")
+        until(lambda: len(service.get(listing)) == 1, within_s=150, what="the run is identified")
         for number in (6, 5, 7, 6):
             post(service, batches[number])
         (source,) = service.get("/sources")
         assert (source["received"], source["duplicates"], source["lost"]) == (240, 40, 0)
-        until(lambda: service.get(f"/runs/{run['id']}")["reopened_at"], within_s=30, what="the run is reopened")
-        until(service.idle, within_s=150, what="it is identified again")
+
+        def rebuilt() -> bool:
+            row = service.get(f"/runs/{run['id']}")
+            return row["reopened_at"] is not None and row["state"] == "closed"
+
+        until(rebuilt, within_s=30, what="the run is reopened and closed again")
+        until(lambda: len(service.get(listing)) == 2, within_s=150, what="it is identified again")
         again = service.get(f"/runs/{run['id']}")
         assert again["samples"] == run["samples"] + 60
         assert again["coverage"]["late_samples_left_out"] == 0
-        newest, first = service.get(f"/machines/{MACHINE}/identifications")
+        newest, first = service.get(listing)
         assert newest["runs"] == first["runs"] == [run["id"]]
         assert newest["samples"] == first["samples"] + 60
         (series,) = service.get(f"/machines/{MACHINE}/trends", parameter="coupling.C1.kxx")["series"]

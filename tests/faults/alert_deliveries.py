@@ -21,7 +21,7 @@ import zenoh
 from service.alerts import transitions
 from service.alerts.transitions import AlertFinding
 from service.messaging.session import open_session
-from storage.alerts import alerts, deliveries
+from storage.alerts import alerts, deliveries, suppressions
 from storage.database.engine import Database
 from storage.machines import machines
 from storage.tables import AlertEventRow, AlertRow, DeliveryRow
@@ -158,6 +158,8 @@ def told_through_kills(folder: Path, *, seed: int, kills: int) -> Told:
                 until(lambda: len(heard) > before + HEARD, within_s=30, what="what is told over the network")
                 stop.set()
                 threads[0].join()
+                # The end of a shelf is an event too, and would come behind the last that is looked for.
+                until(lambda: not _shelved(database), within_s=30, what="the end of every shelf")
                 until(lambda: not _pending(database), within_s=60, what="every event delivered")
                 newest = _events(database)[-1].id
                 until(
@@ -208,6 +210,11 @@ def _killed(service: Service, rng: random.Random) -> None:
 def _events(database: Database) -> list[AlertEventRow]:
     with database.reading() as session:
         return session.query(AlertEventRow).order_by(AlertEventRow.id).all()
+
+
+def _shelved(database: Database) -> int:
+    with database.reading() as session:
+        return len(suppressions.in_force(session, KEY.machine))
 
 
 def _pending(database: Database) -> int:
