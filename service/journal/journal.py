@@ -107,8 +107,8 @@ class Journal:
         """Store batches, in order, and rejections; return the outcome of each batch.
 
         Raises the database's errors, and NotHeld for machines that belong to another replica by now; then nothing was stored.
-        within_s: after this time [s], pauses aside, no further batch is added, and the outcomes of fewer are returned; at least
-        one batch is stored.
+        within_s: after this time [s], pauses aside, no further batch is added, and the outcomes of fewer are returned;
+        at least one batch is stored.
         """
         try:
             with self._collector.lock, self._database.transaction(beside_others=True) as session:
