@@ -62,10 +62,13 @@ def eigenvalues(matrices: Matrices, *, speed: float, stiffness: Floats, damping:
     return np.asarray(scipy.linalg.eigvals(state))
 
 
-def smallest_damping_ratio(values: Complexes) -> float:
-    """Smallest damping ratio of modes that turn [-]; negative where one grows."""
-    turning = values[values.imag > 1e-3]
-    still = values[np.abs(values.imag) <= 1e-3]
-    if still.size and still.real.max() > 1e-6:
-        return -1.0
-    return float(np.min(-turning.real / np.abs(turning)))
+def smallest_damping_ratio(values: Complexes, highest: float) -> float:
+    """Smallest damping ratio [-] of modes that turn below a frequency [rad/s]; negative where any mode grows.
+
+    High bending modes of the shafts, which nothing excites, have next to no damping in a model without the material's.
+    """
+    growing = values.real > 1e-6 * np.abs(values).clip(min=1.0)
+    if growing.any():
+        return -float(np.max(values.real[growing] / np.abs(values[growing])))
+    low = values[(values.imag > 1e-3) & (values.imag < highest)]
+    return float(np.min(-low.real / np.abs(low)))
