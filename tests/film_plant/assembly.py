@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tests.film_plant.arrays import Complexes, Floats
+from tests.film_plant.arrays import Complexes, Floats, Indices
 from tests.film_plant.beam import element
 from tests.film_plant.train import Coupling, Train
 
@@ -37,8 +37,8 @@ class Matrices:
     damping: Floats
     gyroscopic: Floats
     stiffness: Floats
-    journals: "np.ndarray[tuple[int, int], np.dtype[np.intp]]"
-    pedestals: "np.ndarray[tuple[int, int], np.dtype[np.intp]]"
+    journals: Indices
+    pedestals: Indices
     weight: Floats
     unbalance: Complexes
 
@@ -49,7 +49,8 @@ def node_stations(train: Train) -> list[Floats]:
     for number, shaft in enumerate(train.shafts):
         ends = np.cumsum([0.0, *(length for length, _ in shaft.pieces)])
         parts = [a + (b - a) * np.arange(train.refinement) / train.refinement for a, b in zip(ends, ends[1:], strict=False)]
-        used = [one.station for one in (*train.discs, *train.bearings) if one.shaft == number]
+        used = [one.station for one in train.discs if one.shaft == number]
+        used += [one.station for one in train.bearings if one.shaft == number]
         places = np.sort(np.concatenate([*parts, ends[-1:], used]))
         found.append(places[np.concatenate([[True], np.diff(places) > SAME_PLACE])])
     return found
@@ -140,9 +141,7 @@ def assemble(train: Train) -> Matrices:
             parts.mass[here, here] = bearing.pedestal.mass
             parts.stiffness[here, here] = bearing.pedestal.stiffness
             parts.damping[here, here] = bearing.pedestal.damping
-    return Matrices(
-        parts.mass, parts.damping, parts.gyroscopic, parts.stiffness, journals, pedestals, weight, unbalance
-    )
+    return Matrices(parts.mass, parts.damping, parts.gyroscopic, parts.stiffness, journals, pedestals, weight, unbalance)
 
 
 def _up(size: int, shaft_dofs: int) -> Floats:

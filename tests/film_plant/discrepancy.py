@@ -1,4 +1,4 @@
-"""What real films differ by from any model: some per cent of their coefficients, correlated over speed, not zero in the mean."""
+"""Discrepancies of real films from any model: some per cent of coefficients, correlated over speed, their mean not zero."""
 
 from dataclasses import dataclass, replace
 

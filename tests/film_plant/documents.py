@@ -83,9 +83,7 @@ def geometry(plant: Plant) -> dict[str, Any]:
             "minimum_rpm": float(plant.slowest / RPM * (1.0 - SPEED_MARGIN)),
             "maximum_rpm": float(plant.fastest / RPM * (1.0 + SPEED_MARGIN)),
         },
-        "materials": {
-            "steel": {"young_modulus": steel.young, "density": steel.density, "poisson_ratio": steel.poisson}
-        },
+        "materials": {"steel": {"young_modulus": steel.young, "density": steel.density, "poisson_ratio": steel.poisson}},
         "shafts": [
             {
                 "id": f"S{number}",
@@ -153,9 +151,7 @@ def linear_machine(plant: Plant, **options: Any) -> Machine:
     return parse_machine(linear_document(plant, **options))
 
 
-def measured(
-    plant: Plant, *, samples: int = 150, seed: int = 0, clean: tuple[Floats, Complexes] | None = None
-) -> Measurement:
+def measured(plant: Plant, *, samples: int = 150, seed: int = 0, clean: tuple[Floats, Complexes] | None = None) -> Measurement:
     """Noisy steady phasors of a run-down, or of speeds (S,) [rad/s] and phasors (S, m) [m] that are given."""
     if clean is None:
         films = plant.films(plant.speeds(samples))

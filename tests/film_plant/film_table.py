@@ -134,20 +134,20 @@ class PositionTable:
         if way > WAYS[-1]:
             raise OutsideTable(f"the journal's way to the wall, {way:.3f}, is above {WAYS[-1]:.3f}")
         direction = float(np.arctan2(position[1], position[0]))
-        scaled = np.array([float(spline(way, direction, grid=False)) for spline in self._splines])
+        scaled = np.array([spline(np.array([way]), np.array([direction]), grid=False)[0] for spline in self._splines])
         found = scaled / (1.0 - way**2) ** self._powers
         return FilmValues(found[:2], found[2:6].reshape(2, 2), found[6:].reshape(2, 2))
 
 
 def directions() -> Floats:
     """Directions of a table (DIRECTIONS,) [rad], from -π on."""
-    return -np.pi + 2 * np.pi / DIRECTIONS * np.arange(DIRECTIONS)
+    return np.linspace(-np.pi, np.pi, DIRECTIONS, endpoint=False)
 
 
 def computed(profile: Profile, slenderness: float) -> Floats:
     """Solve for a table: rows (n, 10) of a round bore, else a grid (ways, directions, 10)."""
     if profile.round:
-        solver = FilmSolver(profile, slenderness)
+        solver = FilmSolver(profile, slenderness, around=720, along=20)
         return _along(solver, ROUND_WAYS, np.array([1.0, 0.0]))
     solver = FilmSolver(profile, slenderness, around=240, along=12)
     angle = directions()

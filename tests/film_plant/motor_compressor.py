@@ -74,9 +74,7 @@ def changed(train: Train, kind: CouplingKind, case: str) -> Train:
     if case == "angle_100urad":
         return replace(train, bearings=(b1, b2, *(_raised(one, -ANGLE * one.station) for one in second)))
     if case == "oil_warm":
-        return replace(
-            train, bearings=tuple(replace(one, oil=ConstantOil(0.85 * _viscosity(one))) for one in train.bearings)
-        )
+        return replace(train, bearings=tuple(replace(one, oil=ConstantOil(0.85 * _viscosity(one))) for one in train.bearings))
     if case == "worn_B2":
         return replace(train, bearings=(b1, replace(b2, clearance=1.3 * b2.clearance), *second))
     raise ValueError(f"no case '{case}', but {', '.join(CASES)}")

@@ -1,8 +1,9 @@
 """Oil whose viscosity falls with its temperature, and the temperature that a bearing gives it.
 
-Viscosity over temperature: Walther's law, ASTM D341, through the grade's viscosity at 40 °C and that usual at 100 °C of mineral
-oils with a viscosity index near 100. Heat balance after Khonsari and Booser, Applied Tribology (2nd ed. 2008), chapter 8: power by
-Petroff's law over √(1 - ε²), carried off by the oil that leaves at the sides, ε U c L of a short bearing and what is fed besides.
+Viscosity over temperature: Walther's law, ASTM D341, through the grade's viscosity at 40 °C and the usual one at 100 °C of
+mineral oils with a viscosity index near 100. Heat balance as in Khonsari and Booser, Applied Tribology (2nd ed. 2008): power
+by Petroff's law over √(1 - ε²), carried off by the oil that leaves at the sides, ε U c L of a short bearing, and by more
+that is fed.
 """
 
 from dataclasses import dataclass
@@ -29,7 +30,7 @@ def walther(grade: int, temperature: float) -> float:
     low, high = np.log10(40.0 + KELVIN), np.log10(100.0 + KELVIN)
     at_low, at_high = (np.log10(np.log10(one + 0.7)) for one in (float(grade), AT_100_C[grade]))
     place = (np.log10(temperature + KELVIN) - low) / (high - low)
-    return float((10.0 ** 10.0 ** (at_low + place * (at_high - at_low)) - 0.7) * 1e-6 * DENSITY)
+    return float((10.0**10.0 ** (at_low + place * (at_high - at_low)) - 0.7) * 1e-6 * DENSITY)
 
 
 @dataclass(frozen=True)
@@ -61,6 +62,6 @@ class HeatedOil:
         part = 2 * np.pi * speed * (bearing.diameter / 2 / bearing.clearance) ** 2 / (DENSITY * HEAT_CAPACITY * shape)
 
         def excess(rise: float) -> float:
-            return rise - self.carried * part * self.factor * walther(self.grade, self.inlet + rise)
+            return float(rise - self.carried * part * self.factor * walther(self.grade, self.inlet + rise))
 
         return self.inlet + float(scipy.optimize.brentq(excess, 0.0, HOTTEST_RISE, xtol=1e-9))

@@ -99,9 +99,7 @@ class Plant:
             absolute=self.absolute,
         )
 
-    def swept(
-        self, *, rate_rpm_per_s: float, samples: int, kind: Literal["run-down", "run-up"] = "run-down"
-    ) -> SweepRecord:
+    def swept(self, *, rate_rpm_per_s: float, samples: int, kind: Literal["run-down", "run-up"] = "run-down") -> SweepRecord:
         """Phasors without noise of a sweep over the whole range at a rate [r/min per s]; probes stand on the pedestals."""
         films = self.films(np.linspace(self.fastest, self.slowest, SWEEP_SPEEDS))
         first, last = (self.fastest, self.slowest) if kind == "run-down" else (self.slowest, self.fastest)
@@ -133,8 +131,5 @@ def noisy(clean: Complexes, rng: np.random.Generator, *, part: float = NOISE_PAR
 def _viscosities(train: Train) -> Floats:
     """Viscosities (n,) of constant oils [Pa s], or the factors of oils that are warmed [-]."""
     return np.array(
-        [
-            one.oil.value if isinstance(one.oil, ConstantOil) else getattr(one.oil, "factor", np.nan)
-            for one in train.bearings
-        ]
+        [one.oil.value if isinstance(one.oil, ConstantOil) else getattr(one.oil, "factor", np.nan) for one in train.bearings]
     )

@@ -1,12 +1,11 @@
 """Random plants: two shafts on four journal bearings with a coupling, of the proportions of industrial trains.
 
-What is believed of a train is drawn first; the truth differs from it in clearances, viscosities, elevations and unbalances by the
-stated priors. Trains that whirl, or whose journals come close to the wall, within their speed range are drawn anew.
+What is believed of a train is drawn first; the truth differs from it in clearances, viscosities and elevations by the stated
+priors. Trains that whirl, or whose journals come close to the wall, within their speed range are drawn anew, both together.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 
@@ -120,9 +119,7 @@ def _with_discrepancy(plant: Plant, size: DiscrepancySize | None, rng: np.random
     if size is None:
         return plant
     for _ in range(MOST_DRAWS):
-        drawn = Discrepancy(
-            size, len(plant.train.bearings), slowest=plant.slowest, fastest=plant.fastest, rng=rng
-        )
+        drawn = Discrepancy(size, len(plant.train.bearings), slowest=plant.slowest, fastest=plant.fastest, rng=rng)
         found = plant.with_discrepancy(drawn)
         if found.damping_ratios(found.speeds(CHECKED_SPEEDS)).min() > SMALLEST_RATIO:
             return found
@@ -194,7 +191,9 @@ def _believed(
     grade = int(rng.choice([32, 46]))
     inlet = rng.uniform(40.0, 48.0)
     oil: Oil = HeatedOil(grade, inlet) if heated else ConstantOil(walther(grade, inlet + rng.uniform(12.0, 25.0)))
-    draws = [_shaft(rng, number, diameter * (1.0 if number == 0 else rng.uniform(0.85, 1.1)), oil, profile) for number in (0, 1)]
+    draws = [
+        _shaft(rng, number, diameter * (1.0 if number == 0 else rng.uniform(0.85, 1.1)), oil, profile) for number in (0, 1)
+    ]
     fastest = min(rng.uniform(1.15, 1.75) * min(one.critical for one in draws), 2 * FASTEST_SURFACE / diameter)
     bearings = tuple(one for draw in draws for one in draw.bearings)
     if pedestals:
@@ -281,6 +280,4 @@ def _on_pedestal(bearing: Bearing, fastest: float, rng: np.random.Generator) -> 
     stiffness = mass * frequency**2
     damping = 2 * rng.uniform(0.03, 0.08) * mass * frequency
     pair: Callable[[Floats], tuple[float, float]] = lambda two: (float(two[0]), float(two[1]))  # noqa: E731
-    return replace(
-        bearing, pedestal=Pedestal((float(mass), float(mass)), pair(stiffness), pair(damping))
-    )
+    return replace(bearing, pedestal=Pedestal((float(mass), float(mass)), pair(stiffness), pair(damping)))

@@ -41,9 +41,7 @@ def at_probes(matrices: Matrices, moved: Complexes, *, absolute: bool = False) -
     return np.asarray(seen)
 
 
-def response(
-    matrices: Matrices, *, speed: Floats, stiffness: Floats, damping: Floats, absolute: bool = False
-) -> Complexes:
+def response(matrices: Matrices, *, speed: Floats, stiffness: Floats, damping: Floats, absolute: bool = False) -> Complexes:
     """Phasors (S, 2n) [m] at the bearings at speeds (S,) [rad/s] with coefficients (S, n, 2, 2)."""
     return at_probes(matrices, motion(matrices, speed=speed, stiffness=stiffness, damping=damping), absolute=absolute)
 

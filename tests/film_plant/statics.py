@@ -1,4 +1,4 @@
-"""Journals' positions and bearings' loads over speed: the coupled train under gravity in its films, on bearings of any elevation.
+"""Journals' positions and bearings' loads over speed: the train under gravity in its films, on bearings of any elevation.
 
 The train is condensed to the journals; the unknowns are the journals' positions in their bearings. Newton's method at each
 speed starts from the position at the speed above it.
@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tests.film_plant.arrays import Floats
-from tests.film_plant.assembly import Matrices, assemble
+from tests.film_plant.arrays import Floats, Indices
+from tests.film_plant.assembly import DOFS, Matrices, assemble, node_stations
 from tests.film_plant.film_table import FilmTable, OutsideTable, table
 from tests.film_plant.train import Train
 
@@ -121,10 +121,7 @@ class Statics:
         """Viscosities (n,) [Pa s]."""
         ways = [one.way(e) for one, e in zip(self._tables, self._places(position), strict=True)]
         return np.array(
-            [
-                one.oil.viscosity(one, speed=speed, eccentricity=way)
-                for one, way in zip(self.train.bearings, ways, strict=True)
-            ]
+            [one.oil.viscosity(one, speed=speed, eccentricity=way) for one, way in zip(self.train.bearings, ways, strict=True)]
         )
 
     def _places(self, position: Floats) -> Floats:
@@ -155,16 +152,15 @@ class Statics:
         for _ in range(MOST_STEPS):
             residual = self._residual(films, position)
             jacobian = self._stiffness @ (np.eye(position.size) + self._soft[:, None] * films.stiffness) + films.stiffness
-            step = -np.linalg.solve(jacobian, residual)
-            position, films = self._stepped(speed, viscosity, position, step, np.max(np.abs(step / self._clearance)))
+            step = np.asarray(np.linalg.solve(jacobian, -residual), dtype=float)
+            position, films = self._stepped(speed, viscosity, position, step)
             if np.max(np.abs(step / self._clearance)) < TOLERANCE:
                 return position
         raise NoEquilibrium(f"Newton's method does not end at {speed:.0f} rad/s")
 
-    def _stepped(
-        self, speed: float, viscosity: Floats, position: Floats, step: Floats, size: float
-    ) -> tuple[Floats, _Films]:
+    def _stepped(self, speed: float, viscosity: Floats, position: Floats, step: Floats) -> tuple[Floats, _Films]:
         """Go a step, but by no more than a fifth of a clearance and not out of a table."""
+        size = float(np.max(np.abs(step / self._clearance)))
         factor = min(1.0, 0.2 / size) if size > 0.0 else 1.0
         for _ in range(12):
             try:
@@ -226,9 +222,7 @@ def aligned_elevations(train: Train) -> Floats:
 def _resting(train: Train, number: int) -> tuple[Floats, Floats]:
     """Deflection and slope in the vertical plane at both ends of a shaft alone that rests on its own bearings."""
     bearings = tuple(one for one in train.bearings if one.shaft == number)
-    alone = Train(
-        train.shafts, train.discs, bearings, train.couplings, train.material, train.gravity, train.refinement
-    )
+    alone = Train(train.shafts, train.discs, bearings, train.couplings, train.material, train.gravity, train.refinement)
     loose = assemble(alone)
     free = Train(train.shafts, train.discs, bearings, (), train.material, train.gravity, train.refinement)
     stiffness = assemble(free).stiffness
@@ -242,8 +236,6 @@ def _resting(train: Train, number: int) -> tuple[Floats, Floats]:
     return line[own[2:4]], line[own[-2:]]
 
 
-def _sizes(train: Train) -> Floats:
+def _sizes(train: Train) -> Indices:
     """First degree of freedom of each shaft, and the number of all."""
-    from tests.film_plant.assembly import DOFS, node_stations
-
     return np.cumsum([0, *(DOFS * len(one) for one in node_stations(train))])

@@ -4,9 +4,9 @@ With q = Re(z e^{jφ}), φ the shaft's angle, ω = φ̇ and α = ω̇, the envel
 
     M z̈ + (C + ωG + 2jωM) ż + (K - ω²M + jαM + jω(C + ωG)) z = (ω² - jα) u,
 
-which is integrated by Newmark's rule of constant mean acceleration, step by step: no modes of the running train are used, so that
-their corrections can be judged by it. The train is reduced to its journals and pedestals and to shafts' modes between held
-journals (Craig and Bampton, AIAA J. 6 (1968) 1313). Left out: the moment that speeding up a tilted disc takes, α I_p θ.
+which is integrated by Newmark's rule of constant mean acceleration, step by step: no modes of the running train are used, so
+that their corrections can be judged by it. The train is reduced to its journals and pedestals and to shafts' modes between
+held journals (Craig and Bampton, AIAA J. 6 (1968) 1313). Left out: the moment that speeding up a tilted disc takes, α I_p θ.
 """
 
 from dataclasses import dataclass
@@ -57,17 +57,14 @@ class ReducedTrain:
         inner = np.setdiff1d(np.arange(len(matrices.mass)), kept)
         symmetric = (matrices.stiffness + matrices.stiffness.T) / 2
         within = symmetric[np.ix_(inner, inner)]
-        square, modes = scipy.linalg.eigh(
-            within, matrices.mass[np.ix_(inner, inner)], subset_by_value=(-np.inf, highest**2)
-        )
+        square, modes = scipy.linalg.eigh(within, matrices.mass[np.ix_(inner, inner)], subset_by_value=(-np.inf, highest**2))
         held = -np.linalg.solve(within, symmetric[np.ix_(inner, kept)])
         basis = np.zeros((len(matrices.mass), kept.size + square.size))
         basis[kept, np.arange(kept.size)] = 1.0
         basis[np.ix_(inner, np.arange(kept.size))] = held
         basis[np.ix_(inner, kept.size + np.arange(square.size))] = modes
         self.mass, self.damping, self.gyroscopic, self.stiffness = (
-            basis.T @ one @ basis
-            for one in (matrices.mass, matrices.damping, matrices.gyroscopic, matrices.stiffness)
+            basis.T @ one @ basis for one in (matrices.mass, matrices.damping, matrices.gyroscopic, matrices.stiffness)
         )
         self.unbalance = basis.T @ matrices.unbalance
         stands = matrices.pedestals.ravel()
@@ -107,8 +104,8 @@ def sweep(
     between = 2 * int(np.ceil(duration / (samples - 1) / step / 2))
     step = duration / (samples - 1) / between
     lead = int(np.ceil(LEAD_S / step))
-    time = step * np.arange(-lead, between * (samples - 1) + between // 2 + 1)
-    speed = np.maximum(first + acceleration * time, 0.05 * min(first, last))
+    time = np.asarray(step * np.arange(-lead, between * (samples - 1) + between // 2 + 1), dtype=float)
+    speed = np.asarray(np.maximum(first + acceleration * time, 0.05 * min(first, last)), dtype=float)
     train = ReducedTrain(matrices, HIGHEST_MODE * max(first, last))
     stiffness, damping = _over_speed(films, speed)
     seen = _envelope(train, speed, acceleration, step, stiffness, damping) @ train.relative.T
@@ -144,9 +141,7 @@ def _envelope(
         ahead = found[k - 1] + step * velocity + step**2 / 4 * second
         faster = velocity + step / 2 * second
         force = (w**2 - 1j * acceleration) * train.unbalance
-        second = np.linalg.solve(
-            train.mass + step / 2 * damped + step**2 / 4 * held, force - damped @ faster - held @ ahead
-        )
+        second = np.linalg.solve(train.mass + step / 2 * damped + step**2 / 4 * held, force - damped @ faster - held @ ahead)
         velocity = faster + step / 2 * second
         found[k] = ahead + step**2 / 4 * second
     return found
