@@ -22,7 +22,7 @@ HEAT_CAPACITY = 2000.0
 KELVIN = 273.15
 """Zero of the Celsius scale [K]."""
 HOTTEST_RISE = 150.0
-"""Largest rise of temperature that is looked for [K]."""
+"""Largest rise of temperature; where the balance asks for more, it is this [K]."""
 
 
 def walther(grade: int, temperature: float) -> float:
@@ -64,4 +64,6 @@ class HeatedOil:
         def excess(rise: float) -> float:
             return float(rise - self.carried * part * self.factor * walther(self.grade, self.inlet + rise))
 
+        if excess(HOTTEST_RISE) < 0.0:
+            return self.inlet + HOTTEST_RISE
         return self.inlet + float(scipy.optimize.brentq(excess, 0.0, HOTTEST_RISE, xtol=1e-9))

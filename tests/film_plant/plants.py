@@ -14,7 +14,7 @@ from tests.film_plant.discrepancy import Discrepancy, DiscrepancySize
 from tests.film_plant.motor_compressor import CouplingKind, motor_compressor
 from tests.film_plant.oil import HeatedOil, walther
 from tests.film_plant.plant import RPM, Plant
-from tests.film_plant.statics import NoEquilibrium, aligned_elevations
+from tests.film_plant.statics import Equilibrium, NoEquilibrium, aligned_elevations
 from tests.film_plant.train import Bearing, ConstantOil, Coupling, Disc, Oil, Pedestal, Shaft, Train
 
 SMALLEST_RATIO = 0.005
@@ -29,6 +29,8 @@ LEAST_WAY = 0.15
 """Least way of a journal to the wall at the highest speed of a train that is taken: bearings are not made for less [-]."""
 MOST_DRAWS = 200
 """Most trains that are drawn for one plant."""
+HOTTEST_FILM = 95.0
+"""Highest effective temperature of a film of a train that is taken [°C]."""
 FASTEST_SURFACE = 50.0
 """Highest speed of a journal's surface [m/s]."""
 CHECKED_SPEEDS = 9
@@ -132,7 +134,12 @@ def _checked(plant: Plant) -> Plant | None:
         films = plant.films(plant.speeds(CHECKED_SPEEDS))
     except NoEquilibrium:
         return None
-    if films.way.max() > LARGEST_WAY or films.way[0].min() < LEAST_WAY or films.load[..., 1].min() <= 0.0:
+    if (
+        _hottest(plant, films) > HOTTEST_FILM
+        or films.way.max() > LARGEST_WAY
+        or films.way[0].min() < LEAST_WAY
+        or films.load[..., 1].min() <= 0.0
+    ):
         return None
     if plant.damping_ratios(plant.speeds(CHECKED_SPEEDS)).min() < SMALLEST_RATIO:
         return None
@@ -140,6 +147,16 @@ def _checked(plant: Plant) -> Plant | None:
     factor = min(1.0, LARGEST_ORBIT / orbit.max())
     discs = tuple(replace(one, unbalance=factor * one.unbalance) for one in plant.train.discs)
     return replace(plant, train=replace(plant.train, discs=discs))
+
+
+def _hottest(plant: Plant, films: Equilibrium) -> float:
+    """Highest temperature of the oil at the highest speed, which comes first [°C]; -∞ where it has none."""
+    return max(
+        one.oil.temperature(one, speed=float(films.speed[0]), eccentricity=float(way))
+        if isinstance(one.oil, HeatedOil)
+        else -np.inf
+        for one, way in zip(plant.train.bearings, films.way[0], strict=True)
+    )
 
 
 def _truth(believed: Train, rng: np.random.Generator, priors: Priors, kind: CouplingKind) -> Train:

@@ -82,10 +82,14 @@ class Statics:
         """Find the equilibria at speeds (S,) [rad/s], in any order."""
         order = np.argsort(-speed)
         position = np.tile([0.05, -0.05], len(self.train.bearings)) * self._clearance
-        viscosity = self._oil(speed[order[0]] * EASY_SPEED, position)
-        at = float(speed[order[0]]) * EASY_SPEED
+        # On the way to the highest speed the oil is as warm as half way to the wall there.
+        fastest = float(speed[order[0]])
+        viscosity = self._oil(fastest, np.tile([0.0, -0.5], len(self.train.bearings)) * self._clearance)
+        at = fastest * EASY_SPEED
         position = self._newton(at, viscosity, position)
-        states = []
+        position = self._down(at, fastest, position, viscosity, warming=False)[0]
+        at, states = fastest, []
+        position, viscosity = self._balanced(fastest, viscosity, position)
         for wanted in speed[order]:
             position, viscosity = self._down(at, float(wanted), position, viscosity)
             at = float(wanted)
@@ -93,13 +97,18 @@ class Statics:
         back = np.argsort(order)
         return self._gathered(speed, [states[k] for k in back])
 
-    def _down(self, at: float, wanted: float, position: Floats, viscosity: Floats) -> tuple[Floats, Floats]:
+    def _down(
+        self, at: float, wanted: float, position: Floats, viscosity: Floats, *, warming: bool = True
+    ) -> tuple[Floats, Floats]:
         """Follow the journals from one speed down to another, in shorter steps where a long one fails."""
         ratio = STEP
         while at > wanted:
             target = max(wanted, at * ratio)
             try:
-                position, viscosity = self._balanced(target, viscosity, position)
+                if warming:
+                    position, viscosity = self._balanced(target, viscosity, position)
+                else:
+                    position = self._newton(target, viscosity, position)
                 at, ratio = target, STEP
             except NoEquilibrium:
                 ratio = np.sqrt(ratio)
