@@ -9,8 +9,10 @@ from tests.film_plant.discrepancy import Discrepancy, DiscrepancySize
 from tests.film_plant.oil import HeatedOil, walther
 from tests.film_plant.plant import RPM, Plant, noisy
 from tests.film_plant.plants import LARGEST_WAY, LEAST_WAY, motor_compressor_plant, random_plant
+from tests.film_plant.proportions import OTHER_SLENDERNESS, Design
 from tests.film_plant.statics import Statics
 from tests.film_plant.train import Bearing, ConstantOil, Pedestal
+from tests.film_plant.wrong_documents import elliptical, far_clearance, soft_pedestal, warming_oil
 
 
 def test_a_seed_gives_the_same_plant_and_another_another() -> None:
@@ -95,7 +97,7 @@ def test_oil_warms_with_speed_and_cools_by_its_flow() -> None:
 
 
 def test_viscosity_falls_along_speed_in_a_heated_plant() -> None:
-    plant = random_plant(5, heated=True)
+    plant = random_plant(5, design=Design(heated=True))
     films = plant.films(plant.speeds(6))
     assert np.all(np.diff(films.viscosity, axis=0) > 0.0)
     for row, speed, ways in zip(films.viscosity, films.speed, films.way, strict=True):
@@ -106,7 +108,7 @@ def test_viscosity_falls_along_speed_in_a_heated_plant() -> None:
 
 
 def test_pedestals_give_way_and_are_seen_by_absolute_probes_only() -> None:
-    plant = random_plant(6, pedestals=True)
+    plant = random_plant(6, design=Design(pedestals=True))
     films = plant.films(plant.speeds(30))
     relative, absolute = plant.phasors(films), replace(plant, absolute=True).phasors(films)
     assert np.abs(relative - absolute).max() > 0.05 * np.abs(absolute).max()
@@ -134,7 +136,7 @@ def test_thicker_oil_lifts_the_journals() -> None:
 
 @pytest.mark.parametrize("profile", ["grooved", "elliptical"])
 def test_plants_on_other_bores(profile: str) -> None:
-    plant = random_plant(1, profile=profile, coupling="flexible")
+    plant = random_plant(1, design=Design(coupling="flexible", profile=profile, slenderness=OTHER_SLENDERNESS))
     assert plant.damping_ratios(plant.speeds(4)).min() > 0.0
 
 
@@ -152,3 +154,22 @@ def test_noise_has_its_size() -> None:
     error = noisy(clean, np.random.default_rng(0)) - clean
     assert np.sqrt(np.mean(np.abs(error) ** 2)) == pytest.approx(np.hypot(0.01 * 5e-6, 1e-7), rel=0.03)
     assert abs(np.mean(error**2)) < 0.05 * np.mean(np.abs(error) ** 2)
+
+
+def test_each_wrong_document_differs_in_its_one_thing() -> None:
+    right = motor_compressor_plant(2)
+    bore, soft, wide, warm = (
+        motor_compressor_plant(2, alter=alter) for alter in (elliptical, soft_pedestal, far_clearance(0.15), warming_oil)
+    )
+    assert sorted(one.profile for one in bore.train.bearings) == ["elliptical"] + 3 * ["plain"]
+    assert sum(one.pedestal is not None for one in soft.train.bearings) == 1
+    assert np.abs(np.log(wide.train.clearances / wide.believed.clearances)).max() > 0.2
+    middle = 0.6 * warm.fastest
+    for one, believed in zip(warm.train.bearings, warm.believed.bearings, strict=True):
+        slow, due, fast = (one.oil.viscosity(one, speed=w, eccentricity=0.6) for w in (0.2 * middle, middle, 1.6 * middle))
+        assert slow > 1.2 * fast
+        assert abs(np.log(due / believed.oil.viscosity(believed, speed=middle, eccentricity=0.6))) < 0.7
+    for plant in (bore, soft, wide, warm):
+        assert {(one.profile, one.pedestal) for one in plant.believed.bearings} == {("plain", None)}
+        assert plant.damping_ratios(plant.speeds(5)).min() > 0.0
+        assert [one.clearance for one in plant.believed.bearings] == [one.clearance for one in right.believed.bearings]
