@@ -14,7 +14,7 @@ estimator/rotor: estimator estimator/bearings estimator/machine
 estimator/trends: estimator estimator/machine
 estimator/modes: estimator estimator/machine estimator/rotor
 estimator/phasors: estimator estimator/machine estimator/modes estimator/rotor
-estimator/fit: estimator estimator/bearings estimator/machine estimator/phasors estimator/rotor
+estimator/fit: estimator estimator/bearings estimator/machine estimator/modes estimator/phasors estimator/rotor
 estimator/runs: estimator estimator/machine estimator/phasors
 estimator/thesis: estimator estimator/bearings estimator/machine estimator/modes estimator/phasors estimator/rotor
 estimator/diagnosis: estimator estimator/fit estimator/machine estimator/rotor estimator/trends

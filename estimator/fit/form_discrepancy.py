@@ -8,13 +8,15 @@ zero, and nothing changes. Where it is not, the covariance grows by what the dev
 is refused.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 import scipy.optimize
 
 from estimator.arrays import Floats
 from estimator.fit.fit_problem import FitProblem, FitResult
+from estimator.fit.goodness_of_fit import Verdict
 from estimator.fit.phasor_jacobian import phasor_jacobian
 from estimator.fit.reweighting import with_fitted_noise
 from estimator.rotor.response import sensitivity
@@ -26,43 +28,82 @@ SMALLEST_VARIANCE_PART = 0.01
 SIGNIFICANT = 6.6
 """Twice the logarithm of the likelihood ratio from which on a deviation is believed [-]: 1 in 200 where there is
 none."""
+WELL_CONDITIONED = 1e5
+"""Condition number up to which data show deviations that matter [-]."""
+CONFIRMED_SIZE = 0.01
+"""Relative size of deviations up to which they need not be reckoned with, where the data rule out larger ones [-]."""
+EXPECTED_SIZE = 0.1
+"""Relative size of deviations to reckon with where the data could show them in part [-]."""
+EXPECTED_SIZE_UNSEEN = 0.8
+"""Relative size of deviations to reckon with where other coefficients can make up for them at every speed [-]."""
 GRID = 60
 """Number of points over which shapes are computed."""
-LARGEST_SIZE = 10.0
+LARGEST_SIZE = 1.0
 """Largest relative size of deviations that is looked for [-]."""
 
 
 @dataclass(frozen=True)
-class FormDiscrepancy:
-    """Deviations of coefficients from their forms.
+class FormVerdict:
+    """Verdict on the forms that coefficients follow over speed.
 
     Attributes:
-        size: Relative size τ of the deviations, rms [-]; 0 where the data show none.
-        evidence: Twice the logarithm of the likelihood ratio against no deviation [-].
-        covariance: Covariance (n, n) of the fit coordinates with them [-].
+        covariance: Covariance (n, n) of the fit coordinates, with the deviations that must be reckoned with [-].
+        words: Why the forms are refused; empty where they are not.
     """
 
-    size: float
-    evidence: float
     covariance: Floats
+    words: str = ""
+
+    def applied(self, verdict: Verdict) -> Verdict:
+        """Return a verdict on a fit with this one.
+
+        Args:
+            verdict: The verdict on the fit.
+
+        Returns:
+            The verdict.
+        """
+        return replace(verdict, accepted=False, words=f"{self.words}; {verdict.words}") if self.words else verdict
 
 
-def form_discrepancy(problem: FitProblem, found: FitResult, covariance: Floats) -> FormDiscrepancy:
-    """Estimate how far the coefficients deviate from their forms over speed (Kennedy and O'Hagan 2001; Harville 1977).
+def judge_form(problem: FitProblem, found: FitResult, covariance: Floats, condition: float) -> FormVerdict:
+    """Judge the forms of coefficients that follow the speed (Kennedy and O'Hagan 2001; Harville 1977).
+
+    Where the data show deviations the forms are refused. Where they cannot show them, because the problem is badly
+    conditioned, deviations of a size that must be reckoned with widen the covariance; coefficients that the form alone
+    determines become not estimable by that.
 
     Args:
         problem: The fit's problem.
         found: The fit.
         covariance: Covariance (n, n) of the fit coordinates without deviations [-].
+        condition: Condition number of the information [-].
 
     Returns:
-        The deviations' size, and the covariance that they leave.
+        The verdict.
     """
     deviations = _Deviations.of(problem, found, covariance)
     size, evidence = deviations.likeliest()
-    if evidence < SIGNIFICANT:
-        return FormDiscrepancy(0.0, max(0.0, evidence), covariance)
-    return FormDiscrepancy(size, evidence, deviations.widened(covariance, size))
+    if evidence > SIGNIFICANT:
+        ratio = f"twice the logarithm of the likelihood ratio {evidence:.3g}; {SIGNIFICANT:g} at most is noise"
+        words = (
+            f"coefficients do not follow the speed as the document's forms say: they deviate by {100 * size:.2g} % ({ratio})"
+        )
+        return FormVerdict(covariance, words)
+    largest = deviations.largest()
+    if condition <= WELL_CONDITIONED or largest <= CONFIRMED_SIZE:
+        return FormVerdict(covariance)
+    expected = EXPECTED_SIZE_UNSEEN if _form_alone_decides(problem) else min(EXPECTED_SIZE, largest)
+    return FormVerdict(deviations.widened(covariance, expected))
+
+
+def _form_alone_decides(problem: FitProblem) -> bool:
+    """Return whether more coefficients follow the speed than m channels give real numbers at one speed, 2m.
+
+    Then others can make up for any deviation of one of them, and the form alone tells them apart.
+    """
+    following = {k for one in problem.coordinates.models for k in one.coefficients}
+    return len(following) > 2 * len(problem.train.channels)
 
 
 @dataclass(frozen=True)
@@ -87,28 +128,48 @@ class _Deviations:
         knots = [one.speed for one in final.coordinates.parameters if one.speed is not None]
         speeds = np.concatenate([final.measurement.speed, knots])
         shapes = DeviationShapes(float(speeds.min()), float(speeds.max()))
-        own, mixed, slope = _information(final, found.theta, shapes)
+        own, mixed, slope, gradient = _information(final, found.theta, shapes)
+        coordinates = final.coordinates
+        gradient -= (found.theta - coordinates.centre) / coordinates.spread**2
         answer = -covariance @ mixed
-        return cls(own + mixed.T @ answer, slope, answer, _at_own_speed(final, found.theta, shapes))
+        curvature = own + mixed.T @ answer
+        return cls(curvature, slope + answer.T @ gradient, answer, _at_own_speed(final, found.theta, shapes))
 
     def likeliest(self) -> tuple[float, float]:
         """Return the most likely size [-] and twice the logarithm of its likelihood ratio against none [-]."""
-        information, vectors = np.linalg.eigh(self.curvature)
-        information = np.maximum(information, 0.0)
-        power = (vectors.T @ self.slope) ** 2
-
-        def ratio(log_size: float) -> float:
-            variance = np.exp(2.0 * log_size)
-            return float(np.sum(power * variance / (1.0 + variance * information) - np.log1p(variance * information)))
-
-        highest = np.log(LARGEST_SIZE)
-        # Below this size even the best determined shape would not be seen.
-        lowest = min(-0.5 * np.log(max(float(information.max(initial=0.0)), 1e-300)) - 2.0, highest - 1.0)
-        sizes = np.linspace(lowest, highest, 60)
-        near = int(np.argmax([ratio(one) for one in sizes]))
+        sizes = self._sizes
+        near = int(np.argmax(self._ratios))
         bounds = (sizes[max(0, near - 1)], sizes[min(sizes.size - 1, near + 1)])
-        best = scipy.optimize.minimize_scalar(lambda one: -ratio(one), bounds=bounds, method="bounded")
+        best = scipy.optimize.minimize_scalar(lambda one: -self._ratio(one), bounds=bounds, method="bounded")
         return float(np.exp(best.x)), -float(best.fun)
+
+    def largest(self) -> float:
+        """Return the largest size that the data do not rule out [-]."""
+        ruled_out = self._ratios < max(0.0, float(self._ratios.max())) - SIGNIFICANT
+        return float(np.exp(self._sizes[int(np.argmax(ruled_out))])) if ruled_out[-1] else LARGEST_SIZE
+
+    def _ratio(self, log_size: float) -> float:
+        """Compute twice the logarithm of the likelihood ratio of a size, given as its logarithm, against none."""
+        information, power = self._spectrum
+        variance = np.exp(2.0 * log_size)
+        return float(np.sum(power * variance / (1.0 + variance * information) - np.log1p(variance * information)))
+
+    @cached_property
+    def _spectrum(self) -> tuple[Floats, Floats]:
+        """Return the information (D,) of independent deviations and the squares (D,) of their slopes."""
+        information, vectors = np.linalg.eigh(self.curvature)
+        return np.maximum(information, 0.0), (vectors.T @ self.slope) ** 2
+
+    @cached_property
+    def _sizes(self) -> Floats:
+        """Return logarithms of sizes, from one at which even the best determined deviation would not be seen."""
+        highest = float(np.log(LARGEST_SIZE))
+        lowest = -0.5 * float(np.log(max(float(self._spectrum[0].max(initial=0.0)), 1e-300))) - 2.0
+        return np.linspace(min(lowest, highest - 1.0), highest, 100)
+
+    @cached_property
+    def _ratios(self) -> Floats:
+        return np.array([self._ratio(one) for one in self._sizes])
 
     def widened(self, covariance: Floats, size: float) -> Floats:
         """Return the covariance (n, n) of the coordinates with deviations of some size, their most likely shift included."""
@@ -152,9 +213,9 @@ def _correlation(first: Floats, second: Floats) -> Floats:
     return np.asarray(np.exp(-0.5 * ((first[:, None] - second) / CORRELATION_LENGTH) ** 2))
 
 
-def _information(problem: FitProblem, theta: Floats, shapes: DeviationShapes) -> tuple[Floats, Floats, Floats]:
+def _information(problem: FitProblem, theta: Floats, shapes: DeviationShapes) -> tuple[Floats, Floats, Floats, Floats]:
     """Compute the information of unit deviations (D, D), that which they share with the coordinates (n, D), and ½ of the
-    derivative of -χ² by them (D,)."""
+    derivative of -χ² by them (D,) and by the coordinates (n,)."""
     coordinates, train = problem.coordinates, problem.scaled_train(theta)
     coefficients, excitations = coordinates.coefficients(theta), problem.excitations(theta)
     weight = np.where(problem.used, problem.weight(np.abs(problem.model(theta)), 0.0), 0.0)
@@ -162,6 +223,7 @@ def _information(problem: FitProblem, theta: Floats, shapes: DeviationShapes) ->
     sizes = _sizes(problem, coefficients)
     count = (int(owner.max(initial=-1)) + 1) * shapes.weight.shape[1]
     own, mixed, slope = np.zeros((count, count)), np.zeros((theta.size, count)), np.zeros(count)
+    gradient = np.zeros(theta.size)
     for block in train.blocks():
         found = sensitivity(
             train.pick(block),
@@ -182,7 +244,8 @@ def _information(problem: FitProblem, theta: Floats, shapes: DeviationShapes) ->
         own += deviations @ deviations.T
         mixed += rows @ deviations.T
         slope += deviations @ residual
-    return own, mixed, slope
+        gradient += rows @ residual
+    return own, mixed, slope, gradient
 
 
 def _owners(problem: FitProblem) -> "np.ndarray[tuple[int], np.dtype[np.intp]]":

@@ -1,5 +1,6 @@
 """Identification of a machine: from measured phasors to estimates with uncertainties, or to the reason why there are none."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,12 +9,13 @@ from estimator.arrays import Complexes, Floats
 from estimator.fit.channel_sensitivity import ChannelEffects, channel_effects
 from estimator.fit.coordinates import Coordinates
 from estimator.fit.estimates import Estimate, determined, estimates
-from estimator.fit.fit_problem import FitProblem
-from estimator.fit.goodness_of_fit import VerdictRemark, judge, remark
+from estimator.fit.fit_problem import FitProblem, FitResult
+from estimator.fit.form_discrepancy import FormVerdict, judge_form
+from estimator.fit.goodness_of_fit import Verdict, VerdictRemark, judge, remark
 from estimator.fit.identifiability import Reasons, reasons_for
 from estimator.fit.maximum_likelihood import STAGE_MISFITS
 from estimator.fit.multistart import BestFit, best_fit
-from estimator.fit.physical_limits import growing_mode
+from estimator.fit.physical_limits import Limits, limits_for, without_growing_modes
 from estimator.fit.profile_likelihood import flat_coordinates
 from estimator.machine.document import Machine
 from estimator.machine.document_size import FEWEST_SAMPLES, document_size
@@ -152,10 +154,15 @@ def identify(
     _require_enough(machine, measurement)
     train = condense(machine, speed=measurement.speed, direction=measurement.direction)
     found = identify_train(
-        train, measurement, noise=machine.noise, options=options, reasons=reasons_for(machine), beginning=beginning
+        train,
+        measurement,
+        noise=machine.noise,
+        options=options,
+        reasons=reasons_for(machine),
+        limits=limits_for(machine),
+        beginning=beginning,
     )
-    found = replace(found, verdict=found.verdict + _eccentric(machine, found))
-    return _without_growing_mode(machine, train, found) if found.accepted else found
+    return replace(found, verdict=found.verdict + _eccentric(machine, found))
 
 
 def expected_point(machine: Machine, measurement: Measurement) -> tuple[tuple[str, ...], Floats]:
@@ -208,6 +215,7 @@ def identify_train(
     noise: Noise,
     options: Options | None = None,
     reasons: Reasons | None = None,
+    limits: Limits | None = None,
     beginning: Floats | None = None,
 ) -> Identification:
     """Identify a train that is condensed at the speeds of the measurement; `identify` does this for a machine.
@@ -218,6 +226,7 @@ def identify_train(
         noise: Noise model.
         options: Options of the fit; None for the usual ones.
         reasons: Function that says in words why a parameter is not estimable.
+        limits: Function that looks for what no machine can have; None to accept it.
         beginning: The `point` (N,) of an earlier identification to start from [SI or 1].
 
     Returns:
@@ -245,20 +254,7 @@ def identify_train(
         good=lambda found: judge(problem, found).accepted,
         beginning=None if beginning is None else problem.coordinates.theta(beginning),
     )
-    return _result(problem, best, reasons)
-
-
-def _without_growing_mode(machine: Machine, train: CondensedTrain, found: Identification) -> Identification:
-    """Return an identification, not accepted where its model is unstable at speeds at which the machine ran."""
-    coordinates = Coordinates.of(train, unbalance_scale=1.0)
-    theta = coordinates.theta(found.point)
-    growing = growing_mode(
-        machine,
-        lambda speeds: coordinates.at_speeds(speeds).coefficients(theta),
-        dict(zip(train.scale_names, map(float, coordinates.scales(theta)), strict=True)),
-        speed=train.speed,
-    )
-    return found if growing is None else replace(found, accepted=False, verdict=f"{growing.words}; {found.verdict}")
+    return _result(problem, best, reasons, limits)
 
 
 def _eccentric(machine: Machine, found: Identification) -> str:
@@ -354,29 +350,35 @@ def _problem(train: CondensedTrain, measurement: Measurement, noise: Noise, *, r
     return problem
 
 
-def _result(problem: FitProblem, best: BestFit, reasons: Reasons | None) -> Identification:
+def _result(problem: FitProblem, best: BestFit, reasons: Reasons | None, limits: Limits | None) -> Identification:
     coordinates, found = problem.coordinates, best.fit
     information = found.information + np.diag(coordinates.spread**-2)
     covariance = np.linalg.inv(information)
     covariance = (covariance + covariance.T) / 2
     size = np.sqrt(np.diag(information))
-    verdict = judge(problem, found)
-    beside = remark(problem, found) if verdict.accepted else VerdictRemark()
-    covariance *= beside.inflation
-    speed = problem.measurement.speed
-    physical = covariance * np.outer(coordinates.unit, coordinates.unit)
-    left_out = np.count_nonzero(found.outlier, axis=0)
-
     condition = float(np.linalg.cond(information / np.outer(size, size)))
+    verdict = judge(problem, found)
+    beside = VerdictRemark()
+    doubtful, form_alone = frozenset[int](), frozenset[int]()
+    if verdict.accepted:
+        found_form = judge_form(problem, found, covariance, condition) if coordinates.models else FormVerdict(covariance)
+        found, verdict = _possible(problem, found, found_form.applied(verdict), limits)
+        form_alone = _determined(coordinates, covariance) - _determined(coordinates, found_form.covariance)
+        covariance = found_form.covariance
+        beside = remark(problem, found)
+        covariance = covariance * beside.inflation
+        if verdict.accepted and condition > LARGEST_CONDITION and not coordinates.models:
+            doubtful = flat_coordinates(problem, found, covariance, sorted(_determined(coordinates, covariance)))
+    speed = problem.measurement.speed
+    left_out = np.count_nonzero(found.outlier, axis=0)
     error = np.sqrt(np.diag(covariance))
-    doubtful = frozenset[int]()
-    if verdict.accepted and condition > LARGEST_CONDITION:
-        doubtful = flat_coordinates(problem, found, covariance, determined(coordinates, error))
     why = None if reasons is None else reasons(problem, found, covariance)
+    if why is not None and form_alone:
+        why = _with_form_alone(why, frozenset(coordinates.names[place] for place in form_alone))
     return Identification(
         estimates=estimates(problem.train, coordinates, found.theta, error, why, doubtful),
         coordinates=coordinates.names,
-        covariance=physical,
+        covariance=covariance * np.outer(coordinates.unit, coordinates.unit),
         point=coordinates.point(found.theta),
         chi_square=found.chi_square,
         degrees_of_freedom=verdict.degrees_of_freedom,
@@ -392,3 +394,28 @@ def _result(problem: FitProblem, best: BestFit, reasons: Reasons | None) -> Iden
         outliers={channel: int(count) for channel, count in zip(problem.train.channels, left_out, strict=True) if count},
         channel_effects=channel_effects(problem, found, inflation=beside.inflation),
     )
+
+
+def _determined(coordinates: Coordinates, covariance: Floats) -> frozenset[int]:
+    return frozenset(determined(coordinates, np.sqrt(np.diag(covariance))))
+
+
+def _with_form_alone(why: Callable[[str], str], names: frozenset[str]) -> Callable[[str], str]:
+    """Return the function that says why a coordinate is left open, with those that the form over speed alone determines."""
+
+    def reason(name: str) -> str:
+        if name in names:
+            return "only the form over speed that the document assumes determines it, and no data show whether that is true"
+        return why(name)
+
+    return reason
+
+
+def _possible(problem: FitProblem, found: FitResult, verdict: Verdict, limits: Limits | None) -> tuple[FitResult, Verdict]:
+    """Return an accepted fit without growing modes, or the verdict that it has one."""
+    if limits is None or not verdict.accepted:
+        return found, verdict
+    moved, growing = without_growing_modes(limits(problem), problem, found)
+    if growing is None:
+        return moved, verdict
+    return found, replace(verdict, accepted=False, words=f"{growing.words}; {verdict.words}")

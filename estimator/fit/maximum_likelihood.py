@@ -29,6 +29,13 @@ STEP_LIMIT = 1.0
 """Largest change of a coordinate in one step [-]: a factor e of a direct term."""
 CONVERGED_DECREASE = 1e-3
 """Decrease of χ² promised by a full Newton step below which a stage ends [-]; a change of 1 is one standard error."""
+STALLED_STEPS = 12
+"""Number of steps over which the decrease of χ² is watched where derivatives promise more than steps bring."""
+STALLED_DECREASE = 0.05
+"""Decrease of χ² over that many steps below which a stage ends [-]."""
+STALLED_PROMISE = 5.0
+"""Decrease of χ² that a full Newton step may promise where a stage ends so [-]: the end of the valley is within some two
+standard errors."""
 
 
 def fit(problem: FitProblem, start: Floats, *, near: bool = False) -> FitResult:
@@ -108,11 +115,12 @@ def descend(problem: FitProblem, theta: Floats, weight: Floats, limit: int) -> t
     damping, growth = 1e-3, 2.0
     data, gradient, curvature = problem.linearised(theta, weight)
     cost = penalised(data, theta)
+    costs = [cost]
     for step_number in range(limit):
         slope = gradient - precision * (theta - centre)
         hessian = curvature + np.diag(precision)
         newton = np.linalg.solve(hessian, slope)
-        if float(slope @ newton) < CONVERGED_DECREASE:
+        if float(slope @ newton) < CONVERGED_DECREASE or _has_stalled(costs, float(slope @ newton)):
             return theta, True, step_number
         step = np.linalg.solve(hessian + damping * np.diag(np.diag(hessian)), slope)
         step *= min(1.0, STEP_LIMIT / max(float(np.max(np.abs(step))), 1e-300))
@@ -130,4 +138,12 @@ def descend(problem: FitProblem, theta: Floats, weight: Floats, limit: int) -> t
             damping, growth = max(damping * max(0.2, 1.0 - (2.0 * min(gain, 1.0) - 1.0) ** 3), 1e-9), 2.0
         else:
             damping, growth = max(damping, 1e-6) * growth, 2.0 * growth
+        costs.append(cost)
     return theta, False, limit
+
+
+def _has_stalled(costs: list[float], promise: float) -> bool:
+    """Return whether the steps of a stage bring nothing more, close to its end: in a valley that curves."""
+    if len(costs) <= STALLED_STEPS or promise > STALLED_PROMISE:
+        return False
+    return costs[-1 - STALLED_STEPS] - costs[-1] < STALLED_DECREASE

@@ -46,7 +46,12 @@ class BestFit:
 
 
 def best_fit(
-    problem: FitProblem, *, starts: int, seed: int, good: Callable[[FitResult], bool], beginning: Floats | None = None
+    problem: FitProblem,
+    *,
+    starts: int,
+    seed: int,
+    good: Callable[[FitResult], bool],
+    beginning: Floats | None = None,
 ) -> BestFit:
     """Fit from start after start until one is good, or several agree that it gets no better, or `starts` are spent.
 
@@ -73,10 +78,11 @@ def best_fit(
         else:
             found = fit(problem, _start(problem, rng, first=start_number == 1))
         iterations += found.iterations
+        if np.isfinite(found.misfit) and good(found):
+            best = found
+            break
         if np.isfinite(found.misfit) and (best is None or found.misfit < best.misfit):
             best = found
-        if best is not None and good(best):
-            break
         reached.append(found.misfit)
         if best is not None and sum(value < SAME_MISFIT * best.misfit for value in reached) >= AGREEING_STARTS:
             break  # the same misfit from everywhere is the data's or the model's, not the start's

@@ -1,92 +1,279 @@
-"""What no machine that ran can have: modes that grow at its running speeds, and films that give energy back.
+"""Exclusion of models that no machine can have: those with modes that grow at speeds at which it ran.
 
 A fit may end there all the same, where data are few or the model is wrong; balancing masses computed from such a model are
-worthless.
+worthless. Where the data allow a model without growing modes nearly as well, that is the fit's end; else the fit is refused.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from estimator.arrays import Complexes, Floats
+from estimator.arrays import Floats
+from estimator.fit.coordinates import Coordinates
+from estimator.fit.fit_problem import FitProblem, FitResult
+from estimator.fit.reweighting import with_fitted_noise
 from estimator.machine.document import Machine
 from estimator.machine.scaled_materials import with_scaled_materials
-from estimator.modes.eigenmodes import damping_ratio
+from estimator.modes.eigenmodes import Modes, damping_ratio, eigenvalue_slopes
 from estimator.rotor.modal_reduction import modal_basis
 from estimator.rotor.system_matrices import system_matrices
 from estimator.units import rad_per_s_to_rpm
 
 SPEEDS = 5
-"""Number of speeds of the range at which modes are looked at."""
+"""Number of speeds of the range at which modes are looked at where coefficients follow the speed."""
 HIGHEST_MODE = 2.0
 """Multiple of the highest speed up to which modes are looked at [-]: coefficients are known at the speeds that were run."""
 SMALLEST_DAMPING_RATIO = -1e-4
 """Damping ratio below which a mode grows [-]; an undamped one is computed with rounding errors."""
-
-
 SMALLEST_ROOT = 1e-3
 """Part of that frequency below which a root is zero but for rounding [-]: a train that nothing holds."""
+MARGIN = 2e-4
+"""Damping ratio to which a growing mode is brought [-]."""
+NEAR = 0.02
+"""Damping ratio below which a mode is watched in a step [-]."""
+LARGEST_RISE = 4.0
+"""Rise of χ² up to which a model without growing modes agrees with the data as well [-]: two standard errors."""
+LARGEST_STEP_COUNT = 20
+"""Most steps to such a model."""
+STEP_LIMIT = 0.5
+"""Largest change of a coordinate in one step [-]."""
+SETTLED = 0.05
+"""Change of the merit function in a step up to which the steps have ended [-]."""
+PENALTY = 300.0
+"""Weight of lacking damping in the merit function [-]: a damping ratio of -0.01 counts as much as three units of χ²."""
+DIFFERENCE = 1e-6
+"""Change of a coordinate by which coefficients are differentiated [-]."""
 
 
 @dataclass(frozen=True)
-class GrowingMode:
-    """A mode that grows.
+class LeastDampedMode:
+    """Mode of the smallest damping ratio at a speed.
 
     Attributes:
         speed: Spin speed [rad/s, without sign].
-        frequency: Its damped natural frequency [rad/s].
-        damping_ratio: Its damping ratio, negative [-].
+        eigenvalue: Its eigenvalue λ [rad/s].
     """
 
     speed: float
-    frequency: float
-    damping_ratio: float
+    eigenvalue: complex
+
+    @property
+    def damping_ratio(self) -> float:
+        """Return the damping ratio [-]; negative where the mode grows."""
+        return float(damping_ratio(np.array(self.eigenvalue)))
+
+    @property
+    def grows(self) -> bool:
+        """Return whether the mode grows."""
+        return self.damping_ratio < SMALLEST_DAMPING_RATIO
 
     @property
     def words(self) -> str:
-        """Return the sentence about it."""
-        speed, frequency = rad_per_s_to_rpm(self.speed), rad_per_s_to_rpm(self.frequency)
-        return (
-            f"not physically possible: at {speed:.0f} rpm a mode of {frequency:.0f} cycles per minute grows (damping ratio "
-            f"{self.damping_ratio:.2g}), and the machine ran there"
-        )
+        """Return the sentence about a mode that grows."""
+        speed, frequency = rad_per_s_to_rpm(self.speed), rad_per_s_to_rpm(self.eigenvalue.imag)
+        mode = f"a mode of {frequency:.0f} cycles per minute grows (damping ratio {self.damping_ratio:.2g})"
+        if self.eigenvalue.imag == 0.0:
+            mode = "the shaft leaves its bearings without oscillating"
+        return f"not physically possible: at {speed:.0f} rpm, where the machine ran, {mode}"
 
 
-def growing_mode(
-    machine: Machine, coefficients: Callable[[Floats], Floats], factors: Mapping[str, float], *, speed: Floats
-) -> GrowingMode | None:
-    """Look for a mode that grows at speeds at which the machine ran.
+class PhysicalLimits:
+    """Least damped modes of a fitted machine at speeds at which it ran."""
+
+    def __init__(self, machine: Machine, speed: Floats, coordinates: Coordinates, scale_names: tuple[str, ...]) -> None:
+        """Prepare the search.
+
+        Args:
+            machine: The machine.
+            speed: Speeds of the samples (S,), without sign [rad/s].
+            coordinates: Coordinates of its fit.
+            scale_names: Names of the scale factors of E and ρ among them.
+        """
+        low, high = float(speed.min()), float(speed.max())
+        follows = bool(coordinates.models) and high > low
+        # Gyroscopic moments alone hardly change what grows.
+        self.speeds = np.linspace(low, high, SPEEDS) if follows else np.array([high])
+        self.machine = machine
+        self.highest = HIGHEST_MODE * high
+        self.coordinates = coordinates.at_speeds(self.speeds)
+        self.scale_names = scale_names
+
+    def least_damped(self, theta: Floats) -> tuple[LeastDampedMode, ...]:
+        """Return the least damped mode at each speed.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            The modes; none for a speed at which there is none.
+        """
+        machine = self._scaled(theta)
+        basis = modal_basis(machine, self.highest)
+        found = []
+        for spin, row in zip(self.speeds.tolist(), self._coefficients(theta), strict=True):
+            matrices = system_matrices(machine, coefficients=row, basis=basis)
+            roots = np.linalg.eigvals(matrices.state_matrix(spin=self.machine.direction * spin))
+            slow = roots[(roots.imag >= 0.0) & (roots.imag <= self.highest) & (np.abs(roots) > SMALLEST_ROOT * self.highest)]
+            if slow.size:
+                found.append(LeastDampedMode(spin, complex(slow[np.argmin(damping_ratio(slow))])))
+        return tuple(found)
+
+    def growing_mode(self, theta: Floats) -> LeastDampedMode | None:
+        """Find a mode that grows.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            The mode of the smallest damping ratio that grows; None where all decay.
+        """
+        worst = min(self.least_damped(theta), key=lambda one: one.damping_ratio, default=None)
+        return worst if worst is not None and worst.grows else None
+
+    def slopes(self, theta: Floats, mode: LeastDampedMode) -> Floats:
+        """Compute the derivatives of Re λ by the coordinates of coefficients (Nelson 1976, doi:10.2514/3.7211).
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+            mode: The mode.
+
+        Returns:
+            Derivatives (n,), 0 for coordinates of other kinds [rad/s].
+        """
+        machine, root = self._scaled(theta), mode.eigenvalue
+        basis = modal_basis(machine, self.highest)
+        at = self.coordinates.at_speeds(np.array([mode.speed]))
+        base = at.coefficients(theta).reshape(-1)
+        spin = self.machine.direction * mode.speed
+        matrices = system_matrices(machine, coefficients=base, basis=basis)
+        left, _, right = np.linalg.svd(matrices.dynamic_stiffness(root, spin=spin))
+        shape, other = right[-1].conj()[:, None], left[:, -1][:, None]
+        momentum = (2.0 * root * matrices.mass + matrices.damping + spin * matrices.gyroscopic) @ shape
+        other = other / np.conj(np.vdot(other, momentum))
+        by_coefficient = eigenvalue_slopes(machine, Modes(np.array([root]), shape, other), basis)[0].real
+        found = np.zeros(theta.size)
+        for coordinate in range(len(at.parameters)):
+            moved = theta.copy()
+            moved[coordinate] += DIFFERENCE
+            found[coordinate] = by_coefficient @ (at.coefficients(moved).reshape(-1) - base) / DIFFERENCE
+        return found
+
+    def _scaled(self, theta: Floats) -> Machine:
+        factors = self.coordinates.scales(theta)
+        named = dict(zip(self.scale_names, map(float, factors), strict=True))
+        return with_scaled_materials(self.machine, named) if named else self.machine
+
+    def _coefficients(self, theta: Floats) -> Floats:
+        """Return the coefficients at the speeds looked at (G, K) [SI]."""
+        return np.atleast_2d(self.coordinates.coefficients(theta))
+
+
+Limits = Callable[[FitProblem], PhysicalLimits]
+"""Function that returns the limits of a fit's problem."""
+
+
+def limits_for(machine: Machine) -> Limits:
+    """Return the function that prepares the search for growing modes of a machine's fit.
 
     Args:
         machine: The machine.
-        coefficients: Function that returns the coefficients at some speeds (G,) [rad/s]: (K,), or (G, K) when one of them
-            follows the speed [SI].
-        factors: Factors on its materials' moduli and densities, by name [-].
-        speed: Speeds of the samples (S,), without sign [rad/s].
 
     Returns:
-        The mode that grows most; None where all decay.
+        Function of the fit's problem.
     """
-    low, high = float(speed.min()), float(speed.max())
-    speeds = np.linspace(low, high, SPEEDS) if high > low else np.array([low])
-    held = coefficients(speeds)
-    if held.ndim == 1:
-        # Gyroscopic moments alone change the modes.
-        speeds, held = speeds[[0, -1]], np.stack([held, held])
-    scaled = with_scaled_materials(machine, factors) if factors else machine
-    basis = modal_basis(scaled, HIGHEST_MODE * high)
-    worst: GrowingMode | None = None
-    for spin, values in zip(speeds.tolist(), held, strict=True):
-        matrices = system_matrices(scaled, coefficients=values, basis=basis)
-        found = _slow(np.linalg.eigvals(matrices.state_matrix(spin=machine.direction * spin)), HIGHEST_MODE * high)
-        ratio = damping_ratio(found)
-        if found.size and ratio.min() < min(SMALLEST_DAMPING_RATIO, worst.damping_ratio if worst else 0.0):
-            k = int(np.argmin(ratio))
-            worst = GrowingMode(spin, float(found[k].imag), float(ratio[k]))
-    return worst
+    return lambda problem: PhysicalLimits(
+        machine, problem.measurement.speed, problem.coordinates, tuple(problem.train.scale_names)
+    )
 
 
-def _slow(roots: Complexes, highest: float) -> Complexes:
-    """Return one root of each pair, and real ones, that are no faster than the highest frequency."""
-    return np.asarray(roots[(roots.imag >= 0.0) & (roots.imag <= highest) & (np.abs(roots) > SMALLEST_ROOT * highest)])
+def without_growing_modes(
+    limits: PhysicalLimits, problem: FitProblem, found: FitResult
+) -> tuple[FitResult, LeastDampedMode | None]:
+    """Fit a train again so that no mode grows, from a fit in which one does.
+
+    Gauss-Newton steps under the linearised conditions that the least damped modes decay (sequential quadratic programming;
+    Nocedal and Wright, Numerical Optimization, 2006, ch. 18).
+
+    Args:
+        limits: Limits of the machine.
+        problem: The fit's problem.
+        found: The fit.
+
+    Returns:
+        The fit and None, or, where the data do not allow a model without growing modes, the fit as it was and its growing
+        mode.
+    """
+    first = limits.growing_mode(found.theta)
+    if first is None:
+        return found, None
+    final = with_fitted_noise(problem, found)
+    weight = final.weight(np.abs(final.model(found.theta)), 0.0)
+    highest = _linearised(final, found.theta, weight)[0] + LARGEST_RISE
+    search = _Search(limits, final, weight, highest)
+    kept = search.run(found.theta)
+    if kept is None:
+        # A damping that the fit has brought to nothing has no slope: what was expected is another way in.
+        kept = search.run(final.best_excitations(final.coordinates.centre, weight))
+    return (found, first) if kept is None else (replace(found, theta=kept), None)
+
+
+class _Search:
+    """Search for the best model without growing modes, with steps that are damped until they lower a merit function."""
+
+    def __init__(self, limits: PhysicalLimits, problem: FitProblem, weight: Floats, highest: float) -> None:
+        self.limits = limits
+        self.problem = problem
+        self.weight = weight
+        self.highest = highest
+
+    def run(self, theta: Floats) -> Floats | None:
+        """Return θ (n,) of such a model that the data allow; None where none is found."""
+        cost, slope, hessian = _linearised(self.problem, theta, self.weight)
+        modes = self.limits.least_damped(theta)
+        merit, damping, kept = self._merit(cost, modes), 1e-4, None
+        for _ in range(LARGEST_STEP_COUNT):
+            damped = hessian + damping * np.diag(np.diag(hessian))
+            trial = theta + _constrained_step(slope, damped, modes, self.limits, theta)
+            trial_cost, trial_slope, trial_hessian = _linearised(self.problem, trial, self.weight)
+            trial_modes = self.limits.least_damped(trial)
+            trial_merit = self._merit(trial_cost, trial_modes)
+            if not trial_merit < merit:
+                damping *= 8.0
+                continue
+            settled = merit - trial_merit < SETTLED
+            theta, merit, modes, damping = trial, trial_merit, trial_modes, damping / 4.0
+            slope, hessian = trial_slope, trial_hessian
+            if trial_cost <= self.highest and not any(one.grows for one in modes):
+                kept = theta
+                if settled:
+                    break
+        return kept
+
+    def _merit(self, cost: float, modes: tuple[LeastDampedMode, ...]) -> float:
+        lacking = sum(max(0.0, MARGIN / 2 - one.damping_ratio) for one in modes)
+        return cost + PENALTY * lacking
+
+
+def _linearised(problem: FitProblem, theta: Floats, weight: Floats) -> tuple[float, Floats, Floats]:
+    """Return χ² with its prior, -½ of its gradient (n,) and its Gauss-Newton curvature (n, n)."""
+    coordinates = problem.coordinates
+    precision, away = coordinates.spread**-2, theta - coordinates.centre
+    data, gradient, curvature = problem.linearised(theta, weight)
+    return data + float(precision @ away**2), gradient - precision * away, curvature + np.diag(precision)
+
+
+def _constrained_step(
+    slope: Floats, hessian: Floats, modes: tuple[LeastDampedMode, ...], limits: PhysicalLimits, theta: Floats
+) -> Floats:
+    """Return the Gauss-Newton step that brings modes of too little damping to the margin."""
+    free = np.linalg.solve(hessian, slope)
+    near = [one for one in modes if one.damping_ratio < NEAR]
+    if near:
+        normals = np.stack([limits.slopes(theta, one) for one in near])
+        allowed = np.array([-one.eigenvalue.real - MARGIN * abs(one.eigenvalue) for one in near])
+        broken = normals @ free > allowed
+        normals, allowed = normals[broken], allowed[broken]
+        across = np.linalg.solve(hessian, normals.T)
+        free = free + across @ np.linalg.lstsq(normals @ across, allowed - normals @ free, rcond=None)[0]
+    return np.asarray(free * min(1.0, STEP_LIMIT / max(float(np.max(np.abs(free))), 1e-300)))

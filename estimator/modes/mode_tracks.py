@@ -73,10 +73,10 @@ def mode_tracks(matrices: Callable[[float], SystemMatrices], speeds: Floats, *, 
     Returns:
         The modes that can be followed over all of the speeds; one that is overdamped at some of them cannot.
     """
-    return _Follower(matrices, direction, highest).tracks(speeds)
+    return _ModeFollower(matrices, direction, highest).tracks(speeds)
 
 
-class _Follower:
+class _ModeFollower:
     def __init__(self, matrices: Callable[[float], SystemMatrices], direction: int, highest: float) -> None:
         self.matrices = matrices
         self.direction = direction

@@ -76,4 +76,4 @@ def test_only_the_documents_know_the_estimator() -> None:
             names += [str(node.module)] if isinstance(node, ast.ImportFrom) else []
             if any(name.split(".")[0] in ("estimator", "storage", "service") for name in names):
                 knowing.append(path.name)
-    assert set(knowing) == {"documents.py"}
+    assert set(knowing) == {"documents.py", "scores.py"}
