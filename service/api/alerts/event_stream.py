@@ -14,10 +14,10 @@ from typing import Annotated, cast
 
 from fastapi import APIRouter, Header, Query, Request
 from fastapi.responses import StreamingResponse
-from sqlalchemy.exc import DBAPIError
 
 from service.alerts.event_message import AlertEvent, alert_event
 from service.api.conventions.dependencies import database, principal
+from service.resilience.supervised_thread import report_failure
 from service.security.requirement import VIEWER
 from service.security.scope import Visibility
 from storage.alerts import alerts
@@ -140,17 +140,14 @@ class Broadcaster:
             return alerts.newest_event(session)
 
     async def _run(self) -> None:
+        # Not a SupervisedThread: a task of the API's event loop, whose queues it fills, that ends with the last client.
         while True:
             try:
                 for one in await asyncio.to_thread(self._read, self._last):
                     self._hand_out(one)
                 self.trouble = None
-            except DBAPIError as error:
-                self.trouble = f"alert events cannot be read: {error.orig}"
-                logger.error("alert events cannot be read, trying again: %s", error.orig)
-            except Exception:
-                self.trouble = "unexpected error; the log has it"
-                logger.exception("unexpected error while alert events are handed out, trying again")
+            except Exception as error:  # noqa: BLE001 - it is logged
+                self.trouble = report_failure(logger, "alert events cannot be read", error)
             await asyncio.sleep(RETRY_S if self.trouble else POLL_S)
             if not self._clients:
                 self.trouble = None  # nobody's
