@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from benchmarks.large_trains import off
+from benchmarks.estimator.large_trains import off
 from estimator.machine.document import Machine, parse_machine
 from estimator.modes.campbell import campbell
 from estimator.modes.critical_speed import critical_speed_table, synchronous_crossings, undamped_critical_speeds
