@@ -108,7 +108,7 @@ def roles_on_postgresql(folder: Path, *, seed: int, kills: int) -> roles.Killed:
 
 def main() -> None:
     """Print a line a scenario; status 1 when a store was not exact."""
-    parser = argparse.ArgumentParser()
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.faults")
     parser.add_argument("--rounds", type=int, default=1, help="seeds of the random ones")
     parser.add_argument("--only", default="", help="scenarios whose name contains this")
     parser.add_argument("--kills", type=int, default=KILLS, help="of replicas")
