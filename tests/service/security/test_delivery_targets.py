@@ -6,9 +6,6 @@ import ipaddress
 import pytest
 
 from service.delivery.addresses import TargetRefused, checked
-from service.delivery.signing import new_secret
-from tests.api_in_process import PREFIX, Api, problem
-from tests.service.security.conftest import Filled, bearer
 
 REFUSED = [
     "http://127.0.0.1/",
@@ -124,15 +121,3 @@ def test_the_connection_goes_to_the_address_that_was_looked_at() -> None:
     assert found.url.host is not None
     assert ipaddress.ip_address(found.url.host).is_loopback
     assert (found.name, found.host_header) == ("localhost", "localhost:8080")
-
-
-def test_who_has_some_plants_cannot_have_something_signed_with_a_secret_that_they_name(
-    api: Api, filled: Filled, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """It may be that of another plant's receiver, to whom they could then send what was signed."""
-    monkeypatch.setenv("RUNDOWN_WEBHOOK_SECRET_CENTRE", new_secret())
-    said = {"kind": "webhook", "name": "x", "target": "https://x.example/", "secret_env": "RUNDOWN_WEBHOOK_SECRET_CENTRE"}
-    told = problem(api.ask("POST", f"{PREFIX}/subscriptions", json=said, headers=bearer(filled.keys["own"])), 403)
-    assert "all plants" in told["detail"]
-    made = api.ask("POST", f"{PREFIX}/subscriptions", json=said, headers=bearer(filled.keys["admin"]))
-    assert made.json()["secret"] is None

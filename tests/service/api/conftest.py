@@ -1,4 +1,4 @@
-"""An API over a real database with a story to tell."""
+"""APIs over real databases: with a machine only, with something of everything, with a story to tell."""
 
 import math
 from collections.abc import Iterator
@@ -6,14 +6,17 @@ from pathlib import Path
 
 import pytest
 
+from service.alerts import transitions
 from service.alerts.transitions import AlertFinding, raise_alert
 from service.runs.collector import Collector
+from storage.alerts import deliveries, suppressions
 from storage.database.engine import Database
 from storage.findings import jobs
 from storage.measurements.quarantine import Rejection
 from tests.api_in_process import Api
 from tests.databases import Databases, opened
 from tests.plant import (
+    KEY,
     SECOND,
     START,
     arrived,
@@ -28,6 +31,21 @@ from tests.prompt_journal import PromptJournal
 @pytest.fixture
 def api(plant: Database) -> Api:
     """Over a database that knows the machine and nothing else."""
+    return Api(plant)
+
+
+@pytest.fixture
+def furnished(plant: Database) -> Api:
+    """Something of everything: over a machine with identifications, of which one raised an alert, and a subscription."""
+    with plant.transaction() as session:
+        for number in range(7):
+            row = store_identification(session, identification(), run_id=number, measured_at=START + number * SECOND)
+        finding = AlertFinding("it moves", {}, row.id, START)
+        transitions.raise_alert(session, KEY.machine, rule="misalignment", element="coupling.C1", finding=finding)
+        deliveries.subscribe(session, kind="zenoh", name="plant", target="", secret=None)
+        suppressions.add(
+            session, KEY.machine, kind="out_of_service", rule="misfit", element=None, until=None, by="anna", comment=""
+        )
     return Api(plant)
 
 
