@@ -353,7 +353,7 @@ class _Plan:
             moved[place] = system.solved(pushed[:, None], omega)[:, 0]
         return moved
 
-    def _carried(self, side: _Side, speed: Floats, force: Complexes, *, whirl: int) -> Complexes:
+    def _condensed_force(self, side: _Side, speed: Floats, force: Complexes, *, whirl: int) -> Complexes:
         """Compute the forces at the retained degrees of freedom (S, r) of forces (S, e) on the eliminated ones, turned
         around."""
         if not self.banded:
@@ -380,7 +380,7 @@ class _Plan:
         if whirl > 0:
             change = change - self.scaled.stiffness_force(scale, excitations)
         outer = -change[:, self.retained]
-        return np.asarray(outer + self._carried(side, speed, change[:, self.eliminated], whirl=whirl))
+        return np.asarray(outer + self._condensed_force(side, speed, change[:, self.eliminated], whirl=whirl))
 
 
 class _BandedSystem:

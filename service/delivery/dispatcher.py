@@ -74,7 +74,7 @@ class Dispatcher(SupervisedThread):
 
     def turn(self) -> float:
         """Look for finished and due deliveries, then let those under way go on for POLL_S."""
-        self._loop.run(self._look())
+        self._loop.run(self._update_deliveries())
         self._loop.run(asyncio.sleep(POLL_S))
         return 0.0
 
@@ -99,7 +99,7 @@ class Dispatcher(SupervisedThread):
         await asyncio.gather(*left, return_exceptions=True)
         await self._open.aclose()
 
-    async def _look(self) -> None:
+    async def _update_deliveries(self) -> None:
         """Record finished deliveries, then begin those that are due. Raises Unrecorded, at the end."""
         if self._connections is None:
             client = await self._open.enter_async_context(new_client())
@@ -118,14 +118,14 @@ class Dispatcher(SupervisedThread):
         if moment >= self._watch_at:
             self._watch_at = moment + SECRETS_S
             await asyncio.to_thread(self.watch.look)
-        if not self._share.leads(DELIVERY):
+        if not self._share.is_leader(DELIVERY):
             return
         if moment >= self._expire_at:
             self._expire_at = moment + EXPIRY_S
             await asyncio.to_thread(self._expire)
         for one in await asyncio.to_thread(self._outbox.due, self._deliveries, connections):
             self._deliveries[one.id] = one
-            self._under_way[one.id] = asyncio.create_task(_sent(one))
+            self._under_way[one.id] = asyncio.create_task(_send(one))
         if moment >= self._resend_at and (self._resending is None or self._resending.done()):
             self._resend_at = moment + RESEND_S
             self._resending = asyncio.create_task(remind(self._database, connections))
@@ -150,5 +150,5 @@ class Dispatcher(SupervisedThread):
             return await within_deadline(channel.send(trial_message()))
 
 
-async def _sent(one: Delivery) -> DeliveryOutcome:
+async def _send(one: Delivery) -> DeliveryOutcome:
     return await within_deadline(one.channel.send(one.message))

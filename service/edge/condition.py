@@ -68,14 +68,14 @@ class Conditions:
             for key in [key for key in self._holds if key not in fresh]:
                 logger.info("%s is over", _text(self._holds.pop(key)[0]))
             for one in fresh.values():
-                self._hold(one)
+                self._record(one)
 
     def begin(self, name: str, subject: str | None, detail: str) -> None:
         """Begin a condition, in addition to those of the newest block."""
         with self._lock:
-            self._hold(WaveformFinding(name, subject, detail))
+            self._record(WaveformFinding(name, subject, detail))
 
-    def happened(self, name: str, subject: str | None, detail: str) -> None:
+    def add_event(self, name: str, subject: str | None, detail: str) -> None:
         """Count and log a single event."""
         with self._lock:
             self._counts[name] += 1
@@ -100,7 +100,7 @@ class Conditions:
             ]
             return {"conditions": lasting, "counts": dict(self._counts)}
 
-    def _hold(self, one: WaveformFinding) -> None:
+    def _record(self, one: WaveformFinding) -> None:
         self._counts[one.name] += 1
         key = one.name, one.subject
         if key not in self._holds:

@@ -94,11 +94,11 @@ class Acceptor:
             return
         self._open[address] += 1
         connection.setblocking(False)
-        task = self._loop.create_task(self._hold(connection, address))
+        task = self._loop.create_task(self._count_until_closed(connection, address))
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
 
-    async def _hold(self, connection: socket.socket, address: str) -> None:
+    async def _count_until_closed(self, connection: socket.socket, address: str) -> None:
         """Count a connection from its acceptance to its end."""
         protocol = self._protocol()
         protocol.lost = self._loop.create_future()

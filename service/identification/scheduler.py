@@ -107,7 +107,7 @@ class JobScheduler(SupervisedThread):
             self._filing.file_done()
             self._assessments.file_done()
         interval = self._settings.gathered_interval_s
-        if time.monotonic() - self._pooled_at >= interval and self._share.leads(GATHERING):
+        if time.monotonic() - self._pooled_at >= interval and self._share.is_leader(GATHERING):
             self._pooled_at = time.monotonic()
             queue_pooled_jobs(self._database, newest_runs=self._settings.gathered_runs)
 

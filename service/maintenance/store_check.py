@@ -43,10 +43,10 @@ class StoreWatch(SupervisedThread):
 
     def turn(self) -> float:
         """Check the store once."""
-        self._look()
+        self._check_files()
         return LOOK_S
 
-    def _look(self) -> None:
+    def _check_files(self) -> None:
         try:
             self._database.save_lost_files()
         except DatabaseUnusable as error:

@@ -104,19 +104,19 @@ class GapRecall:
     def collect(self) -> int:
         """Process the replies of logs and request the next gaps; return the number of batches."""
         count = 0
-        room = log_queries.MOST_QUERIES - sum(one.replies is not None for one in self._recalls.values())
+        room = log_queries.MAXIMUM_QUERIES - sum(one.replies is not None for one in self._recalls.values())
         for source, recall in list(self._recalls.items()):
             with self._backoff.pausing_on_error(source):
                 if recall.replies is not None:
                     count += self._collect(source, recall, recall.replies)
                 elif room > 0:
                     room -= 1
-                    self._ask(source, recall)
+                    self._query(source, recall)
         return count
 
-    def _ask(self, source: SourceKey, recall: _Recall) -> None:
+    def _query(self, source: SourceKey, recall: _Recall) -> None:
         first, last = recall.gaps[0]
-        limit = min(last - first + 1, log_queries.MOST_ASKED)
+        limit = min(last - first + 1, log_queries.LARGEST_QUERY)
         recall.replies = self._queries.ask(recall.key, first=first, epoch=source.epoch, limit=limit)
         recall.heard = recall.progress = False
 
@@ -156,13 +156,13 @@ class GapRecall:
         recall.replies = None
         if not recall.heard:
             recall.gaps.clear()
-            self._ask_again_later(source)
+            self._postpone(source)
         elif first > last or not recall.progress:
             recall.gaps = [gap for gap in recall.gaps[1:] if gap[1] >= first]
         if not recall.gaps:
             del self._recalls[source]
 
-    def _ask_again_later(self, source: SourceKey) -> None:
+    def _postpone(self, source: SourceKey) -> None:
         """Postpone the gaps of a log that replies otherwise: it may have been delayed."""
         if self._logs.has_answered(source):
             self._unheard.failed(source)

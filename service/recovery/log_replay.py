@@ -56,11 +56,11 @@ class LogReplays:
     def ask(self, key: Key, source: SourceKey) -> None:
         """Query a log for what follows the last known sample, unless it is being queried, too many are, or the source is
         paused."""
-        if source in self._replays or len(self._replays) >= log_queries.MOST_QUERIES or not self._backoff.accepts(source):
+        if source in self._replays or len(self._replays) >= log_queries.MAXIMUM_QUERIES or not self._backoff.accepts(source):
             return
         first = self._sink.next_sequence(source)
         trusting = self._fruitless.get(source) == first
-        replies = self._queries.ask(key, first=first, epoch=source.epoch, limit=log_queries.MOST_ASKED)
+        replies = self._queries.ask(key, first=first, epoch=source.epoch, limit=log_queries.LARGEST_QUERY)
         self._replays[source] = Replay(key, first, replies, trusting)
 
     def collect(self, source: SourceKey, *, most: int) -> tuple[int, Replay | None]:

@@ -51,7 +51,7 @@ class KeySet:
             now = self._clock()
             old = self._read_at is None or now - self._read_at > KEPT_S
             if old or self._chosen(key_id) is None:
-                self._ask(now)
+                self._fetch(now)
             if self._read_at is None or now - self._read_at > STALE_S:
                 raise KeysUnavailable(f"the issuer's keys cannot be had: it is tried again every {AGAIN_S:.0f} s")
             return self._chosen(key_id)
@@ -61,7 +61,7 @@ class KeySet:
             return next(iter(self._keys.values())) if len(self._keys) == 1 else None
         return self._keys.get(key_id)
 
-    def _ask(self, now: float) -> None:
+    def _fetch(self, now: float) -> None:
         if self._tried_at is not None and now - self._tried_at < AGAIN_S:
             return
         self._tried_at = now

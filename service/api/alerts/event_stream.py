@@ -177,15 +177,15 @@ def _text(event: AlertEvent) -> bytes:
     return f"id: {event.id}\nevent: alert\ndata: {event.model_dump_json()}\n\n".encode()
 
 
-async def _still_authenticated() -> bool:
+async def _always_valid() -> bool:
     return True
 
 
-def _everything(_event: AlertEvent) -> bool:
+def _all_visible(_event: AlertEvent) -> bool:
     return True
 
 
-def _for(sees: Callable[[AlertEvent], bool], one: StreamEvent) -> bool:
+def _is_visible(sees: Callable[[AlertEvent], bool], one: StreamEvent) -> bool:
     return one.event is not None and sees(one.event)
 
 
@@ -193,8 +193,8 @@ async def stream(
     broadcaster: Broadcaster,
     after: int | None,
     *,
-    sees: Callable[[AlertEvent], bool] = _everything,
-    still: Callable[[], Awaitable[bool]] = _still_authenticated,
+    sees: Callable[[AlertEvent], bool] = _all_visible,
+    still: Callable[[], Awaitable[bool]] = _always_valid,
 ) -> AsyncGenerator[bytes]:
     """Yield events behind `after` that the client sees, or from now on, without end; first the id behind which they begin.
 
@@ -210,7 +210,7 @@ async def stream(
         yield f": who comes back with the last id in Last-Event-ID misses nothing\nid: {last}\nretry: 1000\n\n".encode()
         while last < client.joined and (page := await asyncio.to_thread(broadcaster.page, last)):
             for one in page:
-                if _for(sees, one):
+                if _is_visible(sees, one):
                     yield one.text
             last = page[-1].number
         while not (client.slow and client.queue.empty()):
@@ -224,7 +224,7 @@ async def stream(
             if not await still():
                 return
             if news is not None and news.number > last:
-                if _for(sees, news):
+                if _is_visible(sees, news):
                     yield news.text
                 last = news.number
     finally:

@@ -10,8 +10,8 @@ from fastapi import HTTPException, status
 
 T = TypeVar("T")
 
-MOST_KEPT = 256
-MOST_WAITING = 3
+MAXIMUM_ENTRIES = 256
+MAXIMUM_WAITING = 3
 """Largest number of waiting computations; further requests get a 503, because each waiting one holds a thread."""
 RETRY_AFTER_S = 5
 
@@ -34,7 +34,7 @@ class ComputedCache:
         found = compute()
         with self._lock:
             self._kept[key] = found
-            while len(self._kept) > MOST_KEPT:
+            while len(self._kept) > MAXIMUM_ENTRIES:
                 self._kept.popitem(last=False)
         return found
 
@@ -48,7 +48,7 @@ class ComputedCache:
             if key in self._kept:
                 self._kept.move_to_end(key)
                 return cast(T, self._kept[key])
-            if self._waiting >= MOST_WAITING:
+            if self._waiting >= MAXIMUM_WAITING:
                 raise HTTPException(
                     status.HTTP_503_SERVICE_UNAVAILABLE,
                     f"{self._waiting} computations wait already; ask again",

@@ -12,7 +12,7 @@ from storage.machines.fleet import ListedMachine
 from storage.paging import Keys
 
 Stamp = tuple[int | None, ...]
-MOST_KEPT = 32
+MAXIMUM_LISTS = 32
 """Largest number of cached lists, one for each set of visible plants."""
 
 
@@ -32,7 +32,7 @@ class MachineList:
         if machines is None:
             machines = fleet.list_all(session)
             with self._lock:
-                if len(self._kept) >= MOST_KEPT:
+                if len(self._kept) >= MAXIMUM_LISTS:
                     self._kept.clear()
                 self._kept[seen] = stamp, machines
         begin = 0 if after is None else bisect_right(machines, str(after[0]), key=lambda one: one.id)

@@ -257,7 +257,7 @@ def test_what_nobody_expected_is_told_of_until_it_is_over(
     class Confused(WholeShare):
         clear = False
 
-        def leads(self, work: str) -> bool:
+        def is_leader(self, work: str) -> bool:
             if not self.clear:
                 raise LookupError(work)
             return True

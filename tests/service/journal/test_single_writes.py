@@ -114,7 +114,7 @@ def test_as_much_is_stored_in_a_turn_as_there_is_time_for(
 def test_what_a_source_sent_while_it_failed_is_left_to_its_log_when_it_is_paused(
     plant: Database, held: WriteBatch, backoff: SourceBackoff, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(single_writes, "MOST_TRIES", 1)
+    monkeypatch.setattr(single_writes, "MAXIMUM_TRIES", 1)
     tried, untried = take(held, 0, 2, "failing")
     others = take(held, 0, 3)
     held.store()

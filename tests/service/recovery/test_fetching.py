@@ -279,7 +279,7 @@ def test_batches_in_another_order_are_stored_in_theirs(client: zenoh.Session, pl
 def test_many_quiet_sources_are_all_asked_though_few_at_a_time(
     router: zenoh.Session, client: zenoh.Session, plant: Database, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("service.recovery.log_queries.MOST_QUERIES", 2)
+    monkeypatch.setattr("service.recovery.log_queries.MAXIMUM_QUERIES", 2)
     names = [f"pump-{number}" for number in range(10, 20)]
     with plant.transaction() as session:
         for name in names:
@@ -339,7 +339,7 @@ def test_a_log_is_asked_for_a_part_at_a_time(
     router: zenoh.Session, client: zenoh.Session, plant: Database, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """What many logs answer at once must not fill the memory."""
-    monkeypatch.setattr("service.recovery.log_queries.MOST_ASKED", 3)
+    monkeypatch.setattr("service.recovery.log_queries.LARGEST_QUERY", 3)
     log = Asked(client)
     for _ in range(10):
         log.publish(dropped=True)
@@ -353,7 +353,7 @@ def test_a_log_is_asked_for_a_part_at_a_time(
 def test_a_large_hole_is_asked_for_a_part_at_a_time(
     router: zenoh.Session, client: zenoh.Session, plant: Database, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("service.recovery.log_queries.MOST_ASKED", 1)
+    monkeypatch.setattr("service.recovery.log_queries.LARGEST_QUERY", 1)
     monkeypatch.setattr("service.recovery.gap_recovery.PATIENCE_S", 0.3)
     monkeypatch.setattr("service.recovery.known_logs.SILENCE_S", 3600.0)
     log = Asked(client)

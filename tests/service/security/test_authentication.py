@@ -14,7 +14,7 @@ from service.api.alerts import schemas
 from service.api.machines import limit_schemas, timeline_schemas
 from service.resilience.rate_limit import RateLimit
 from service.security import api_keys
-from service.security.authentication import COOKIE, REMEMBERED_S, Authentication, Credentials, Unauthenticated
+from service.security.authentication import COOKIE, IDENTITY_CACHE_S, Authentication, Credentials, Unauthenticated
 from service.security.configuration import Security
 from service.security.key_set import AGAIN_S, KEPT_S, STALE_S, KeySet, KeysUnavailable, _parsed
 from service.security.principal import Author, Role
@@ -67,7 +67,7 @@ def test_a_revoked_key_opens_nothing_within_seconds(store: Database) -> None:
     assert asyncio.run(_ask(authentication, text)) == "anna"
     with store.transaction() as session:
         api_keys.revoke(session, text.split("_")[1])
-    clock.now += REMEMBERED_S + 0.1
+    clock.now += IDENTITY_CACHE_S + 0.1
     with pytest.raises(Unauthenticated, match="revoked"):
         asyncio.run(_ask(authentication, text))
 
@@ -111,12 +111,12 @@ def test_without_keys_and_issuer_everything_is_as_before_and_the_first_key_ends_
     path = f"{PREFIX}/machines/{KEY.machine}/timeline"
     assert value(api.ask("POST", path, json=NOTE), 201)["by"] == "somebody else"
     text = made(plant)
-    clock.now += REMEMBERED_S + 0.1
+    clock.now += IDENTITY_CACHE_S + 0.1
     problem(api.ask("GET", ME), 401)
     assert value(api.ask("GET", ME, headers=bearer(text)))["name"] == "anna"
     with plant.transaction() as session:
         api_keys.revoke(session, text.split("_")[1])
-    clock.now += REMEMBERED_S + 0.1
+    clock.now += IDENTITY_CACHE_S + 0.1
     problem(api.ask("GET", ME), 401)
     api.http.close()
 
