@@ -1,7 +1,8 @@
 """Elimination of shaft degrees of freedom in forward and backward whirl.
 
 With P = X + jY and Q = X - jY of the plane coordinates, a rotor that is the same in every direction across its axis obeys
-two separate systems of half the size: one whirls with the rotation (forward), one against it (backward). At the spin speed ω
+two separate systems of half the size: one whirls with the rotation (forward), one against it (backward; complex coordinates,
+Genta, Dynamics of Rotating Systems, Springer 2005). At the spin speed ω
 
     A_f = K - ω² (M - G) + jω C,      A_b = K - ω² (M + G) + jω (C + 2 C_internal)
 
