@@ -75,8 +75,8 @@ class HttpProtocol(HttpToolsProtocol):
         before = self._completed
         super().data_received(data)
         if self._completed == before:
-            self._came += len(data)
-        if self._waits and self._in_head and self._came > LARGEST_HEAD and not self.transport.is_closing():
+            self._received_bytes += len(data)
+        if self._waits and self._in_head and self._received_bytes > LARGEST_HEAD and not self.transport.is_closing():
             self._refuse(HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE, _TOO_LARGE)
 
     def on_message_begin(self) -> None:
@@ -120,7 +120,7 @@ class HttpProtocol(HttpToolsProtocol):
     def _wait(self) -> None:
         """Begin to wait for a request."""
         self._waits, self._begun, self._in_head = True, False, True
-        self._since, self._came = self.loop.time(), 0
+        self._since, self._received_bytes = self.loop.time(), 0
         if self._timer is None:
             self._timer = self.loop.call_later(PATIENCE_S, self._check_timeout)
 
@@ -133,7 +133,7 @@ class HttpProtocol(HttpToolsProtocol):
     def _check_timeout(self) -> None:
         """Disconnect a peer that took too long. While reading is paused, the delay is not the peer's."""
         self._timer = None
-        left = self._since + PATIENCE_S + self._came / SLOWEST - self.loop.time()
+        left = self._since + PATIENCE_S + self._received_bytes / SLOWEST - self.loop.time()
         if left > 0 or self.flow.read_paused:
             self._timer = self.loop.call_later(max(left, 1.0), self._check_timeout)
         elif self._begun:

@@ -83,7 +83,7 @@ class Forwarding:
         )
         for reply in replies:
             if reply.ok is not None:
-                return _told(msgspec.json.decode(reply.ok.payload.to_bytes(), type=ForwardedAnswer))
+                return _outcome_of(msgspec.json.decode(reply.ok.payload.to_bytes(), type=ForwardedAnswer))
         raise NotStoring(f"no replica takes samples of '{machine}' at present")
 
     def _on_query(self, query: zenoh.Query) -> None:
@@ -121,7 +121,7 @@ def _reply(query: zenoh.Query, answer: ForwardedAnswer) -> None:
         query.reply(str(query.key_expr), msgspec.json.encode(answer), encoding=JSON)
 
 
-def _told(answer: ForwardedAnswer) -> StoreOutcome:
+def _outcome_of(answer: ForwardedAnswer) -> StoreOutcome:
     """Return the outcome in a reply. Raises Rejected, Busy, NotStoring."""
     if answer.rejected is not None:
         raise Rejected(*answer.rejected)

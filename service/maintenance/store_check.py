@@ -32,7 +32,7 @@ class StoreWatch(SupervisedThread):
     def __init__(self, database: Database) -> None:
         super().__init__("store watch", failure="the store cannot be looked after", retry_s=LOOK_S, first_pause_s=LOOK_S)
         self._database = database
-        self._said = ""
+        self._last_message = ""
         self._check_at = self._keys_at = 0.0
         self._waiting = 0
 
@@ -50,9 +50,9 @@ class StoreWatch(SupervisedThread):
         try:
             self._database.save_lost_files()
         except DatabaseUnusable as error:
-            if str(error) != self._said:
-                self._said = str(error)
-                logger.critical(self._said)
+            if str(error) != self._last_message:
+                self._last_message = str(error)
+                logger.critical(self._last_message)
         else:
             self._check()
             self._count_keys()

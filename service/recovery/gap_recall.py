@@ -54,7 +54,7 @@ class GapRecall:
         self._recalls: dict[SourceKey, _Recall] = {}
         self._postponed: BoundedDict[SourceKey, None] = BoundedDict()
         """Sources whose gaps are to be requested as soon as their samples are accepted again."""
-        self._unheard = Backoff[SourceKey]()
+        self._query_backoff = Backoff[SourceKey]()
         """Logs that did not reply to a request for gaps, though they reply otherwise."""
 
     def __len__(self) -> int:
@@ -82,7 +82,7 @@ class GapRecall:
 
     def request_postponed(self, key: Key, source: SourceKey) -> None:
         """Request the postponed gaps of a source when they are due."""
-        if source in self._postponed and self._unheard.is_due(source):
+        if source in self._postponed and self._query_backoff.is_due(source):
             with self._backoff.pausing_on_error(source):
                 self.request(key, source)
 
@@ -99,7 +99,7 @@ class GapRecall:
         """Drop the current and the postponed requests, as after a start."""
         self._recalls.clear()
         self._postponed.clear()
-        self._unheard = Backoff()
+        self._query_backoff = Backoff()
 
     def collect(self) -> int:
         """Process the replies of logs and request the next gaps; return the number of batches."""
@@ -131,7 +131,7 @@ class GapRecall:
             if reply.ok is not None and self._take(source, recall, reply.ok):
                 count += 1
         if recall.heard:
-            self._unheard.succeeded(source)
+            self._query_backoff.succeeded(source)
         return count
 
     def _take(self, source: SourceKey, recall: _Recall, reply: zenoh.Sample) -> bool:
@@ -165,5 +165,5 @@ class GapRecall:
     def _postpone(self, source: SourceKey) -> None:
         """Postpone the gaps of a log that replies otherwise: it may have been delayed."""
         if self._logs.has_answered(source):
-            self._unheard.failed(source)
+            self._query_backoff.failed(source)
             self._postponed[source] = None

@@ -80,7 +80,7 @@ class GapRecovery:
             replays=self._replays,
             recall=self._recall,
         )
-        self._ceased = False
+        self._is_stopped = False
         self.waiting: dict[SourceKey, Waiting] = {}
         backoff.call_on_pause(self.leave)
 
@@ -112,7 +112,7 @@ class GapRecovery:
 
         Batches of a source whose log has never replied are accepted as they are.
         """
-        self._ceased = True
+        self._is_stopped = True
         self._take_unlogged()
         self._cancel_queries()
 
@@ -132,7 +132,7 @@ class GapRecovery:
             return
         if not is_behind_gap(arrived, self._sink):
             self._sink.take(arrived)
-        elif self._ceased:
+        elif self._is_stopped:
             if not self._logs.has_answered(source):
                 self._sink.take(arrived)
         elif waiting is not None:
@@ -164,7 +164,7 @@ class GapRecovery:
 
         Returns the number of batches.
         """
-        if self._ceased:
+        if self._is_stopped:
             return 0
         self.live.collect_roll()
         self._quiet.collect()

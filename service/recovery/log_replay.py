@@ -42,7 +42,7 @@ class LogReplays:
         self._backoff = backoff
         self._logs = logs
         self._replays: dict[SourceKey, Replay] = {}
-        self._fruitless: BoundedDict[SourceKey, int] = BoundedDict()
+        self._empty_replies: BoundedDict[SourceKey, int] = BoundedDict()
         """First number of the last query to a log, when it gave nothing new."""
 
     def __len__(self) -> int:
@@ -59,7 +59,7 @@ class LogReplays:
         if source in self._replays or len(self._replays) >= log_queries.MAXIMUM_QUERIES or not self._backoff.accepts(source):
             return
         first = self._sink.next_sequence(source)
-        trusting = self._fruitless.get(source) == first
+        trusting = self._empty_replies.get(source) == first
         replies = self._queries.ask(key, first=first, epoch=source.epoch, limit=log_queries.LARGEST_QUERY)
         self._replays[source] = Replay(key, first, replies, trusting)
 
@@ -90,7 +90,7 @@ class LogReplays:
     def forget(self) -> None:
         """Stop all queries and forget their results, as after a start."""
         self._replays.clear()
-        self._fruitless.clear()
+        self._empty_replies.clear()
 
     def _take(self, source: SourceKey, replay: Replay, reply: zenoh.Sample) -> None:
         arrived = self._reader.replied(replay.key, reply)
@@ -109,9 +109,9 @@ class LogReplays:
     def _end(self, source: SourceKey, replay: Replay) -> None:
         del self._replays[source]
         if replay.progress:
-            self._fruitless.pop(source, None)
+            self._empty_replies.pop(source, None)
         else:
-            self._fruitless[source] = replay.first
+            self._empty_replies[source] = replay.first
 
 
 def is_behind_gap(arrived: ArrivedBatch, sink: BatchSink) -> bool:

@@ -87,13 +87,13 @@ class Authentication:
         self._tokens = tokens
         self._clock = clock
         self._on = required or tokens is not None or self._any_keys_exist()
-        self._asked_at = clock()
+        self._checked_at = clock()
         self._identities: dict[bytes, tuple[float, Principal]] = {}
 
     async def on(self) -> bool:
         """Check whether credentials are needed. A first key is noticed within seconds; once needed, they stay so."""
-        if not self._on and self._clock() - self._asked_at > IDENTITY_CACHE_S:
-            self._asked_at = self._clock()
+        if not self._on and self._clock() - self._checked_at > IDENTITY_CACHE_S:
+            self._checked_at = self._clock()
             self._on = await asyncio.to_thread(self._any_keys_exist)
         return self._on
 

@@ -59,7 +59,7 @@ class DaskExecutor:
         self._client: Client | None = None
         self._lock = threading.Lock()
         self._sent: dict[Future[Any], _SubmittedTask] = {}
-        self._looked = 0.0
+        self._checked_at = 0.0
         self._seen: dict[str, tuple[float, float]] = {}
         """Per worker, when the scheduler last heard from it by its clock, and since when that has not changed."""
         self._refused: dict[str, tuple[str, float]] = {}
@@ -96,9 +96,9 @@ class DaskExecutor:
         """Find silent workers, and give up their overdue tasks. Raises ExecutorUnavailable."""
         with self._lock:
             sent = dict(self._sent)
-        if not (sent or self._warnings) or time.monotonic() < self._looked + LOOK_S:
+        if not (sent or self._warnings) or time.monotonic() < self._checked_at + LOOK_S:
             return
-        self._looked = time.monotonic()
+        self._checked_at = time.monotonic()
         workers = self._workers()
         self._unusable_workers(workers)
         for answer, one in sent.items():

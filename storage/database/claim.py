@@ -39,7 +39,7 @@ class Claim:
         self._held: set[tuple[int, int]] = set()
         self._file: TextIO | None = None
         self._place: file_lock.Place | None = None
-        self._asking = threading.Lock()
+        self._lock = threading.Lock()
 
     def take(self, *, shared: bool = False) -> None:
         """Take the claim; raise DatabaseUnusable when another process holds it or, where `shared`, holds it alone."""
@@ -72,7 +72,7 @@ class Claim:
 
     def keep(self) -> None:
         """Take the claim again when the server was restarted and has lost it. Raises DatabaseUnusable, DBAPIError."""
-        with self._asking:
+        with self._lock:
             self._renew()
 
     def hold(self, number: int, second: int) -> bool:
@@ -81,7 +81,7 @@ class Claim:
         That connection may be an earlier one of this process which the server has not given up yet. Raises DatabaseUnusable,
         DBAPIError.
         """
-        with self._asking:
+        with self._lock:
             self._renew()
             if self._connection is None or (number, second) in self._held:
                 return True

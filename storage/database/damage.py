@@ -60,7 +60,7 @@ class Damage:
         self._since = ""
         self._words = ""
         self._machines: list[str] = []
-        self._unsaid = 0
+        self._unlogged = 0
         self._log_at = 0.0
         self.met = 0
         """Number of times damage was met in this process."""
@@ -115,11 +115,11 @@ class Damage:
                 self._machines.append(machine_id)
             if before != (self._since, self._words, tuple(self._machines)):
                 self._write_marker()
-            self._unsaid += 1
+            self._unlogged += 1
             if time.monotonic() >= self._log_at:
                 named = ", ".join(self._machines) or "no machine that is known"
-                logger.error("the store is damaged, met %d times: %s (%s)", self._unsaid, self._words, named)
-                self._log_at, self._unsaid = time.monotonic() + LOG_EVERY_S, 0
+                logger.error("the store is damaged, met %d times: %s (%s)", self._unlogged, self._words, named)
+                self._log_at, self._unlogged = time.monotonic() + LOG_EVERY_S, 0
 
     def _write_marker(self) -> None:
         if self._marker is not None:

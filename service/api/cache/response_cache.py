@@ -57,7 +57,7 @@ class ResponseCache:
 
     def __init__(self, database: Database) -> None:
         self._changes = Changes(database)
-        self._kept: OrderedDict[Hashable, _CachedResponse] = OrderedDict()
+        self._entries: OrderedDict[Hashable, _CachedResponse] = OrderedDict()
         self._bytes = 0
         self._threads: CapacityLimiter | None = None
         self._under_way: dict[Hashable, asyncio.Task[_CachedResponse]] = {}
@@ -84,9 +84,9 @@ class ResponseCache:
         zipped = takes_gzip(request.headers.get("accept-encoding", ""))
         asked = (request.url.path, request.url.query, request.headers.get("accept"), zipped, apart, principal(request).plants)
         mark = await self._mark(tables)
-        kept = self._kept.get(asked)
+        kept = self._entries.get(asked)
         if kept is not None and mark is not None and kept.mark == mark and await self._is_late_enough(kept, lately):
-            self._kept.move_to_end(asked)
+            self._entries.move_to_end(asked)
             if lately and time.monotonic() > kept.begun + AHEAD_S and kept.lately != await self._mark(lately):
                 self._begin(asked, mark, lately, make, zipped=zipped).add_done_callback(_ignore_error)
             return kept.response()
@@ -136,11 +136,11 @@ class ResponseCache:
     def _store(self, asked: Hashable, kept: _CachedResponse) -> None:
         if len(kept.body) > LARGEST_KEPT_BYTES:
             return
-        earlier = self._kept.pop(asked, None)
+        earlier = self._entries.pop(asked, None)
         self._bytes += len(kept.body) - (0 if earlier is None else len(earlier.body))
-        self._kept[asked] = kept
+        self._entries[asked] = kept
         while self._bytes > MAXIMUM_CACHE_BYTES:
-            self._bytes -= len(self._kept.popitem(last=False)[1].body)
+            self._bytes -= len(self._entries.popitem(last=False)[1].body)
 
 
 def _ignore_error(task: "asyncio.Task[_CachedResponse]") -> None:

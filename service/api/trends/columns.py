@@ -67,7 +67,7 @@ class HistoryCache:
         self._database = database
         self._changes = Changes(database)
         self._baseline_runs = baseline_runs
-        self._kept: OrderedDict[tuple[str, str, str], _CachedHistory] = OrderedDict()
+        self._histories: OrderedDict[tuple[str, str, str], _CachedHistory] = OrderedDict()
         self._lock = threading.Lock()
 
     def columns(self, machine_id: str, parameters: Sequence[str], *, scope: str) -> dict[str, Columns]:
@@ -104,20 +104,20 @@ class HistoryCache:
         found = {}
         with self._lock:
             for name in parameters:
-                kept = self._kept.get((machine_id, name, scope))
+                kept = self._histories.get((machine_id, name, scope))
                 if kept is not None and holds(kept):
                     found[name] = kept.columns
-                    self._kept.move_to_end((machine_id, name, scope))
+                    self._histories.move_to_end((machine_id, name, scope))
         return found
 
     def _store(self, key: tuple[str, str, str], kept: _CachedHistory) -> None:
         if not len(kept.columns):
             return  # anybody can ask for names that are not there
         with self._lock:
-            self._kept[key] = kept
-            self._kept.move_to_end(key)
-            while len(self._kept) > MAXIMUM_HISTORIES:
-                self._kept.popitem(last=False)
+            self._histories[key] = kept
+            self._histories.move_to_end(key)
+            while len(self._histories) > MAXIMUM_HISTORIES:
+                self._histories.popitem(last=False)
 
 
 def in_time_range(columns: Columns, *, first: int | None, last: int | None, most: int) -> Chosen:

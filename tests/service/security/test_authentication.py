@@ -16,7 +16,7 @@ from service.resilience.rate_limit import RateLimit
 from service.security import api_keys
 from service.security.authentication import COOKIE, IDENTITY_CACHE_S, Authentication, Credentials, Unauthenticated
 from service.security.configuration import Security
-from service.security.key_set import AGAIN_S, KEPT_S, STALE_S, KeySet, KeysUnavailable, _parsed
+from service.security.key_set import KEPT_S, RETRY_S, STALE_S, KeySet, KeysUnavailable, _parsed
 from service.security.principal import Author, Role
 from service.security.tokens import Claims, TokenRefused, Tokens
 from storage.clock import now
@@ -205,7 +205,7 @@ def test_an_unknown_key_makes_the_service_ask_once_in_a_while(issuer: Issuer) ->
     for number in range(20):
         assert found.find(f"made-up-{number}") is None
     assert issuer.asked == before + 1  # it was asked a moment ago
-    clock.now += AGAIN_S + 1
+    clock.now += RETRY_S + 1
     for number in range(20):
         assert found.find(f"made-up-{number}") is None
     assert issuer.asked == before + 2
@@ -221,7 +221,7 @@ def test_a_new_key_of_the_issuer_is_found(issuer: Issuer) -> None:
         found = KeySet(f"{issuer.url}/keys", clock=clock)
         assert found.find("e1") is None
         issuer.published = ["r1", "e1"]
-        clock.now += AGAIN_S + 1
+        clock.now += RETRY_S + 1
         assert found.find("e1") is not None
     finally:
         issuer.published = ["r1", "e1"]
@@ -236,7 +236,7 @@ def test_keys_outlast_an_issuer_that_is_away_but_not_for_ever(tmp_path: Path, is
     file.unlink()
     clock.now += STALE_S - 1
     assert found.find("r1") is not None
-    clock.now += AGAIN_S + 2
+    clock.now += RETRY_S + 2
     with pytest.raises(KeysUnavailable):
         found.find("r1")
 
