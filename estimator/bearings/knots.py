@@ -12,6 +12,7 @@ from estimator.arrays import Floats
 from estimator.bearings.mixed_coefficient import MixedCoefficient
 from estimator.bearings.model import CoefficientModel, ModelParameter, OwnParameter
 from estimator.field_types import Part, Positive
+from estimator.units import rpm_to_rad_per_s
 
 Weights = Callable[[Floats, Floats], Floats]
 """Function of knots (P,) and speeds (S,) [rad/s] that returns the weights (S, P) with which the values at the knots make the
@@ -76,7 +77,10 @@ class KnotModel:
     @cached_property
     def parameters(self) -> tuple[ModelParameter, ...]:
         """Return its value at each knot as a parameter."""
-        return tuple(replace(self.coefficient, name=f"{self.coefficient.name}@{knot:g}rpm") for knot in self.knots_rpm)
+        return tuple(
+            replace(self.coefficient, name=f"{self.coefficient.name}@{knot:g}rpm", speed=rpm_to_rad_per_s(knot))
+            for knot in self.knots_rpm
+        )
 
     def at(self, speed: Floats) -> MixedCoefficient:
         """Return the coefficient at some speeds.

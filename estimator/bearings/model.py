@@ -30,6 +30,7 @@ class ModelParameter:
         scale: Magnitude expected of it, positive [unit].
         spread: Prior standard deviation of the fitted number [-].
         coefficient: Name of the coefficient whose value it is, everywhere or at a knot; None for any other parameter.
+        speed: Speed at which it is the coefficient's value [rad/s]; None where it is everywhere, and for any other parameter.
     """
 
     name: str
@@ -40,6 +41,7 @@ class ModelParameter:
     scale: float
     spread: float
     coefficient: str | None = None
+    speed: float | None = None
 
     @property
     def centre(self) -> float:

@@ -13,6 +13,7 @@ from estimator.fit.goodness_of_fit import VerdictRemark, judge, remark
 from estimator.fit.identifiability import Reasons, reasons_for
 from estimator.fit.maximum_likelihood import STAGE_MISFITS
 from estimator.fit.multistart import BestFit, best_fit
+from estimator.fit.physical_limits import growing_mode
 from estimator.fit.profile_likelihood import flat_coordinates
 from estimator.machine.document import Machine
 from estimator.machine.document_size import FEWEST_SAMPLES, document_size
@@ -154,7 +155,8 @@ def identify(
     found = identify_train(
         train, measurement, noise=machine.noise, options=options, reasons=reasons_for(machine), beginning=beginning
     )
-    return replace(found, verdict=found.verdict + _eccentric(machine, found))
+    found = replace(found, verdict=found.verdict + _eccentric(machine, found))
+    return _without_growing_mode(machine, train, found) if found.accepted else found
 
 
 def expected_point(machine: Machine, measurement: Measurement) -> tuple[tuple[str, ...], Floats]:
@@ -245,6 +247,19 @@ def identify_train(
         beginning=None if beginning is None else problem.coordinates.theta(beginning),
     )
     return _result(problem, best, reasons)
+
+
+def _without_growing_mode(machine: Machine, train: CondensedTrain, found: Identification) -> Identification:
+    """Return an identification, not accepted where its model is unstable at speeds at which the machine ran."""
+    coordinates = Coordinates.of(train, unbalance_scale=1.0)
+    theta = coordinates.theta(found.point)
+    growing = growing_mode(
+        machine,
+        lambda speeds: coordinates.at_speeds(speeds).coefficients(theta),
+        dict(zip(train.scale_names, map(float, coordinates.scales(theta)), strict=True)),
+        speed=train.speed,
+    )
+    return found if growing is None else replace(found, accepted=False, verdict=f"{growing.words}; {found.verdict}")
 
 
 def _eccentric(machine: Machine, found: Identification) -> str:

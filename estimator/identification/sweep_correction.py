@@ -1,9 +1,10 @@
 """Effect of a sweep's rate on the 1× phasors: their deviation from the steady state, from a model's modes and the speed.
 
 Each mode k of the train, in the frame that turns with the shaft, obeys ẇ = (λ_k - jω) w + yᴴF with its eigenvalue λ_k, left
-vector y and the force F(ω, α) e^{jφ}. At constant speed w = yᴴF / (jω - λ_k). After a resonance was crossed quickly, w goes on
-ringing at the natural frequency while the 1× has moved on: the phasor beats. The difference of the integrated w from the
-steady one, seen at the probes through the mode's shape, is the part of a measured phasor that must not be blamed on the
+vector y and the force F(ω, α) e^{jφ}; eigenvalue, vectors and shape are its own at each speed, and what their change with the
+speed brings from other modes is neglected. At constant speed w = yᴴF / (jω - λ_k). After a resonance was crossed quickly, w
+goes on ringing at the natural frequency while the 1× has moved on: the phasor beats. The difference of the integrated w from
+the steady one, seen at the probes through the mode's shape, is the part of a measured phasor that must not be blamed on the
 machine.
 """
 
@@ -11,17 +12,19 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.interpolate
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
-from estimator.modes.eigenmodes import modes
+from estimator.modes.eigenmodes import Modes
+from estimator.modes.mode_tracks import ModeTracks, mode_tracks
 from estimator.phasors.modal_transient import Sweep, modal_course
 from estimator.phasors.speed_law import SpeedLaw
 from estimator.rotor.assembly import assemble_rotor
 from estimator.rotor.condensation import probe_rows
 from estimator.rotor.modal_reduction import modal_basis
 from estimator.rotor.parameters import unknowns
-from estimator.rotor.synchronous_force import synchronous_force
+from estimator.rotor.synchronous_force import SynchronousForce, synchronous_force
 from estimator.rotor.system_matrices import SystemMatrices, system_matrices_over_speed
 from estimator.updated_model.model import UpdatedModel
 
@@ -33,6 +36,8 @@ HIGHEST_MODE = 1.5
 """Highest frequency of the modes that take part, as a multiple of the highest speed [-]; those above follow without delay."""
 SPIN_STEP = 1e-3
 """Relative change of the spin speed by which eigenvalues are differentiated [-]."""
+FOLLOWED_SPEEDS = 13
+"""Number of speeds at which modes are solved for where coefficients follow the speed."""
 
 
 @dataclass(frozen=True)
@@ -66,30 +71,69 @@ def sweep_transient(model: UpdatedModel, *, time: Floats, speed: Floats, added: 
     """
     law = SpeedLaw.measured(time, speed)
     grid, place = _grid(law, time)
-    spin = float(np.median(speed))
+    sweep = Sweep.along(law, grid)
     machine = model.scaled_machine
     basis = modal_basis(machine, HIGHEST_MODE * float(speed.max()))
     matrices = system_matrices_over_speed(machine, coefficients=model.coefficients, basis=basis)
-    direction = machine.direction
-    found = modes(matrices(spin), spin=direction * spin)
-    near = np.flatnonzero((found.eigenvalue.imag < HIGHEST_MODE * speed.max()) & (found.eigenvalue.real < 0.0))
-    value, shape, left = found.eigenvalue[near], found.shape[:, near], found.left[:, near]
-    drift = _eigenvalue_drift(matrices, value, shape, left, spin=spin, direction=direction)
+    tracks = _followed(matrices, model, speed)
     rotor = assemble_rotor(machine)
     listed, values = unknowns(machine, rotor).excitations, model.excitations.copy()
     if added is not None:
         values[: added.size] += added
-    sweep = Sweep.along(law, grid)
-    force = synchronous_force(rotor, listed, values=values, direction=direction).onto(basis.expanded(left).conj().T)
-    pushed, resting = force.at(sweep.speed, sweep.acceleration), force.at(sweep.speed)
-    seen = probe_rows(machine, rotor) @ basis.expanded(shape)
-    instant, averaged = (np.zeros((time.size, len(seen)), dtype=complex) for _ in range(2))
-    away = sweep.speed - spin
-    for k in range(near.size):
-        course = modal_course(sweep, value[k] + away * drift[k], pushed[:, k], resting[:, k])
-        instant += course.deviation[place, None] * seen[:, k]
-        averaged += (course.mean(place) - course.rest[place])[:, None] * seen[:, k]
+    force = synchronous_force(rotor, listed, values=values, direction=machine.direction)
+    modal = [force.onto(basis.expanded(one.left).conj().T) for one in tracks.modes]
+    over = _Interpolation(tracks.speed, sweep.speed)
+    eigenvalue = over(tracks.eigenvalue)
+    if tracks.speed.size == 1:
+        away = sweep.speed - tracks.speed[0]
+        eigenvalue += away[:, None] * _eigenvalue_drift(
+            matrices, tracks.modes[0], spin=tracks.speed[0], direction=machine.direction
+        )
+    along = SynchronousForce(over(np.stack([one.squared for one in modal])), over(np.stack([one.constant for one in modal])))
+    pushed, resting = along.at(sweep.speed, sweep.acceleration), along.at(sweep.speed)
+    output = probe_rows(machine, rotor)
+    seen = over(np.stack([output @ basis.expanded(one.shape) for one in tracks.modes]), place)
+    instant, averaged = (np.zeros((time.size, len(output)), dtype=complex) for _ in range(2))
+    for k in range(eigenvalue.shape[1]):
+        course = modal_course(sweep, eigenvalue[:, k], pushed[:, k], resting[:, k])
+        instant += course.deviation[place, None] * seen[:, :, k]
+        averaged += (course.mean(place) - course.rest[place])[:, None] * seen[:, :, k]
     return SweepTransient(instant, averaged)
+
+
+def _followed(matrices: Callable[[float], SystemMatrices], model: UpdatedModel, speed: Floats) -> ModeTracks:
+    """Follow the modes that take part over the speeds of a sweep; where gyroscopic moments alone change them, not at all."""
+    low, high = float(speed.min()), float(speed.max())
+    follows = high > low and model.coordinates_at(speed).models
+    speeds = np.linspace(low, high, FOLLOWED_SPEEDS) if follows else np.array([float(np.median(speed))])
+    tracks = mode_tracks(matrices, speeds, direction=model.machine.direction, highest=HIGHEST_MODE * high)
+    return tracks.pick(tracks.eigenvalue.real.max(axis=0) < 0.0)
+
+
+def _eigenvalue_drift(matrices: Callable[[float], SystemMatrices], found: Modes, *, spin: float, direction: int) -> Complexes:
+    """Compute dλ/dω (n,) of each mode: -yᴴ (∂Z/∂ω) x."""
+    drift = np.empty(found.eigenvalue.size, dtype=complex)
+    other = spin * (1.0 + SPIN_STEP)
+    here, there = matrices(spin), matrices(other)
+    for k, value in enumerate(found.eigenvalue):
+        change = there.dynamic_stiffness(value, spin=direction * other) - here.dynamic_stiffness(value, spin=direction * spin)
+        drift[k] = -np.vdot(found.left[:, k], change @ found.shape[:, k]) / (other - spin)
+    return drift
+
+
+class _Interpolation:
+    """Interpolation of what is known at G speeds by cubic splines, at the speeds along a sweep."""
+
+    def __init__(self, known: Floats, wanted: Floats) -> None:
+        self.known = known
+        self.wanted = np.clip(wanted, known[0], known[-1])
+
+    def __call__(self, values: Complexes, place: NDArray[np.intp] | None = None) -> Complexes:
+        """Return the values (G, ...) at all speeds wanted, or at some of them."""
+        wanted = self.wanted if place is None else self.wanted[place]
+        if self.known.size == 1:
+            return np.repeat(values, wanted.size, axis=0)
+        return np.asarray(scipy.interpolate.CubicSpline(self.known, values)(wanted))
 
 
 def _grid(law: SpeedLaw, time: Floats) -> tuple[Floats, NDArray[np.intp]]:
@@ -100,22 +144,3 @@ def _grid(law: SpeedLaw, time: Floats) -> tuple[Floats, NDArray[np.intp]]:
     pieces = 2 * np.maximum(1, np.ceil(np.diff(time) / (2 * step) - 1e-9)).astype(np.intp)
     place = np.concatenate([[0], np.cumsum(pieces)])
     return np.interp(np.arange(place[-1] + 1), place, time), place
-
-
-def _eigenvalue_drift(
-    matrices: Callable[[float], SystemMatrices],
-    eigenvalue: Complexes,
-    shape: Complexes,
-    left: Complexes,
-    *,
-    spin: float,
-    direction: int,
-) -> Complexes:
-    """Compute dλ/dω (n,) of each mode: -yᴴ (∂Z/∂ω) x."""
-    found = np.empty(eigenvalue.size, dtype=complex)
-    other = spin * (1.0 + SPIN_STEP)
-    here, there = matrices(spin), matrices(other)
-    for k, value in enumerate(eigenvalue):
-        change = there.dynamic_stiffness(value, spin=direction * other) - here.dynamic_stiffness(value, spin=direction * spin)
-        found[k] = -np.vdot(left[:, k], change @ shape[:, k]) / (other - spin)
-    return found

@@ -11,6 +11,7 @@ from estimator.arrays import Complexes, Floats
 from estimator.fit.coordinates import Coordinates
 from estimator.fit.identify import Identification
 from estimator.machine.document import Machine
+from estimator.machine.scaled_materials import with_scaled_materials
 from estimator.rotor.condensation import CondensedTrain, condense
 from estimator.rotor.identity_cache import cached_by_identity
 from estimator.rotor.modal_reduction import Basis, modal_basis
@@ -110,17 +111,7 @@ class UpdatedModel:
     @cached_property
     def scaled_machine(self) -> Machine:
         """Return the machine with the identified scale factors of E and ρ put into its materials."""
-        factors = self.scale_factors
-        materials = {
-            name: material.model_copy(
-                update={
-                    what: getattr(material, what) * factors.get(f"material.{name}.{what}", 1.0)
-                    for what in ("young_modulus", "density")
-                }
-            )
-            for name, material in self.machine.materials.items()
-        }
-        return self.machine.model_copy(update={"materials": materials})
+        return with_scaled_materials(self.machine, self.scale_factors)
 
     @property
     def basis(self) -> Basis:

@@ -5,6 +5,8 @@
 """
 
 import logging
+import math
+import time
 
 import zenoh
 
@@ -67,6 +69,7 @@ class IngestCycle:
             share=share,
         )
         self._received = ReceivedQueryable(session, journal, share)
+        self._took = -math.inf
         self.checks = IngestChecks(journal, self.recovery, self.own_clock, silence_s=silence_s)
 
     def open(self) -> None:
@@ -97,15 +100,22 @@ class IngestCycle:
         if stopping:
             self.inbox.close()
             self.recovery.cease()
-        self._journal.pacing.begin(hurried=len(self.inbox) >= BACKLOG or self.recovery.is_querying)
-        count = self._intake.take()
-        count += self.recovery.collect(min(self._intake.room, LARGEST_COLLECTION))
+        hurried = len(self.inbox) >= BACKLOG or self.recovery.is_querying
+        self._journal.pacing.begin(hurried=hurried)
+        # Beside what was left, the few messages that have come since would each cost a transaction: they wait for the others.
+        waits = left and not hurried and not stopping and time.monotonic() < self._took + CYCLE_S
+        count = 0 if waits else self._take()
         if not left:
             self.write_batch.store()
         self.checks.look_at_clock()
         if not stopping:
             self.checks.check_if_due()
         return count
+
+    def _take(self) -> int:
+        """Take the messages that have come; return their number."""
+        self._took = time.monotonic()
+        return self._intake.take() + self.recovery.collect(min(self._intake.room, LARGEST_COLLECTION))
 
     @property
     def has_more(self) -> bool:

@@ -107,14 +107,14 @@ class Journal:
         """Store batches, in order, and rejections; return the outcome of each batch.
 
         Raises the database's errors, and NotHeld for machines that belong to another replica by now; then nothing was stored.
-        within_s: after this time [s] no further batch is added, and the outcomes of fewer are returned; at least one batch is
-        stored.
+        within_s: after this time [s], pauses aside, no further batch is added, and the outcomes of fewer are returned;
+        at least one batch is stored.
         """
         try:
             with self._collector.lock, self._database.transaction(beside_others=True) as session:
                 self._share.require(session, {one.batch.machine for one in arrived})
                 with self.pacing.in_transaction():
-                    return self._store(session, arrived, rejections, ends=time.monotonic() + within_s)
+                    return self._store(session, arrived, rejections, within_s=within_s)
         except BaseException:
             self._numbering.forget()  # it may know of samples that were not stored
             raise
@@ -137,13 +137,14 @@ class Journal:
         return known
 
     def _store(
-        self, session: Session, arrived: list[ArrivedBatch], rejections: list[Rejection], *, ends: float
+        self, session: Session, arrived: list[ArrivedBatch], rejections: list[Rejection], *, within_s: float
     ) -> list[StoreOutcome]:
         pending = Pending(rejections=list(rejections))
         documents: Documents = {}
+        ends = time.monotonic() - self.pacing.paused_s + within_s
         loaded = _load(session, arrived)
         for one in arrived:
-            if pending.outcomes and time.monotonic() > ends:
+            if pending.outcomes and time.monotonic() - self.pacing.paused_s > ends:
                 break
             machine_id = one.batch.machine
             if machine_id not in documents:

@@ -20,6 +20,8 @@ class Pacing:
 
     def __init__(self) -> None:
         self._left_s = 0.0
+        self.paused_s = 0.0
+        """Total of all pauses."""
 
     def begin(self, *, hurried: bool) -> None:
         """Begin a cycle. hurried: without pauses, while there is a backlog."""
@@ -30,7 +32,9 @@ class Pacing:
         if self._left_s > 0.0:
             began = time.monotonic()
             time.sleep(PAUSE_S)
-            self._left_s -= time.monotonic() - began
+            lasted = time.monotonic() - began
+            self._left_s -= lasted
+            self.paused_s += lasted
 
     @contextmanager
     def in_transaction(self) -> Iterator[None]:

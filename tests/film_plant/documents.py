@@ -1,0 +1,160 @@
+"""Machine documents and measurements of film plants: the only place where they meet the estimator."""
+
+from collections.abc import Sequence
+from typing import Any, Literal
+
+import numpy as np
+
+from estimator.machine.document import Machine, parse_machine
+from estimator.phasors.measurement import Measurement
+from tests.film_plant.arrays import Complexes, Floats
+from tests.film_plant.plant import NOISE_FLOOR, NOISE_PART, RPM, Plant, noisy
+
+Form = Literal["constant", "polynomial", "piecewise"]
+
+DIRECT = ("kxx", "kyy", "cxx", "cyy")
+"""Direct terms of a bearing."""
+STIFFNESS, DAMPING = ("kxx", "kxy", "kyx", "kyy"), ("cxx", "cxy", "cyx", "cyy")
+"""Terms of a bearing in the order of its matrices."""
+PERTURBATION = 0.15
+"""Standard deviation by which nominal coefficients are off: of the logarithm, or part of the value [-]."""
+SPEED_MARGIN = 0.02
+"""Part by which a document's speed range is wider than the runs [-]."""
+
+
+def linear_document(
+    plant: Plant,
+    *,
+    form: Form = "constant",
+    knots_rpm: Sequence[float] = (),
+    terms: Literal["direct", "all"] = "direct",
+    perturbation: float = PERTURBATION,
+    seed: int = 0,
+    unbalances_given: bool = True,
+    element_length: float | None = None,
+) -> dict[str, Any]:
+    """The document that describes a plant's bearings by eight linear coefficients each.
+
+    Args:
+        plant: The plant.
+        form: How the coefficients follow the speed.
+        knots_rpm: Knots of the forms that do [r/min].
+        terms: Which terms follow it.
+        perturbation: How far nominal coefficients, coupling and unbalances are from the true ones at the median speed [-].
+        seed: Seed of the perturbations.
+        unbalances_given: Whether nominal unbalances stand in it.
+        element_length: Longest element of the document's mesh [m]; None for the default.
+
+    Returns:
+        The document.
+    """
+    rng = np.random.default_rng(seed)
+    said = geometry(plant)
+    films = plant.films(np.array([(plant.slowest + plant.fastest) / 2]))
+    for bearing, k, c in zip(said["bearings"], films.stiffness[0], films.damping[0], strict=True):
+        bearing |= _perturbed(zip(STIFFNESS + DAMPING, [*k.ravel(), *c.ravel()], strict=True), perturbation, rng)
+        if form != "constant":
+            bearing["speed_dependence"] = {"form": form, "knots_rpm": list(knots_rpm)}
+            if terms == "direct":
+                bearing["speed_dependence"]["coefficients"] = list(DIRECT)
+    for coupling in said["couplings"]:
+        lateral = [(name, coupling[name]) for name in (*STIFFNESS, *DAMPING, "k_phix", "k_phiy")]
+        coupling |= _perturbed(lateral, perturbation, rng)
+    for disc, true in zip(said["discs"], plant.train.discs, strict=True):
+        error = perturbation * (rng.standard_normal() + 1j * rng.standard_normal())
+        off = true.unbalance * (1.0 + error)
+        if unbalances_given:
+            disc["unbalance"] = {"magnitude": float(abs(off)), "angle_deg": float(np.degrees(np.angle(off)))}
+    if element_length is not None:
+        said["element_length"] = element_length
+    return said
+
+
+def geometry(plant: Plant) -> dict[str, Any]:
+    """What any document of a plant says, without its bearings' coefficients: they are named by shaft and station only."""
+    train = plant.believed
+    steel = train.material
+    return {
+        "schema_version": 1,
+        "id": plant.name.replace(" ", "-"),
+        "plant": "films",
+        "name": plant.name,
+        "speed_range": {
+            "minimum_rpm": float(plant.slowest / RPM * (1.0 - SPEED_MARGIN)),
+            "maximum_rpm": float(plant.fastest / RPM * (1.0 + SPEED_MARGIN)),
+        },
+        "materials": {"steel": {"young_modulus": steel.young, "density": steel.density, "poisson_ratio": steel.poisson}},
+        "shafts": [
+            {
+                "id": f"S{number}",
+                "sections": [
+                    {"length": length, "outer_diameter": diameter, "material": "steel"} for length, diameter in shaft.pieces
+                ],
+            }
+            for number, shaft in enumerate(train.shafts, start=1)
+        ],
+        "discs": [
+            {
+                "id": f"D{number}",
+                "shaft": f"S{disc.shaft + 1}",
+                "station": disc.station,
+                "mass": disc.mass,
+                "diametral_inertia": disc.diametral_inertia,
+                "polar_inertia": disc.polar_inertia,
+            }
+            for number, disc in enumerate(train.discs, start=1)
+        ],
+        "bearings": [
+            {"id": f"B{number}", "shaft": f"S{one.shaft + 1}", "station": one.station}
+            for number, one in enumerate(train.bearings, start=1)
+        ],
+        "couplings": [_coupling(plant, number) for number in range(len(train.couplings))],
+        "probes": [
+            {"id": f"B{number}{axis}", "shaft": f"S{one.shaft + 1}", "station": one.station, "angle_deg": angle}
+            for number, one in enumerate(train.bearings, start=1)
+            for axis, angle in (("X", 0.0), ("Y", 90.0))
+        ],
+        "noise": {"relative": NOISE_PART, "floor": NOISE_FLOOR},
+    }
+
+
+def _coupling(plant: Plant, number: int) -> dict[str, Any]:
+    """The coupling behind shaft `number` with its true coefficients and halves."""
+    one = plant.train.couplings[number]
+    values = zip(STIFFNESS + DAMPING, [*one.stiffness.ravel(), *one.damping.ravel()], strict=True)
+    mass, diametral, polar = one.half
+    half = {"mass": mass, "diametral_inertia": diametral, "polar_inertia": polar}
+    return {
+        "id": f"C{number + 1}",
+        "driver": f"S{number + 1}",
+        "driven": f"S{number + 2}",
+        **{name: float(value) for name, value in values},
+        "k_phix": one.k_phix,
+        "k_phiy": one.k_phiy,
+        "driver_half": half,
+        "driven_half": half,
+    }
+
+
+def _perturbed(values: Any, size: float, rng: np.random.Generator) -> dict[str, float]:
+    """Coefficients with their errors: of the logarithm of direct terms, else a part of the value."""
+    found = {}
+    for name, value in values:
+        error = size * rng.standard_normal()
+        direct = name in DIRECT or name.startswith("k_phi")
+        found[name] = float(value * (np.exp(error) if direct else 1.0 + error))
+    return found
+
+
+def linear_machine(plant: Plant, **options: Any) -> Machine:
+    """The machine of `linear_document`, with its options."""
+    return parse_machine(linear_document(plant, **options))
+
+
+def measured(plant: Plant, *, samples: int = 150, seed: int = 0, clean: tuple[Floats, Complexes] | None = None) -> Measurement:
+    """Noisy steady phasors of a run-down, or of speeds (S,) [rad/s] and phasors (S, m) [m] that are given."""
+    if clean is None:
+        films = plant.films(plant.speeds(samples))
+        clean = films.speed, plant.phasors(films)
+    speed, phasor = clean
+    return Measurement.of(speed=speed, phasor=noisy(phasor, np.random.default_rng(seed)))

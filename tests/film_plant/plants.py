@@ -1,0 +1,202 @@
+"""Random plants: two shafts on four journal bearings with a coupling, of the proportions of industrial trains.
+
+What is believed of a train is drawn first; the truth differs from it in clearances, viscosities and elevations by the stated
+priors. Trains that whirl, or whose journals come close to the wall, within their speed range are drawn anew, both together.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tests.film_plant.discrepancy import Discrepancy, DiscrepancySize
+from tests.film_plant.motor_compressor import CouplingKind, motor_compressor
+from tests.film_plant.oil import HeatedOil
+from tests.film_plant.plant import RPM, Plant
+from tests.film_plant.proportions import Design, believed_train
+from tests.film_plant.statics import Equilibrium, NoEquilibrium
+from tests.film_plant.train import ConstantOil, Oil, Train
+
+SMALLEST_RATIO = 0.005
+"""Smallest damping ratio of a train that is taken [-]."""
+LARGEST_WAY = 0.93
+"""Largest way of a journal to the wall of a train that is taken [-]."""
+LARGEST_ORBIT = 0.25
+"""Largest 1× amplitude in clearances; unbalances are made smaller for it [-]."""
+LEAST_WAY = 0.15
+"""Least way of a journal to the wall at the highest speed of a train that is taken: bearings are not made for less [-]."""
+MOST_DRAWS = 200
+"""Most trains that are drawn for one plant."""
+HOTTEST_FILM = 95.0
+"""Highest effective temperature of a film of a train that is taken [°C]."""
+CHECKED_SPEEDS = 9
+"""Speeds at which a train's stability is checked."""
+
+
+@dataclass(frozen=True)
+class Priors:
+    """Standard deviations by which the truth differs from what is believed.
+
+    Attributes:
+        clearance: Of the logarithm [-].
+        viscosity: Of the logarithm [-].
+        elevation: Of a bearing's elevation, vertical and horizontal, with a flexible coupling [m].
+        rigid_elevation: The same with a rigid coupling [m].
+        common_oil: Whether all bearings have one oil supply, and so one viscosity.
+    """
+
+    clearance: float = 0.15
+    viscosity: float = 0.15
+    elevation: float = 30e-6
+    rigid_elevation: float = 5e-6
+    common_oil: bool = False
+
+
+PRIORS = Priors()
+"""Priors where none are given."""
+PLAIN_DESIGN = Design()
+"""Kind of train where none is given."""
+
+Alteration = Callable[[Train, np.random.Generator, float], Train]
+"""Function of a true train, a random generator and the highest speed [rad/s] that returns the train with something altered."""
+
+
+def unaltered(train: Train, _: np.random.Generator, __: float) -> Train:
+    """The train as it is."""
+    return train
+
+
+def random_plant(
+    seed: int,
+    *,
+    design: Design = PLAIN_DESIGN,
+    priors: Priors = PRIORS,
+    discrepancy: DiscrepancySize | None = None,
+    alter: Alteration = unaltered,
+) -> Plant:
+    """Draw a plant.
+
+    Args:
+        seed: Seed of the random generator: the same gives the same plant.
+        design: Kind of the train.
+        priors: How far the truth is from what is believed.
+        discrepancy: Size of the films' discrepancies; None for none.
+        alter: What else is done to the truth, and not believed.
+
+    Returns:
+        The plant.
+
+    Raises:
+        RuntimeError: No train among many was stable.
+    """
+    rng = np.random.default_rng(seed)
+
+    def draw() -> Plant | None:
+        believed, kind, fastest = believed_train(rng, design)
+        truth = alter(_truth(believed, rng, priors, kind), rng, fastest)
+        return _checked(Plant(f"plant {seed}", truth, believed, float(rng.uniform(0.15, 0.2) * fastest), fastest))
+
+    return _with_discrepancy(_first(draw, f"train of seed {seed}"), discrepancy, rng)
+
+
+def motor_compressor_plant(
+    seed: int,
+    kind: CouplingKind = "flexible",
+    *,
+    priors: Priors = PRIORS,
+    discrepancy: DiscrepancySize | None = None,
+    alter: Alteration = unaltered,
+) -> Plant:
+    """Draw the truth of a motor and compressor from the priors; otherwise as `random_plant`."""
+    rng = np.random.default_rng(seed)
+    believed = replace(motor_compressor(kind), refinement=2)
+    slowest, fastest = 700.0 * RPM, 4600.0 * RPM
+
+    def draw() -> Plant | None:
+        truth = alter(_truth(believed, rng, priors, kind), rng, fastest)
+        return _checked(Plant(f"motor-compressor {seed}", truth, believed, slowest, fastest))
+
+    return _with_discrepancy(_first(draw, f"truth of seed {seed}"), discrepancy, rng)
+
+
+def _first(draw: Callable[[], Plant | None], what: str) -> Plant:
+    """The first plant of many draws that is taken."""
+    for _ in range(MOST_DRAWS):
+        found = draw()
+        if found is not None:
+            return found
+    raise RuntimeError(f"no {what} among {MOST_DRAWS} was stable")
+
+
+def _with_discrepancy(plant: Plant, size: DiscrepancySize | None, rng: np.random.Generator) -> Plant:
+    """Draw discrepancies until the plant is stable with them."""
+    if size is None:
+        return plant
+    for _ in range(MOST_DRAWS):
+        drawn = Discrepancy(size, len(plant.train.bearings), slowest=plant.slowest, fastest=plant.fastest, rng=rng)
+        found = plant.with_discrepancy(drawn)
+        if found.damping_ratios(found.speeds(CHECKED_SPEEDS)).min() > SMALLEST_RATIO:
+            return found
+    raise RuntimeError(f"{plant.name} is stable with none of {MOST_DRAWS} discrepancies")
+
+
+def _checked(plant: Plant) -> Plant | None:
+    """The plant with unbalances of a sensible size; None where it whirls or a journal is too close to the wall."""
+    try:
+        films = plant.films(plant.speeds(CHECKED_SPEEDS))
+    except NoEquilibrium:
+        return None
+    if (
+        _hottest(plant, films) > HOTTEST_FILM
+        or films.way.max() > LARGEST_WAY
+        or films.way[0].min() < LEAST_WAY
+        or films.load[..., 1].min() <= 0.0
+    ):
+        return None
+    if plant.damping_ratios(plant.speeds(CHECKED_SPEEDS)).min() < SMALLEST_RATIO:
+        return None
+    orbit = np.abs(plant.phasors(plant.films(plant.speeds(60)))).reshape(60, -1, 2) / plant.train.clearances[:, None]
+    factor = min(1.0, LARGEST_ORBIT / orbit.max())
+    discs = tuple(replace(one, unbalance=factor * one.unbalance) for one in plant.train.discs)
+    return replace(plant, train=replace(plant.train, discs=discs))
+
+
+def _hottest(plant: Plant, films: Equilibrium) -> float:
+    """Highest temperature of the oil at the highest speed, which comes first [°C]; -∞ where it has none."""
+    return max(
+        one.oil.temperature(one, speed=float(films.speed[0]), eccentricity=float(way))
+        if isinstance(one.oil, HeatedOil)
+        else -np.inf
+        for one, way in zip(plant.train.bearings, films.way[0], strict=True)
+    )
+
+
+def _truth(believed: Train, rng: np.random.Generator, priors: Priors, kind: CouplingKind) -> Train:
+    """Draw the true train."""
+    count = len(believed.bearings)
+    clearance = np.exp(priors.clearance * rng.standard_normal(count))
+    drawn = np.exp(priors.viscosity * rng.standard_normal(count))
+    viscosity = np.full(count, drawn[0]) if priors.common_oil else drawn
+    move = (priors.elevation if kind == "flexible" else priors.rigid_elevation) * rng.standard_normal((count, 2))
+    bearings = tuple(
+        replace(
+            one,
+            clearance=float(one.clearance * clearance[k]),
+            oil=_thickened(one.oil, float(viscosity[k])),
+            elevation=(one.elevation[0] + float(move[k, 0]), one.elevation[1] + float(move[k, 1])),
+        )
+        for k, one in enumerate(believed.bearings)
+    )
+    discs = tuple(
+        replace(one, unbalance=complex(one.mass * rng.uniform(6e-6, 20e-6) * np.exp(2j * np.pi * rng.random())))
+        for one in believed.discs
+    )
+    return replace(believed, bearings=bearings, discs=discs)
+
+
+def _thickened(oil: Oil, factor: float) -> Oil:
+    """The oil with its viscosity times a factor."""
+    if isinstance(oil, ConstantOil):
+        return ConstantOil(oil.value * factor)
+    assert isinstance(oil, HeatedOil)
+    return replace(oil, factor=oil.factor * factor)

@@ -1,0 +1,76 @@
+"""Truths of which a document says one thing wrong: an estimator must refuse them, or its intervals must hold."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from tests.film_plant.oil import HeatedOil, walther
+from tests.film_plant.plants import Alteration
+from tests.film_plant.train import Bearing, Pedestal, Train
+
+ELLIPTICAL_CLEARANCE = 1.5
+"""Clearance of an elliptical bore's pads over that of the plain bore that it is said to be [-]."""
+SOFT_FREQUENCY = (0.7, 1.1)
+"""Frequencies of the soft pedestal with its mass, along x and y, over the highest speed [-]."""
+CLEARANCE_PRIORS = 2.0
+"""How far the wrong clearance is off, in standard deviations of its prior [-]."""
+_OfBearing = Callable[[Bearing], Bearing]
+
+MEDIAN = 0.6
+"""Part of the highest speed at which oil that warms has the viscosity that is believed [-]."""
+USUAL_WAY = 0.6
+"""Eccentricity for which that holds [-]."""
+
+
+def elliptical(train: Train, rng: np.random.Generator, _: float) -> Train:
+    """One bearing's bore is elliptical and said to be plain. Tables are kept for L/D 0.5 and 0.8."""
+
+    def bored(one: Bearing) -> Bearing:
+        return replace(one, profile="elliptical", clearance=ELLIPTICAL_CLEARANCE * one.clearance)
+
+    return _at_one(train, rng, bored)
+
+
+def soft_pedestal(train: Train, rng: np.random.Generator, fastest: float) -> Train:
+    """One bearing stands on a pedestal with resonances inside the speed range, which is said to be rigid."""
+
+    def softened(one: Bearing) -> Bearing:
+        mass = 7850.0 * (2.2 * one.diameter) ** 3
+        frequency = [part * fastest for part in SOFT_FREQUENCY]
+        x, y = (mass * w**2 for w in frequency)
+        cx, cy = (2 * 0.05 * mass * w for w in frequency)
+        return replace(one, pedestal=Pedestal((mass, mass), (x, y), (cx, cy)))
+
+    return _at_one(train, rng, softened)
+
+
+def far_clearance(spread: float) -> Alteration:
+    """One bearing's clearance is off by twice its prior's standard deviation more, given as that of the logarithm."""
+
+    def altered(train: Train, rng: np.random.Generator, _: float) -> Train:
+        factor = float(np.exp(CLEARANCE_PRIORS * spread * rng.choice([-1.0, 1.0])))
+        return _at_one(train, rng, lambda one: replace(one, clearance=factor * one.clearance))
+
+    return altered
+
+
+def warming_oil(train: Train, _: np.random.Generator, fastest: float) -> Train:
+    """All oil warms with speed, and is said to have one viscosity."""
+    return replace(train, bearings=tuple(replace(one, oil=_warming(one, fastest)) for one in train.bearings))
+
+
+def _warming(bearing: Bearing, fastest: float) -> HeatedOil:
+    """Oil of ISO VG 46 that has the bearing's constant viscosity at the median speed."""
+    due = bearing.oil.viscosity(bearing, speed=0.0, eccentricity=0.0)
+    oil = HeatedOil(46, 35.0, carried=1.0, feed=0.0)
+    for _ in range(30):
+        temperature = oil.temperature(bearing, speed=MEDIAN * fastest, eccentricity=USUAL_WAY)
+        oil = replace(oil, factor=due / walther(oil.grade, temperature))
+    return oil
+
+
+def _at_one(train: Train, rng: np.random.Generator, change: _OfBearing) -> Train:
+    """The train with one of its bearings changed."""
+    chosen = int(rng.integers(len(train.bearings)))
+    return replace(train, bearings=tuple(change(one) if k == chosen else one for k, one in enumerate(train.bearings)))

@@ -1,0 +1,1 @@
+"""Tests of the film plant: its films, trains, sweeps and documents."""
