@@ -22,7 +22,7 @@ SOURCE = re.compile(
     r"|\bEq\. [A-F\d]\.\d"
     r"|\b(?:API|API RP|ISO|JCGM|IEEE Std) \d{3,}"
     r"|\b\d{1,3} \((?:18|19|20)\d\d\) \w?\d+"  # volume, year, page
-    r"|(?:Wiley|Springer|Oxford|Berlin|ed\.|IMAC,|Diagnostics,|Analysis,) (?:18|19|20)\d\d"
+    r"|(?:Wiley|Springer|Oxford|Berlin|ed\.|IMAC,|[a-z]{4},) (?:18|19|20)\d\d\b"  # publisher or title, year
 )
 METHODS = re.compile(
     r"\b(?:Akaike|Allemang|Bayley|Bennett|Butland|Cowper|Craig|Crowder|DerSimonian|Durbin|Fritsch|Guyan|Hamed|Hoerl|Kendall"
@@ -34,6 +34,8 @@ OWN = {
     "diagnosis/observation.py": "a second-order expansion of the likelihood, in the module's docstring",
     "fit/fit_problem.py": "χ² and its derivatives, which the fit's method minimises",
     "fit/identifiability.py": "reads a covariance whose source is the fit's",
+    "fit/physical_limits.py": "signs of damping ratios and of eigenvalues",
+    "identification/sweep_correction.py": "derived in the module's docstring",
     "phasors/beating.py": "derived in the module's docstring",
     "phasors/modal_transient.py": "derived in the module's docstring",
     "phasors/orbits.py": "geometry of ellipses, and the response's growth over speed",
