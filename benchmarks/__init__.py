@@ -1,1 +1,6 @@
-"""Benchmarks: each module prints the figures it measured beside the figures asked for."""
+"""Benchmarks: each command prints the figures it measured beside the figures asked for.
+
+The modules here measure the service and its store; `chain`, `closed_loop` and `serving` set up what they measure. Rooms:
+`estimator` (accuracy, coverage and cost of the science), `faults` (kills, attacks, hours of load), `fleet` (false alarms and
+detection over months), `thesis` (its experiments run again, by chapter).
+"""

@@ -14,31 +14,31 @@ class StrictModel(BaseModel):
 
     @field_validator("*", mode="before")
     @classmethod
-    def _no_truth_for_a_number(cls, value: Any, info: ValidationInfo) -> Any:
+    def _reject_booleans(cls, value: Any, info: ValidationInfo) -> Any:
         # The library would take true for 1: a stiffness of 1 N/m where somebody meant to say that there is one.
-        if info.field_name is not None and _has_truth(value) and not _takes_truth(cls, info.field_name):
+        if info.field_name is not None and _contains_boolean(value) and not _accepts_boolean(cls, info.field_name):
             raise ValueError("true and false are no values of this field")
         # Nor is 0 false, or "no": in a document of YAML both are written without quotes.
         other = isinstance(value, int | float | str) and not isinstance(value, bool)
-        if other and info.field_name is not None and _is_truth(cls, info.field_name):
+        if other and info.field_name is not None and _requires_boolean(cls, info.field_name):
             raise ValueError("this field is true or false")
         return value
 
 
-def _has_truth(value: Any) -> bool:
-    return isinstance(value, bool) or (isinstance(value, list | tuple) and any(map(_has_truth, value)))
+def _contains_boolean(value: Any) -> bool:
+    return isinstance(value, bool) or (isinstance(value, list | tuple) and any(map(_contains_boolean, value)))
 
 
 @functools.cache
-def _takes_truth(model: type[BaseModel], field: str) -> bool:
-    return _mentions_truth(model.model_fields[field].annotation)
+def _accepts_boolean(model: type[BaseModel], field: str) -> bool:
+    return _mentions_boolean(model.model_fields[field].annotation)
 
 
 @functools.cache
-def _is_truth(model: type[BaseModel], field: str) -> bool:
+def _requires_boolean(model: type[BaseModel], field: str) -> bool:
     annotation = model.model_fields[field].annotation
     return {annotation, *typing.get_args(annotation)} - {type(None), bool | None} == {bool}
 
 
-def _mentions_truth(annotation: Any) -> bool:
-    return annotation in (bool, Any) or any(map(_mentions_truth, typing.get_args(annotation)))
+def _mentions_boolean(annotation: Any) -> bool:
+    return annotation in (bool, Any) or any(map(_mentions_boolean, typing.get_args(annotation)))

@@ -73,7 +73,7 @@ class Rundown:
 
     def machines(self) -> Iterator[MachineSummary]:
         """Yield all machines, by id."""
-        return self._each(MachineSummary, "/machines")
+        return self._items(MachineSummary, "/machines")
 
     def machine(self, machine: str) -> MachineRevision:
         """Return a machine's document in force."""
@@ -89,7 +89,7 @@ class Rundown:
         headers = {"If-Match": self._tag(path, read)}
         body = document.model_dump(mode="json")
         try:
-            return self._model(MachineRevision, self._ask("PUT", path, json=body, headers=headers))
+            return self._model(MachineRevision, self._request("PUT", path, json=body, headers=headers))
         except ChangedMeanwhile:
             there = self.machine(read.id)
             if there.document != document:
@@ -109,7 +109,7 @@ class Rundown:
 
     def runs(self, machine: str, *, first: datetime | None = None, last: datetime | None = None) -> Iterator[Run]:
         """Yield runs that began in a time range, newest first."""
-        return self._each(Run, f"/machines/{machine}/runs", _period(first, last))
+        return self._items(Run, f"/machines/{machine}/runs", _period(first, last))
 
     def phasors(self, run: int) -> Phasors:
         """Return a run's 1× phasors."""
@@ -119,7 +119,7 @@ class Rundown:
         self, machine: str, *, first: datetime | None = None, last: datetime | None = None
     ) -> Iterator[IdentificationSummary]:
         """Yield identifications measured in a time range, newest first."""
-        return self._each(IdentificationSummary, f"/machines/{machine}/identifications", _period(first, last))
+        return self._items(IdentificationSummary, f"/machines/{machine}/identifications", _period(first, last))
 
     def identification(self, number: int) -> IdentificationDetail:
         """Return one identification with its estimates."""
@@ -150,7 +150,7 @@ class Rundown:
     def alerts(self, *, machine: str | None = None, only_open: bool = False) -> Iterator[AlertOut]:
         """Yield alerts, newest first."""
         path = "/alerts" if machine is None else f"/machines/{machine}/alerts"
-        return self._each(AlertOut, path, {"open": only_open})
+        return self._items(AlertOut, path, {"open": only_open})
 
     def acknowledge(self, read: AlertOut, *, by: str, comment: str = "") -> AlertOut:
         """Acknowledge an alert, unless it was changed since it was read. Raises ChangedMeanwhile."""
@@ -200,35 +200,35 @@ class Rundown:
                     number = event = None
 
     def _tag(self, path: str, read: BaseModel) -> str:
-        answer = self._ask("GET", path)
+        answer = self._request("GET", path)
         if type(read).model_validate_json(answer.content) != read:
             raise ChangedMeanwhile(f"{path} was changed since it was read: read it again")
         return answer.headers["etag"]
 
     def _get(self, model: type[M], path: str, asked: Mapping[str, Any] | None = None) -> M:
-        return self._model(model, self._ask("GET", path, params=asked))
+        return self._model(model, self._request("GET", path, params=asked))
 
     def _post(self, model: type[M], path: str, body: Any, headers: Mapping[str, str] | None = None) -> M:
         keyed = {"Idempotency-Key": str(uuid.uuid4())} | dict(headers or {})
-        return self._model(model, self._ask("POST", path, json=body, headers=keyed))
+        return self._model(model, self._request("POST", path, json=body, headers=keyed))
 
-    def _each(self, model: type[M], path: str, asked: Mapping[str, Any] | None = None) -> Iterator[M]:
+    def _items(self, model: type[M], path: str, asked: Mapping[str, Any] | None = None) -> Iterator[M]:
         for part in self._parts(path, asked or {}):
             yield from (model.model_validate(one) for one in part)
 
     def _parts(self, path: str, asked: Mapping[str, Any]) -> Iterator[Any]:
-        answer = self._ask("GET", path, params=asked)
+        answer = self._request("GET", path, params=asked)
         while True:
             yield json.loads(answer.content)
             following = answer.links.get("next")
             if following is None:
                 return
-            answer = self._ask("GET", following["url"].removeprefix(PREFIX))
+            answer = self._request("GET", following["url"].removeprefix(PREFIX))
 
     def _model(self, model: type[M], answer: httpx.Response) -> M:
         return model.model_validate_json(answer.content)
 
-    def _ask(self, method: str, path: str, **how: Any) -> httpx.Response:
+    def _request(self, method: str, path: str, **how: Any) -> httpx.Response:
         for left in reversed(range(TRIES)):
             try:
                 answer = self._http.request(method, PREFIX + path, **how)

@@ -26,9 +26,9 @@ class InProcess(httpx.BaseTransport):
 
     def handle_request(self, request: httpx.Request) -> httpx.Response:
         """One request, on an event loop of its own."""
-        return asyncio.run(self._asked(request))
+        return asyncio.run(self._handle(request))
 
-    async def _asked(self, request: httpx.Request) -> httpx.Response:
+    async def _handle(self, request: httpx.Request) -> httpx.Response:
         transport = httpx.ASGITransport(self._app, raise_app_exceptions=False)
         answer = await transport.handle_async_request(
             httpx.Request(request.method, request.url, headers=request.headers, content=request.read())

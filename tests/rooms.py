@@ -49,8 +49,8 @@ service/replication: service/configuration service/resilience storage/database s
 service/sources: estimator estimator/machine estimator/runs estimator/simulation service/configuration service/export
     service/wire storage storage/database
 service/workers: service/configuration
-service/delivery: estimator service/alerts service/configuration service/replication service/secrets storage
-    storage/alerts storage/backup storage/database storage/encoding storage/machines storage/operation storage/tables
+service/delivery: estimator service/alerts service/configuration service/replication service/resilience service/secrets
+    storage storage/alerts storage/backup storage/database storage/encoding storage/machines storage/operation storage/tables
 service/edge: estimator estimator/machine estimator/phasors estimator/signal service/configuration service/sources
     service/wire storage
 service/monitoring: estimator estimator/diagnosis estimator/fit estimator/machine estimator/rotor estimator/trends
@@ -62,7 +62,7 @@ service/security: estimator service/configuration service/http service/resilienc
     storage/encoding storage/operation storage/tables
 service/identification: estimator estimator/fit estimator/identification estimator/machine estimator/modes
     estimator/phasors estimator/updated_model service/configuration service/monitoring service/replication
-    service/workers storage/database storage/encoding storage/findings storage/machines storage/measurements
+    service/resilience service/workers storage/database storage/encoding storage/findings storage/machines storage/measurements
     storage/tables
 service/journal: estimator estimator/machine service/replication service/resilience service/runs service/wire
     storage/database storage/encoding storage/machines storage/measurements storage/tables
@@ -90,8 +90,8 @@ service/api/machines: estimator estimator/machine estimator/phasors estimator/ru
 service/api/trends: estimator estimator/trends estimator/updated_model service/api/cache service/api/conventions
     service/monitoring service/security storage/database storage/findings storage/machines
 service/api/alerts: estimator service/alerts service/api/cache service/api/conventions service/api/findings
-    service/delivery service/secrets service/security storage storage/alerts storage/database storage/machines
-    storage/tables
+    service/delivery service/resilience service/secrets service/security storage storage/alerts storage/database
+    storage/machines storage/tables
 service/api: service/api/alerts service/api/cache service/api/conventions service/api/findings service/api/machines
     service/api/measurements service/api/operation service/api/trends service/configuration service/delivery
     service/http service/identification service/journal service/resilience service/security storage/database

@@ -11,7 +11,11 @@ from types import ModuleType
 
 from threadpoolctl import threadpool_limits
 
-from benchmarks.thesis import chapter_2, chapter_3, chapter_4, chapter_5, future_work
+from benchmarks.thesis.chapter_2 import report as chapter_2
+from benchmarks.thesis.chapter_3 import report as chapter_3
+from benchmarks.thesis.chapter_4 import report as chapter_4
+from benchmarks.thesis.chapter_5 import report as chapter_5
+from benchmarks.thesis.future_work import report as future_work
 
 CHAPTERS: dict[str, ModuleType] = {
     "chapter-2": chapter_2,

@@ -31,11 +31,11 @@ FURTHER_CAUSE_PART = 0.05
 """Part of the strongest cause's evidence that a further cause needs as well [-]: a large cause is never explained quite
 exactly.
 """
-MOST_FURTHER_EVIDENCE = 6.0
+LARGEST_FURTHER_EVIDENCE = 6.0
 """Most evidence that a cause which enters the response linearly asks of a further one [-]: however large it is, a cause that
 stands for months must not hide a misalignment.
 """
-MOST_CAUSES = 4
+MAXIMUM_CAUSES = 4
 """Most causes at once that are told apart."""
 LARGEST_STEPS = 10
 """Most steps in which causes are added and taken back."""
@@ -175,15 +175,15 @@ def _chosen(deviation: "Deviation") -> list[Hypothesis]:
     least = STRONG
     for _ in range(LARGEST_STEPS):
         within = deviation.allowing_for(chosen)
-        left = [one for one in deviation.baseline.hypotheses if one not in chosen and not _is_part(one, chosen)]
-        if not left or len(chosen) == MOST_CAUSES:
+        left = [one for one in deviation.baseline.hypotheses if one not in chosen and not _is_subset(one, chosen)]
+        if not left or len(chosen) == MAXIMUM_CAUSES:
             break
         best = max(left, key=within.evidence)
         if within.evidence(best) < least:
             break
         # A whole takes the place of its parts.
-        chosen = [*(one for one in chosen if not _is_part(one, [best])), best]
-        least = max([STRONG, *(_evidence_needed_beside(one, deviation.evidence(one)) for one in chosen)])
+        chosen = [*(one for one in chosen if not _is_subset(one, [best])), best]
+        least = max([STRONG, *(_required_evidence(one, deviation.evidence(one)) for one in chosen)])
         # What a new cause explains better is taken back.
         needed = [one for one in chosen if deviation.allowing_for([o for o in chosen if o is not one]).evidence(one) >= STRONG]
         if len(needed) < len(chosen) and best not in needed:
@@ -192,12 +192,12 @@ def _chosen(deviation: "Deviation") -> list[Hypothesis]:
     return chosen
 
 
-def _evidence_needed_beside(one: Hypothesis, evidence: float) -> float:
+def _required_evidence(one: Hypothesis, evidence: float) -> float:
     """Return the evidence that a further cause needs beside one with so much."""
-    return min(FURTHER_CAUSE_PART * evidence, MOST_FURTHER_EVIDENCE if one.linear else math.inf)
+    return min(FURTHER_CAUSE_PART * evidence, LARGEST_FURTHER_EVIDENCE if one.linear else math.inf)
 
 
-def _is_part(one: Hypothesis, of: Sequence[Hypothesis]) -> bool:
+def _is_subset(one: Hypothesis, of: Sequence[Hypothesis]) -> bool:
     """Check whether a cause moves nothing but what another one moves as well, such as a bearing beside a misaligned
     coupling."""
     return bool(one.elements) and any(one.elements < other.elements for other in of)
@@ -293,11 +293,11 @@ class Deviation:
             names=tuple(self.baseline.names[place] for place in moved),
             change=change[moved],
             covariance=columns[moved] @ spread @ columns[moved].T,
-            distance=math.sqrt(max(0.0, float(mean @ self._pull_along(columns)))),
+            distance=math.sqrt(max(0.0, float(mean @ self._projected_pull(columns)))),
             agreement=tuple(float(white @ drawn - 0.5 * white @ seen @ white) for seen, drawn in self.runs),
         )
 
-    def _pull_along(self, columns: Floats) -> Floats:
+    def _projected_pull(self, columns: Floats) -> Floats:
         return np.asarray((columns / self.baseline.unit[:, None]).T @ self.pull)
 
     def _by_variant(self, one: Hypothesis) -> tuple[float, ...]:
@@ -310,7 +310,7 @@ class Deviation:
 
     def _evidence_of(self, columns: Floats, rising: Floats) -> float:
         white = columns / self.baseline.unit[:, None]
-        pull = self._pull_along(columns)
+        pull = self._projected_pull(columns)
         whole = np.eye(columns.shape[1]) + white.T @ self.precision @ white
         found = 0.5 * float(pull @ np.linalg.solve(whole, pull)) - 0.5 * float(np.linalg.slogdet(whole)[1])
         if len(rising):
@@ -324,7 +324,7 @@ class Deviation:
     def _posterior(self, columns: Floats) -> tuple[Floats, Floats]:
         white = columns / self.baseline.unit[:, None]
         spread = np.linalg.inv(np.eye(columns.shape[1]) + white.T @ self.precision @ white)
-        return np.asarray(spread @ self._pull_along(columns)), np.asarray(spread)
+        return np.asarray(spread @ self._projected_pull(columns)), np.asarray(spread)
 
 
 def agreement(baseline: Reference, cause: Cause, one: Observation) -> float:

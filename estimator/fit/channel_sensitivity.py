@@ -59,7 +59,7 @@ def channel_effects(problem: FitProblem, found: FitResult, *, inflation: float =
         Effects of e errors of channels.
     """
     whole = _with_every_channel(with_fitted_noise(problem, found))
-    doubtful = _mostly_left_out(whole)
+    doubtful = _discarded_channels(whole)
     own, extended = problem.coordinates, whole.coordinates
     index = np.array([extended.names.index(name) for name in own.names], dtype=np.intp)
     added = np.setdiff1d(np.arange(extended.size), index)
@@ -78,7 +78,7 @@ def channel_effects(problem: FitProblem, found: FitResult, *, inflation: float =
     information = curvature[np.ix_(added, added)] / np.outer(unit[added], unit[added]) - across.T @ bias
     score = gradient[added] / unit[added]
     if doubtful.any():
-        bias, information, score = _judged_alone(whole, theta, doubtful, added, (bias, information, score))
+        bias, information, score = _assess_separately(whole, theta, doubtful, added, (bias, information, score))
     used = whole.used
     return ChannelEffects(
         names=tuple(extended.names[place] for place in added),
@@ -92,14 +92,14 @@ def channel_effects(problem: FitProblem, found: FitResult, *, inflation: float =
     )
 
 
-def _mostly_left_out(problem: FitProblem) -> NDArray[np.bool_]:
+def _discarded_channels(problem: FitProblem) -> NDArray[np.bool_]:
     """Mark the channels that the fit has given up (m,)."""
     usable = np.count_nonzero(problem.measurement.usable, axis=0)
     left_out = np.count_nonzero(problem.outlier & problem.measurement.usable, axis=0)
     return np.asarray(left_out > MOSTLY_LEFT_OUT * np.maximum(usable, 1))
 
 
-def _judged_alone(
+def _assess_separately(
     problem: FitProblem,
     theta: Floats,
     doubtful: NDArray[np.bool_],

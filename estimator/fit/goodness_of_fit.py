@@ -106,7 +106,8 @@ def remark(problem: FitProblem, found: FitResult) -> VerdictRemark:
     """Check whether the residuals show a pattern over speed, which χ² is not sharp enough for.
 
     Not a reason to refuse: the errors of overlapping measurements are alike as well. Then there are fewer independent ones,
-    and the covariance grows by (1 + r) / (1 - r), as for errors of a first-order autoregression.
+    and the covariance grows by (1 + r) / (1 - r), as for errors of a first-order autoregression (Bayley and Hammersley,
+    Suppl. J. R. Stat. Soc. 8 (1946) 184, doi:10.2307/2983560).
 
     Args:
         problem: The fit's problem.

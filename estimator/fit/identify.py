@@ -131,8 +131,9 @@ def identify(
 ) -> Identification:
     """Identify every bearing and coupling coefficient and every disc's unbalance of a machine.
 
-    Maximum likelihood under independent Gaussian errors of the size that the measurement or the machine's noise model states.
-    Starts from the nominal values; where the χ² test fails, random starts around them follow.
+    Maximum likelihood under independent Gaussian errors of the size that the measurement or the machine's noise model states,
+    by the method of Marquardt (1963, doi:10.1137/0111030). Starts from the nominal values; where the χ² test fails, random
+    starts around them follow.
 
     Args:
         machine: The machine.

@@ -135,7 +135,7 @@ def helpful_probes(
     )
 
 
-def _place(probe: Probe) -> str:
+def _probe_description(probe: Probe) -> str:
     return f"a probe on shaft {probe.shaft} at {probe.station:.4g} m, {probe.angle_deg:g}°"
 
 

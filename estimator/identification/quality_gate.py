@@ -156,7 +156,7 @@ def _without_sweep(
     for _ in range(PASSES):
         steady = expected_phasors(machine, base, found.point)
         transient = _transient(updated_model(machine, found), runs, base, pieces)
-        deviation = _nearer_transient(machine, base, steady, transient)
+        deviation = _closest_transient(machine, base, steady, transient)
         treatment = _treatment(machine, base, steady, deviation, limit=LARGEST_FITTED, correct=True)
         wanted = treatment.applied(base) if correct else base
         if _is_unchanged(used, wanted, treatment.error):
@@ -225,7 +225,7 @@ def _treatment(
     return _Treatment(deviation, error, size, excluded, (size > NEGLIGIBLE) & ~excluded & correct)
 
 
-def _nearer_transient(machine: Machine, base: Measurement, steady: Complexes, transient: SweepTransient) -> Complexes:
+def _closest_transient(machine: Machine, base: Measurement, steady: Complexes, transient: SweepTransient) -> Complexes:
     """Choose the predicted transient that is nearer to the data: of phasors of an instant, or of means over a block."""
     error = error_size(machine.noise, np.abs(steady), base.scatter)
     telling = base.usable & (np.abs(transient.instant) > NEGLIGIBLE * error)

@@ -160,7 +160,7 @@ def _crossings_by_reduction(matrices: MatricesOverSpeed, *, direction: int, high
         exact = corrected_crossing(matrices, guess, direction=direction)
         # Of two that nearly coincide, both corrections may lead to one.
         lost = exact is None or abs(exact.eigenvalue[0] - root) > SEARCHED_WITHIN * abs(root)
-        found.append(guess if lost or exact is None or any(_same(one, exact) for one in found) else exact)
+        found.append(guess if lost or exact is None or any(_is_same_mode(one, exact) for one in found) else exact)
     return tuple(
         CriticalSpeed(
             speed=float(one.eigenvalue[0].imag),
@@ -171,7 +171,7 @@ def _crossings_by_reduction(matrices: MatricesOverSpeed, *, direction: int, high
     )
 
 
-def _same(one: Modes, other: Modes) -> bool:
+def _is_same_mode(one: Modes, other: Modes) -> bool:
     return bool(abs(one.eigenvalue[0] - other.eigenvalue[0]) <= TOLERANCE * abs(other.eigenvalue[0]))
 
 

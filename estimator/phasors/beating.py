@@ -118,13 +118,13 @@ def _clearest(place: Floats, phasor: Complexes, sense: float) -> _Chirp | None:
     peaks = peak_samples(smooth)
     best: _Chirp | None = None
     for peak in peaks[np.argsort(-smooth[peaks])][:PEAKS]:
-        found = _behind(place, phasor, smooth, int(peak), sense)
+        found = _beat_behind_peak(place, phasor, smooth, int(peak), sense)
         if found is not None and (best is None or found.ratio > best.ratio):
             best = found
     return best
 
 
-def _behind(place: Floats, phasor: Complexes, smooth: Floats, peak: int, sense: float) -> _Chirp | None:
+def _beat_behind_peak(place: Floats, phasor: Complexes, smooth: Floats, peak: int, sense: float) -> _Chirp | None:
     """Find the beat behind one peak, if there is one."""
     below = np.flatnonzero(smooth[peak:] < BEHIND * smooth[peak])
     if not below.size:

@@ -38,7 +38,8 @@ def error_size(noise: Noise, amplitude: Floats, scatter: Floats) -> Floats:
 def estimated_noise(start: Noise, *, amplitude: Floats, misfit: Floats, spent: float) -> Noise:
     """Estimate the noise model under which residuals are most likely.
 
-    Errors are circular Gaussian with variance (relative·|X|)² + floor². Restricted maximum likelihood in its simplest form.
+    Errors are circular Gaussian with variance (relative·|X|)² + floor². Restricted maximum likelihood (Patterson and Thompson,
+    Biometrika 58 (1971) 545, doi:10.1093/biomet/58.3.545) in its simplest form: residuals are scaled to the freedom left.
 
     Args:
         start: Noise model to start from.

@@ -26,7 +26,7 @@ class SpeedLaw:
 
     @classmethod
     def through(cls, time: Floats, speed: Floats) -> "SpeedLaw":
-        """Lay the monotone cubic through speeds.
+        """Lay the monotone cubic through speeds (Fritsch and Butland 1984, doi:10.1137/0905021).
 
         Args:
             time: Instants (S,), ascending, two or more [s].
@@ -45,6 +45,8 @@ class SpeedLaw:
     @classmethod
     def measured(cls, time: Floats, speed: Floats) -> "SpeedLaw":
         """Fit the nearest cubic spline with a knot at every few samples to noisy speeds.
+
+        Least-squares splines: de Boor, A Practical Guide to Splines, Springer 1978.
 
         Args:
             time: Instants (S,), ascending, two or more [s].

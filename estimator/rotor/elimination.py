@@ -1,7 +1,8 @@
 """Elimination of shaft degrees of freedom in forward and backward whirl.
 
 With P = X + jY and Q = X - jY of the plane coordinates, a rotor that is the same in every direction across its axis obeys
-two separate systems of half the size: one whirls with the rotation (forward), one against it (backward). At the spin speed ω
+two separate systems of half the size: one whirls with the rotation (forward), one against it (backward; complex coordinates,
+Genta, Dynamics of Rotating Systems, Springer 2005). At the spin speed ω
 
     A_f = K - ω² (M - G) + jω C,      A_b = K - ω² (M + G) + jω (C + 2 C_internal)
 
@@ -353,7 +354,7 @@ class _Plan:
             moved[place] = system.solved(pushed[:, None], omega)[:, 0]
         return moved
 
-    def _carried(self, side: _Side, speed: Floats, force: Complexes, *, whirl: int) -> Complexes:
+    def _condensed_force(self, side: _Side, speed: Floats, force: Complexes, *, whirl: int) -> Complexes:
         """Compute the forces at the retained degrees of freedom (S, r) of forces (S, e) on the eliminated ones, turned
         around."""
         if not self.banded:
@@ -380,7 +381,7 @@ class _Plan:
         if whirl > 0:
             change = change - self.scaled.stiffness_force(scale, excitations)
         outer = -change[:, self.retained]
-        return np.asarray(outer + self._carried(side, speed, change[:, self.eliminated], whirl=whirl))
+        return np.asarray(outer + self._condensed_force(side, speed, change[:, self.eliminated], whirl=whirl))
 
 
 class _BandedSystem:

@@ -33,7 +33,7 @@ HIGHEST_TURNED = 1.5
 """Highest free mode whose gyroscopic moments and internal damping are kept, as a multiple of the highest frequency of interest
 [-].
 """
-MOST_MODES = 160
+MAXIMUM_MODES = 160
 """Most free modes that are kept; a document that needs more is refused where it enters."""
 SMALLEST_PART = 1e-6
 """Singular value, over the largest, up to which a shape is left out as a combination of the others [-]."""
@@ -153,7 +153,7 @@ def _shapes(machine: Machine, rotor: Rotor, highest: float) -> Floats:
     stiffness = rotor.discs.stiffness + sum(part.stiffness for part in rotor.materials.values())
     loads = _unit_loads(machine, rotor)
     squares, free = scipy.linalg.eigh(stiffness, mass, subset_by_value=(-np.inf, (HIGHEST_MODE * highest) ** 2))
-    squares, free = squares[:MOST_MODES], free[:, :MOST_MODES]
+    squares, free = squares[:MAXIMUM_MODES], free[:, :MAXIMUM_MODES]
     slow = free[:, squares < (HIGHEST_TURNED * highest) ** 2]
     # Free shafts have no flexibility of their own: they rest on springs as soft as their masses at that frequency.
     held = scipy.linalg.cho_factor(stiffness + highest**2 * mass)

@@ -204,7 +204,7 @@ def unknowns(machine: Machine, rotor: Rotor) -> Unknowns:
         coefficients += _to_ground(machine, rotor, part)
     for coupling in machine.couplings:
         coefficients += _coupling(machine, rotor, coupling)
-    unbalances = [_held(one, machine.parameters) for one in _unbalances(machine, rotor)]
+    unbalances = [_with_rule(one, machine.parameters) for one in _unbalances(machine, rotor)]
     return Unknowns(
         _tied([_ruled(one, machine.parameters) for one in coefficients]),
         (*unbalances, *_bows(machine, rotor), *_loads(machine, rotor)),
@@ -376,7 +376,7 @@ def _tied(coefficients: list[Coefficient]) -> tuple[Coefficient, ...]:
     return tuple(led(one) for one in coefficients)
 
 
-def _held(unbalance: Excitation, rules: tuple[ParameterRule, ...]) -> Excitation:
+def _with_rule(unbalance: Excitation, rules: tuple[ParameterRule, ...]) -> Excitation:
     """Return the unbalance with the last rule that names it."""
     for rule in reversed(rules):
         if fnmatchcase(unbalance.name, rule.names):

@@ -2,7 +2,7 @@
 
 A fit gains little from more than some hundreds of speeds and takes longer with each. Samples are picked, not averaged: a mean
 over a band of speeds is no steady state at any of them where the response curves, and its error is not what the source or the
-document says of a sample's. `python -m benchmarks.capture` shows both.
+document says of a sample's. `python -m benchmarks.estimator.capture` shows both.
 """
 
 import numpy as np

@@ -252,7 +252,7 @@ def _step(state: SweepState, limits: SweepLimits, time: int, speed: float) -> tu
         outside = SweepState(direction=state.direction, readings=state.readings)
         return replace(outside, believed_time=time, believed_speed=speed), events
     if state.last_time is None:
-        state, events = _rest(state, time, speed), ()
+        state, events = _without_run(state, time, speed), ()
     elif state.sweep == 0:
         state, events = _watch(state, limits, time, speed)
     else:
@@ -260,7 +260,7 @@ def _step(state: SweepState, limits: SweepLimits, time: int, speed: float) -> tu
     return replace(state, last_time=time, believed_time=time, believed_speed=speed), events
 
 
-def _rest(state: SweepState, time: int, speed: float) -> SweepState:
+def _without_run(state: SweepState, time: int, speed: float) -> SweepState:
     return SweepState(
         direction=state.direction,
         last_time=time,
@@ -284,8 +284,8 @@ def _watch(state: SweepState, limits: SweepLimits, time: int, speed: float) -> t
         begun = replace(begun, sweep=-1, run_start=state.high_time, low_speed=speed, low_time=time)
         return begun, (RunStarted(state.high_time, "run-down"),)
     waited = time - min(state.low_time, state.high_time) > limits.stall
-    if waited and not _leaving(state, speed, reversal):
-        return _rest(state, time, speed), ()  # an old extreme must not pull hours at speed into the next run
+    if waited and not _has_left_extremes(state, speed, reversal):
+        return _without_run(state, time, speed), ()  # an old extreme must not pull hours at speed into the next run
     held = replace(
         state,
         low_speed=min(speed, state.low_speed),
@@ -306,10 +306,10 @@ def is_leaving(state: SweepState, limits: SweepLimits) -> bool:
     Returns:
         Whether it has.
     """
-    return state.last_time is not None and _leaving(state, state.believed_speed, thresholds(state, limits)[1])
+    return state.last_time is not None and _has_left_extremes(state, state.believed_speed, thresholds(state, limits)[1])
 
 
-def _leaving(state: SweepState, speed: float, reversal: float) -> bool:
+def _has_left_extremes(state: SweepState, speed: float, reversal: float) -> bool:
     return max(speed - state.low_speed, state.high_speed - speed) >= reversal
 
 
@@ -329,11 +329,11 @@ def _follow(state: SweepState, limits: SweepLimits, time: int, speed: float) -> 
     end = state.high_time if state.sweep > 0 else state.low_time
     if -progress >= reversal:
         # The next run may already be under way: it began at the extreme just left.
-        rest = _rest(state, state.held_time, reached)
+        rest = _without_run(state, state.held_time, reached)
         following, started = _watch(rest, limits, time, speed)
         return following, (_ended(state, end, "the speed turned back"), *started)
     if time - state.mark_time >= (limits.stall if _arrived(state, limits, speed) else limits.hold):
-        return _rest(state, time, speed), (_ended(state, state.mark_time, "the speed stood still"),)
+        return _without_run(state, time, speed), (_ended(state, state.mark_time, "the speed stood still"),)
     return state, ()
 
 

@@ -1,8 +1,8 @@
 """Speed readings as they come, freed of single wrong ones, and the noise of the readings.
 
-A reading is believed as the median of itself and its two neighbours, which leaves every steady change as it is; so the newest
-one waits for the next. The noise comes from how far readings lie off the straight line between their neighbours, which no
-steady acceleration changes.
+A reading is believed as the median of itself and its two neighbours (Tukey, Exploratory Data Analysis, 1977), which
+leaves every steady change as it is; so the newest one waits for the next. The noise comes from how far readings lie off the
+straight line between their neighbours, which no steady acceleration changes.
 """
 
 import math

@@ -39,7 +39,7 @@ EXTRA_IN_A_ROW = 2
 """Most pulses too many between two due ones that are dropped; more are a gap."""
 LARGEST_JITTER = 0.05
 """Largest random error of the edges, as a part of the interval [-]; larger ones are not those of a turning shaft."""
-MOST_MARKS = 8
+MAXIMUM_MARKS = 8
 """Most marks on a shaft for which undeclared ones are searched."""
 UNEVEN_MARKS = 0.02
 """Least unevenness of the intervals over a turn, as a part of the turn, that shows several marks [-]."""
@@ -350,7 +350,7 @@ def repeated_pattern(interval: Floats) -> int | None:
     Returns:
         The number; None where no pattern repeats.
     """
-    for marks in range(2, min(MOST_MARKS, interval.size // FEWEST_PULSES) + 1):
+    for marks in range(2, min(MAXIMUM_MARKS, interval.size // FEWEST_PULSES) + 1):
         # Over a whole turn about an interval the pattern averages out, and a steady change of speed, too.
         window = np.ones(marks) if marks % 2 else np.concatenate([[0.5], np.ones(marks - 1), [0.5]])
         around = np.convolve(interval, window / marks, mode="valid")

@@ -2,7 +2,8 @@
 
 x(t) = c + d τ + Re((X₁ + Y₁ τ) e^{jθ}) + Re(X₂ e^{2jθ}) with θ counted from the keyphasor's edge and τ from the middle of the
 block, so that X₁ and X₂ are the phasors there, 0-to-peak. The drift d and the trend Y₁ of the 1× phasor keep a speed ramp from
-biasing X₁; as odd functions of τ they cost it next to no accuracy.
+biasing X₁; as odd functions of τ they cost it next to no accuracy. Without them and the 2× it is the three-parameter sine fit
+of IEEE Std 1057, over the shaft's angle in place of time.
 """
 
 import math

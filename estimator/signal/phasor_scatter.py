@@ -74,7 +74,8 @@ def quantisation_error(signal: Floats, *, amplitude: float, variance: float) -> 
     """Compute the rms error of an amplitude by a converter's steps, as the amplitude moves against the steps.
 
     The fundamental of a sine through a staircase with steps q is off by (2q/π) Σ (-1)^m J₁(2πmA/q)/m; its rms over A is 0.157
-    q √(q/A). Noise of a third of a step smooths it out.
+    q √(q/A). Noise of a third of a step smooths it out. The residual holds the steps' own noise, q²/12 (Bennett, Bell Syst.
+    Tech. J. 27 (1948) 446, doi:10.1002/j.1538-7305.1948.tb01340.x), which is taken off first.
 
     Args:
         signal: Waveform (N,) [any unit].

@@ -5,8 +5,9 @@ synchronous_force.py, whose acceleration terms are in. The motion is written q =
 
     M Q̈ + (C + ΩG + 2jω M) Q̇ + (K + ΩH + Ω̇ G + jω (C + ΩG) + (jα - ω²) M) Q = F
 
-and is integrated by the trapezoidal rule (Newmark's of average acceleration). In the rotating frame a free vibration at the
-natural frequency ω_n turns with ω_n - ω only, which a step must resolve.
+and is integrated by the trapezoidal rule (Newmark's of average acceleration, J. Eng. Mech. Div. 85 (1959) 67,
+doi:10.1061/JMCEA3.0000098). In the rotating frame a free vibration at the natural frequency ω_n turns with ω_n - ω only, which
+a step must resolve.
 """
 
 from collections.abc import Callable

@@ -1,4 +1,7 @@
-"""Prediction bands: the range in which the next run's estimate of a parameter lies while nothing happens to the machine."""
+"""Prediction bands: the range in which the next run's estimate of a parameter lies while nothing happens to the machine.
+
+Prediction interval of one further observation (Hahn and Meeker, Statistical Intervals, Wiley 1991).
+"""
 
 import math
 from collections.abc import Sequence

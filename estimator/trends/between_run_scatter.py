@@ -125,7 +125,7 @@ def sizes(names: Sequence[str], centre: Floats) -> Floats:
             return 1.0
         if said.component is not None:
             return max(excitations[said.whole], LEAST_EXCITATION * largest[said.quantity])
-        return _beside(name, at)
+        return _direct_term_scale(name, at)
 
     return np.array([size(name) for name in names])
 
@@ -139,7 +139,7 @@ def _expected(name: str) -> float:
     return STIFFNESS_SCATTER if said.term is None or said.term.order == 0 else DAMPING_SCATTER
 
 
-def _beside(name: str, at: Mapping[str, float]) -> float:
+def _direct_term_scale(name: str, at: Mapping[str, float]) -> float:
     """Compute the geometric mean of the direct terms beside a cross-coupled one, as far as known; else its own magnitude."""
     said = describe(name)
     beside = () if said.term is None else tuple(map(said.of_term, said.term.beside))

@@ -16,7 +16,7 @@ import scipy.special
 
 from estimator.arrays import Floats
 
-NODES_PER_WIDTH, NODE_STEP, MOST_NODES = 2.0, 24, 360
+NODES_PER_WIDTH, NODE_STEP, MAXIMUM_NODES = 2.0, 24, 360
 """Nodes of the quadrature per standard deviation of one value's effect on the chart, the step in which nodes are added, and
 their largest number; five digits hold.
 """
@@ -125,7 +125,7 @@ def ewma_run_length(*, weight: float, limit: float, shift: float = 0.0) -> float
 def _quadrature(begin: float, end: float, *, width: float) -> tuple[Floats, Floats]:
     """Return nodes and weights (n,) of the Gauss-Legendre rule, enough for densities of a width."""
     count = NODE_STEP * math.ceil(NODES_PER_WIDTH * (end - begin) / width / NODE_STEP)
-    place, weight = _rule(min(count, MOST_NODES))
+    place, weight = _rule(min(count, MAXIMUM_NODES))
     half = (end - begin) / 2.0
     return begin + half * (place + 1.0), half * weight
 

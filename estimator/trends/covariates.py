@@ -110,14 +110,14 @@ def adjustment(
     usable = np.count_nonzero(np.isfinite(table), axis=0) >= FEWEST_RUNS
     runs = np.flatnonzero(np.all(np.isfinite(table[:, usable]), axis=1))
     if runs.size < FEWEST_RUNS:
-        return _nothing()
+        return _no_adjustment()
     table = table[runs]
     width = np.array([_width(condition, table[:, i]) for i, condition in enumerate(conditions)])
     used = np.flatnonzero(usable & (width > 0.0))
     points = [baseline[run] for run in runs.tolist()]
     names = tuple(name for name in points[0].names if is_direct(name) and all(name in point.names for point in points))
     if used.size == 0 or not names:
-        return _nothing()
+        return _no_adjustment()
     mean = table[:, used].mean(axis=0)
     slope, axes, uncertainty = _ridge(
         table[:, used] - mean, [point.of(names) for point in points], prior=effect / width[used], scatter=scatter
@@ -159,6 +159,6 @@ def _width(condition: Condition, values: Floats) -> float:
     return given if given is not None else float(np.std(values, ddof=1))
 
 
-def _nothing() -> Adjustment:
+def _no_adjustment() -> Adjustment:
     none = np.empty(0)
     return Adjustment((), (), none, np.empty((0, 0)), np.empty((0, 0)), np.empty((0, 0, 0)))

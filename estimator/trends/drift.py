@@ -135,14 +135,14 @@ def time_to_limit(found: Drift, limit: float) -> TimeToLimit:
         Times: 0 when the limit is reached, None when the drift moves away from it.
     """
     distance = limit - found.level
-    times = [_reached(distance, slope) for slope in (found.slope, found.slope_lower, found.slope_upper)]
+    times = [_time_to_reach(distance, slope) for slope in (found.slope, found.slope_lower, found.slope_upper)]
     ends = [one for one in times[1:] if one is not None]
     return TimeToLimit(
         expected=times[0], earliest=min(ends, default=None), latest=max(ends) if len(ends) == len(times[1:]) else None
     )
 
 
-def _reached(distance: float, slope: float) -> float | None:
+def _time_to_reach(distance: float, slope: float) -> float | None:
     if distance == 0.0:
         return 0.0
     return distance / slope if slope * distance > 0.0 else None

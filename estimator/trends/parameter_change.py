@@ -1,6 +1,7 @@
 """Changes of parameters from one identification to another, fit against fit.
 
-Both fits' covariances count; that a machine's parameters differ a little from run to run, too, is not known from two.
+Both fits' covariances count; that a machine's parameters differ a little from run to run, too, is not known from two. An
+element's distance is Mahalanobis's (Proc. Natl. Inst. Sci. India 2 (1936) 49).
 """
 
 from dataclasses import dataclass

@@ -1,4 +1,7 @@
-"""Standard errors of the updated model's natural frequencies and critical speeds."""
+"""Standard errors of the updated model's natural frequencies and critical speeds.
+
+To first order (JCGM 100:2008, 5.2), with the eigenvalues' derivatives of `estimator.modes.eigenmodes` (Nelson 1976).
+"""
 
 from dataclasses import replace
 

@@ -123,7 +123,7 @@ def advance(standing: AlertStatus, event: Event) -> AlertStatus:
     """Return the next standing, an equal one when the event changes nothing. Raises Forbidden."""
     match event:
         case Raised(severity):
-            return _raised(standing, severity)
+            return _with_severity(standing, severity)
         case Cleared():
             return _cleared(standing)
         case Acknowledged():
@@ -136,7 +136,7 @@ def advance(standing: AlertStatus, event: Event) -> AlertStatus:
             return _released(standing, suppression)
 
 
-def _raised(standing: AlertStatus, severity: Severity) -> AlertStatus:
+def _with_severity(standing: AlertStatus, severity: Severity) -> AlertStatus:
     worse = severity > standing.severity
     if standing.condition is AlertCondition.ACKNOWLEDGED and not worse:
         return replace(standing, severity=severity)

@@ -54,7 +54,7 @@ LINGER_S = 5.0
 SAMPLE_S = 600.0
 
 
-def _say_version(asked: bool) -> None:
+def _print_version(asked: bool) -> None:
     if asked:
         say(f"rundown {VERSION}")
         raise typer.Exit
@@ -63,7 +63,7 @@ def _say_version(asked: bool) -> None:
 @app.callback()
 def main(
     asked: Annotated[
-        bool, typer.Option("--version", is_eager=True, callback=_say_version, help="which release this is")
+        bool, typer.Option("--version", is_eager=True, callback=_print_version, help="which release this is")
     ] = False,
 ) -> None:
     """Monitor the condition of coupled rotor trains."""

@@ -204,13 +204,13 @@ def _follow(client: httpx.Client, simulator: subprocess.Popen[bytes], folder: Pa
         done = simulator.poll() == 0 and not left and not open_runs
         if done or time.monotonic() - shown >= (0.5 if sys.stdout.isatty() else 5.0):
             shown = time.monotonic()
-            _show(client, len(runs) - open_runs, counts, time.monotonic() - began)
+            _print_progress(client, len(runs) - open_runs, counts, time.monotonic() - began)
         time.sleep(0.2)
     if sys.stdout.isatty():
         print(flush=True)
 
 
-def _show(client: httpx.Client, runs: int, counts: dict[str, int], seconds: float) -> None:
+def _print_progress(client: httpx.Client, runs: int, counts: dict[str, int], seconds: float) -> None:
     total = 2 * CYCLES * len(STORIES)
     received = sum(source["received"] for source in client.get("/sources").json())
     alerts = len(client.get("/alerts").json())

@@ -24,7 +24,7 @@ Store = Annotated[str | None, typer.Option("--database", help="SQLAlchemy URL; b
 Days = Annotated[float, typer.Option(help="until it expires, a hundred years at most")]
 Prefix = Annotated[str, typer.Argument(help="the eight characters behind rundown_ by which the key is found")]
 A_YEAR = 365.0
-NOTED = "[0-9]{1,18}:[0-9a-f]{64}"
+ENTRY = "[0-9]{1,18}:[0-9a-f]{64}"
 SHORTEST, A_HUNDRED_YEARS = 0.001, 36_500.0
 """Bounds of a key's lifetime [days]."""
 
@@ -49,7 +49,7 @@ def create_key(
     for one in plant or ():
         _require_plant(one)
     _require_days("--days", days, least=SHORTEST)
-    with _opened(database, new=True) as opened, opened.transaction() as session:
+    with _open_store(database, new=True) as opened, opened.transaction() as session:
         row, text = api_keys.create(session, name=name, role=chosen, plants=plant or None, days=days)
         until = _time(row.expires_at)
     say(text)
@@ -62,7 +62,7 @@ def list_keys(database: Store = None) -> None:
     from storage.clock import now
     from storage.operation import api_keys as keys
 
-    with _opened(database) as opened, opened.reading() as session:
+    with _open_store(database) as opened, opened.reading() as session:
         moment = now()
         for row in keys.list_all(session):
             state = _state(row, at=moment)
@@ -84,7 +84,7 @@ def rotate_key(
 
     _require_days("--days", days, least=SHORTEST)
     _require_days("--overlap-days", overlap_days, least=0.0)
-    with _opened(database) as opened:
+    with _open_store(database) as opened:
         try:
             with opened.transaction() as session:
                 row, text = api_keys.rotate(session, prefix, overlap_days=overlap_days, days=days)
@@ -107,7 +107,7 @@ def confirm_key(
 
     if bool(prefix) == everyone:
         fail("name the keys to confirm, or say --all")
-    with _opened(database) as opened:
+    with _open_store(database) as opened:
         try:
             with opened.transaction() as session:
                 chosen = (
@@ -128,7 +128,7 @@ def revoke_key(prefix: Prefix, database: Store = None) -> None:
     from service.security import api_keys
     from storage.operation.api_keys import KeyUnknown
 
-    with _opened(database) as opened:
+    with _open_store(database) as opened:
         try:
             with opened.transaction() as session:
                 api_keys.revoke(session, prefix)
@@ -154,13 +154,15 @@ def verify_audit(
     """
     from storage.operation import audit
 
-    known = {_noted(one) for one in noted or ()}
+    known = {_parse_entry(one) for one in noted or ()}
     if noted_in is not None:
-        in_log = {_noted(found[1]) for found in re.finditer(rf"audit trail: the newest entry is ({NOTED})", noted_in.read())}
+        in_log = {
+            _parse_entry(found[1]) for found in re.finditer(rf"audit trail: the newest entry is ({ENTRY})", noted_in.read())
+        }
         if not in_log:
             fail(f"{noted_in.name} holds no note of the audit trail")
         known |= in_log
-    with _opened(database) as opened, opened.reading() as session:
+    with _open_store(database) as opened, opened.reading() as session:
         found = audit.verify(session, known=known)
         number, digest = audit.head(session)
     for one in found:
@@ -170,16 +172,16 @@ def verify_audit(
     say(f"{number} entries hold: {number}:{digest}")
 
 
-def _noted(text: str) -> tuple[int, str]:
+def _parse_entry(text: str) -> tuple[int, str]:
     """Parse the number and hash of an entry."""
-    if re.fullmatch(NOTED, text) is None:
+    if re.fullmatch(ENTRY, text) is None:
         fail(f"'{text}' is not NUMBER:HASH")
     number, _, digest = text.partition(":")
     return int(number), digest
 
 
 @contextmanager
-def _opened(url: str | None, *, new: bool = False) -> "Iterator[Database]":
+def _open_store(url: str | None, *, new: bool = False) -> "Iterator[Database]":
     """Open the store, and close it. new: create it if its URL is set explicitly; a default one would serve nobody."""
     from sqlalchemy.exc import DBAPIError
 

@@ -52,7 +52,7 @@ def confirm(
         fail(str(error))
     try:
         moment = now()
-        _show(opened, tiers, moment)
+        _print_old_samples(opened, tiers, moment)
         if not yes and not typer.confirm("Is this clock right, and may all of that be let go of for ever?"):
             fail("nothing was confirmed")
         _confirm(opened, tiers, moment)
@@ -63,18 +63,18 @@ def confirm(
     say("confirmed: the service's next round, within ten minutes, lets go of it")
 
 
-def _show(database: "Database", tiers: "list[Tier]", moment: int) -> None:
+def _print_old_samples(database: "Database", tiers: "list[Tier]", moment: int) -> None:
     from service.maintenance.retention_cut_offs import DAY_NS
 
     say(f"by this machine's clock it is {_time(moment)}")
     for tier in tiers:
-        found = _old(database, tier, moment)
+        found = _old_samples(database, tier, moment)
         say(f"{tier.name}, kept for {tier.kept / DAY_NS:g} days: {_total(found)}")
         for machine_id, extent in found.items():
             say(f"  {machine_id:24s} {extent.count:8d}  from {_time(extent.first)} to {_time(extent.last)}")
 
 
-def _old(database: "Database", tier: "Tier", moment: int) -> "dict[str, Extent]":
+def _old_samples(database: "Database", tier: "Tier", moment: int) -> "dict[str, Extent]":
     """Return the old samples of each machine that has some."""
     from storage.machines import machines
 

@@ -64,7 +64,7 @@ def serve(settings: Settings) -> None:
             logger.warning(trouble)
         app = _application(database, session, settings, secrets, threads, forwarding)
         server = _server(app, settings)
-        _favour_requests()
+        _favour_short_responses()
         host, port = listener.getsockname()[:2]
         scheme = "https" if settings.tls_certificate else "http"
         logger.info("ready: %s://%s:%d/, sources on %s", scheme, host, port, _endpoints(settings))
@@ -135,7 +135,7 @@ def _server(app: FastAPI, settings: Settings) -> Server:
     )
 
 
-def _favour_requests() -> None:
+def _favour_short_responses() -> None:
     """Tune garbage collection and thread switching for short response times."""
     sys.setswitchinterval(SWITCH_INTERVAL_S)
     # What is there by now stays: looking through it again for garbage would stop all threads for a tenth of a second.

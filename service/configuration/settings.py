@@ -21,13 +21,13 @@ DEFAULT_BASELINE_RUNS = 5
 DEFAULT_CONNECTIONS_PER_ADDRESS = 200
 
 
-def _a_day_or_never(days: float) -> float:
+def _require_day_or_zero(days: float) -> float:
     if 0.0 < days < 1.0:
         raise ValueError(f"{days:g} is less than a day; 0 keeps for ever")
     return days
 
 
-Days = Annotated[float, Field(ge=0), AfterValidator(_a_day_or_never)]
+Days = Annotated[float, Field(ge=0), AfterValidator(_require_day_or_zero)]
 
 
 class Settings(BaseSettings):

@@ -76,7 +76,7 @@ async def checked(text: str, allowed: tuple[Network, ...]) -> Target:
     url = parsed(text)
     name = url.host or ""
     try:
-        found = await _found(name, url.port)
+        found = await _addresses_of(name, url.port)
     except (OSError, UnicodeError) as error:
         raise TargetRefused(f"the host {name} is not known: {error}") from error
     addresses = [_address(one) for one in found]
@@ -89,19 +89,19 @@ _under_way: dict[tuple[str, int | None], Future[list[str]]] = {}
 """Pending look-ups, one per name: a hanging name blocks one thread, however many deliveries go there."""
 
 
-async def _found(name: str, port: int | None) -> list[str]:
+async def _addresses_of(name: str, port: int | None) -> list[str]:
     """Return all addresses of a host. A literal address needs no name server."""
     try:
-        return _asked(name, port, socket.AI_NUMERICHOST)
+        return _resolve(name, port, socket.AI_NUMERICHOST)
     except socket.gaierror:
         answer = _under_way.get((name, port))
         if answer is None or answer.done():
-            answer = _under_way[name, port] = LOOK_UPS.submit(_asked, name, port)
+            answer = _under_way[name, port] = LOOK_UPS.submit(_resolve, name, port)
             answer.add_done_callback(lambda _: _under_way.pop((name, port), None))
         return await asyncio.shield(asyncio.wrap_future(answer))
 
 
-def _asked(name: str, port: int | None, flags: int = 0) -> list[str]:
+def _resolve(name: str, port: int | None, flags: int = 0) -> list[str]:
     return [str(one[4][0]) for one in socket.getaddrinfo(name, port, type=socket.SOCK_STREAM, flags=flags)]
 
 
@@ -115,7 +115,7 @@ def _address(text: str) -> Address:
     return address.ipv4_mapped or address
 
 
-def _public(address: Address) -> bool:
+def _is_public(address: Address) -> bool:
     """Check whether an address is public and stands for no other address."""
     if not address.is_global or address.is_multicast or any(address in network for network in NOT_PUBLIC):
         return False
@@ -125,7 +125,7 @@ def _public(address: Address) -> bool:
 
 
 def _require(host: str, address: Address, allowed: tuple[Network, ...]) -> None:
-    if _public(address):
+    if _is_public(address):
         return
     if any(address.version == network.version and address in network for network in allowed):
         return

@@ -4,12 +4,10 @@ It polls the database, often and cheaply, to find the events of other processes 
 """
 
 import asyncio
-import logging
-import threading
 import time
+from contextlib import AsyncExitStack
 
 import zenoh
-from sqlalchemy.exc import DBAPIError
 
 from service.alerts import transitions
 from service.configuration.settings import Settings
@@ -23,11 +21,10 @@ from service.delivery.secret_upkeep import SecretWatch
 from service.delivery.sending import outcome_of, within_deadline
 from service.delivery.signing_secrets import SigningSecrets
 from service.replication.work_share import DELIVERY, Share, WholeShare
+from service.resilience.supervised_thread import SupervisedThread
 from storage.alerts import deliveries
 from storage.database.engine import Database
 from storage.tables import SubscriptionRow
-
-logger = logging.getLogger(__name__)
 
 POLL_S = 0.05
 RETRY_S = 1.0
@@ -42,8 +39,11 @@ class Unrecorded(RuntimeError):
     """Outcomes of some deliveries cannot be stored; these are not sent again before they are."""
 
 
-class Dispatcher:
-    """Delivery of alert events until it is stopped; interrupted deliveries are repeated after the next start."""
+class Dispatcher(SupervisedThread):
+    """Delivery of alert events until it is stopped; interrupted deliveries are repeated after the next start.
+
+    A turn runs the thread's event loop for its pause too: deliveries go on meanwhile.
+    """
 
     def __init__(
         self,
@@ -53,6 +53,7 @@ class Dispatcher:
         share: Share | None = None,
         secrets: SigningSecrets | None = None,
     ) -> None:
+        super().__init__("delivery", failure="alert deliveries cannot be read or recorded", retry_s=RETRY_S)
         self._database = database
         self._outbox = Outbox(database)
         self._secrets = secrets or SigningSecrets.of(settings)
@@ -61,64 +62,53 @@ class Dispatcher:
         self._share = share or WholeShare()
         self._session = session
         self._settings = settings
-        self._stop = threading.Event()
-        self._thread = threading.Thread(target=lambda: asyncio.run(self._run()), name="delivery", daemon=True)
+        self._loop = asyncio.Runner()
+        self._open = AsyncExitStack()
+        self._connections: Connections | None = None
         self._under_way: dict[int, asyncio.Task[DeliveryOutcome]] = {}
         self._deliveries: dict[int, Delivery] = {}
         self._resending: asyncio.Task[None] | None = None
         self._expire_at = 0.0
         self._resend_at = 0.0
         self._watch_at = 0.0
-        self.trouble: str | None = None
-        """Reason why nothing can be delivered at the moment."""
 
-    def start(self) -> None:
-        """Start the thread."""
-        self._thread.start()
+    def turn(self) -> float:
+        """Look for finished and due deliveries, then let those under way go on for POLL_S."""
+        self._loop.run(self._update_deliveries())
+        self._loop.run(asyncio.sleep(POLL_S))
+        return 0.0
 
-    def stop(self) -> None:
-        """Stop the thread and wait for it."""
-        self._stop.set()
-        if self._thread.ident is not None:
-            self._thread.join()
+    def failed(self, error: Exception) -> float:
+        """Keep an error as `trouble`, and let the deliveries under way go on until the next attempt."""
+        if isinstance(error, Unrecorded):
+            self.trouble, pause = str(error), RETRY_S
+        else:
+            pause = super().failed(error)
+        self._loop.run(asyncio.sleep(pause))
+        return 0.0
 
-    @property
-    def alive(self) -> bool:
-        """Return whether the thread runs."""
-        return self._thread.is_alive()
+    def finish(self) -> None:
+        """Cancel the deliveries under way and close the connections."""
+        with self._loop:
+            self._loop.run(self._close())
 
-    async def _run(self) -> None:
-        async with new_client() as client:
-            connections = Connections(client, self._session, self._settings, self._secrets)
-            while not self._stop.is_set():
-                pause = POLL_S
-                try:
-                    await self._look(connections)
-                    self.trouble = None
-                except DBAPIError as error:
-                    self.trouble = str(error.orig)
-                    logger.error("alert deliveries cannot be read or recorded, trying again: %s", error.orig)
-                    pause = RETRY_S
-                except Unrecorded as error:
-                    self.trouble = str(error)
-                    pause = RETRY_S
-                except Exception:
-                    self.trouble = "unexpected error; the log has it"
-                    logger.exception("unexpected error in the delivery thread")
-                    pause = RETRY_S
-                await asyncio.sleep(pause)
-            left = [*self._under_way.values(), *([self._resending] if self._resending else [])]
-            for one in left:
-                one.cancel()
-            await asyncio.gather(*left, return_exceptions=True)
+    async def _close(self) -> None:
+        left = [*self._under_way.values(), *([self._resending] if self._resending else [])]
+        for one in left:
+            one.cancel()
+        await asyncio.gather(*left, return_exceptions=True)
+        await self._open.aclose()
 
-    async def _look(self, connections: Connections) -> None:
+    async def _update_deliveries(self) -> None:
         """Record finished deliveries, then begin those that are due. Raises Unrecorded, at the end."""
+        if self._connections is None:
+            client = await self._open.enter_async_context(new_client())
+            self._connections = Connections(client, self._session, self._settings, self._secrets)
         finished = {number: outcome_of(one) for number, one in self._under_way.items() if one.done()}
         if finished:
             for number in await asyncio.to_thread(self._outbox.record, finished):
                 del self._under_way[number], self._deliveries[number], finished[number]
-        await self._begin(connections)
+        await self._begin(self._connections)
         if finished:
             raise Unrecorded(f"how {len(finished)} alert deliveries ended cannot be recorded; the log says why")
 
@@ -128,14 +118,14 @@ class Dispatcher:
         if moment >= self._watch_at:
             self._watch_at = moment + SECRETS_S
             await asyncio.to_thread(self.watch.look)
-        if not self._share.leads(DELIVERY):
+        if not self._share.is_leader(DELIVERY):
             return
         if moment >= self._expire_at:
             self._expire_at = moment + EXPIRY_S
             await asyncio.to_thread(self._expire)
         for one in await asyncio.to_thread(self._outbox.due, self._deliveries, connections):
             self._deliveries[one.id] = one
-            self._under_way[one.id] = asyncio.create_task(_sent(one))
+            self._under_way[one.id] = asyncio.create_task(_send(one))
         if moment >= self._resend_at and (self._resending is None or self._resending.done()):
             self._resend_at = moment + RESEND_S
             self._resending = asyncio.create_task(remind(self._database, connections))
@@ -160,5 +150,5 @@ class Dispatcher:
             return await within_deadline(channel.send(trial_message()))
 
 
-async def _sent(one: Delivery) -> DeliveryOutcome:
+async def _send(one: Delivery) -> DeliveryOutcome:
     return await within_deadline(one.channel.send(one.message))

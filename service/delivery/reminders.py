@@ -25,7 +25,7 @@ RESEND_S = 60.0
 async def remind(database: Database, connections: Connections) -> None:
     """Remind every receiver that needs it of all persisting alerts."""
     try:
-        targets, messages = await asyncio.to_thread(_lasting, database)
+        targets, messages = await asyncio.to_thread(_persisting_alerts, database)
     except DBAPIError as error:
         logger.error("lasting alerts cannot be read: %s", error.orig)
         return
@@ -36,7 +36,7 @@ async def remind(database: Database, connections: Connections) -> None:
     await asyncio.gather(*(_remind_one(row, open_channel(row, connections), messages) for row in targets))
 
 
-def _lasting(database: Database) -> tuple[list[SubscriptionRow], list[EventMessage]]:
+def _persisting_alerts(database: Database) -> tuple[list[SubscriptionRow], list[EventMessage]]:
     """Return the receivers to remind, and the last event of each persisting alert."""
     with database.reading() as session:
         rows = [row for row in deliveries.list_subscriptions(session) if _is_reminded(row)]

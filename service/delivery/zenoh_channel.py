@@ -73,7 +73,7 @@ class LastStates:
         self._queryable.undeclare()
 
     def _answer(self, query: zenoh.Query) -> None:
-        if not self._share.leads(DELIVERY):
+        if not self._share.is_leader(DELIVERY):
             query.drop()
             return
         with query, self._lock, self._database.reading() as reading:

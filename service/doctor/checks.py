@@ -289,15 +289,15 @@ def _backups(folder: Path) -> CheckResult:
 def _receivers(settings: Settings) -> Iterator[CheckResult]:
     """Check the mail server, the issuer and the Dask scheduler."""
     if settings.smtp_host:
-        yield _reaches("mail server", settings.smtp_host, settings.smtp_port)
+        yield _check_connection("mail server", settings.smtp_host, settings.smtp_port)
     if settings.oidc_issuer:
         yield _issuer(settings.oidc_issuer)
     if settings.dask_scheduler:
         where = urlsplit(settings.dask_scheduler)
-        yield _reaches("Dask scheduler", where.hostname or "", where.port or 8786)
+        yield _check_connection("Dask scheduler", where.hostname or "", where.port or 8786)
 
 
-def _reaches(what: str, host: str, port: int) -> CheckResult:
+def _check_connection(what: str, host: str, port: int) -> CheckResult:
     try:
         socket.create_connection((host, port), timeout=CONNECT_S).close()
     except OSError as error:
@@ -342,16 +342,16 @@ class _NoAnswer(RuntimeError):
     """The API does not give the expected answer; the message holds what it said."""
 
 
-class _KeyNeeded(RuntimeError):
+class _KeyRequired(RuntimeError):
     """The API requires a key."""
 
 
 def _machines(client: httpx.Client) -> Generator[CheckResult, None, Key | None]:
     """Check the machines and sources that the service knows; return a machine's key."""
     try:
-        first = _asked(client, "/api/v1/machines?limit=1")
-        sources = _asked(client, "/api/v1/sources")
-    except _KeyNeeded:
+        first = _get_list(client, "/api/v1/machines?limit=1")
+        sources = _get_list(client, "/api/v1/sources")
+    except _KeyRequired:
         words = (
             "the rest needs a key of a viewer or more: give one with --api-key-file (behind a restore, one that is confirmed)"
         )
@@ -371,15 +371,15 @@ def _machines(client: httpx.Client) -> Generator[CheckResult, None, Key | None]:
     return Key(first[0]["plant"], first[0]["id"])
 
 
-def _asked(client: httpx.Client, path: str) -> list[dict[str, Any]]:
-    """Return a list from the API. Raises _KeyNeeded, _NoAnswer."""
+def _get_list(client: httpx.Client, path: str) -> list[dict[str, Any]]:
+    """Return a list from the API. Raises _KeyRequired, _NoAnswer."""
     try:
         answer = client.get(path)
         told = answer.json()
     except (httpx.TransportError, ValueError) as error:
         raise _NoAnswer(f"{path} is not answered: {error}") from error
     if answer.status_code in (httpx.codes.UNAUTHORIZED, httpx.codes.FORBIDDEN):
-        raise _KeyNeeded
+        raise _KeyRequired
     if not isinstance(told, list):
         detail = told.get("detail") if isinstance(told, dict) else told
         raise _NoAnswer(f"{path} is answered with {answer.status_code}: {detail}")
@@ -392,7 +392,7 @@ def _stream(settings: Settings, machine: Key | None) -> Iterator[CheckResult]:
     what = "zenoh"
     try:
         with session(listen=[], connect=endpoints, security=StreamSecurity.of(settings)) as opened:
-            if not _soon(lambda: connected(opened)):
+            if not _wait_for(lambda: connected(opened)):
                 yield CheckResult(
                     "wrong", what, f"nobody answers at {', '.join(endpoints)}: is a router or the service there?"
                 )
@@ -414,7 +414,7 @@ def _stream(settings: Settings, machine: Key | None) -> Iterator[CheckResult]:
         )
 
 
-def _soon(look: Callable[[], bool]) -> bool:
+def _wait_for(look: Callable[[], bool]) -> bool:
     deadline = time.monotonic() + CONNECT_S
     while not look():
         if time.monotonic() > deadline:

@@ -81,7 +81,7 @@ class Agent:
             if stop.is_set():
                 return
             self._publish(stop)
-        self._settle(stop)
+        self._flush_log(stop)
 
     def follow(self, topic: Topic, stop: threading.Event) -> None:
         """Follow a topic until `stop`."""
@@ -193,7 +193,7 @@ class Agent:
         if self._publish_with_retry(lambda: self._source.publish(batch, position=position), stop):
             self._samples += len(batch.time_ns)
 
-    def _settle(self, stop: threading.Event) -> None:
+    def _flush_log(self, stop: threading.Event) -> None:
         """Wait until all samples are in the log."""
         if self._publish_with_retry(self._source.log.flush, stop):
             self.conditions.block([])

@@ -145,7 +145,7 @@ class BlockStream:
 
     def _work(self, *, ended: bool) -> Iterator[BlockOutcome]:
         by_seconds = self._settings.seconds is not None
-        while (outcome := self._by_seconds(ended) if by_seconds else self._by_turns(ended)) is not None:
+        while (outcome := self._by_seconds(ended) if by_seconds else self._block_of_turns(ended)) is not None:
             self._position = outcome.position
             yield outcome
             self._samples.drop_before(self.first_needed())
@@ -170,7 +170,7 @@ class BlockStream:
             notes.append(WaveformFinding("keyphasor_gap", None, f"the angle is not known for {missing:.3g} s of the block"))
         return self._with(angle, start, begin, until, end, notes)
 
-    def _by_turns(self, ended: bool) -> BlockOutcome | None:
+    def _block_of_turns(self, ended: bool) -> BlockOutcome | None:
         """Return a block from edge to edge, enlarging the window until it holds the block's last edge; None when it cannot."""
         begin, settings, known = self._at.begin, self._settings, self._at.seconds_to(self._samples.end)
         turns = settings.turns or 0
@@ -183,13 +183,13 @@ class BlockStream:
             if not complete and (not ended or known - begin < shortest / OVERSPEED):
                 return None
             end = min(begin + length, known)
-            found = self._from_edge_to_edge(*self._angle(begin - self.margin(), until), end)
+            found = self._block_between_edges(*self._angle(begin - self.margin(), until), end)
             if isinstance(found, BlockOutcome):
                 return found
             if length == longest or not complete:
                 return self._without(begin, end, found)
 
-    def _from_edge_to_edge(
+    def _block_between_edges(
         self, angle: ShaftAngle | WaveformFinding, start: float, end: float
     ) -> BlockOutcome | WaveformFinding:
         """Return the block whose last edge lies before `end`, or why there is none yet."""

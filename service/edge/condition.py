@@ -57,7 +57,7 @@ class Conditions:
     """The conditions that hold now, and how often each was found. May be read from another thread."""
 
     def __init__(self) -> None:
-        self._holds: dict[tuple[str, str | None], tuple[WaveformFinding, int]] = {}
+        self._active: dict[tuple[str, str | None], tuple[WaveformFinding, int]] = {}
         self._counts: Counter[str] = Counter()
         self._lock = threading.Lock()
 
@@ -65,17 +65,17 @@ class Conditions:
         """Set the conditions of the newest block; those of the block before that are not among them have ended."""
         fresh = {(one.name, one.subject): one for one in found}
         with self._lock:
-            for key in [key for key in self._holds if key not in fresh]:
-                logger.info("%s is over", _text(self._holds.pop(key)[0]))
+            for key in [key for key in self._active if key not in fresh]:
+                logger.info("%s is over", _text(self._active.pop(key)[0]))
             for one in fresh.values():
-                self._hold(one)
+                self._record(one)
 
     def begin(self, name: str, subject: str | None, detail: str) -> None:
         """Begin a condition, in addition to those of the newest block."""
         with self._lock:
-            self._hold(WaveformFinding(name, subject, detail))
+            self._record(WaveformFinding(name, subject, detail))
 
-    def happened(self, name: str, subject: str | None, detail: str) -> None:
+    def add_event(self, name: str, subject: str | None, detail: str) -> None:
         """Count and log a single event."""
         with self._lock:
             self._counts[name] += 1
@@ -84,7 +84,7 @@ class Conditions:
     def holds(self, name: str) -> bool:
         """Return whether a condition of this name holds."""
         with self._lock:
-            return any(key[0] == name for key in self._holds)
+            return any(key[0] == name for key in self._active)
 
     def counts(self) -> dict[str, int]:
         """Return the number of blocks, files or messages in which each condition was found."""
@@ -96,16 +96,16 @@ class Conditions:
         with self._lock:
             lasting = [
                 {"name": one.name, "subject": one.subject, "detail": one.detail, "since_ns": since}
-                for one, since in self._holds.values()
+                for one, since in self._active.values()
             ]
             return {"conditions": lasting, "counts": dict(self._counts)}
 
-    def _hold(self, one: WaveformFinding) -> None:
+    def _record(self, one: WaveformFinding) -> None:
         self._counts[one.name] += 1
         key = one.name, one.subject
-        if key not in self._holds:
+        if key not in self._active:
             logger.warning("%s", _text(one))
-        self._holds[key] = one, self._holds[key][1] if key in self._holds else now()
+        self._active[key] = one, self._active[key][1] if key in self._active else now()
 
 
 def _text(one: WaveformFinding) -> str:

@@ -59,7 +59,7 @@ class BlockLength(_ConfigurationPart):
     turns: Annotated[int, Field(ge=3, le=1000)] | None = None
 
     @model_validator(mode="after")
-    def _one(self) -> Self:
+    def _require_one(self) -> Self:
         if (self.seconds is None) == (self.turns is None):
             raise ValueError("give either seconds or turns")
         return self
@@ -97,7 +97,7 @@ class Waveforms(_ConfigurationPart):
     full_scale: Positive = Field(default=1.0, description="value in that unit of the largest number in a WAV file")
 
     @model_validator(mode="after")
-    def _one(self) -> Self:
+    def _require_one(self) -> Self:
         if bool(self.files) == (self.topic is not None):
             raise ValueError("give either files or a topic")
         return self

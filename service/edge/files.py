@@ -95,9 +95,9 @@ def read_chunks(
         if empty:
             raise FileTrouble("truncated_file", "there is no sample in it")
     except FileTrouble as trouble:
-        conditions.happened(trouble.name, name, trouble.detail)
+        conditions.add_event(trouble.name, name, trouble.detail)
     except OSError as error:
-        conditions.happened("damaged_file", name, str(error))
+        conditions.add_event("damaged_file", name, str(error))
 
 
 def _timed(
@@ -135,14 +135,14 @@ def _timed(
                 place, follows = int(rows[piece[0]]), bool(joined[piece[0]])
                 if not follows:
                     if anchor is not None:
-                        conditions.happened("input_gap", name, f"before row {place + 2}")
+                        conditions.add_event("input_gap", name, f"before row {place + 2}")
                     anchor = place, start + round(float(seconds[kept[piece[0]]]) * 1e9)
                 assert anchor is not None
                 yield Chunk(place, values[:-1, kept[piece]], rate, anchor=anchor[0], anchor_ns=anchor[1], follows=follows)
             latest, last_row, going_on = float(seconds[kept[-1]]), int(rows[-1]), False
         first += values.shape[1]
     if back:
-        conditions.happened("time_reversed", name, f"{back} rows are not later than those before them")
+        conditions.add_event("time_reversed", name, f"{back} rows are not later than those before them")
 
 
 def _checked_rate(seconds: Floats) -> Floats:

@@ -20,7 +20,7 @@ class Hdf5File:
     def __init__(self, path: Path, columns: list[str]) -> None:
         self._path = path
         self._columns = columns
-        with self._opened() as file:
+        with self._open_file() as file:
             there: list[str] = []
             file.visititems(lambda name, item: there.append(name) if hasattr(item, "shape") else None)
             require_columns([column.strip("/") for column in columns], there)
@@ -36,7 +36,7 @@ class Hdf5File:
 
     def read(self, first: int, size: int) -> Iterator[Floats]:
         """Yield columns (K, n) from sample `first` on, `size` samples at a time. Raises FileTrouble when it is damaged."""
-        with self._opened() as file:
+        with self._open_file() as file:
             datasets = [file[column] for column in self._columns]
             lengths = [dataset.shape[0] for dataset in datasets]
             for place in range(first, min(lengths), size):
@@ -48,7 +48,7 @@ class Hdf5File:
             if min(lengths) < max(lengths):
                 raise FileTrouble("truncated_file", f"some datasets end after {min(lengths)} samples, others do not")
 
-    def _opened(self) -> Any:
+    def _open_file(self) -> Any:
         try:
             import h5py
         except ImportError as error:

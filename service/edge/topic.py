@@ -56,7 +56,7 @@ class Topic:
                 self.close()
             payload, left_out = self._take()
             if left_out:
-                self._conditions.happened("input_overrun", None, f"{left_out} messages on {self._key} left out")
+                self._conditions.add_event("input_overrun", None, f"{left_out} messages on {self._key} left out")
             if payload is None and stopping:
                 return
             if payload is None:
@@ -105,26 +105,26 @@ class Topic:
         try:
             message = decode_waveforms(payload)
         except BadMessage as error:
-            self._conditions.happened("damaged_message", None, f"{self._key}: {error}")
+            self._conditions.add_event("damaged_message", None, f"{self._key}: {error}")
             return None
         missing = [column for column in self._columns if column not in message.channels]
         if missing:
             detail = f"no {', '.join(missing)}; there are {', '.join(message.channels[:50])}"
-            self._conditions.happened("missing_column", None, f"{self._key}: {detail}")
+            self._conditions.add_event("missing_column", None, f"{self._key}: {detail}")
             return None
         rate = message.sampling_rate
         if self._sampling_rate is not None and abs(rate / self._sampling_rate - 1.0) > RATE_TOLERANCE:
             detail = f"a message of {rate:g} Hz, {self._sampling_rate:g} Hz is configured"
-            self._conditions.happened("wrong_sampling_rate", None, f"{self._key}: {detail}")
+            self._conditions.add_event("wrong_sampling_rate", None, f"{self._key}: {detail}")
             return None
         before, self._next = self._next, message
         if before is not None and message.time_ns <= before.time_ns and not is_ahead(before.time_ns):
             self._next = before
-            self._conditions.happened("time_reversed", None, f"{self._key}: sample {message.first} is not later than before")
+            self._conditions.add_event("time_reversed", None, f"{self._key}: sample {message.first} is not later than before")
             return None
         expected = None if before is None else before.first + before.values.shape[1]
         if expected is not None and message.first != expected:
             detail = f"{self._key}: sample {message.first} came where {expected} was due"
-            self._conditions.happened("input_gap", None, detail)
+            self._conditions.add_event("input_gap", None, detail)
         values = message.values[[message.channels.index(column) for column in self._columns]]
         return Chunk(message.first, values, rate, anchor=message.first, anchor_ns=message.time_ns)

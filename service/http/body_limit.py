@@ -40,13 +40,13 @@ class BodyLimit:
 
         started = False
 
-        async def noted(message: Message) -> None:
+        async def watching_send(message: Message) -> None:
             nonlocal started
             started = True
             await send(message)
 
         try:
-            await self._app(scope, counted, noted)
+            await self._app(scope, counted, watching_send)
         except TooLarge as error:
             if started:
                 raise

@@ -28,7 +28,7 @@ SHARE = 4
 """One address may hold the fraction 1/SHARE of the descriptors: it must not block the others."""
 PAUSE_S = 1.0
 """Time for which new connections wait when descriptors run short [s]."""
-SAID_EVERY_S = 60.0
+LOG_INTERVAL_S = 60.0
 SHORT = (errno.EMFILE, errno.ENFILE, errno.ENOBUFS, errno.ENOMEM)
 
 
@@ -53,7 +53,7 @@ class Acceptor:
         self._loop = asyncio.get_running_loop()
         self._open: Counter[str] = Counter()
         self._tasks: set[asyncio.Task[None]] = set()
-        self._said = RateLimit(per_s=1.0 / SAID_EVERY_S, burst=1.0)
+        self._log_rate = RateLimit(per_s=1.0 / LOG_INTERVAL_S, burst=1.0)
         self._pause: asyncio.TimerHandle | None = None
 
     def start(self) -> None:
@@ -89,16 +89,16 @@ class Acceptor:
         most = min(self._most, _last() // SHARE)
         if self._open[address] >= most and not self._exempt(address):
             connection.close()
-            if not self._said.take(address):
+            if not self._log_rate.take(address):
                 logger.warning("%s has %d connections open: more of it are closed", address, most)
             return
         self._open[address] += 1
         connection.setblocking(False)
-        task = self._loop.create_task(self._hold(connection, address))
+        task = self._loop.create_task(self._count_until_closed(connection, address))
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
 
-    async def _hold(self, connection: socket.socket, address: str) -> None:
+    async def _count_until_closed(self, connection: socket.socket, address: str) -> None:
         """Count a connection from its acceptance to its end."""
         protocol = self._protocol()
         protocol.lost = self._loop.create_future()
@@ -119,7 +119,7 @@ class Acceptor:
 
     def _wait(self, reason: str) -> None:
         """Pause accepting: an immediate retry would fail again."""
-        if not self._said.take(""):
+        if not self._log_rate.take(""):
             logger.error(
                 "file descriptors run short (%s), with %d connections of %d addresses open: new ones wait; "
                 "raise the limit (LimitNOFILE=, ulimit -n) or find out who holds them",

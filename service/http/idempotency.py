@@ -37,7 +37,7 @@ class Idempotency:
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or replay the answer that it got before."""
         keys = []
-        if scope["type"] == "http" and scope["method"] == "POST" and _needs_somebody(scope):
+        if scope["type"] == "http" and scope["method"] == "POST" and _requires_role(scope):
             keys = [value for header, value in scope["headers"] if header == b"idempotency-key"]
         if not keys:
             await self._app(scope, receive, send)
@@ -47,10 +47,10 @@ class Idempotency:
             detail = f"Idempotency-Key must be 1 to {LONGEST_KEY} printable ASCII characters without a space, such as a UUID"
             await problem_response(HTTPStatus.BAD_REQUEST, detail)(scope, receive, send)
             return
-        body = await _whole(receive)
+        body = await _read_body(receive)
         if body is None:
             return  # the client has disconnected
-        fingerprint = hashlib.sha256(_asked(scope) + body).hexdigest()
+        fingerprint = hashlib.sha256(_request_target(scope) + body).hexdigest()
         who = scope["state"]["principal"]
         # Each principal has keys and answers of their own.
         place = hashlib.sha256(f"{who.identity} {name}".encode()).hexdigest() if who.known else name
@@ -81,7 +81,7 @@ class Idempotency:
                 "ask again in a moment, and look before asking under a new key",
                 {"Retry-After": "1"},
             )
-        body = self._opened(row.body or b"", place)
+        body = self._decrypt(row.body or b"", place)
         if body is None:
             return problem_response(
                 HTTPStatus.CONFLICT,
@@ -93,7 +93,7 @@ class Idempotency:
         answer.headers[REPLAYED] = "true"
         return answer
 
-    def _opened(self, body: bytes, place: str) -> bytes | None:
+    def _decrypt(self, body: bytes, place: str) -> bytes | None:
         """Return a stored answer in plain text; None where it is encrypted and no key opens it."""
         if not body.startswith(SEALED.encode()):
             return body
@@ -114,7 +114,7 @@ class Idempotency:
 
         status, headers, parts = 0, [], list[bytes]()
 
-        async def noted(message: Message) -> None:
+        async def recording_send(message: Message) -> None:
             nonlocal status, headers
             if message["type"] == "http.response.start":
                 status = message["status"]
@@ -123,18 +123,20 @@ class Idempotency:
                 parts.append(message.get("body", b""))
                 if not message.get("more_body", False):
                     # Stored before it is sent: a client that received it can rely on it.
-                    answer = StoredResponse(status, headers, _to_keep(b"".join(parts), place, scope["state"].get("sealing")))
-                    await asyncio.to_thread(self._keep, place, answer, done=_done(scope))
+                    answer = StoredResponse(
+                        status, headers, _stored_body(b"".join(parts), place, scope["state"].get("sealing"))
+                    )
+                    await asyncio.to_thread(self._record_answer, place, answer, done=_is_committed(scope))
             await send(message)
 
         try:
-            await self._app(scope, again, noted)
+            await self._app(scope, again, recording_send)
         except BaseException:
-            if not _done(scope):  # otherwise the outcome is unknown, and the key stays claimed
+            if not _is_committed(scope):  # otherwise the outcome is unknown, and the key stays claimed
                 await asyncio.to_thread(self._release, place)
             raise
 
-    def _keep(self, place: str, answer: StoredResponse, *, done: bool) -> None:
+    def _record_answer(self, place: str, answer: StoredResponse, *, done: bool) -> None:
         with self._database.transaction() as session:
             if answer.status >= HTTPStatus.BAD_REQUEST and answer.status != HTTPStatus.CONFLICT and not done:
                 idempotency.release(session, place)  # nothing was done and the request can be corrected: the key stays usable
@@ -146,7 +148,7 @@ class Idempotency:
             idempotency.release(session, place)
 
 
-def _needs_somebody(scope: Scope) -> bool:
+def _requires_role(scope: Scope) -> bool:
     """Check whether the operation needs a role: requests that anybody may make must not write to the store."""
     operation = scope["state"]["operation"]
     return operation is not None and operation.requirement.role is not None
@@ -156,21 +158,21 @@ def _place(key: str) -> str:
     return f"answer to {key}"
 
 
-def _to_keep(body: bytes, key: str, sealing: Sealing | None) -> bytes:
+def _stored_body(body: bytes, key: str, sealing: Sealing | None) -> bytes:
     """Return an answer as it is stored. sealing: encrypts answers that contain a secret."""
     return body if sealing is None else sealing.seal(body, place=_place(key)).encode()
 
 
-def _done(scope: Scope) -> bool:
+def _is_committed(scope: Scope) -> bool:
     """Check whether the request committed a transaction."""
     return bool(getattr(scope["state"].get("store"), "written", False))
 
 
-def _asked(scope: Scope) -> bytes:
+def _request_target(scope: Scope) -> bytes:
     return b"\n".join([scope["path"].encode(), scope["query_string"], b""])
 
 
-async def _whole(receive: Receive) -> bytes | None:
+async def _read_body(receive: Receive) -> bytes | None:
     parts = []
     while True:
         message = await receive()

@@ -70,13 +70,13 @@ class HttpProtocol(HttpToolsProtocol):
         """Pass data to the parser and check the limits."""
         if self._refusal is not None:
             return
-        if not self._waits and not self._answering():
+        if not self._waits and not self._is_responding():
             self._wait()
         before = self._completed
         super().data_received(data)
         if self._completed == before:
-            self._came += len(data)
-        if self._waits and self._in_head and self._came > LARGEST_HEAD and not self.transport.is_closing():
+            self._received_bytes += len(data)
+        if self._waits and self._in_head and self._received_bytes > LARGEST_HEAD and not self.transport.is_closing():
             self._refuse(HTTPStatus.REQUEST_HEADER_FIELDS_TOO_LARGE, _TOO_LARGE)
 
     def on_message_begin(self) -> None:
@@ -101,28 +101,28 @@ class HttpProtocol(HttpToolsProtocol):
         self._completed += 1
         self._stop_waiting()
         super().on_message_complete()
-        if not self._answering():
+        if not self._is_responding():
             self._wait()
 
     def on_response_complete(self) -> None:
         """Answer the next request in the queue, or refuse it."""
         super().on_response_complete()
-        if self._refusal is not None and not self._answering() and not self.transport.is_closing():
+        if self._refusal is not None and not self._is_responding() and not self.transport.is_closing():
             self._refuse(*self._refusal)
 
     def send_400_response(self, msg: str) -> None:  # noqa: ARG002 - the library says the same of everything
         """Refuse a request that the parser could not read."""
         self._refuse(*self._fault)
 
-    def _answering(self) -> bool:
+    def _is_responding(self) -> bool:
         return self.cycle is not None and not self.cycle.response_complete
 
     def _wait(self) -> None:
         """Begin to wait for a request."""
         self._waits, self._begun, self._in_head = True, False, True
-        self._since, self._came = self.loop.time(), 0
+        self._since, self._received_bytes = self.loop.time(), 0
         if self._timer is None:
-            self._timer = self.loop.call_later(PATIENCE_S, self._look)
+            self._timer = self.loop.call_later(PATIENCE_S, self._check_timeout)
 
     def _stop_waiting(self) -> None:
         self._waits = False
@@ -130,12 +130,12 @@ class HttpProtocol(HttpToolsProtocol):
             self._timer.cancel()
             self._timer = None
 
-    def _look(self) -> None:
+    def _check_timeout(self) -> None:
         """Disconnect a peer that took too long. While reading is paused, the delay is not the peer's."""
         self._timer = None
-        left = self._since + PATIENCE_S + self._came / SLOWEST - self.loop.time()
+        left = self._since + PATIENCE_S + self._received_bytes / SLOWEST - self.loop.time()
         if left > 0 or self.flow.read_paused:
-            self._timer = self.loop.call_later(max(left, 1.0), self._look)
+            self._timer = self.loop.call_later(max(left, 1.0), self._check_timeout)
         elif self._begun:
             self._refuse(HTTPStatus.REQUEST_TIMEOUT, _TOO_SLOW)
         else:
@@ -143,11 +143,11 @@ class HttpProtocol(HttpToolsProtocol):
 
     def _refuse(self, status: HTTPStatus, detail: str) -> None:
         """Answer without the application, and close the connection."""
-        if self._answering() and self._in_head:
+        if self._is_responding() and self._in_head:
             self._refusal = status, detail
             self._stop_waiting()
             return
-        if not (self._answering() and self.cycle.response_started):
+        if not (self._is_responding() and self.cycle.response_started):
             answer = problem_response(status, detail, {"Connection": "close"})
             headers = [*answer.raw_headers, *ALWAYS, NO_STORE]
             lines = [f"HTTP/1.1 {status} {status.phrase}".encode(), *(b": ".join(one) for one in headers)]

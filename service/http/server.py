@@ -12,7 +12,7 @@ from service.http.connections import Acceptor
 from service.http.protocol import HttpProtocol
 
 
-def _nobody(_address: str) -> bool:
+def _no_exemption(_address: str) -> bool:
     return False
 
 
@@ -32,7 +32,7 @@ class Server(uvicorn.Server):
         endless: EndlessAnswers,
         *,
         connections_per_address: int = DEFAULT_CONNECTIONS_PER_ADDRESS,
-        exempt: Callable[[str], bool] = _nobody,
+        exempt: Callable[[str], bool] = _no_exemption,
     ) -> None:
         """Set the streams to end when the server stops. For connections_per_address and exempt see `Acceptor`."""
         super().__init__(config)

@@ -4,8 +4,6 @@ import logging
 import threading
 import time
 
-from sqlalchemy.exc import DBAPIError
-
 from estimator.fit.identify import Options
 from service.configuration.settings import Settings
 from service.identification.computing_jobs import ComputingJobs
@@ -16,6 +14,7 @@ from service.identification.worker_tasks import TASKS
 from service.monitoring.assessment_queue import AssessmentQueue
 from service.replication.held_jobs import HeldJobs
 from service.replication.work_share import GATHERING, Share, WholeShare
+from service.resilience.supervised_thread import SupervisedThread
 from service.workers.executor import ExecutorUnavailable
 from service.workers.executors import executor_of
 from storage.database.engine import Database
@@ -26,18 +25,18 @@ POLL_S = 0.1
 RETRY_S = 1.0
 
 
-class JobScheduler:
+class JobScheduler(SupervisedThread):
     """Scheduler that takes queued jobs, has them computed, files the results and has these assessed."""
 
     def __init__(self, database: Database, settings: Settings, share: Share | None = None) -> None:
         """Set up without starting. share: this replica's share of the work; all of it by default."""
+        super().__init__("identifying", failure="identification jobs cannot be read or filed", retry_s=RETRY_S)
         self._database = database
         self._settings = settings
         self._share = share or WholeShare()
         self._executor = executor_of(settings, TASKS)
         self._held = HeldJobs(database, self._share)
         self._computing: ComputingJobs = {}
-        self._stop = threading.Event()
         self._news = threading.Event()  # a result is there, or the service stops
         self._assessments = AssessmentQueue(database, self._executor, self._held, settings, wake=self._news.set)
         options = Options()
@@ -53,20 +52,19 @@ class JobScheduler:
         )
         self._filing = ResultFiling(database, self._held, self._computing, self._assessments, options)
         self._pooled_at = 0.0
-        self._thread = threading.Thread(target=self._run, name="identifying", daemon=True)
-        self.trouble: str | None = None
-        """Why jobs cannot be taken or filed at present."""
+        self._may_have_lost = False  # jobs, taken in a transaction whose outcome is unknown
 
     def start(self) -> None:
         """Put back jobs that an earlier process left unfinished, then start the thread."""
         self._held.requeue_unfinished()
-        self._thread.start()
+        self._pooled_at = time.monotonic()
+        super().start()
 
     def stop(self) -> None:
         """Take no more jobs and end the workers; their jobs are computed again after the next start."""
         self._stop.set()
         self._news.set()
-        self._thread.join()
+        super().stop()
         self._executor.close()
 
     @property
@@ -79,37 +77,25 @@ class JobScheduler:
         """Return figures for monitoring, by the name of the metric."""
         return {"rundown_stuck_identifications": self._filing.stuck_count}
 
-    @property
-    def alive(self) -> bool:
-        """Return whether the thread is running."""
-        return self._thread.is_alive()
+    def turn(self) -> float:
+        """Wait for news, for POLL_S at most, then schedule jobs."""
+        self._news.wait(POLL_S)
+        self._news.clear()
+        if self._may_have_lost:
+            self._put_back_lost()
+            self._may_have_lost = False
+        self._schedule()
+        return 0.0
 
-    def _run(self) -> None:
-        self._pooled_at, doubtful = time.monotonic(), False
-        while not self._stop.is_set():
-            self._news.wait(POLL_S)
-            self._news.clear()
-            try:
-                if doubtful:
-                    self._put_back_lost()
-                    doubtful = False
-                self._schedule()
-                self.trouble = None
-            except ExecutorUnavailable as error:
-                if str(error) != self.trouble:
-                    logger.error("%s; trying again", error)
-                self.trouble = str(error)
-                self._stop.wait(RETRY_S)
-            except DBAPIError as error:
-                self.trouble = str(error.orig)
-                logger.error("identification jobs cannot be read or filed, trying again: %s", error.orig)
-                self._stop.wait(RETRY_S)
-                doubtful = True
-            except Exception:
-                self.trouble = "unexpected error; the log has it"
-                logger.exception("unexpected error in the identification thread")
-                self._stop.wait(RETRY_S)
-                doubtful = True
+    def failed(self, error: Exception) -> float:
+        """Log an error and keep it as `trouble`; after one that is not the executor's, taken jobs may be lost."""
+        if isinstance(error, ExecutorUnavailable):
+            if str(error) != self.trouble:
+                logger.error("%s; trying again", error)
+            self.trouble = str(error)
+            return RETRY_S
+        self._may_have_lost = True
+        return super().failed(error)
 
     def _schedule(self) -> None:
         """Submit waiting jobs, file computed ones, and queue pooled jobs when it is time."""
@@ -121,7 +107,7 @@ class JobScheduler:
             self._filing.file_done()
             self._assessments.file_done()
         interval = self._settings.gathered_interval_s
-        if time.monotonic() - self._pooled_at >= interval and self._share.leads(GATHERING):
+        if time.monotonic() - self._pooled_at >= interval and self._share.is_leader(GATHERING):
             self._pooled_at = time.monotonic()
             queue_pooled_jobs(self._database, newest_runs=self._settings.gathered_runs)
 

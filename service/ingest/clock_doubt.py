@@ -78,7 +78,7 @@ class OwnClock:
         first, last = min(batch.time_ns), max(batch.time_ns)
         if not clock - PLAUSIBLE <= first <= last <= clock + PLAUSIBLE:
             return False
-        self._hear((batch.machine, batch.source), first - monotonic, last - monotonic, monotonic)
+        self._update_source((batch.machine, batch.source), first - monotonic, last - monotonic, monotonic)
         if last <= clock + FUTURE_TOLERANCE:
             self._newest_receipt = max(self._known_receipt(), clock)
             return False
@@ -102,7 +102,7 @@ class OwnClock:
             self._newest_receipt = self._look_up()
         return self._newest_receipt
 
-    def _hear(self, name: tuple[str, str], first: int, last: int, monotonic: int) -> None:
+    def _update_source(self, name: tuple[str, str], first: int, last: int, monotonic: int) -> None:
         before = self._sources.pop(name, None)
         if before is not None and abs(last - before.pace) <= JITTER:
             self._sources[name] = _Source(first, last, monotonic, before.pace, before.since)

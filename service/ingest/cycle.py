@@ -100,7 +100,7 @@ class IngestCycle:
         if stopping:
             self.inbox.close()
             self.recovery.cease()
-        hurried = len(self.inbox) >= BACKLOG or self.recovery.is_asking
+        hurried = len(self.inbox) >= BACKLOG or self.recovery.is_querying
         self._journal.pacing.begin(hurried=hurried)
         # Beside what was left, the few messages that have come since would each cost a transaction: they wait for the others.
         waits = left and not hurried and not stopping and time.monotonic() < self._took + CYCLE_S
@@ -124,9 +124,9 @@ class IngestCycle:
 
     def wait_for_more(self, count: int) -> None:
         """Pause after a cycle of `count` messages until something is submitted, unless there is more to do at once."""
-        asking = self.recovery.is_asking
-        if not self.has_more and (count == 0 or (count < BACKLOG and not asking)):
-            self._submissions.wait(RECOVERY_CYCLE_S if asking else CYCLE_S)
+        querying = self.recovery.is_querying
+        if not self.has_more and (count == 0 or (count < BACKLOG and not querying)):
+            self._submissions.wait(RECOVERY_CYCLE_S if querying else CYCLE_S)
 
     def refuse_all(self, trouble: str) -> None:
         """Tell all who wait that their samples are not known to be durable, and why."""

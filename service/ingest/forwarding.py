@@ -15,7 +15,7 @@ from storage.machines import machines
 
 AT_ONCE = 16
 """Largest number of bodies forwarded concurrently."""
-MOST_WAITING = 64
+MAXIMUM_WAITING = 64
 """Largest number of bodies being forwarded or waiting for it; further ones are refused as busy."""
 PATIENCE_S = 15.0
 """Time that the other replica may take to make a body durable."""
@@ -41,7 +41,7 @@ class Forwarding:
         self._waiting = 0
         self._lock = threading.Lock()
         self._threads = ThreadPoolExecutor(AT_ONCE, thread_name_prefix="forwarding")
-        self._queryable = session.declare_queryable(ALL_SUBMIT, self._asked)
+        self._queryable = session.declare_queryable(ALL_SUBMIT, self._on_query)
 
     def close(self) -> None:
         """Stop accepting bodies."""
@@ -55,13 +55,13 @@ class Forwarding:
 
     def offer(self, machine: str, body: bytes, encoding: str) -> Future[StoreOutcome]:
         """Queue or forward a body, see `Submissions.offer`. Raises Busy or NotStoring."""
-        if self._share.owns(machine):
+        if self._share.is_owner(machine):
             return self._own.offer(machine, body, encoding)
-        if self._waiting >= MOST_WAITING:
+        if self._waiting >= MAXIMUM_WAITING:
             raise Busy(f"{self._waiting} batches are on their way to another replica")
         with self._lock:
             self._waiting += 1
-        promise = self._threads.submit(self._ask, machine, body, encoding)
+        promise = self._threads.submit(self._request_storing, machine, body, encoding)
         promise.add_done_callback(self._arrived)
         return promise
 
@@ -72,7 +72,7 @@ class Forwarding:
         with self._lock:
             self._waiting -= 1
 
-    def _ask(self, machine: str, body: bytes, encoding: str) -> StoreOutcome:
+    def _request_storing(self, machine: str, body: bytes, encoding: str) -> StoreOutcome:
         with self._database.reading() as session:
             try:
                 plant = machines.get(session, machine).plant
@@ -83,14 +83,14 @@ class Forwarding:
         )
         for reply in replies:
             if reply.ok is not None:
-                return _told(msgspec.json.decode(reply.ok.payload.to_bytes(), type=ForwardedAnswer))
+                return _outcome_of(msgspec.json.decode(reply.ok.payload.to_bytes(), type=ForwardedAnswer))
         raise NotStoring(f"no replica takes samples of '{machine}' at present")
 
-    def _asked(self, query: zenoh.Query) -> None:
+    def _on_query(self, query: zenoh.Query) -> None:
         """Accept a body forwarded by another replica."""
         parts = str(query.key_expr).split("/")
         machine = parts[3] if len(parts) == 5 and IDENTIFIER.match(parts[3]) else ""
-        if not self._share.owns(machine) or query.payload is None:
+        if not self._share.is_owner(machine) or query.payload is None:
             query.drop()
             return
         try:
@@ -121,7 +121,7 @@ def _reply(query: zenoh.Query, answer: ForwardedAnswer) -> None:
         query.reply(str(query.key_expr), msgspec.json.encode(answer), encoding=JSON)
 
 
-def _told(answer: ForwardedAnswer) -> StoreOutcome:
+def _outcome_of(answer: ForwardedAnswer) -> StoreOutcome:
     """Return the outcome in a reply. Raises Rejected, Busy, NotStoring."""
     if answer.rejected is not None:
         raise Rejected(*answer.rejected)

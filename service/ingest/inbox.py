@@ -16,8 +16,8 @@ from storage.measurements.quarantine import KEPT_BYTES
 
 logger = logging.getLogger(__name__)
 
-MOST_MESSAGES = 50_000
-MOST_BYTES = 256 << 20
+MAXIMUM_MESSAGES = 50_000
+MAXIMUM_BYTES = 256 << 20
 """Limits of the waiting messages; beyond either zenoh makes the senders wait."""
 CHANNEL_SIZE = 2_000
 """Messages that zenoh itself queues until they are copied."""
@@ -106,4 +106,4 @@ class Inbox(SupervisedThread):
 
     @property
     def _has_room(self) -> bool:
-        return len(self._waiting) < MOST_MESSAGES and self.size < MOST_BYTES
+        return len(self._waiting) < MAXIMUM_MESSAGES and self.size < MAXIMUM_BYTES

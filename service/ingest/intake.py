@@ -89,10 +89,10 @@ class Intake:
         try:
             key = Key.parse(message.key)
         except Rejected as rejected:
-            if self._share.owns(message.key):
+            if self._share.is_owner(message.key):
                 self._admission.refuse(message, None, rejected)
             return
-        if self._share.owns(key.machine) and (arrived := self._admission.published(key, message)) is not None:
+        if self._share.is_owner(key.machine) and (arrived := self._admission.published(key, message)) is not None:
             with self._write_batch.refusals.quarantining_on_error(arrived):
                 self._recovery.place(key, arrived)
 

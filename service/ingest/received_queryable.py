@@ -12,7 +12,7 @@ from storage.database.errors import is_database_wide
 
 logger = logging.getLogger(__name__)
 
-MOST_WAITING = 1_000
+MAXIMUM_WAITING = 1_000
 """Largest number of waiting queries."""
 
 
@@ -26,7 +26,7 @@ class ReceivedQueryable:
 
     def open(self) -> None:
         """Declare the queryable."""
-        self._queryable = self._session.declare_queryable(ALL_RECEIVED, zenoh.handlers.FifoChannel(MOST_WAITING))
+        self._queryable = self._session.declare_queryable(ALL_RECEIVED, zenoh.handlers.FifoChannel(MAXIMUM_WAITING))
 
     def close(self) -> None:
         """Undeclare the queryable."""
@@ -51,6 +51,6 @@ class ReceivedQueryable:
                 logger.exception("%s: how far its sources are durable cannot be told", key.machine)
 
     def _reply(self, query: zenoh.Query, key: Key) -> None:
-        if self._share.owns(key.machine) and self._journal.plant_of(key.machine) == key.plant:
+        if self._share.is_owner(key.machine) and self._journal.plant_of(key.machine) == key.plant:
             answer = Received(plant=key.plant, machine=key.machine, sources=self._journal.received(key.machine))
             query.reply(key.received, msgspec.json.encode(answer), encoding=JSON)

@@ -18,10 +18,10 @@ from service.journal.source_backoff import SourceBackoff
 from storage.database.errors import is_database_wide
 from storage.measurements.samples import SourceKey
 
-MOST_TRIES = 50
+MAXIMUM_TRIES = 50
 """Batches of a source that are tried while none of them could be stored; the rest is left in its log."""
-MOST_DOUBLINGS = 6
-"""Largest number of doublings of MOST_TRIES, one per earlier failure: some batches after many bad ones may be good."""
+MAXIMUM_DOUBLINGS = 6
+"""Largest number of doublings of MAXIMUM_TRIES, one per earlier failure: some batches after many bad ones may be good."""
 
 
 class SingleWrites:
@@ -64,7 +64,7 @@ class SingleWrites:
         """
         while self._waiting:
             one = self._waiting[0]
-            if one.source not in self._stored and self._failed[one.source] >= self._most_tries(one.source):
+            if one.source not in self._stored and self._failed[one.source] >= self._maximum_tries(one.source):
                 self._left.append(one)
             elif self._store(one):
                 self._stored.add(one.source)
@@ -120,5 +120,5 @@ class SingleWrites:
         self._waiting, self._left = deque(), []
         self._stored, self._failed = set(), Counter()
 
-    def _most_tries(self, source: SourceKey) -> int:
-        return MOST_TRIES << min(self._backoff.failures(source), MOST_DOUBLINGS)
+    def _maximum_tries(self, source: SourceKey) -> int:
+        return MAXIMUM_TRIES << min(self._backoff.failures(source), MAXIMUM_DOUBLINGS)

@@ -25,7 +25,7 @@ LONGEST_TRANSACTION_S = 0.012
 """Time after which no further batch is added to a transaction; the consequences of those in it come on top."""
 LONGEST_TURN_S = 0.1
 """Time after which a turn stores no further single batch: messages wait to be taken."""
-FEWEST_AT_ONCE, MOST_AT_ONCE = 20, 1000
+FEWEST_AT_ONCE, MAXIMUM_AT_ONCE = 20, 1000
 """Limits of the batches that a transaction begins with: twice as many as the last one had time for."""
 
 
@@ -129,7 +129,7 @@ class WriteBatch:
             del self._held[: len(outcomes)]
             # What a transaction looks up for batches that it has no time for is looked up in vain.
             fitted = len(outcomes) == len(arrived)
-            self._at_once = min(2 * self._at_once, MOST_AT_ONCE) if fitted else max(2 * len(outcomes), FEWEST_AT_ONCE)
+            self._at_once = min(2 * self._at_once, MAXIMUM_AT_ONCE) if fitted else max(2 * len(outcomes), FEWEST_AT_ONCE)
         self.refusals.stored()
 
     def _store_one_by_one(self) -> None:
@@ -139,13 +139,13 @@ class WriteBatch:
             self.refusals.store_one_by_one(ends=ends)
             paused = self._single_writes.turn(ends=ends)
             if paused:
-                self._leave(paused)
+                self._drop_paused(paused)
             self.refusals.store_one_by_one(ends=ends)
         except Exception:
             self._held[:0] = self._single_writes.abandon()
             raise
 
-    def _leave(self, paused: Collection[SourceKey]) -> None:
+    def _drop_paused(self, paused: Collection[SourceKey]) -> None:
         """Drop held batches of paused sources: they stay in their logs."""
         left = [one for one in self._held if one.source in paused]
         self._held = [one for one in self._held if one.source not in paused]

@@ -56,14 +56,14 @@ class Housekeeping(SupervisedThread):
         self._counts = False
         """Whether any cut-offs are stored."""
         self._waiting = 0
-        self._said_of_waiting = ""
+        self._waiting_warning = ""
 
     @property
     def warnings(self) -> list[str]:
         """Return warnings of too little space, and why the store is not kept within its limits."""
         hindered = [f"old samples are not let go of: {self.unfinished}"] if self.unfinished else []
         blind = [f"how much room is left cannot be told: {self.unseen}"] if self.unseen else []
-        return [words for words in (self._disk.warning, self._said_of_waiting) if words] + hindered + blind
+        return [words for words in (self._disk.warning, self._waiting_warning) if words] + hindered + blind
 
     @property
     def gauges(self) -> dict[str, float]:
@@ -94,15 +94,15 @@ class Housekeeping(SupervisedThread):
                     raise
                 logger.exception("%s: its old samples are not let go of; those of the others are", machine_id)
                 failed = error
-            if not self._goes_on():
+            if not self._wait_unless_stopped():
                 return
-        self._tell_waiting(waiting, moment)
-        while disk.release_free_pages(self._database) and self._goes_on(PAUSE_S):
+        self._warn_of_waiting(waiting, moment)
+        while disk.release_free_pages(self._database) and self._wait_unless_stopped(PAUSE_S):
             pass
         if failed is not None:
             raise failed
 
-    def _goes_on(self, pause: float = 0.0) -> bool:
+    def _wait_unless_stopped(self, pause: float = 0.0) -> bool:
         """Wait, and look at disk and memory when that is due, since a round may take long; return False to stop."""
         if time.monotonic() >= self._looked_at + LOOK_S:
             self.look()
@@ -112,26 +112,26 @@ class Housekeeping(SupervisedThread):
         """Check the disk space, and give free memory back to the system."""
         self._looked_at = time.monotonic()
         release_free_memory()
-        self.unseen = _tried(self._disk.look)
+        self.unseen = _attempt(self._disk.look)
 
     def turn(self) -> float:
         """Look at disk and memory, and do a round when one is due. A stop takes effect between two transactions."""
         self.look()
-        if not self._share.leads(RETENTION):
+        if not self._share.is_leader(RETENTION):
             self._leave_to_another()
         elif time.monotonic() >= self._next_round:
             self._next_round = time.monotonic() + INTERVAL_S
-            self.unfinished = _tried(self.round)
+            self.unfinished = _attempt(self.round)
         return LOOK_S
 
     def finish(self) -> None:
         """Store the service time since the last round, so that it counts after a restart, too."""
-        if self._counts and self.unfinished is None and self._share.leads(RETENTION):
-            _tried(lambda: self._move_cut_offs([], now()))
+        if self._counts and self.unfinished is None and self._share.is_leader(RETENTION):
+            _attempt(lambda: self._move_cut_offs([], now()))
 
     def _leave_to_another(self) -> None:
         """Leave retention to another replica, forgetting its state here; service time is not counted twice."""
-        self.unfinished, self._counts, self._waiting, self._said_of_waiting = None, False, 0, ""
+        self.unfinished, self._counts, self._waiting, self._waiting_warning = None, False, 0, ""
         self._counted_to = time.monotonic_ns()
 
     def _move_cut_offs(self, machine_ids: list[str], moment: int) -> None:
@@ -140,7 +140,7 @@ class Housekeeping(SupervisedThread):
             return
         served = time.monotonic_ns() - self._counted_to
         with self._database.reading() as session:
-            found = {tier.name: _moved(session, tier, moment, served) for tier in self._tiers}
+            found = {tier.name: _advanced(session, tier, moment, served) for tier in self._tiers}
             self._cut_offs = {
                 tier.name: found[tier.name] or first_cut_off(session, tier, machine_ids, moment=moment) for tier in self._tiers
             }
@@ -152,7 +152,7 @@ class Housekeeping(SupervisedThread):
             return  # too little for other writers to wait
         with self._database.transaction() as session:  # read again: a person may have confirmed meanwhile
             for tier in self._tiers:
-                cut_off = _moved(session, tier, moment, served) or self._cut_offs[tier.name]
+                cut_off = _advanced(session, tier, moment, served) or self._cut_offs[tier.name]
                 self._cut_offs[tier.name] = cut_off
                 retention.store_cut_off(session, tier.name, time=cut_off.time, allowance=cut_off.allowance)
         self._counted_to += served
@@ -165,7 +165,7 @@ class Housekeeping(SupervisedThread):
             if not tier.has(session, machine_id, before=wanted):
                 return True
             some = tier.has(session, machine_id, before=min(wanted, limit))
-        while some and self._goes_on(PAUSE_S):
+        while some and self._wait_unless_stopped(PAUSE_S):
             with self._database.transaction() as session:
                 wanted = tier.before(session, machine_id, moment=moment)
                 count = tier.release(session, machine_id, before=min(wanted, limit))
@@ -174,15 +174,15 @@ class Housekeeping(SupervisedThread):
         with self._database.reading() as session:
             return wanted <= limit or not tier.has(session, machine_id, before=wanted)
 
-    def _tell_waiting(self, machine_ids: set[str], moment: int) -> None:
+    def _warn_of_waiting(self, machine_ids: set[str], moment: int) -> None:
         """Warn that old samples wait for a person, as long as they do."""
         before, self._waiting = self._waiting, len(machine_ids)
-        self._said_of_waiting = _waiting_words(machine_ids, moment) if machine_ids else ""
+        self._waiting_warning = _waiting_words(machine_ids, moment) if machine_ids else ""
         if machine_ids and not before:
-            logger.warning(self._said_of_waiting)
+            logger.warning(self._waiting_warning)
 
 
-def _tried(work: Callable[[], None]) -> str | None:
+def _attempt(work: Callable[[], None]) -> str | None:
     """Run some work; return why it was not finished, None when it was.
 
     The next attempt may succeed, and nothing else depends on this one.
@@ -198,7 +198,7 @@ def _tried(work: Callable[[], None]) -> str | None:
     return None
 
 
-def _moved(session: Session, tier: Tier, moment: int, served: int) -> CutOff | None:
+def _advanced(session: Session, tier: Tier, moment: int, served: int) -> CutOff | None:
     """Return the cut-off of a tier after `served` more service time [ns]; None when none is stored yet."""
     kept = retention.cut_off(session, tier.name)
     return None if kept is None else advanced_cut_off(CutOff(*kept), wanted=moment - tier.kept, served=served)

@@ -60,7 +60,7 @@ class Blocks:
         newest = retention.newest_sample(session, machine_id)
         if newest is None:
             return 0
-        old = _ago(newest, self.kept, moment=moment)
+        old = _age_limit(newest, self.kept, moment=moment)
         # Finding the needed blocks takes longer, and most machines have nothing old.
         return min(old, *_needed_since(session, machine_id)) if retention.has_blocks(session, machine_id, before=old) else old
 
@@ -90,7 +90,7 @@ class Runs:
     def before(self, session: Session, machine_id: str, *, moment: int) -> int:
         """Return the time before which runs are old enough, see `Tier.before`."""
         newest = runs.of_machine(session, machine_id, limit=1)
-        return _ago(newest[0].time_last or newest[0].time_first, self.kept, moment=moment) if newest else 0
+        return _age_limit(newest[0].time_last or newest[0].time_first, self.kept, moment=moment) if newest else 0
 
     def has(self, session: Session, machine_id: str, *, before: int) -> bool:
         """Return whether a machine has old runs, see `Tier.has`."""
@@ -132,7 +132,7 @@ def first_cut_off(session: Session, tier: Tier, machine_ids: Collection[str], *,
     return initial_cut_off(wanted=moment - tier.kept, oldest=min(firsts, default=None), kept=tier.kept)
 
 
-def _ago(newest: int, kept: int, *, moment: int) -> int:
+def _age_limit(newest: int, kept: int, *, moment: int) -> int:
     """Return the age limit by the machine's newest time, if not in the future: a machine that was off for a year loses
     nothing."""
     return min(newest, moment) - kept

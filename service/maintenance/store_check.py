@@ -32,7 +32,7 @@ class StoreWatch(SupervisedThread):
     def __init__(self, database: Database) -> None:
         super().__init__("store watch", failure="the store cannot be looked after", retry_s=LOOK_S, first_pause_s=LOOK_S)
         self._database = database
-        self._said = ""
+        self._last_message = ""
         self._check_at = self._keys_at = 0.0
         self._waiting = 0
 
@@ -43,16 +43,16 @@ class StoreWatch(SupervisedThread):
 
     def turn(self) -> float:
         """Check the store once."""
-        self._look()
+        self._check_files()
         return LOOK_S
 
-    def _look(self) -> None:
+    def _check_files(self) -> None:
         try:
             self._database.save_lost_files()
         except DatabaseUnusable as error:
-            if str(error) != self._said:
-                self._said = str(error)
-                logger.critical(self._said)
+            if str(error) != self._last_message:
+                self._last_message = str(error)
+                logger.critical(self._last_message)
         else:
             self._check()
             self._count_keys()

@@ -88,7 +88,7 @@ def _diagnosis(context: AssessmentContext) -> MachineDiagnosis | None:
     limits = context.limits
     diagnosis = compared.watch.found(compared.observations, on_delay=lambda kind, element: delays(limits, kind, element)[0])
     causes = _causes(context.machine, compared, diagnosis)
-    return MachineDiagnosis(tuple(run.id for run in context.baseline), causes, _gone(context, compared, diagnosis))
+    return MachineDiagnosis(tuple(run.id for run in context.baseline), causes, _cleared_causes(context, compared, diagnosis))
 
 
 def _causes(machine: Machine, compared: BaselineComparison, diagnosis: Diagnosis) -> tuple[DiagnosedCause, ...]:
@@ -104,7 +104,9 @@ def _causes(machine: Machine, compared: BaselineComparison, diagnosis: Diagnosis
     return tuple(causes)
 
 
-def _gone(context: AssessmentContext, compared: BaselineComparison, diagnosis: Diagnosis) -> frozenset[tuple[str, str]]:
+def _cleared_causes(
+    context: AssessmentContext, compared: BaselineComparison, diagnosis: Diagnosis
+) -> frozenset[tuple[str, str]]:
     """Return the open causes that have gone; one that is still found, but below its limit less the hysteresis, has gone
     too."""
     seen = {(cause.kind, cause.element) for cause in diagnosis.causes}

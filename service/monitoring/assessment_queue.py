@@ -91,7 +91,7 @@ class AssessmentQueue:
                 continue
             if context is None:
                 self._held.finish(due.job_id)
-                self._leave(due)
+                self._forget(due)
             else:
                 future = self._executor.submit(self._limit_s, assess_in_time, (context, self._limit_s))
                 future.add_done_callback(lambda _: self._wake())
@@ -146,7 +146,7 @@ class AssessmentQueue:
                 raise  # it is tried again
             self._give_up(due, error)
         else:
-            self._leave(due)
+            self._forget(due)
 
     def _give_up(self, due: DueAssessment, error: Exception) -> None:
         if is_damage(error):
@@ -156,9 +156,9 @@ class AssessmentQueue:
             if row is not None:
                 _record_unassessed(session, due, error)
                 jobs.finish(row, state=jobs.DONE)
-        self._leave(due)
+        self._forget(due)
 
-    def _leave(self, due: DueAssessment) -> None:
+    def _forget(self, due: DueAssessment) -> None:
         self._attempts.pop(due.job_id, None)
         machine = self._due[due.machine_id]
         machine.remove(due)

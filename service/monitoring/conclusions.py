@@ -100,18 +100,18 @@ def _forces(session: Session, stored: IdentificationRow, diagnosis: MachineDiagn
     return {element: derived.value(session, stored.id, f"{element}.{force}") for element, force in named.items()}
 
 
-_Opened = Mapping[tuple[str, str], AlertRow]
+_OpenAlerts = Mapping[tuple[str, str], AlertRow]
 """Open alerts by rule and element."""
 
 
-def _statement(found: DiagnosedCause, forces: Mapping[str, float | None], opened: _Opened) -> Statement:
+def _statement(found: DiagnosedCause, forces: Mapping[str, float | None], opened: _OpenAlerts) -> Statement:
     cause = found.cause
-    since, first = _since(found, opened)
+    since, first = _first_run_of(found, opened)
     force = None if finding_rule(cause.kind).force is None else forces[cause.element]
     return Statement(cause, found.runners_up, found.size, since, first, force, found.form, found.units)
 
 
-def _since(found: DiagnosedCause, opened: _Opened) -> tuple[int, int]:
+def _first_run_of(found: DiagnosedCause, opened: _OpenAlerts) -> tuple[int, int]:
     """Return when the first run that shows a cause was measured [ns], and that run's identification.
 
     Never later than its open alert says: compared with a grown change, the runs with which it began look healthy.
@@ -129,10 +129,10 @@ def _cause_changes(
     diagnosis: MachineDiagnosis,
     statements: Sequence[Statement],
     state: MonitoringState,
-    opened: _Opened,
+    opened: _OpenAlerts,
 ) -> list[RaisedAlert | AlertRow]:
     stored, baseline = state.terms.identification, list(diagnosis.baseline)
-    raised = [alert for one in statements if (alert := _raised(one, stored, limits, baseline, opened)) is not None]
+    raised = [alert for one in statements if (alert := _alert_of(one, stored, limits, baseline, opened)) is not None]
     updated = {(one.rule, one.element) for one in raised}
     cleared = [
         alert
@@ -145,8 +145,8 @@ def _cause_changes(
     return [*raised, *cleared]
 
 
-def _raised(
-    one: Statement, stored: IdentificationRow, limits: Limits, baseline: list[int], opened: _Opened
+def _alert_of(
+    one: Statement, stored: IdentificationRow, limits: Limits, baseline: list[int], opened: _OpenAlerts
 ) -> RaisedAlert | None:
     """Return the alert of a cause that reaches a limit; None for one that does not. baseline: ids it was compared with."""
     rule, element = finding_rule(one.cause.kind).rule, one.cause.element
@@ -182,7 +182,7 @@ def _rate_changes(limits: Limits, rates: RateAssessment, state: MonitoringState)
     """Return the alerts of elements that change too fast, whatever the size of the change so far, and those to be cleared."""
     stored = state.terms.identification
     rule = RATE_OF_CHANGE.name
-    raised = [_raised_rate(one, stored, latching=limits.rule(rule, one.element).latching) for one in rates.findings]
+    raised = [_alert_of_rate(one, stored, latching=limits.rule(rule, one.element).latching) for one in rates.findings]
     cleared = [
         alert
         for alert in state.open_alerts
@@ -191,7 +191,7 @@ def _rate_changes(limits: Limits, rates: RateAssessment, state: MonitoringState)
     return [*raised, *cleared]
 
 
-def _raised_rate(one: "RateFinding", stored: IdentificationRow, *, latching: bool) -> RaisedAlert:
+def _alert_of_rate(one: "RateFinding", stored: IdentificationRow, *, latching: bool) -> RaisedAlert:
     evidence = {"kind": RATE_OF_CHANGE.name, "element": one.element, "parameter": one.rate.name, "runs": one.rate.runs}
     evidence |= {f"{bound}_per_cent": 100.0 * getattr(one.rate, bound) for bound in ("per_week", "lower", "upper")}
     finding = AlertFinding(

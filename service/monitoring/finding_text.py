@@ -56,12 +56,12 @@ class Statement:
             "since": to_datetime(self.since).isoformat().replace("+00:00", "Z"),
             "first_identification": self.first_identification,
             "runs": len(self.cause.agreement),
-            "moved": _moved(self.cause, self.units),
+            "moved": _changed_parameters(self.cause, self.units),
             "runners_up": [{"kind": one.kind, "element": one.element, "evidence": one.evidence} for one in self.runners_up],
         }
 
 
-def _moved(cause: "Cause", units: Mapping[str, str | None]) -> list[dict[str, Any]]:
+def _changed_parameters(cause: "Cause", units: Mapping[str, str | None]) -> list[dict[str, Any]]:
     certainty = np.divide(cause.change, cause.error, out=np.zeros_like(cause.change), where=cause.error > 0.0)
     order = np.argsort(-np.abs(certainty))
     found = []

@@ -88,7 +88,7 @@ class Limits(_RuleFields, StrictModel):
 
     @field_validator("elements", mode="after")
     @classmethod
-    def _each_suited(cls, elements: dict[str, dict[RuleName, Rule]]) -> dict[str, dict[RuleName, Rule]]:
+    def _require_applicable(cls, elements: dict[str, dict[RuleName, Rule]]) -> dict[str, dict[RuleName, Rule]]:
         for rules in elements.values():
             for name, rule in rules.items():
                 LIMITED_RULES[name].require_quantities(rule)

@@ -11,7 +11,7 @@ from estimator.machine.parameter_description import describe
 from estimator.rotor.parameter_names import derived_unit, derived_units, number_as_word, parameter_units
 from storage.machines import machines
 
-MOST_REVISIONS = 20
+MAXIMUM_REVISIONS = 20
 """Number of newest revisions searched: each takes an assembly of the rotor (some 1 ms), and anybody may ask for any name."""
 
 
@@ -42,7 +42,7 @@ def units_of(session: Session, machine_id: str, names: Collection[str]) -> dict[
 
 def _newest_first(session: Session, machine_id: str) -> Iterator[Machine]:
     newest = machines.get(session, machine_id).revision
-    for number in range(newest, max(0, newest - MOST_REVISIONS), -1):
+    for number in range(newest, max(0, newest - MAXIMUM_REVISIONS), -1):
         yield machines.document(session, machine_id, number)
 
 

@@ -54,7 +54,7 @@ class GapRecall:
         self._recalls: dict[SourceKey, _Recall] = {}
         self._postponed: BoundedDict[SourceKey, None] = BoundedDict()
         """Sources whose gaps are to be requested as soon as their samples are accepted again."""
-        self._unheard = Backoff[SourceKey]()
+        self._query_backoff = Backoff[SourceKey]()
         """Logs that did not reply to a request for gaps, though they reply otherwise."""
 
     def __len__(self) -> int:
@@ -82,7 +82,7 @@ class GapRecall:
 
     def request_postponed(self, key: Key, source: SourceKey) -> None:
         """Request the postponed gaps of a source when they are due."""
-        if source in self._postponed and self._unheard.is_due(source):
+        if source in self._postponed and self._query_backoff.is_due(source):
             with self._backoff.pausing_on_error(source):
                 self.request(key, source)
 
@@ -99,24 +99,24 @@ class GapRecall:
         """Drop the current and the postponed requests, as after a start."""
         self._recalls.clear()
         self._postponed.clear()
-        self._unheard = Backoff()
+        self._query_backoff = Backoff()
 
     def collect(self) -> int:
         """Process the replies of logs and request the next gaps; return the number of batches."""
         count = 0
-        room = log_queries.MOST_QUERIES - sum(one.replies is not None for one in self._recalls.values())
+        room = log_queries.MAXIMUM_QUERIES - sum(one.replies is not None for one in self._recalls.values())
         for source, recall in list(self._recalls.items()):
             with self._backoff.pausing_on_error(source):
                 if recall.replies is not None:
                     count += self._collect(source, recall, recall.replies)
                 elif room > 0:
                     room -= 1
-                    self._ask(source, recall)
+                    self._query(source, recall)
         return count
 
-    def _ask(self, source: SourceKey, recall: _Recall) -> None:
+    def _query(self, source: SourceKey, recall: _Recall) -> None:
         first, last = recall.gaps[0]
-        limit = min(last - first + 1, log_queries.MOST_ASKED)
+        limit = min(last - first + 1, log_queries.LARGEST_QUERY)
         recall.replies = self._queries.ask(recall.key, first=first, epoch=source.epoch, limit=limit)
         recall.heard = recall.progress = False
 
@@ -131,7 +131,7 @@ class GapRecall:
             if reply.ok is not None and self._take(source, recall, reply.ok):
                 count += 1
         if recall.heard:
-            self._unheard.succeeded(source)
+            self._query_backoff.succeeded(source)
         return count
 
     def _take(self, source: SourceKey, recall: _Recall, reply: zenoh.Sample) -> bool:
@@ -156,14 +156,14 @@ class GapRecall:
         recall.replies = None
         if not recall.heard:
             recall.gaps.clear()
-            self._ask_again_later(source)
+            self._postpone(source)
         elif first > last or not recall.progress:
             recall.gaps = [gap for gap in recall.gaps[1:] if gap[1] >= first]
         if not recall.gaps:
             del self._recalls[source]
 
-    def _ask_again_later(self, source: SourceKey) -> None:
+    def _postpone(self, source: SourceKey) -> None:
         """Postpone the gaps of a log that replies otherwise: it may have been delayed."""
         if self._logs.has_answered(source):
-            self._unheard.failed(source)
+            self._query_backoff.failed(source)
             self._postponed[source] = None

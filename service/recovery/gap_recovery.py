@@ -80,31 +80,31 @@ class GapRecovery:
             replays=self._replays,
             recall=self._recall,
         )
-        self._ceased = False
+        self._is_stopped = False
         self.waiting: dict[SourceKey, Waiting] = {}
         backoff.call_on_pause(self.leave)
 
     @property
-    def is_asking(self) -> bool:
+    def is_querying(self) -> bool:
         """Return whether replies of logs are expected."""
         return bool(len(self._replays) or len(self._recall) or len(self._quiet))
 
     def follow(self, token: zenoh.Sample) -> None:
         """Note that a source came or went, and have the log of a new one queried."""
         came = self.live.follow(token)
-        if came is not None and self._share.owns(came.machine):
+        if came is not None and self._share.is_owner(came.machine):
             self._quiet.add(came)
 
     def review(self) -> None:
         """Forget the state of the sources and have all logs queried: what is stored here has changed."""
         self._take_unlogged()
-        self._drop_questions()
+        self._cancel_queries()
         self._replays.forget()
         self._recall.forget()
         self._logs.forget_silences()
         self.live.forget_sources()
         for key in self.live:
-            if self._share.owns(key.machine):
+            if self._share.is_owner(key.machine):
                 self._quiet.add(key)
 
     def cease(self) -> None:
@@ -112,9 +112,9 @@ class GapRecovery:
 
         Batches of a source whose log has never replied are accepted as they are.
         """
-        self._ceased = True
+        self._is_stopped = True
         self._take_unlogged()
-        self._drop_questions()
+        self._cancel_queries()
 
     def leave(self, source: SourceKey) -> None:
         """Drop a source's waiting batches and queries: nothing of it is accepted for a while, and its log keeps it."""
@@ -132,7 +132,7 @@ class GapRecovery:
             return
         if not is_behind_gap(arrived, self._sink):
             self._sink.take(arrived)
-        elif self._ceased:
+        elif self._is_stopped:
             if not self._logs.has_answered(source):
                 self._sink.take(arrived)
         elif waiting is not None:
@@ -146,7 +146,7 @@ class GapRecovery:
         """Have each live source that was quiet for `quiet_s` queried for samples beyond those that came."""
         self.live.call_roll()
         for key in self.live:
-            if not self._share.owns(key.machine):
+            if not self._share.is_owner(key.machine):
                 continue
             sources = self.live.sources(key)
             if not sources:
@@ -164,7 +164,7 @@ class GapRecovery:
 
         Returns the number of batches.
         """
-        if self._ceased:
+        if self._is_stopped:
             return 0
         self.live.collect_roll()
         self._quiet.collect()
@@ -177,7 +177,7 @@ class GapRecovery:
                 taken, ended = self._replays.collect(source, most=most - count)
                 count += taken
                 if ended is not None:
-                    self._go_on(source, ended)
+                    self._continue_after(source, ended)
             if count >= most:
                 return count
         for source, waiting in list(self.waiting.items()):
@@ -189,19 +189,19 @@ class GapRecovery:
     def _take_unlogged(self) -> None:
         """Accept the waiting batches of sources whose logs have never replied: nobody else has them."""
         for source, waiting in list(self.waiting.items()):
-            if not self._logs.has_answered(source) and self._share.owns(source.machine_id):
+            if not self._logs.has_answered(source) and self._share.is_owner(source.machine_id):
                 with self._backoff.pausing_on_error(source):
                     for arrived in waiting.arrived:
                         self._sink.take(arrived)
             self.waiting.pop(source, None)
 
-    def _drop_questions(self) -> None:
+    def _cancel_queries(self) -> None:
         self.waiting.clear()
         self._replays.clear()
         self._recall.clear()
         self._quiet.clear()
 
-    def _go_on(self, source: SourceKey, ended: Replay) -> None:
+    def _continue_after(self, source: SourceKey, ended: Replay) -> None:
         """Query further, let batches wait on, or give up the missing ones, after the last reply of a log."""
         self._release_if_complete(source)
         waiting = self.waiting.get(source)

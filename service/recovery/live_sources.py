@@ -21,8 +21,8 @@ class LiveSources:
         self._queries = queries
         self._live: dict[Key, dict[str, SourceKey]] = {}
         """Per machine with a connected source, the newest start of each of its sources, once known."""
-        self._heard: BoundedDict[SourceKey, float] = BoundedDict()
-        self._roll_call: zenoh.Handler[zenoh.Reply] | None = None
+        self._heard_at: BoundedDict[SourceKey, float] = BoundedDict()
+        self._liveliness_replies: zenoh.Handler[zenoh.Reply] | None = None
 
     def __contains__(self, key: Key) -> bool:
         """Return whether a source of a machine is connected."""
@@ -47,7 +47,7 @@ class LiveSources:
             return key
         logger.info("no source of %s/%s is alive any more", key.plant, key.machine)
         self._live.pop(key, None)
-        self._roll_call = None  # earlier replies may still list it as alive
+        self._liveliness_replies = None  # earlier replies may still list it as alive
         return None
 
     def add(self, key: Key, source: SourceKey) -> bool:
@@ -60,30 +60,30 @@ class LiveSources:
 
     def forget_sources(self) -> None:
         """Forget the sources; which machines have some is kept."""
-        self._heard.clear()
+        self._heard_at.clear()
         for key in self._live:
             self._live[key] = {}
 
     def note_heard(self, source: SourceKey) -> None:
         """Note that samples of a source came."""
-        self._heard[source] = time.monotonic()
+        self._heard_at[source] = time.monotonic()
 
     def is_quiet(self, source: SourceKey, *, quiet_s: float) -> bool:
         """Return whether no samples of a source came for `quiet_s`."""
-        return time.monotonic() - self._heard.get(source, 0.0) > quiet_s
+        return time.monotonic() - self._heard_at.get(source, 0.0) > quiet_s
 
     def call_roll(self) -> None:
         """Query which sources are alive, unless a query is under way."""
-        if self._roll_call is None:
-            self._roll_call = self._queries.call_roll()
+        if self._liveliness_replies is None:
+            self._liveliness_replies = self._queries.call_roll()
 
     def collect_roll(self) -> None:
         """Note the sources that have replied to the roll call."""
-        if self._roll_call is None:
+        if self._liveliness_replies is None:
             return
-        for reply in replies_so_far(self._roll_call):
+        for reply in replies_so_far(self._liveliness_replies):
             if reply is None:
-                self._roll_call = None
+                self._liveliness_replies = None
             elif reply.ok is not None and (key := _live_key(reply.ok)) is not None:
                 self._live.setdefault(key, {})
 

@@ -6,9 +6,9 @@ import zenoh
 
 from service.wire import ALL_LIVE, Key
 
-MOST_QUERIES = 64
+MAXIMUM_QUERIES = 64
 """Largest number of logs queried concurrently."""
-MOST_ASKED = 250
+LARGEST_QUERY = 250
 """Batches requested from a log at a time: replies wait here until they are processed, and 64 logs reply at once."""
 LARGEST_ANSWER = 5_000
 """Batches of a reply that may wait to be processed; further ones make the queried source wait, not this one."""

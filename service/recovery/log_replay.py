@@ -42,7 +42,7 @@ class LogReplays:
         self._backoff = backoff
         self._logs = logs
         self._replays: dict[SourceKey, Replay] = {}
-        self._fruitless: BoundedDict[SourceKey, int] = BoundedDict()
+        self._empty_replies: BoundedDict[SourceKey, int] = BoundedDict()
         """First number of the last query to a log, when it gave nothing new."""
 
     def __len__(self) -> int:
@@ -56,11 +56,11 @@ class LogReplays:
     def ask(self, key: Key, source: SourceKey) -> None:
         """Query a log for what follows the last known sample, unless it is being queried, too many are, or the source is
         paused."""
-        if source in self._replays or len(self._replays) >= log_queries.MOST_QUERIES or not self._backoff.accepts(source):
+        if source in self._replays or len(self._replays) >= log_queries.MAXIMUM_QUERIES or not self._backoff.accepts(source):
             return
         first = self._sink.next_sequence(source)
-        trusting = self._fruitless.get(source) == first
-        replies = self._queries.ask(key, first=first, epoch=source.epoch, limit=log_queries.MOST_ASKED)
+        trusting = self._empty_replies.get(source) == first
+        replies = self._queries.ask(key, first=first, epoch=source.epoch, limit=log_queries.LARGEST_QUERY)
         self._replays[source] = Replay(key, first, replies, trusting)
 
     def collect(self, source: SourceKey, *, most: int) -> tuple[int, Replay | None]:
@@ -90,7 +90,7 @@ class LogReplays:
     def forget(self) -> None:
         """Stop all queries and forget their results, as after a start."""
         self._replays.clear()
-        self._fruitless.clear()
+        self._empty_replies.clear()
 
     def _take(self, source: SourceKey, replay: Replay, reply: zenoh.Sample) -> None:
         arrived = self._reader.replied(replay.key, reply)
@@ -109,9 +109,9 @@ class LogReplays:
     def _end(self, source: SourceKey, replay: Replay) -> None:
         del self._replays[source]
         if replay.progress:
-            self._fruitless.pop(source, None)
+            self._empty_replies.pop(source, None)
         else:
-            self._fruitless[source] = replay.first
+            self._empty_replies[source] = replay.first
 
 
 def is_behind_gap(arrived: ArrivedBatch, sink: BatchSink) -> bool:

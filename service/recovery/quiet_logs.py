@@ -54,17 +54,17 @@ class QuietLogs:
         """Query the logs of newly identified sources, then as many queued ones as there is room for."""
         for key in list(self._discoveries):
             self._collect_discovery(key)
-        while self._to_ask and len(self._discoveries) + len(self._replays) < log_queries.MOST_QUERIES:
+        while self._to_ask and len(self._discoveries) + len(self._replays) < log_queries.MAXIMUM_QUERIES:
             key, source = next(iter(self._to_ask))
             del self._to_ask[key, source]
-            self._ask(key, source)
+            self._query(key, source)
 
     def clear(self) -> None:
         """Stop all queries and empty the queue."""
         self._to_ask.clear()
         self._discoveries.clear()
 
-    def _ask(self, key: Key, source: SourceKey | None) -> None:
+    def _query(self, key: Key, source: SourceKey | None) -> None:
         if source is not None:
             with self._backoff.pausing_on_error(source):
                 self._replays.ask(key, source)

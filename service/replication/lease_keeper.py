@@ -58,11 +58,11 @@ class Leasing(SupervisedThread):
         """Return how often the share has changed, see `Share`."""
         return self._changes
 
-    def owns(self, machine_id: str) -> bool:
+    def is_owner(self, machine_id: str) -> bool:
         """Return whether this replica stores a machine's samples, see `Share`."""
         return lease_of(machine_id) in self._held
 
-    def leads(self, work: str) -> bool:
+    def is_leader(self, work: str) -> bool:
         """Return whether this replica does this work for all, see `Share`."""
         return work in self._held
 
@@ -87,7 +87,7 @@ class Leasing(SupervisedThread):
             for row in replicas.expired(session, me=number):
                 logger.warning("replica %d (%s on %s) is gone; its work is taken over", row.id, row.role, row.host)
                 _release_dead(session, row.id)
-            held = self._settle(session, number)
+            held = self._balance_leases(session, number)
         if joined:
             logger.info("this process is replica %d, role %s", number, self._role)
         if joined or held != self._held:
@@ -109,7 +109,7 @@ class Leasing(SupervisedThread):
         session.flush()
         return number
 
-    def _settle(self, session: Session, number: int) -> frozenset[str]:
+    def _balance_leases(self, session: Session, number: int) -> frozenset[str]:
         held = leases.held(session, holder=number)
         roles = [row.role for row in replicas.list_all(session)]
         for role, names in (("ingest", INGEST), ("identify", (DELIVERY, GATHERING, RETENTION))):

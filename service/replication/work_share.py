@@ -29,10 +29,10 @@ class Share(Protocol):
     def changes(self) -> int:
         """Return how often the share has changed."""
 
-    def owns(self, machine_id: str) -> bool:
+    def is_owner(self, machine_id: str) -> bool:
         """Return whether this process stores a machine's samples, as far as it knows."""
 
-    def leads(self, work: str) -> bool:
+    def is_leader(self, work: str) -> bool:
         """Return whether this process does this work for all, as far as it knows."""
 
     def require(self, session: Session, machine_ids: Collection[str]) -> None:
@@ -45,11 +45,11 @@ class WholeShare:
     holder: int | None = None
     changes = 0
 
-    def owns(self, machine_id: str) -> bool:  # noqa: ARG002
+    def is_owner(self, machine_id: str) -> bool:  # noqa: ARG002
         """Return True: it stores all machines."""
         return True
 
-    def leads(self, work: str) -> bool:  # noqa: ARG002
+    def is_leader(self, work: str) -> bool:  # noqa: ARG002
         """Return True: it does all work."""
         return True
 

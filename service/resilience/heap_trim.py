@@ -5,7 +5,7 @@ import ctypes
 _library = ctypes.CDLL(None)
 _malloc_trim = getattr(_library, "malloc_trim", None)
 _set = getattr(_library, "mallopt", None)
-_MOST_HEAPS = -8
+_M_ARENA_MAX = -8
 """`M_ARENA_MAX` of the C library's malloc.h."""
 
 
@@ -16,7 +16,7 @@ def share_one_heap() -> None:
     interpreter's threads take turns anyway.
     """
     if _set is not None:
-        _set(_MOST_HEAPS, 1)
+        _set(_M_ARENA_MAX, 1)
 
 
 def release_free_memory() -> None:

@@ -4,7 +4,7 @@ import time
 from collections import OrderedDict
 from collections.abc import Callable
 
-MOST_KEPT = 10_000
+MAXIMUM_BUCKETS = 10_000
 
 
 class RateLimit:
@@ -23,6 +23,6 @@ class RateLimit:
         left = min(self._burst, left + (now - at) * self._per_s)
         taken = left >= 1.0
         self._buckets[name] = (left - 1.0 if taken else left), now
-        if len(self._buckets) > MOST_KEPT:
+        if len(self._buckets) > MAXIMUM_BUCKETS:
             self._buckets.popitem(last=False)  # the least recently used, which has filled up most
         return 0.0 if taken else (1.0 - left) / self._per_s

@@ -13,6 +13,16 @@ UNEXPECTED = "unexpected error; the log has it"
 """Reported when an error is not the database's."""
 
 
+def report_failure(log: logging.Logger, failure: str, error: Exception) -> str:
+    """Log an error that ended a turn of repeated work; return what to report until a turn succeeds."""
+    if isinstance(error, DBAPIError | DatabaseUnusable):
+        trouble = f"{failure}: {error_message(error)}"
+        log.error("%s; trying again", trouble)
+        return trouble
+    log.error("%s: unexpected error; trying again", failure, exc_info=error)
+    return f"{failure}: {UNEXPECTED}"
+
+
 class SupervisedThread(ABC):
     """A thread that repeats one piece of work until it is stopped.
 
@@ -38,13 +48,7 @@ class SupervisedThread(ABC):
 
     def failed(self, error: Exception) -> float:
         """Log an error that ended a turn and keep it as `trouble`; return the pause before the next turn [s]."""
-        log = logging.getLogger(type(self).__module__)
-        if isinstance(error, DBAPIError | DatabaseUnusable):
-            self.trouble = f"{self._failure}: {error_message(error)}"
-            log.error("%s; trying again", self.trouble)
-        else:
-            self.trouble = f"{self._failure}: {UNEXPECTED}"
-            log.error("%s: unexpected error; trying again", self._failure, exc_info=error)
+        self.trouble = report_failure(logging.getLogger(type(self).__module__), self._failure, error)
         return self._retry_s
 
     def start(self) -> None:

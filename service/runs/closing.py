@@ -31,7 +31,7 @@ CYCLE_S = 0.2
 LATE_CHECK_S = 2.0
 """Interval between two looks for late samples."""
 RETRY_S = 1.0
-MOST_WINDOWS = 20
+MAXIMUM_WINDOWS = 20
 """Windows of one machine that are sorted in before another machine's turn."""
 AT_ONCE = 500
 """Machines that are checked together."""
@@ -64,7 +64,7 @@ class Closing(SupervisedThread):
         for run_id, machine_id in ended:
             if self._stop.is_set():
                 return
-            if self._share.owns(machine_id) and self._run_backoff.is_due(run_id):
+            if self._share.is_owner(machine_id) and self._run_backoff.is_due(run_id):
                 self._close(run_id, machine_id)
 
     def sort_in_late(self) -> None:
@@ -76,7 +76,7 @@ class Closing(SupervisedThread):
             if self._stop.is_set():
                 return
             try:
-                self._settle(machine_id)
+                self._sort_in_windows(machine_id)
                 self._machine_backoff.succeeded(machine_id)
             except LeaseLost:
                 logger.info("%s: another replica sorts in what came late", machine_id)
@@ -120,7 +120,7 @@ class Closing(SupervisedThread):
     def _with_late(self) -> list[str]:
         """Return the machines that may have late samples."""
         with self._database.reading() as session:
-            own = [machine_id for machine_id in machines.list_ids(session) if self._share.owns(machine_id)]
+            own = [machine_id for machine_id in machines.list_ids(session) if self._share.is_owner(machine_id)]
         unsettled = [machine_id for machine_id in own if self._collector.late.may_wait(machine_id)]
         for first in range(0, len(unsettled), AT_ONCE):
             self._note_settled(unsettled[first : first + AT_ONCE])
@@ -136,13 +136,13 @@ class Closing(SupervisedThread):
                 raise
             logger.warning("%d machines cannot be looked at together: one by one", len(machine_ids), exc_info=error)
 
-    def _settle(self, machine_id: str) -> None:
+    def _sort_in_windows(self, machine_id: str) -> None:
         """Sort in window by window, and close the runs that this ends in between: the next window may lie beside them."""
         with self._collector.lock, self._database.reading() as session:
             patience = self._collector.late.patience(session, machine_id)
             windows = [] if patience is None else self._collector.late.windows(session, machine_id)
             together = late_samples.by_run(session, machine_id, windows)
-        for window in together[:MOST_WINDOWS]:
+        for window in together[:MAXIMUM_WINDOWS]:
             if patience is None or self._stop.is_set():
                 return
             with self._database.reading() as session:

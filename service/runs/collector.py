@@ -37,18 +37,18 @@ class Collector:
         self.lock = threading.Lock()
         """Held while the state of a machine's collection is read and written, by ingest and by closing."""
         self.late = LateArrivals(patience_s=late_s)
-        self._heard: dict[str, float] = {}
+        self._heard_at: dict[str, float] = {}
         self._silent: set[str] = set()
 
     def forget(self) -> None:
         """Forget when machines were last heard, as after a start."""
-        self._heard.clear()
+        self._heard_at.clear()
         self._silent.clear()
         self.late.forget()
 
     def note_heard(self, machine_id: str) -> None:
         """Note that a machine sends, though nothing is accepted now."""
-        self._heard[machine_id] = time.monotonic()
+        self._heard_at[machine_id] = time.monotonic()
 
     def recheck(self, machine_ids: Collection[str]) -> None:
         """Check machines again for which a failed transaction has stored nothing."""
@@ -63,7 +63,7 @@ class Collector:
 
     def feed(self, session: Session, machine: Machine, revision: int, new: Samples) -> None:
         """Process newly stored samples of one machine, by time; those before the newest known one are late."""
-        self._heard[machine.id] = time.monotonic()
+        self._heard_at[machine.id] = time.monotonic()
         self._silent.discard(machine.id)
         now = state_of(session, machine.id) or CollectionState(revision)
         limits = OperatingLimits.of(machine)
@@ -88,7 +88,7 @@ class Collector:
 
     def has_fallen_silent(self, machine_id: str, *, silence_s: float, alive: bool) -> bool:
         """Return whether a machine has newly sent nothing for `silence_s`, or longer if its source is alive."""
-        heard = self._heard.setdefault(machine_id, time.monotonic())
+        heard = self._heard_at.setdefault(machine_id, time.monotonic())
         waited = time.monotonic() - heard >= silence_s * (ALIVE_PATIENCE if alive else 1.0)
         return waited and machine_id not in self._silent
 

@@ -114,7 +114,7 @@ def plan(session: Session, machine_id: str, window: Window, *, patience_s: float
     before = round(1e9 * machine.collection.pre_trigger_s)
     # So near to a run they may lengthen it.
     near = max(OperatingLimits.of(machine).sweep.gap, before)
-    if any(_is_unfinished(row) or (_holds(row, first - near, last + near) and _waits(row, patience_s)) for row in beside):
+    if any(_is_unfinished(row) or (_overlaps(row, first - near, last + near) and _waits(row, patience_s)) for row in beside):
         return None
     if beside and (machines.get(session, machine_id).blocks_since or 0) > beside[0].time_first:
         return replace(found, left_out=[row.id for row in beside], why="were let go of")
@@ -194,7 +194,7 @@ def _is_unfinished(row: RunRow) -> bool:
     return row.state in (runs.OPEN, runs.ENDED)
 
 
-def _holds(row: RunRow, first: int, last: int) -> bool:
+def _overlaps(row: RunRow, first: int, last: int) -> bool:
     """Return whether a run overlaps the time from first to last [ns]."""
     return row.time_first <= last and (row.time_last or row.time_first) >= first
 
@@ -211,7 +211,7 @@ def _kind(row: RunRow) -> RunKind:
 
 
 def _overlap(row: RunRow, sweep: RunEnded) -> bool:
-    return _holds(row, sweep.start, sweep.time)
+    return _overlaps(row, sweep.start, sweep.time)
 
 
 def _sweeps(

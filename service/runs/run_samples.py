@@ -85,7 +85,7 @@ def _sweep(session: Session, machine: Machine, row: RunRow, *, first: int, last:
         damaged=damaged,
     )
     inside = (found.direction == row.direction) & (found.speed >= rpm_to_rad_per_s(machine.speed_range.minimum_rpm))
-    return _captured(machine, _once(found.pick(inside)))
+    return _captured(machine, _unique_times(found.pick(inside)))
 
 
 def _captured(machine: Machine, held: Samples) -> Samples:
@@ -103,7 +103,7 @@ def _captured(machine: Machine, held: Samples) -> Samples:
     return kept.pick(thinned(time=kept.time, speed=kept.speed))
 
 
-def _once(held: Samples) -> Samples:
+def _unique_times(held: Samples) -> Samples:
     """Return one sample per time: a restarted source, or a second one, may have sent the same times again."""
     _, first = np.unique(held.time, return_index=True)
     return held.pick(first)

@@ -57,12 +57,12 @@ class SilentMachines:
         due = self._without_idle(is_due)
         ends = time.monotonic() + LONGEST_ENDING_S
         while due and time.monotonic() < ends:
-            due = self._end_some(due)
+            due = self._end_first(due)
 
     def _without_idle(self, is_due: Callable[[str], bool]) -> list[str]:
         """Return the machines that are due, except those for which nothing is to be done."""
         with self._database.reading() as session:
-            due = [one for one in machines.list_ids(session) if self._share.owns(one) and is_due(one)]
+            due = [one for one in machines.list_ids(session) if self._share.is_owner(one) and is_due(one)]
         for first in range(0, len(due), AT_ONCE):
             self._note_idle(due[first : first + AT_ONCE])
         return list(filter(is_due, due))
@@ -77,7 +77,7 @@ class SilentMachines:
                 raise
             logger.warning("%d machines cannot be looked at together: one by one", len(machine_ids), exc_info=error)
 
-    def _end_some(self, due: list[str]) -> list[str]:
+    def _end_first(self, due: list[str]) -> list[str]:
         """End the runs of the first of these machines in one short transaction; return those that are left."""
         left = list(due)
         done: list[str] = []

@@ -43,16 +43,16 @@ class Sealing:
     def open(self, sealed: str, *, place: str) -> bytes:
         """Decrypt a secret. Raises SealBroken."""
         for key in self._keys:
-            if (found := _opened(key, sealed, place)) is not None:
+            if (found := _decrypt(key, sealed, place)) is not None:
                 return found
         raise SealBroken("none of the sealing keys opens it: it was sealed with another one, or changed")
 
     def is_current(self, sealed: str, *, place: str) -> bool:
         """Check whether the first key opens it; a secret that only a later key opens must be sealed again."""
-        return _opened(self._keys[0], sealed, place) is not None
+        return _decrypt(self._keys[0], sealed, place) is not None
 
 
-def _opened(key: AESGCM, sealed: str, place: str) -> bytes | None:
+def _decrypt(key: AESGCM, sealed: str, place: str) -> bytes | None:
     try:
         held = base64.b64decode(sealed.removeprefix(SEALED), validate=True)
         return key.decrypt(held[:NONCE_BYTES], held[NONCE_BYTES:], place.encode())

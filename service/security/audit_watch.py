@@ -25,8 +25,8 @@ class AuditWatch(SupervisedThread):
         super().__init__("audit watch", failure="the audit trail cannot be looked at", retry_s=LOOK_S)
         self._database = database
         self._clock = clock
-        self._noted = (0, BEGINNING)
-        self._told_at: float | None = None
+        self._last_entry = (0, BEGINNING)
+        self._logged_at: float | None = None
         self.warnings: list[str] = []
         """Warnings of changed entries; they stay until the next start."""
 
@@ -38,16 +38,16 @@ class AuditWatch(SupervisedThread):
     def look(self, *, tell: bool = False) -> None:
         """Compare the trail with the recorded entry, and record the newest. tell: log it now, not only once a day."""
         with self._database.reading() as session:
-            held, newest = audit.is_intact(session, self._noted), audit.head(session)
+            held, newest = audit.is_intact(session, self._last_entry), audit.head(session)
         if not held:
-            number, digest = self._noted
+            number, digest = self._last_entry
             words = f"the audit trail was changed: entry {number}, which was there before, is not there as it was"
             logger.error("%s; see rundown audit verify --noted %d:%s", words, number, digest)
             self.warnings = [*self.warnings, words]
-        self._noted = newest
-        if tell or not held or self._told_at is None or self._clock() - self._told_at >= A_DAY_S:
+        self._last_entry = newest
+        if tell or not held or self._logged_at is None or self._clock() - self._logged_at >= A_DAY_S:
             logger.info("audit trail: the newest entry is %d:%s", *newest)
-            self._told_at = self._clock()
+            self._logged_at = self._clock()
 
     def turn(self) -> float:
         """Check once; the first successful check logs the newest entry."""

@@ -22,13 +22,13 @@ from storage.operation import browser_sessions
 
 logger = logging.getLogger(__name__)
 
-REMEMBERED_S = 3.0
+IDENTITY_CACHE_S = 3.0
 """Lifetime of a cached result [s]: a revoked key works for so long."""
 GRACE_S = 3600.0
 """Extended lifetime while the database does not answer [s]: a monitoring system must be able to see the failure."""
 PATIENCE_S = 5.0
 """Time limit of the database's answer [s]."""
-MOST_REMEMBERED = 10_000
+MAXIMUM_IDENTITIES = 10_000
 COOKIE = "rundown_session"
 SAFE_COOKIE = "__Host-rundown_session"
 """Name of the cookie over encrypted connections: browsers send it to this host only, and never unencrypted."""
@@ -86,15 +86,15 @@ class Authentication:
         self._database = database
         self._tokens = tokens
         self._clock = clock
-        self._on = required or tokens is not None or self._keys_are_there()
-        self._asked_at = clock()
-        self._remembered: dict[bytes, tuple[float, Principal]] = {}
+        self._on = required or tokens is not None or self._any_keys_exist()
+        self._checked_at = clock()
+        self._identities: dict[bytes, tuple[float, Principal]] = {}
 
     async def on(self) -> bool:
         """Check whether credentials are needed. A first key is noticed within seconds; once needed, they stay so."""
-        if not self._on and self._clock() - self._asked_at > REMEMBERED_S:
-            self._asked_at = self._clock()
-            self._on = await asyncio.to_thread(self._keys_are_there)
+        if not self._on and self._clock() - self._checked_at > IDENTITY_CACHE_S:
+            self._checked_at = self._clock()
+            self._on = await asyncio.to_thread(self._any_keys_exist)
         return self._on
 
     async def principal(self, given: Credentials) -> Principal:
@@ -105,7 +105,7 @@ class Authentication:
         if text is None:
             return ANONYMOUS
         place = hashlib.sha256((b"b" if given.bearer else b"c") + text.encode()).digest()
-        known = self._remembered.get(place)
+        known = self._identities.get(place)
         if known is not None and self._clock() < known[0]:
             return known[1]
         try:
@@ -118,9 +118,9 @@ class Authentication:
                     f"the database has not answered for {PATIENCE_S:g} s: keys cannot be looked up"
                 ) from None
             raise
-        if len(self._remembered) >= MOST_REMEMBERED:
-            self._remembered.clear()
-        self._remembered[place] = self._clock() + REMEMBERED_S, found
+        if len(self._identities) >= MAXIMUM_IDENTITIES:
+            self._identities.clear()
+        self._identities[place] = self._clock() + IDENTITY_CACHE_S, found
         return found
 
     async def still(self, given: Credentials, who: Principal) -> bool:
@@ -132,7 +132,7 @@ class Authentication:
 
     def forget(self, cookie: str) -> None:
         """Remove an ended session from the cache: it stops working at once in this process."""
-        self._remembered.pop(hashlib.sha256(b"c" + cookie.encode()).digest(), None)
+        self._identities.pop(hashlib.sha256(b"c" + cookie.encode()).digest(), None)
 
     def key(self, text: str) -> Principal:
         """Return the principal of an API key. Raises Unauthenticated."""
@@ -172,7 +172,7 @@ class Authentication:
             identity = f"session of key {row.key_prefix}" if row.key_prefix else f"session of {row.name}"
             return Principal(row.name, Role.of(row.role), plants, "session", identity, row.token)
 
-    def _keys_are_there(self) -> bool:
+    def _any_keys_exist(self) -> bool:
         with self._database.reading() as session:
             return keys.any_exist(session)
 

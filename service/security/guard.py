@@ -83,7 +83,7 @@ class Guard:
             who, given = await self._principal(scope["scheme"], headers, operation)
             refused = self._refusal(who, scope, headers, operation)
             if refused is None and found is not None and who.plants is not None:
-                await self._look(who, *found)
+                await self._require_visible(who, *found)
         except Unauthenticated as error:
             rate = self._failures if b"authorization" in headers else self._requests
             wait = rate.take(_address(scope))
@@ -101,10 +101,10 @@ class Guard:
             if refused.status_code == HTTPStatus.FORBIDDEN and operation is not None:
                 entry = _entry(who, scope, operation, "refused")
                 if self._repeated.first(entry):
-                    await self._write_down(entry)
+                    await self._append_audited(entry)
             await refused(scope, receive, send)
             return
-        await self._passed(who, given, operation, scope, receive, send)
+        await self._pass_on(who, given, operation, scope, receive, send)
 
     async def _principal(
         self, scheme: str, headers: Mapping[bytes, bytes], operation: ApiOperation | None
@@ -141,12 +141,12 @@ class Guard:
             f"{'' if who.plants is None else ' for some plants'}: ask an administrator",
         )
 
-    async def _look(self, who: Principal, operation: ApiOperation, parameters: Mapping[str, str]) -> None:
+    async def _require_visible(self, who: Principal, operation: ApiOperation, parameters: Mapping[str, str]) -> None:
         wanted = {name: parameters[name] for name in operation.scoped}
         if wanted and not self._visibility.known(who, wanted):
             await asyncio.to_thread(self._visibility.require, who, wanted)
 
-    async def _passed(
+    async def _pass_on(
         self,
         who: Principal,
         given: Credentials | None,
@@ -172,7 +172,7 @@ class Guard:
         state["still"] = still
         code = 0
 
-        async def noted(message: Message) -> None:
+        async def recording_send(message: Message) -> None:
             nonlocal code
             if message["type"] == "http.response.start":
                 code = message["status"]
@@ -180,13 +180,13 @@ class Guard:
 
         reset = current.set(who)
         try:
-            await self._app(scope, receive, noted if recorded else send)
+            await self._app(scope, receive, recording_send if recorded else send)
         finally:
             current.reset(reset)
         if recorded is not None and operation is not None and not recorded.written and 0 < code < HTTPStatus.BAD_REQUEST:
-            await self._write_down(_entry(who, scope, operation, f"answered {code}"))
+            await self._append_audited(_entry(who, scope, operation, f"answered {code}"))
 
-    async def _write_down(self, entry: AuditedOperation) -> None:
+    async def _append_audited(self, entry: AuditedOperation) -> None:
         try:
             await asyncio.to_thread(self._append, entry)
         except DBAPIError as error:

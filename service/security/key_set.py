@@ -20,7 +20,7 @@ KEPT_S = 600.0
 """Lifetime of fetched keys [s]: a withdrawn key works for no longer."""
 STALE_S = 6 * 3600.0
 """Lifetime of keys while the issuer does not answer [s]."""
-AGAIN_S = 30.0
+RETRY_S = 30.0
 """Least time between fetches [s]: anybody can invent tokens with unknown keys."""
 LARGEST = 256 * 1024
 SMALLEST_RSA_BITS = 2048
@@ -51,9 +51,9 @@ class KeySet:
             now = self._clock()
             old = self._read_at is None or now - self._read_at > KEPT_S
             if old or self._chosen(key_id) is None:
-                self._ask(now)
+                self._fetch(now)
             if self._read_at is None or now - self._read_at > STALE_S:
-                raise KeysUnavailable(f"the issuer's keys cannot be had: it is tried again every {AGAIN_S:.0f} s")
+                raise KeysUnavailable(f"the issuer's keys cannot be had: it is tried again every {RETRY_S:.0f} s")
             return self._chosen(key_id)
 
     def _chosen(self, key_id: str | None) -> tuple[str, PublicKey] | None:
@@ -61,8 +61,8 @@ class KeySet:
             return next(iter(self._keys.values())) if len(self._keys) == 1 else None
         return self._keys.get(key_id)
 
-    def _ask(self, now: float) -> None:
-        if self._tried_at is not None and now - self._tried_at < AGAIN_S:
+    def _fetch(self, now: float) -> None:
+        if self._tried_at is not None and now - self._tried_at < RETRY_S:
             return
         self._tried_at = now
         try:

@@ -99,7 +99,7 @@ async def log_in(request: Request) -> Response:
         return answer
     if who.role is None or who.role is Role.SOURCE:
         return _page(request, "This key is for sending samples only.", 403)
-    return await asyncio.to_thread(_begun, request, who, key_prefix=who.identity.removeprefix("key "))
+    return await asyncio.to_thread(_begin_session, request, who, key_prefix=who.identity.removeprefix("key "))
 
 
 @router.get("/login/issuer")
@@ -147,7 +147,7 @@ def come_back(request: Request) -> Response:
         return _page(request, f"Not logged in: {error}.", 401)
     if who.role is None or who.role is Role.SOURCE:
         return _page(request, f"{who.name} has no role here: ask an administrator.", 403)
-    answer = _begun(request, who, key_prefix=None)
+    answer = _begin_session(request, who, key_prefix=None)
     answer.delete_cookie(UNDER_WAY_COOKIE, path="/login")
     return answer
 
@@ -165,7 +165,7 @@ def log_out(request: Request) -> Response:
     return answer
 
 
-def _begun(request: Request, who: Principal, *, key_prefix: str | None) -> Response:
+def _begin_session(request: Request, who: Principal, *, key_prefix: str | None) -> Response:
     """Begin a session under a fresh cookie, and return the answer that sets it."""
     cookie, role = secrets.token_urlsafe(32), who.role
     assert role is not None

@@ -74,15 +74,15 @@ ANONYMOUS = Principal("", None, frozenset(), "anonymous", "anonymous")
 current: ContextVar[Principal] = ContextVar("principal", default=OPEN)
 """Principal of the request that is being handled."""
 
-MOST_CHARACTERS = 120
+MAXIMUM_CHARACTERS = 120
 
 
 def _author(said: object) -> object:
     who = current.get()
-    return who.name[:MOST_CHARACTERS] if who.known else said
+    return who.name[:MAXIMUM_CHARACTERS] if who.known else said
 
 
 Author = Annotated[
-    str, BeforeValidator(_author), StringConstraints(min_length=1, max_length=MOST_CHARACTERS, pattern=r"^[^\x00-\x1f]*$")
+    str, BeforeValidator(_author), StringConstraints(min_length=1, max_length=MAXIMUM_CHARACTERS, pattern=r"^[^\x00-\x1f]*$")
 ]
 """Author of a change: the authenticated principal, whatever name was given; without authentication the given name."""

@@ -23,9 +23,9 @@ logger = logging.getLogger(__name__)
 MINUTE_S = 60.0
 LOOK_S = 5.0
 """Time between checks for ended minutes [s]."""
-MOST_KEPT = 10_000
+MAXIMUM_COUNTS = 10_000
 """Largest number of separate counts; further ones share one."""
-MOST_ADDRESSES = 100
+MAXIMUM_ADDRESSES = 100
 MANY = "many"
 
 
@@ -39,7 +39,7 @@ class _Minute:
     def summary(self) -> AuditedOperation:
         """Return the counted entries as one entry."""
         some = len(self.addresses)
-        where = self.latest.address if some == 1 else f"{some}{' or more' if some >= MOST_ADDRESSES else ''} addresses"
+        where = self.latest.address if some == 1 else f"{some}{' or more' if some >= MAXIMUM_ADDRESSES else ''} addresses"
         return replace(self.latest, address=where, outcome=f"{self.latest.outcome}: {self.count} more within a minute")
 
 
@@ -56,7 +56,7 @@ class RepeatedEntries:
         """Return whether an entry is the first of its minute and must be written now; count it otherwise."""
         with self._lock:
             minute = self._minutes.get(_kind(entry))
-            if minute is None and len(self._minutes) >= MOST_KEPT:
+            if minute is None and len(self._minutes) >= MAXIMUM_COUNTS:
                 entry = replace(entry, who=MANY, operation=MANY)
                 minute = self._minutes.get(_kind(entry))
             if minute is None:
@@ -64,7 +64,7 @@ class RepeatedEntries:
                 return True
             minute.latest = entry
             minute.count += 1
-            if len(minute.addresses) < MOST_ADDRESSES:
+            if len(minute.addresses) < MAXIMUM_ADDRESSES:
                 minute.addresses.add(entry.address)
             return False
 

@@ -32,7 +32,7 @@ ROWS: Mapping[str, tuple[type[Any], str]] = {
 FREE = frozenset({"name", "path"})
 """Parameters that name files of the pages, which are public."""
 LARGEST = 2**62
-MOST_KEPT = 10_000
+MAXIMUM_ENTRIES = 10_000
 
 
 class NotThere(Missing):
@@ -67,7 +67,7 @@ class Visibility:
                     continue  # the endpoint rejects it
                 if session.get(row, key) is None:
                     raise NotThere(what, value[:64])
-                if len(self._seen) >= MOST_KEPT:
+                if len(self._seen) >= MAXIMUM_ENTRIES:
                     self._seen.clear()
                 self._seen.add((who.plants, name, value))
 

@@ -8,7 +8,7 @@ from typing import Any
 import jwt
 
 from service.security.key_set import KeySet
-from service.security.principal import MOST_CHARACTERS, Principal, Role
+from service.security.principal import MAXIMUM_CHARACTERS, Principal, Role
 from storage.encoding.text import plain_text
 
 LEEWAY_S = 30.0
@@ -49,7 +49,7 @@ class Tokens:
         """Return the principal of checked claims."""
         subject = str(claims["sub"])
         name = str(_inside(claims, self._claims.name) or claims.get("preferred_username") or subject)
-        return Principal(_shown(name, subject), self._role(claims), self._plants(claims), "token", f"token {subject}")
+        return Principal(_display_name(name, subject), self._role(claims), self._plants(claims), "token", f"token {subject}")
 
     def checked(self, token: str, *, audience: str, nonce: str | None = None) -> dict[str, Any]:
         """Verify a token of the issuer for an audience, and return its claims. Raises as `principal`."""
@@ -92,13 +92,13 @@ class Tokens:
         return None if EVERY_PLANT in said else said
 
 
-def _shown(name: str, subject: str) -> str:
+def _display_name(name: str, subject: str) -> str:
     """Return the name followed by the subject: people may choose their names, the issuer assigns the subject."""
     shown = plain_text(subject)
     if len(shown) > LONGEST_SUBJECT:
         digest = hashlib.sha256(subject.encode("utf-8", "backslashreplace")).hexdigest()[:16]
         shown = f"{shown[: LONGEST_SUBJECT - 17]}…{digest}"
-    return f"{plain_text(name)[: MOST_CHARACTERS - len(shown) - 3]} ({shown})"
+    return f"{plain_text(name)[: MAXIMUM_CHARACTERS - len(shown) - 3]} ({shown})"
 
 
 def _inside(claims: Mapping[str, Any], path: str) -> Any:

@@ -94,8 +94,8 @@ class Source:
         with query:
             if epoch is not None and epoch != str(self.log.epoch):
                 return
-            first = _whole(parameters.get("from"), 0)
-            limit = min(_whole(parameters.get("limit"), LARGEST_REPLY_COUNT), LARGEST_REPLY_COUNT)
+            first = _integer(parameters.get("from"), 0)
+            limit = min(_integer(parameters.get("limit"), LARGEST_REPLY_COUNT), LARGEST_REPLY_COUNT)
             try:
                 for entry in self.log.entries_from(first, limit):
                     query.reply(self.key.log, entry.payload, encoding=entry.encoding)
@@ -103,5 +103,5 @@ class Source:
                 logger.error("a replay query is not answered: %s", error)
 
 
-def _whole(text: str | None, otherwise: int) -> int:
+def _integer(text: str | None, otherwise: int) -> int:
     return int(text) if text is not None and text.isascii() and text.isdigit() else otherwise

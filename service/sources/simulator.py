@@ -131,8 +131,8 @@ class _SimulatedMachine:
         self._truths = truths
         self._rng = rng
         self._stop = stop
-        self._drawn = draw_truth(machine, rng)
-        truth_at_progress(self._drawn, machine, story, 1.0)  # raises when the story is impossible
+        self._truth = draw_truth(machine, rng)
+        truth_at_progress(self._truth, machine, story, 1.0)  # raises when the story is impossible
         self._due = time.monotonic()
         self._conditions: Floats = np.empty(0)
 
@@ -146,7 +146,7 @@ class _SimulatedMachine:
         with Source(self._session, Key(machine.plant, machine.id), name="simulator") as source:
             for cycle in range(plan.cycles):
                 progress = max(0.0, (cycle + 1) / plan.cycles - HEALTHY_PART) / (1.0 - HEALTHY_PART)
-                truth = truth_of_run(truth_at_progress(self._drawn, machine, self._story, progress), self._rng)
+                truth = truth_of_run(truth_at_progress(self._truth, machine, self._story, progress), self._rng)
                 start = began + cycle * plan.interval_s
                 self._conditions = drawn_conditions(machine, start, self._rng)
                 truth = truth_under_conditions(truth, machine, self._conditions)

@@ -16,7 +16,7 @@ from service.sources.sqlite_log_file import LogFile
 
 logger = logging.getLogger(__name__)
 
-MOST_PENDING = 2_000
+MAXIMUM_PENDING = 2_000
 """Largest number of batches that wait for the disk; beyond it the source waits, too."""
 LARGEST_GROUP = 256
 """Batches in one transaction."""
@@ -47,7 +47,7 @@ class DurableLog:
         """Accept an entry, see `SourceLog.append`. Waits while too many batches wait for the disk."""
         with self._changed:
             require_next(entry, self.next_sequence)
-            self._changed.wait_for(lambda: len(self._pending) < MOST_PENDING or self._trouble or self._closing)
+            self._changed.wait_for(lambda: len(self._pending) < MAXIMUM_PENDING or self._trouble or self._closing)
             if self._trouble is not None:
                 raise self._trouble
             if self._closing:

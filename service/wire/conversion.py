@@ -53,7 +53,7 @@ def to_samples(batch: SampleBatch, machine: Machine, *, received_at: int) -> tup
             twice, phase_2x = _table(batch.amplitude_2x) * factors, _table(batch.phase_2x)
             number_2x = _is_amplitude(twice) & (np.abs(phase_2x) <= LARGEST_PHASE)
             second[:, columns] = np.where(number_2x, twice * np.exp(1j * turn * phase_2x), _NO_PHASOR)
-    called = _called(batch, np.isnan(size) | np.isnan(phase))
+    called = _source_status(batch, np.isnan(size) | np.isnan(phase))
     wrong = (called == ChannelStatus.GOOD) & ~sensible
     faults = _channel_faults(batch, size, wrong)
     status[:, columns] = np.where(wrong, np.where(_is_too_large(size), ChannelStatus.OUT_OF_RANGE, ChannelStatus.BAD), called)
@@ -121,7 +121,7 @@ def _table(rows: Table) -> NDArray[np.float64]:
     return np.array(rows, dtype=float)  # null becomes NaN
 
 
-def _called(batch: SampleBatch, blank: NDArray[np.bool_]) -> NDArray[np.uint8]:
+def _source_status(batch: SampleBatch, blank: NDArray[np.bool_]) -> NDArray[np.uint8]:
     """Return the source's own status of each value; a null counts as `not_available`. blank: where one may be null."""
     if batch.status is None:
         said = np.full(blank.shape, ChannelStatus.GOOD, dtype=np.uint8)

@@ -42,7 +42,7 @@ REFUSED_S = 60.0
 
 
 @dataclass(frozen=True)
-class _Sent:
+class _SubmittedTask:
     """A submitted task. future: Dask's; since: on the monotonic clock [s]; to: the workers that may have it."""
 
     future: Any
@@ -58,8 +58,8 @@ class DaskExecutor:
         self._address = address
         self._client: Client | None = None
         self._lock = threading.Lock()
-        self._sent: dict[Future[Any], _Sent] = {}
-        self._looked = 0.0
+        self._sent: dict[Future[Any], _SubmittedTask] = {}
+        self._checked_at = 0.0
         self._seen: dict[str, tuple[float, float]] = {}
         """Per worker, when the scheduler last heard from it by its clock, and since when that has not changed."""
         self._refused: dict[str, tuple[str, float]] = {}
@@ -74,7 +74,7 @@ class DaskExecutor:
             raise ExecutorUnavailable(
                 f"the Dask scheduler at {self._address} has no workers: start some with `rundown worker`"
             )
-        doubtful = self._doubtful(workers)
+        doubtful = self._unusable_workers(workers)
         self._usable = tuple(address for address in workers if address not in doubtful)
         if not self._usable:
             raise ExecutorUnavailable("; ".join(doubtful.values()))
@@ -88,25 +88,25 @@ class DaskExecutor:
         )
         answer: Future[R] = Future()
         with self._lock:
-            self._sent[answer] = _Sent(future, limit_s, time.monotonic(), to)
-        future.add_done_callback(partial(self._pass_on, answer))
+            self._sent[answer] = _SubmittedTask(future, limit_s, time.monotonic(), to)
+        future.add_done_callback(partial(self._forward_outcome, answer))
         return answer
 
     def look(self) -> None:
         """Find silent workers, and give up their overdue tasks. Raises ExecutorUnavailable."""
         with self._lock:
             sent = dict(self._sent)
-        if not (sent or self._warnings) or time.monotonic() < self._looked + LOOK_S:
+        if not (sent or self._warnings) or time.monotonic() < self._checked_at + LOOK_S:
             return
-        self._looked = time.monotonic()
+        self._checked_at = time.monotonic()
         workers = self._workers()
-        self._doubtful(workers)
+        self._unusable_workers(workers)
         for answer, one in sent.items():
             if not set(one.to) & set(workers):
                 self._give_up(answer, None)
         late = {a: one for a, one in sent.items() if time.monotonic() > one.since + one.limit_s + GRACE_S}
         if late and (silent := self._silent()):
-            tasks: Mapping[str, Collection[str]] = self._asked("processing", workers=None)
+            tasks: Mapping[str, Collection[str]] = self._query_scheduler("processing", workers=None)
             for answer, one in late.items():
                 for address in silent.keys() & {address for address, keys in tasks.items() if one.future.key in keys}:
                     self._give_up(answer, WorkerStuck(silent[address]))
@@ -122,14 +122,14 @@ class DaskExecutor:
 
     def _workers(self) -> dict[str, Any]:
         """Return the scheduler's workers by address."""
-        workers: dict[str, Any] = self._asked("identity", n_workers=-1)["workers"]
+        workers: dict[str, Any] = self._query_scheduler("identity", n_workers=-1)["workers"]
         now, before, self._seen = time.monotonic(), self._seen, {}
         for address, one in workers.items():
             heard, since = before.get(address, (None, now))
             self._seen[address] = one["last_seen"], since if one["last_seen"] == heard else now
         return workers
 
-    def _asked(self, question: str, **how: Any) -> Any:
+    def _query_scheduler(self, question: str, **how: Any) -> Any:
         """Return the scheduler's answer within a time limit: it may be frozen itself. Raises ExecutorUnavailable."""
         client = self._connected()
         ask = getattr(client.scheduler, question)
@@ -139,7 +139,7 @@ class DaskExecutor:
             why = str(error) or "it takes too long"
             raise ExecutorUnavailable(f"the Dask scheduler at {self._address} does not answer: {why}") from error
 
-    def _doubtful(self, workers: Mapping[str, Any]) -> dict[str, str]:
+    def _unusable_workers(self, workers: Mapping[str, Any]) -> dict[str, str]:
         """Return the workers that get no tasks now, and why; record these reasons as warnings."""
         now = time.monotonic()
         found = {
@@ -157,7 +157,7 @@ class DaskExecutor:
         silent = [address for address, (_, at) in self._seen.items() if at < since]
         return {address: f"the Dask worker at {address} has said nothing for {SILENT_S:.0f} s or longer" for address in silent}
 
-    def _pass_on(self, answer: Future[Any], future: Any) -> None:
+    def _forward_outcome(self, answer: Future[Any], future: Any) -> None:
         """Pass on the outcome of a task that is computed, refused or lost; runs in a thread of Dask's."""
         from distributed import KilledWorker
 

@@ -146,7 +146,7 @@ class _Slot:
         self._lock = threading.Lock()
         self._item: _WorkItem | None = None
         self._given_up: Exception | None = None
-        self._asked, self._until = 0.0, math.inf
+        self._sent_at, self._until = 0.0, math.inf
         self._process: Any = None  # of the context that spawns
         self._pipe: Connection | None = None
         self._thread = threading.Thread(target=self._run, name="worker process", daemon=True)
@@ -155,7 +155,7 @@ class _Slot:
     def silent_s(self) -> float | None:
         """Return for how long the process has not answered [s], if that is too long; otherwise None."""
         now = time.monotonic()
-        return now - self._asked if now > self._until else None
+        return now - self._sent_at if now > self._until else None
 
     def give_up(self, reason: Exception) -> None:
         """Kill the process; its task ends in `reason`. It gets no other task, and its thread ends when it can."""
@@ -164,7 +164,7 @@ class _Slot:
             process = self._process
         if process is not None:
             process.kill()
-        self._settle(error=reason)
+        self._complete(error=reason)
 
     def join(self, seconds: float) -> None:
         """Wait until the thread has ended, at most `seconds`."""
@@ -182,7 +182,7 @@ class _Slot:
         try:
             if self._given_up is not None:
                 raise self._given_up
-            pipe = self._pipe or self._begun()
+            pipe = self._pipe or self._start_process()
             self._allow(HAND_OVER_S)
             pipe.send_bytes(item.payload)
             pipe.recv_bytes()
@@ -190,13 +190,13 @@ class _Slot:
             done, value = pickle.loads(pipe.recv_bytes())
         except (EOFError, OSError) as error:
             self._end()
-            self._settle(error=BrokenProcessPool(f"its process died: {error}" if str(error) else "its process died"))
+            self._complete(error=BrokenProcessPool(f"its process died: {error}" if str(error) else "its process died"))
         except Exception as error:  # noqa: BLE001 - whoever waits for it is told
-            self._settle(error=error)
+            self._complete(error=error)
         else:
-            self._settle(value) if done else self._settle(error=value)
+            self._complete(value) if done else self._complete(error=value)
 
-    def _begun(self) -> Connection:
+    def _start_process(self) -> Connection:
         """Start a process. Raises Interrupted when none can be started at present, which is not the task's fault."""
         try:
             return self._begin()
@@ -222,10 +222,10 @@ class _Slot:
         return self._pipe
 
     def _allow(self, seconds: float) -> None:
-        self._asked = time.monotonic()
-        self._until = self._asked + seconds
+        self._sent_at = time.monotonic()
+        self._until = self._sent_at + seconds
 
-    def _settle(self, value: object = None, *, error: BaseException | None = None) -> None:
+    def _complete(self, value: object = None, *, error: BaseException | None = None) -> None:
         """Complete the future, once: the monitoring thread may have done so already."""
         with self._lock:
             item, self._item = self._item, None
@@ -258,10 +258,10 @@ def _serve(pipe: Connection, setup: _Setup) -> None:
         except EOFError:
             return
         pipe.send_bytes(HERE)
-        pipe.send_bytes(_done(payload))
+        pipe.send_bytes(_outcome(payload))
 
 
-def _done(payload: bytes) -> bytes:
+def _outcome(payload: bytes) -> bytes:
     try:
         work, args, kwargs = pickle.loads(payload)
         return pickle.dumps((True, work(*args, **kwargs)))

@@ -74,7 +74,7 @@ def replace(engine: Engine, file: Path, found: Backup) -> RestoredAccess:
         synced_digest(part)
         # Before the new file is in place: a crash in between leaves an old database, never a new one beside an old log, which
         # SQLite would replay into it.
-        _remove_beside(path)
+        _remove_companions(path)
         sync_folder(path.parent)
         part.replace(path)
         sync_folder(path.parent)
@@ -82,7 +82,7 @@ def replace(engine: Engine, file: Path, found: Backup) -> RestoredAccess:
             raise BackupUnusable(f"{file} was not restored whole: {path} does not hold what was written to it")
     finally:
         part.unlink(missing_ok=True)
-        _remove_beside(part)
+        _remove_companions(part)
     return access
 
 
@@ -119,13 +119,13 @@ def _end_log(path: Path) -> None:
             raise
 
 
-def _beside(path: Path) -> list[Path]:
+def _companion_files(path: Path) -> list[Path]:
     """Return the paths of a database file's logs and of its damage marker; the file itself need not exist."""
     return [*(path.with_name(path.name + end) for end in ("-wal", "-shm", "-journal")), marker_of(path)]
 
 
-def _remove_beside(path: Path) -> None:
-    for one in _beside(path):
+def _remove_companions(path: Path) -> None:
+    for one in _companion_files(path):
         one.unlink(missing_ok=True)
 
 

@@ -58,7 +58,7 @@ class Changes:
                 return cast(str, session.scalar(text("SELECT CAST(pg_current_snapshot() AS TEXT)")))
         with self._lock:
             try:
-                counts = self._counted(self._opened())
+                counts = self._counted(self._open_connection())
             except sqlite3.DatabaseError:
                 return None  # locked for a moment, and nobody should wait; or damaged, which the next read reports
         return tuple(counts[table] for table in tables)
@@ -75,7 +75,7 @@ class Changes:
             self._version = version
         return self._counts
 
-    def _opened(self) -> sqlite3.Connection:
+    def _open_connection(self) -> sqlite3.Connection:
         """Return a connection outside the pool, each of whose statements sees what is committed when it begins."""
         if self._connection is None:
             self._connection = self._database.own_connection(timeout=0.0, isolation_level=None, check_same_thread=False)

@@ -39,7 +39,7 @@ class Claim:
         self._held: set[tuple[int, int]] = set()
         self._file: TextIO | None = None
         self._place: file_lock.Place | None = None
-        self._asking = threading.Lock()
+        self._lock = threading.Lock()
 
     def take(self, *, shared: bool = False) -> None:
         """Take the claim; raise DatabaseUnusable when another process holds it or, where `shared`, holds it alone."""
@@ -56,7 +56,7 @@ class Claim:
                     raise DatabaseUnusable(held)
                 time.sleep(LOOK_S)
         elif (path := file_of(self._engine)) is not None:
-            beside = _beside(path)
+            beside = _lock_path(path)
             try:
                 beside.touch(mode=PRIVATE)  # whoever may read the lock file may lock it
                 self._file = beside.open("w")
@@ -72,8 +72,8 @@ class Claim:
 
     def keep(self) -> None:
         """Take the claim again when the server was restarted and has lost it. Raises DatabaseUnusable, DBAPIError."""
-        with self._asking:
-            self._keep()
+        with self._lock:
+            self._renew()
 
     def hold(self, number: int, second: int) -> bool:
         """Hold a further PostgreSQL lock as long as the claim; return False while another connection holds it.
@@ -81,8 +81,8 @@ class Claim:
         That connection may be an earlier one of this process which the server has not given up yet. Raises DatabaseUnusable,
         DBAPIError.
         """
-        with self._asking:
-            self._keep()
+        with self._lock:
+            self._renew()
             if self._connection is None or (number, second) in self._held:
                 return True
             if not self._connection.scalar(select(func.pg_try_advisory_lock(number, second))):
@@ -90,7 +90,7 @@ class Claim:
             self._held.add((number, second))
             return True
 
-    def _keep(self) -> None:
+    def _renew(self) -> None:
         if not self._lost and self._connection is None:
             return  # never taken, or the claim on a file
         try:
@@ -171,7 +171,7 @@ def logs_of(path: Path) -> list[Path]:
 def _is_locked(path: Path) -> bool:
     """Return whether somebody holds the lock file beside a database file."""
     try:
-        with _beside(path).open() as file:
+        with _lock_path(path).open() as file:
             fcntl.flock(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
     except BlockingIOError:
         return True
@@ -180,5 +180,5 @@ def _is_locked(path: Path) -> bool:
     return False
 
 
-def _beside(path: Path) -> Path:
+def _lock_path(path: Path) -> Path:
     return path.with_name(path.name + ".lock")

@@ -60,12 +60,12 @@ class Damage:
         self._since = ""
         self._words = ""
         self._machines: list[str] = []
-        self._unsaid = 0
+        self._unlogged = 0
         self._log_at = 0.0
         self.met = 0
         """Number of times damage was met in this process."""
         if marker is not None and marker.exists():
-            self._remember(marker)
+            self._read_marker(marker)
 
     @property
     def trouble(self) -> str | None:
@@ -114,14 +114,14 @@ class Damage:
             if machine_id and machine_id not in self._machines and len(self._machines) < LARGEST_MACHINE_COUNT:
                 self._machines.append(machine_id)
             if before != (self._since, self._words, tuple(self._machines)):
-                self._keep()
-            self._unsaid += 1
+                self._write_marker()
+            self._unlogged += 1
             if time.monotonic() >= self._log_at:
                 named = ", ".join(self._machines) or "no machine that is known"
-                logger.error("the store is damaged, met %d times: %s (%s)", self._unsaid, self._words, named)
-                self._log_at, self._unsaid = time.monotonic() + LOG_EVERY_S, 0
+                logger.error("the store is damaged, met %d times: %s (%s)", self._unlogged, self._words, named)
+                self._log_at, self._unlogged = time.monotonic() + LOG_EVERY_S, 0
 
-    def _keep(self) -> None:
+    def _write_marker(self) -> None:
         if self._marker is not None:
             try:
                 self._marker.write_text(
@@ -130,7 +130,7 @@ class Damage:
             except OSError as error:
                 logger.error("that the store is damaged cannot be noted in %s: %s", self._marker, error)
 
-    def _remember(self, marker: Path) -> None:
+    def _read_marker(self, marker: Path) -> None:
         try:
             kept = json.loads(marker.read_text())
             self._since, self._words = str(kept["since"]), str(kept["words"])

@@ -55,11 +55,11 @@ def take(path: Path) -> Place | None:
     if not KNOWN:
         return None
     with _guard:
-        place, descriptor = _opened(path)
+        place, descriptor = _open_descriptor(path)
         if place in _taken:
             raise BlockingIOError(errno.EAGAIN, os.strerror(errno.EAGAIN), str(path))
         try:
-            _ask(descriptor, fcntl.F_OFD_SETLK, fcntl.F_WRLCK)
+            _lock_call(descriptor, fcntl.F_OFD_SETLK, fcntl.F_WRLCK)
         except OSError as error:
             if error.errno in _WITHOUT:
                 return None
@@ -71,7 +71,7 @@ def take(path: Path) -> Place | None:
 def release(place: Place) -> None:
     """Unlock a file."""
     with _guard:
-        _ask(_descriptors[place], fcntl.F_OFD_SETLK, fcntl.F_UNLCK)
+        _lock_call(_descriptors[place], fcntl.F_OFD_SETLK, fcntl.F_UNLCK)
         del _taken[place]
 
 
@@ -86,21 +86,21 @@ def held_by_another(path: Path) -> bool:
     if not KNOWN:
         return False
     with _guard:
-        _, descriptor = _opened(path)
+        _, descriptor = _open_descriptor(path)
         try:
-            return _ask(descriptor, fcntl.F_OFD_GETLK, fcntl.F_WRLCK) != fcntl.F_UNLCK
+            return _lock_call(descriptor, fcntl.F_OFD_GETLK, fcntl.F_WRLCK) != fcntl.F_UNLCK
         except OSError as error:
             if error.errno in _WITHOUT:
                 return False
             raise
 
 
-def _ask(descriptor: int, command: int, kind: int) -> int:
+def _lock_call(descriptor: int, command: int, kind: int) -> int:
     found = fcntl.fcntl(descriptor, command, struct.pack(_FLOCK, kind, os.SEEK_SET, _BYTE, 1, 0))
     return int(struct.unpack_from(_FLOCK, found)[0])
 
 
-def _opened(path: Path) -> tuple[Place, int]:
+def _open_descriptor(path: Path) -> tuple[Place, int]:
     place = _place(os.stat(path))
     if place not in _descriptors:
         descriptor = os.open(path, os.O_RDWR if os.access(path, os.W_OK) else os.O_RDONLY)

@@ -31,19 +31,19 @@ class SqliteFiles:
             self._keeper.close()
             raise
         self._opened = {one: _place(one) for one in (path, *logs_of(path))}
-        self._asking = threading.Lock()
-        self._gone: Path | None = None
+        self._lock = threading.Lock()
+        self._lost_file: Path | None = None
         self._closed = False
         self.saved = False
         """Whether a file is missing and the main file holds all that was stored."""
 
     def look(self) -> bool:
         """Return whether all files still exist; costs microseconds."""
-        if self._gone is None:
+        if self._lost_file is None:
             # After `close` only the main file remains.
             looked_at = [self._path] if self._closed else list(self._opened)
-            self._gone = next((one for one in looked_at if _place(one) != self._opened[one]), None)
-        return self._gone is None
+            self._lost_file = next((one for one in looked_at if _place(one) != self._opened[one]), None)
+        return self._lost_file is None
 
     def require(self) -> None:
         """Raise OperationalError when a file is missing.
@@ -58,8 +58,8 @@ class SqliteFiles:
         """Return which file is missing and the remedy; None when none is."""
         if self.look():
             return None
-        gone = f"{self._gone} was deleted or replaced while the service had it open"
-        if self._gone == self._path:
+        gone = f"{self._lost_file} was deleted or replaced while the service had it open"
+        if self._lost_file == self._path:
             return f"the database file {gone}: restart the service"
         if self.saved:
             return f"{gone}. All that was acknowledged is saved in {self._path}; nothing more is stored: restart the service"
@@ -73,7 +73,7 @@ class SqliteFiles:
 
         The caller must have the writers' turn.
         """
-        with self._asking:
+        with self._lock:
             if not self.saved and not self._closed:
                 try:
                     _, logged, done = self._keeper.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()
@@ -84,7 +84,7 @@ class SqliteFiles:
 
     def close(self) -> None:
         """Stop checking the files and close the connection; SQLite makes a checkpoint when it is the last one."""
-        with self._asking:
+        with self._lock:
             self._closed = True
             self._keeper.close()
 

@@ -26,7 +26,7 @@ def on_grid(values: Floats) -> Floats:
 
 def pack(table: Floats) -> bytes:
     """Pack (S, n) numbers, sample by sample, into bytes that compress well."""
-    whole = _whole(table)
+    whole = _as_multiples(table)
     if whole is None:
         return _EXACT + shuffled(table)
     missing, numbers = whole
@@ -64,7 +64,7 @@ def unshuffled(body: memoryview, at: int, size: int, kind: str) -> NDArray[np.ge
     return np.ascontiguousarray(planes.T).view(kind).reshape(size)
 
 
-def _whole(table: Floats) -> tuple[NDArray[np.bool_], NDArray[np.int64]] | None:
+def _as_multiples(table: Floats) -> tuple[NDArray[np.bool_], NDArray[np.int64]] | None:
     """Return where values are NaN, and the others as multiples of the quantum; None unless that reproduces them to the bit."""
     missing = np.isnan(table)
     with np.errstate(over="ignore"):

@@ -103,7 +103,7 @@ def is_intact(session: Session, noted: tuple[int, str]) -> bool:
 
 def verify(session: Session, *, known: Collection[tuple[int, str]] = ()) -> list[Break]:
     """Return every place where an entry was changed, removed, inserted or moved. known: numbers and hashes recorded before."""
-    with _bytes_as_they_are(session):
+    with _undecoded_text(session):
         return list(_breaks(session, known))
 
 
@@ -152,7 +152,7 @@ def _is_text(value: object) -> bool:
 
 
 @contextmanager
-def _bytes_as_they_are(session: Session) -> Iterator[None]:
+def _undecoded_text(session: Session) -> Iterator[None]:
     """Read texts that are not UTF-8 as well, so that their place can be reported."""
     connection = session.connection()
     driver: Any = connection.connection.driver_connection

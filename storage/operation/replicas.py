@@ -50,7 +50,7 @@ def expired(session: Session, *, me: int) -> list[ReplicaRow]:
     others = [row for row in list_all(session) if row.id != me]
     if session.get_bind().dialect.name != "postgresql":
         return others
-    held, oldest = _holding(session), clock(session) - int(LEASE_S * 1e9)
+    held, oldest = _lock_holders(session), clock(session) - int(LEASE_S * 1e9)
     # A server that has just started has forgotten all locks: who lives takes them again in a moment.
     telling = _started(session) < oldest
     return [row for row in others if (telling and row.id not in held) or row.seen_at < oldest]
@@ -74,7 +74,7 @@ def _started(session: Session) -> int:
     return int(session.scalar(select(cast(epoch * 1_000_000, BigInteger))) or 0) * 1_000
 
 
-def _holding(session: Session) -> set[int]:
+def _lock_holders(session: Session) -> set[int]:
     here = select(_DATABASES.c.oid).where(_DATABASES.c.datname == func.current_database()).scalar_subquery()
     query = select(_LOCKS.c.objid).where(
         _LOCKS.c.locktype == "advisory", _LOCKS.c.classid == LOCK_CLASS, _LOCKS.c.granted, _LOCKS.c.database == here

@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from benchmarks.thesis.flexible import load
-from benchmarks.thesis.flexible_misprints import natural_frequencies, with_printed_rotary_inertia
-from benchmarks.thesis.flexible_printed import CRITICAL_SPEEDS
+from benchmarks.thesis.flexible.experiments import load
+from benchmarks.thesis.flexible.misprints import natural_frequencies, with_printed_rotary_inertia
+from benchmarks.thesis.flexible.printed import CRITICAL_SPEEDS
 
 SUBJECT = load()
 MISPRINTED = with_printed_rotary_inertia(SUBJECT)

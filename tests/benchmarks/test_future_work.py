@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from benchmarks.thesis import future_work
 from benchmarks.thesis.__main__ import main
-from benchmarks.thesis.future_trains import FEATURES, INTERNAL_DAMPING
-from benchmarks.thesis.future_work import bearing_errors, identified, internal_damping, simulated, without_feature
+from benchmarks.thesis.future_work import report as future_work
+from benchmarks.thesis.future_work.report import bearing_errors, identified, internal_damping, simulated, without_feature
+from benchmarks.thesis.future_work.trains import FEATURES, INTERNAL_DAMPING
 
 
 @pytest.mark.parametrize("name", FEATURES)

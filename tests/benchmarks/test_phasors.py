@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from benchmarks.phasors import CASES, NOISE, RAMP, SECONDS, drawn, keyphasor_pulses, main, outcome
+from benchmarks.estimator.phasors import CASES, NOISE, RAMP, SECONDS, drawn, keyphasor_pulses, main, outcome
 
 
 def test_the_noise_is_as_stated() -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from benchmarks.thesis.__main__ import main
-from benchmarks.thesis.rigid import (
+from benchmarks.thesis.chapter_2.experiments import (
     bound,
     case,
     exact_phase_bound,
@@ -14,8 +14,8 @@ from benchmarks.thesis.rigid import (
     regression,
     regression_errors,
 )
-from benchmarks.thesis.rigid_misprints import MISPRINTS, shifts
-from benchmarks.thesis.rigid_printed import TABLE_2_8, TABLES_2_4_TO_2_7
+from benchmarks.thesis.chapter_2.misprints import MISPRINTS, shifts
+from benchmarks.thesis.chapter_2.printed import TABLE_2_8, TABLES_2_4_TO_2_7
 from estimator.rotor.response import sensitivity
 from estimator.thesis.noise import complex_noise
 from estimator.thesis.rigid_train import names

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from benchmarks.thesis.__main__ import main
-from benchmarks.thesis.chapter_5_misalignment import diagnosed, stiffnesses
-from benchmarks.thesis.rig import (
+from benchmarks.thesis.chapter_5.misalignment import diagnosed, stiffnesses
+from benchmarks.thesis.chapter_5.mode_shapes import nodes, plane_modes
+from benchmarks.thesis.chapter_5.rig import (
     BOTH_WAYS,
     DENSE,
     PRINTED,
@@ -18,8 +19,7 @@ from benchmarks.thesis.rig import (
     load,
     regressed,
 )
-from benchmarks.thesis.rig_mode_shapes import nodes, plane_modes
-from benchmarks.thesis.simple_supports import PRINTED_HZ, fit_coupling
+from benchmarks.thesis.chapter_5.simple_supports import PRINTED_HZ, fit_coupling
 from estimator.arrays import Floats
 from estimator.diagnosis.observation import observation_of
 from estimator.diagnosis.run_windows import RunWindows

@@ -1,7 +1,7 @@
 """How long `/alive` takes while a test goes on, asked twenty times a second by a process of its own.
 
 Where the environment names a folder (`RUNDOWN_ALIVE_TIMES`), each service that the tests start is asked so, and a file of
-times is left there; `python -m benchmarks.attacks` makes its figures of them.
+times is left there; `python -m benchmarks.faults.attacks` makes its figures of them.
 
     python -m tests.end_to_end.alive URL
 """

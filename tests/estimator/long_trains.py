@@ -3,7 +3,7 @@
 import copy
 import math
 
-from benchmarks.large_trains import Document, large_train
+from benchmarks.estimator.large_trains import Document, large_train
 
 SECTIONS = 60
 

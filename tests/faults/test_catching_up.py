@@ -1,9 +1,9 @@
-"""A service that was away, and sources that went on: `python -m benchmarks.catching_up` has more of them."""
+"""A service that was away, and sources that went on: `python -m benchmarks.faults.catching_up` has more of them."""
 
 import argparse
 from pathlib import Path
 
-from benchmarks import catching_up
+from benchmarks.faults import catching_up
 
 
 def test_what_waits_in_many_logs_is_all_stored_once(tmp_path: Path) -> None:

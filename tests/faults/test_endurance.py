@@ -1,11 +1,11 @@
-"""Half its load for a while: nothing grows. `python -m benchmarks.endurance` goes on for as long as is wanted."""
+"""Half its load for a while: nothing grows. `python -m benchmarks.faults.endurance` goes on for as long as is wanted."""
 
 import argparse
 from pathlib import Path
 
 import pytest
 
-from benchmarks import endurance
+from benchmarks.faults import endurance
 
 RATE = 2500.0
 GROWTH_MB = 10.0

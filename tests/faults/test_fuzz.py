@@ -1,6 +1,6 @@
 """Rubbish is rejected by reason, costs nobody else anything and never reaches a fit.
 
-`python -m benchmarks.fuzz` sends more of it.
+`python -m benchmarks.faults.fuzz` sends more of it.
 """
 
 from pathlib import Path

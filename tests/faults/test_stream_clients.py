@@ -1,4 +1,4 @@
-"""Clients of the event stream that never read cost others nothing; `python -m benchmarks.stream_clients` has a thousand."""
+"""Clients of the event stream that never read cost others nothing: `benchmarks.faults.stream_clients` has a thousand."""
 
 from pathlib import Path
 

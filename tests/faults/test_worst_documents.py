@@ -4,14 +4,14 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.large_documents import largest, train
-from benchmarks.worst_documents import closed, send_all
+from benchmarks.faults.large_documents import largest, train
+from benchmarks.faults.worst_documents import closed, send_all
 from tests.end_to_end.alive import probing
 from tests.end_to_end.processes import Service, until
 
 KINDS = ("sections", "unsure probes", "all at once")
 LONGEST_S = 2.0
-"""No answer of `/alive` may take longer here, beside other tests; `benchmarks.worst_documents` asks for much less."""
+"""No answer of `/alive` may take longer here, beside other tests; `benchmarks.faults.worst_documents` asks for much less."""
 
 
 def test_the_worst_documents_that_are_let_in_keep_nobody_waiting(tmp_path: Path) -> None:

@@ -5,11 +5,16 @@ from collections.abc import Iterator
 import pytest
 import zenoh
 
+from service.ingest import periodic_checks
+from service.ingest.ingest_thread import Ingest
 from service.messaging.session import connected, session
+from service.recovery import gap_recovery
 from service.runs.collector import Collector
+from service.sources.publisher import Source
 from storage.database.engine import Database
-from tests.plant import free_endpoint, wait_until
+from tests.plant import KEY, free_endpoint, wait_until
 from tests.prompt_journal import PromptJournal
+from tests.service.ingest.plant_network import DroppedOnTheWay, Edge, ingesting
 
 
 @pytest.fixture
@@ -37,3 +42,32 @@ def client(router: zenoh.Session, endpoint: str) -> Iterator[zenoh.Session]:
     with session(listen=[], connect=[endpoint]) as opened:
         wait_until(lambda: connected(opened) and connected(router))
         yield opened
+
+
+@pytest.fixture
+def short_waits(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Look at quiet sources often, and wait for a log less long, so that no test waits long."""
+    monkeypatch.setattr(periodic_checks, "TAIL_CHECK_S", 0.1)
+    monkeypatch.setattr(gap_recovery, "PATIENCE_S", 1.0)
+
+
+@pytest.fixture
+def ingest(router: zenoh.Session, plant: Database) -> Iterator[Ingest]:
+    """A service that runs before any source does."""
+    with ingesting(router, plant) as running:
+        yield running
+
+
+@pytest.fixture
+def edge(client: zenoh.Session) -> Iterator[Edge]:
+    """A source with a log."""
+    with Source(client, KEY, name="edge") as source:
+        yield Edge(source)
+
+
+@pytest.fixture
+def lossy(client: zenoh.Session) -> Iterator[DroppedOnTheWay]:
+    """A source with a log, of whose messages the network drops some."""
+    source = DroppedOnTheWay(client)
+    yield source
+    source.leave()

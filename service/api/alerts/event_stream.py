@@ -14,10 +14,10 @@ from typing import Annotated, cast
 
 from fastapi import APIRouter, Header, Query, Request
 from fastapi.responses import StreamingResponse
-from sqlalchemy.exc import DBAPIError
 
 from service.alerts.event_message import AlertEvent, alert_event
 from service.api.conventions.dependencies import database, principal
+from service.resilience.supervised_thread import report_failure
 from service.security.requirement import VIEWER
 from service.security.scope import Visibility
 from storage.alerts import alerts
@@ -140,17 +140,14 @@ class Broadcaster:
             return alerts.newest_event(session)
 
     async def _run(self) -> None:
+        # Not a SupervisedThread: a task of the API's event loop, whose queues it fills, that ends with the last client.
         while True:
             try:
                 for one in await asyncio.to_thread(self._read, self._last):
                     self._hand_out(one)
                 self.trouble = None
-            except DBAPIError as error:
-                self.trouble = f"alert events cannot be read: {error.orig}"
-                logger.error("alert events cannot be read, trying again: %s", error.orig)
-            except Exception:
-                self.trouble = "unexpected error; the log has it"
-                logger.exception("unexpected error while alert events are handed out, trying again")
+            except Exception as error:  # noqa: BLE001 - it is logged
+                self.trouble = report_failure(logger, "alert events cannot be read", error)
             await asyncio.sleep(RETRY_S if self.trouble else POLL_S)
             if not self._clients:
                 self.trouble = None  # nobody's
@@ -180,15 +177,15 @@ def _text(event: AlertEvent) -> bytes:
     return f"id: {event.id}\nevent: alert\ndata: {event.model_dump_json()}\n\n".encode()
 
 
-async def _still_authenticated() -> bool:
+async def _always_valid() -> bool:
     return True
 
 
-def _everything(_event: AlertEvent) -> bool:
+def _all_visible(_event: AlertEvent) -> bool:
     return True
 
 
-def _for(sees: Callable[[AlertEvent], bool], one: StreamEvent) -> bool:
+def _is_visible(sees: Callable[[AlertEvent], bool], one: StreamEvent) -> bool:
     return one.event is not None and sees(one.event)
 
 
@@ -196,8 +193,8 @@ async def stream(
     broadcaster: Broadcaster,
     after: int | None,
     *,
-    sees: Callable[[AlertEvent], bool] = _everything,
-    still: Callable[[], Awaitable[bool]] = _still_authenticated,
+    sees: Callable[[AlertEvent], bool] = _all_visible,
+    still: Callable[[], Awaitable[bool]] = _always_valid,
 ) -> AsyncGenerator[bytes]:
     """Yield events behind `after` that the client sees, or from now on, without end; first the id behind which they begin.
 
@@ -213,7 +210,7 @@ async def stream(
         yield f": who comes back with the last id in Last-Event-ID misses nothing\nid: {last}\nretry: 1000\n\n".encode()
         while last < client.joined and (page := await asyncio.to_thread(broadcaster.page, last)):
             for one in page:
-                if _for(sees, one):
+                if _is_visible(sees, one):
                     yield one.text
             last = page[-1].number
         while not (client.slow and client.queue.empty()):
@@ -227,7 +224,7 @@ async def stream(
             if not await still():
                 return
             if news is not None and news.number > last:
-                if _for(sees, news):
+                if _is_visible(sees, news):
                     yield news.text
                 last = news.number
     finally:

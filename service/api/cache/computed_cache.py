@@ -10,8 +10,8 @@ from fastapi import HTTPException, status
 
 T = TypeVar("T")
 
-MOST_KEPT = 256
-MOST_WAITING = 3
+MAXIMUM_ENTRIES = 256
+MAXIMUM_WAITING = 3
 """Largest number of waiting computations; further requests get a 503, because each waiting one holds a thread."""
 RETRY_AFTER_S = 5
 
@@ -20,7 +20,7 @@ class ComputedCache:
     """Results by key. The key holds the id of an identification, which never changes."""
 
     def __init__(self) -> None:
-        self._kept: OrderedDict[Hashable, object] = OrderedDict()
+        self._entries: OrderedDict[Hashable, object] = OrderedDict()
         self._lock = threading.Lock()
         self._turn = threading.Lock()
         self._waiting = 0
@@ -28,14 +28,14 @@ class ComputedCache:
     def quick(self, key: Hashable, compute: Callable[[], T]) -> T:
         """Return the cached result, or compute one that takes no time. Raises what `compute` raises."""
         with self._lock:
-            if key in self._kept:
-                self._kept.move_to_end(key)
-                return cast(T, self._kept[key])
+            if key in self._entries:
+                self._entries.move_to_end(key)
+                return cast(T, self._entries[key])
         found = compute()
         with self._lock:
-            self._kept[key] = found
-            while len(self._kept) > MOST_KEPT:
-                self._kept.popitem(last=False)
+            self._entries[key] = found
+            while len(self._entries) > MAXIMUM_ENTRIES:
+                self._entries.popitem(last=False)
         return found
 
     def slow(self, key: Hashable, compute: Callable[[], T]) -> T:
@@ -45,10 +45,10 @@ class ComputedCache:
         worker thread, not on the event loop. Raises HTTPException 503 when too many wait.
         """
         with self._lock:
-            if key in self._kept:
-                self._kept.move_to_end(key)
-                return cast(T, self._kept[key])
-            if self._waiting >= MOST_WAITING:
+            if key in self._entries:
+                self._entries.move_to_end(key)
+                return cast(T, self._entries[key])
+            if self._waiting >= MAXIMUM_WAITING:
                 raise HTTPException(
                     status.HTTP_503_SERVICE_UNAVAILABLE,
                     f"{self._waiting} computations wait already; ask again",

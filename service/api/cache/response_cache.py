@@ -24,7 +24,7 @@ from storage.database.engine import Database
 
 THREADS = 2
 """Threads that compute responses: the work is bound by the processor, and more threads would slow each other down."""
-MOST_KEPT_BYTES = 64 * 1024 * 1024
+MAXIMUM_CACHE_BYTES = 64 * 1024 * 1024
 LATELY_S = 0.5
 """Largest age of those parts of a response that change with every sample [s]."""
 AHEAD_S = 0.25
@@ -57,15 +57,15 @@ class ResponseCache:
 
     def __init__(self, database: Database) -> None:
         self._changes = Changes(database)
-        self._kept: OrderedDict[Hashable, _CachedResponse] = OrderedDict()
+        self._entries: OrderedDict[Hashable, _CachedResponse] = OrderedDict()
         self._bytes = 0
         self._threads: CapacityLimiter | None = None
-        self._made: dict[Hashable, asyncio.Task[_CachedResponse]] = {}
+        self._under_way: dict[Hashable, asyncio.Task[_CachedResponse]] = {}
 
     @property
     def making(self) -> int:
         """Count the responses that are being computed."""
-        return len(self._made)
+        return len(self._under_way)
 
     async def answer(
         self,
@@ -84,14 +84,14 @@ class ResponseCache:
         zipped = takes_gzip(request.headers.get("accept-encoding", ""))
         asked = (request.url.path, request.url.query, request.headers.get("accept"), zipped, apart, principal(request).plants)
         mark = await self._mark(tables)
-        kept = self._kept.get(asked)
+        kept = self._entries.get(asked)
         if kept is not None and mark is not None and kept.mark == mark and await self._is_late_enough(kept, lately):
-            self._kept.move_to_end(asked)
+            self._entries.move_to_end(asked)
             if lately and time.monotonic() > kept.begun + AHEAD_S and kept.lately != await self._mark(lately):
                 self._begin(asked, mark, lately, make, zipped=zipped).add_done_callback(_ignore_error)
             return kept.response()
         if mark is None:
-            return (await self._apart(make, mark, None, zipped=zipped)).response()
+            return (await self._compute_in_thread(make, mark, None, zipped=zipped)).response()
         # Shielded: who goes away does not take the answer from the others.
         return (await asyncio.shield(self._begin(asked, mark, lately, make, zipped=zipped))).response()
 
@@ -100,12 +100,12 @@ class ResponseCache:
             return True
         return kept.lately is not None and kept.lately == await self._mark(lately)
 
-    async def _apart(
+    async def _compute_in_thread(
         self, make: Callable[[], Response], mark: Hashable | None, lately: Hashable | None, *, zipped: bool
     ) -> _CachedResponse:
         if self._threads is None:
             self._threads = CapacityLimiter(THREADS)
-        return await run_sync(_made, make, mark, lately, zipped, limiter=self._threads)
+        return await run_sync(_compute, make, mark, lately, zipped, limiter=self._threads)
 
     async def _mark(self, tables: Sequence[str]) -> Hashable | None:
         if self._changes.waits:
@@ -116,29 +116,31 @@ class ResponseCache:
         self, asked: Hashable, mark: Hashable, lately: Sequence[str], make: Callable[[], Response], *, zipped: bool
     ) -> "asyncio.Task[_CachedResponse]":
         """Start to compute a response, or return the task that already does."""
-        task = self._made.get((asked, mark))
+        task = self._under_way.get((asked, mark))
         if task is None:
-            task = self._made[asked, mark] = asyncio.create_task(self._make(asked, mark, lately, make, zipped=zipped))
+            task = self._under_way[asked, mark] = asyncio.create_task(
+                self._compute_shared(asked, mark, lately, make, zipped=zipped)
+            )
         return task
 
-    async def _make(
+    async def _compute_shared(
         self, asked: Hashable, mark: Hashable, lately: Sequence[str], make: Callable[[], Response], *, zipped: bool
     ) -> _CachedResponse:
         try:
-            kept = await self._apart(make, mark, await self._mark(lately) if lately else None, zipped=zipped)
-            self._keep(asked, kept)
+            kept = await self._compute_in_thread(make, mark, await self._mark(lately) if lately else None, zipped=zipped)
+            self._store(asked, kept)
             return kept
         finally:
-            del self._made[asked, mark]
+            del self._under_way[asked, mark]
 
-    def _keep(self, asked: Hashable, kept: _CachedResponse) -> None:
+    def _store(self, asked: Hashable, kept: _CachedResponse) -> None:
         if len(kept.body) > LARGEST_KEPT_BYTES:
             return
-        earlier = self._kept.pop(asked, None)
+        earlier = self._entries.pop(asked, None)
         self._bytes += len(kept.body) - (0 if earlier is None else len(earlier.body))
-        self._kept[asked] = kept
-        while self._bytes > MOST_KEPT_BYTES:
-            self._bytes -= len(self._kept.popitem(last=False)[1].body)
+        self._entries[asked] = kept
+        while self._bytes > MAXIMUM_CACHE_BYTES:
+            self._bytes -= len(self._entries.popitem(last=False)[1].body)
 
 
 def _ignore_error(task: "asyncio.Task[_CachedResponse]") -> None:
@@ -147,7 +149,7 @@ def _ignore_error(task: "asyncio.Task[_CachedResponse]") -> None:
         task.exception()
 
 
-def _made(make: Callable[[], Response], mark: Hashable | None, lately: Hashable | None, zipped: bool) -> _CachedResponse:
+def _compute(make: Callable[[], Response], mark: Hashable | None, lately: Hashable | None, zipped: bool) -> _CachedResponse:
     begun = time.monotonic()
     response = make()
     body = bytes(response.body)

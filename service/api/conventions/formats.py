@@ -43,7 +43,7 @@ def csv_bytes(columns: Mapping[str, Column]) -> bytes:
     text = io.StringIO()
     writer = CsvWriter(text)
     writer.row(columns)
-    writer.rows(zip(*([_shown(value) for value in column] for column in columns.values()), strict=True))
+    writer.rows(zip(*([_cell_value(value) for value in column] for column in columns.values()), strict=True))
     return text.getvalue().encode()
 
 
@@ -77,7 +77,7 @@ def _missing(value: Any) -> bool:
     return value is None or (isinstance(value, float) and not math.isfinite(value))
 
 
-def _shown(value: Any) -> Any:
+def _cell_value(value: Any) -> Any:
     return "" if _missing(value) else value
 
 

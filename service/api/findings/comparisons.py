@@ -20,7 +20,7 @@ router = APIRouter(prefix="/identifications", tags=["identifications"], response
 
 STRONG = 0.9
 """Correlation beyond which the data hardly distinguish two coordinates."""
-MOST_PAIRS = 50
+MAXIMUM_PAIRS = 50
 
 Which = Annotated[int, Query(ge=0, le=2**62, description="id of an identification")]
 
@@ -39,7 +39,7 @@ class Correlation(BaseModel):
     identification: int
     coordinates: list[str]
     correlation: list[list[float]] = Field(description="-1 to 1; 0 beside one that is known exactly")
-    strongest: list[Pair] = Field(description=f"pairs beyond ±{STRONG}, strongest first, at most {MOST_PAIRS}")
+    strongest: list[Pair] = Field(description=f"pairs beyond ±{STRONG}, strongest first, at most {MAXIMUM_PAIRS}")
 
 
 class Change(BaseModel):
@@ -116,7 +116,7 @@ def read_correlation(session: Reading, identification_id: Number) -> Correlation
     size = np.where(size > 0.0, size, np.inf)
     matrix = np.clip(covariance / np.outer(size, size), -1.0, 1.0)
     upper = np.argwhere(np.triu(np.abs(matrix) > STRONG, 1))
-    strongest = sorted(upper.tolist(), key=lambda at: -abs(matrix[at[0], at[1]]))[:MOST_PAIRS]
+    strongest = sorted(upper.tolist(), key=lambda at: -abs(matrix[at[0], at[1]]))[:MAXIMUM_PAIRS]
     return Correlation(
         identification=identification_id,
         coordinates=row.coordinates,

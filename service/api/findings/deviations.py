@@ -50,12 +50,12 @@ def read_deviations(request: Request, session: Reading, machine_id: MachineId, w
     """Measure the deviation of each parameter and each element from the baseline, in per cent and standard deviations."""
     found = _compared(request, session, machine_id, which)
     if found.missing is not None:
-        return schemas.DeviationsOut(**_about(session, found, {}), parameters=[], elements=[])
+        return schemas.DeviationsOut(**_common_fields(session, found, {}), parameters=[], elements=[])
     *baseline, now = points(session, found, [*found.baseline, found.identification])
     result = deviations(baseline, now)
     limits = limits_in_force(session, machine_id)
     return schemas.DeviationsOut(
-        **_about(session, found, _left_out(session, found, baseline, now)),
+        **_common_fields(session, found, _left_out(session, found, baseline, now)),
         parameters=[_parameter(one, limits) for one in result.parameters],
         elements=[_element(one) for one in result.elements],
     )
@@ -77,7 +77,7 @@ def read_trend_tests(
     """
     found = _compared(request, session, machine_id, which)
     if found.missing is not None:
-        return schemas.TrendTestsOut(**_about(session, found, {}), run_length=RUN_LENGTH, tests=[])
+        return schemas.TrendTestsOut(**_common_fields(session, found, {}), run_length=RUN_LENGTH, tests=[])
     baseline, after = points(session, found, found.baseline), readings(session, found)
     limits = limits_in_force(session, machine_id)
     everything = not parameter and not element
@@ -91,11 +91,11 @@ def read_trend_tests(
     asked = left_out if everything else [*parameter, *element]
     told = {name for one in tests for name in (one.name, parameter_of(one.name))}
     machine = machines.document(session, machine_id, found.identification.revision)
-    reasons = {name: left_out.get(name) or _not_tested(machine, name) for name in asked if name not in told}
-    return schemas.TrendTestsOut(**_about(session, found, reasons), run_length=RUN_LENGTH, tests=tests)
+    reasons = {name: left_out.get(name) or _reason_not_tested(machine, name) for name in asked if name not in told}
+    return schemas.TrendTestsOut(**_common_fields(session, found, reasons), run_length=RUN_LENGTH, tests=tests)
 
 
-def _not_tested(machine: Machine, name: str) -> str:
+def _reason_not_tested(machine: Machine, name: str) -> str:
     """Return the reason why a name has no trend test."""
     if derived_unit(machine, name) is not None:
         return "derived from the parameters: trend tests are of identified parameters and of elements"
@@ -147,7 +147,7 @@ def _left_out(session: Session, found: Compared, baseline: list[Point], now: Poi
     return reasons
 
 
-def _about(session: Session, found: Compared, left_out: dict[str, str]) -> dict[str, object]:
+def _common_fields(session: Session, found: Compared, left_out: dict[str, str]) -> dict[str, object]:
     row, began = found.identification, found.began
     return {
         "machine": row.machine_id,

@@ -12,7 +12,7 @@ from storage.machines.fleet import ListedMachine
 from storage.paging import Keys
 
 Stamp = tuple[int | None, ...]
-MOST_KEPT = 32
+MAXIMUM_LISTS = 32
 """Largest number of cached lists, one for each set of visible plants."""
 
 
@@ -20,20 +20,20 @@ class MachineList:
     """The machines of a store, as each session sees them."""
 
     def __init__(self) -> None:
-        self._kept: dict[Plants | None, tuple[Stamp, list[ListedMachine]]] = {}
+        self._lists: dict[Plants | None, tuple[Stamp, list[ListedMachine]]] = {}
         self._lock = threading.Lock()
 
     def page(self, session: Session, *, limit: int, after: Keys | None) -> Sequence[ListedMachine]:
         """Return machines by id, beginning behind the key `after`."""
         stamp, seen = fleet.stamp(session), plants_of(session)
         with self._lock:
-            kept = self._kept.get(seen)
+            kept = self._lists.get(seen)
         machines = kept[1] if kept is not None and kept[0] == stamp else None
         if machines is None:
             machines = fleet.list_all(session)
             with self._lock:
-                if len(self._kept) >= MOST_KEPT:
-                    self._kept.clear()
-                self._kept[seen] = stamp, machines
+                if len(self._lists) >= MAXIMUM_LISTS:
+                    self._lists.clear()
+                self._lists[seen] = stamp, machines
         begin = 0 if after is None else bisect_right(machines, str(after[0]), key=lambda one: one.id)
         return machines[begin : begin + limit]

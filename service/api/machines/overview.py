@@ -45,12 +45,12 @@ class Overview:
 
     def rows(self, session: Session, machines: Sequence[ListedMachine], *, since: int) -> list[msgspec.Raw]:
         """Return one row per machine, as JSON; since: events are counted from then on [ns]."""
-        glances = self._glanced(session, machines, since)
+        glances = self._cached_glances(session, machines, since)
         standings = fleet.collectors(session)
         with self._lock:
             return [self._row(one, standings.get(one.machine.id)) for one in glances]
 
-    def _glanced(self, session: Session, machines: Sequence[ListedMachine], since: int) -> list[MachineGlance]:
+    def _cached_glances(self, session: Session, machines: Sequence[ListedMachine], since: int) -> list[MachineGlance]:
         mark = self._changes.mark(fleet.TABLES)
         asked = (mark, since, tuple(one.id for one in machines))
         kept = self._glances

@@ -21,7 +21,7 @@ router = APIRouter(tags=["measurements"], responses=RESPONSES, dependencies=[VIE
 LARGEST_SAMPLE_COUNT = 10_000
 
 
-def _apart(given: Sequence[str]) -> list[str]:
+def _split_values(given: Sequence[str]) -> list[str]:
     """Split values that come in one parameter with commas between, or in several."""
     return [name for one in given for name in one.split(",")]
 
@@ -29,7 +29,7 @@ def _apart(given: Sequence[str]) -> list[str]:
 Include = Annotated[
     tuple[schemas.PhasorExtra, ...],
     Field(max_length=3),
-    BeforeValidator(_apart),
+    BeforeValidator(_split_values),
     Query(description="what else the sources send of each value; repeated, or with commas between"),
 ]
 

@@ -21,23 +21,23 @@ class DatabaseCheck:
 
     def __init__(self, database: Database) -> None:
         self._database = database
-        self._asked: Future[dict[str, int]] | None = None
+        self._pending: Future[dict[str, int]] | None = None
         self._since = 0.0
 
     async def jobs(self) -> dict[str, int]:
         """Count the identification jobs by state. Raises DatabaseUnusable, DBAPIError."""
-        if self._asked is None or self._asked.done():
-            self._asked, self._since = Future(), time.monotonic()
-            threading.Thread(target=self._ask, args=(self._asked,), name="database check", daemon=True).start()
+        if self._pending is None or self._pending.done():
+            self._pending, self._since = Future(), time.monotonic()
+            threading.Thread(target=self._count_jobs, args=(self._pending,), name="database check", daemon=True).start()
         since = self._since
         left = max(0.0, since + PATIENCE_S - time.monotonic())
         try:
             # Shielded: other callers wait for it too.
-            return await asyncio.wait_for(asyncio.shield(asyncio.wrap_future(self._asked)), left)
+            return await asyncio.wait_for(asyncio.shield(asyncio.wrap_future(self._pending)), left)
         except TimeoutError:
             raise DatabaseUnusable(f"the database has not answered for {time.monotonic() - since:.0f} s") from None
 
-    def _ask(self, asked: "Future[dict[str, int]]") -> None:
+    def _count_jobs(self, asked: "Future[dict[str, int]]") -> None:
         try:
             self._database.check()
             with self._database.reading() as session:

@@ -55,7 +55,7 @@ class _Figures(Collector):
 
     def __init__(self, kept: _StoreFigures, parts: Mapping[str, str], gauges: Mapping[str, float]) -> None:
         self._totals = kept.totals
-        self._ages = kept.ages
+        self._sample_ages = kept.ages
         self._silent = kept.silent
         self._rejected = kept.rejected
         self._by_state = kept.jobs
@@ -79,7 +79,7 @@ class _Figures(Collector):
             late.add_metric(labels, one.late)
             lost.add_metric(labels, one.lost)
         # Not of the first ones by id, as the counts are: an alarm must see who is silent.
-        for machine, seconds in heapq.nlargest(LARGEST_MACHINE_COUNT, self._ages.items(), key=lambda one: one[1]):
+        for machine, seconds in heapq.nlargest(LARGEST_MACHINE_COUNT, self._sample_ages.items(), key=lambda one: one[1]):
             age.add_metric([machine], seconds)
         yield from (received, duplicates, late, lost, age)
         rejected = CounterMetricFamily("rundown_rejected", "messages, samples and values not taken", labels=["reason"])
@@ -147,7 +147,7 @@ async def read_metrics(request: Request) -> Response:
     parts, answers, kept = look.parts, look.answers, _StoreFigures()
     if answers:
         try:
-            kept = await run_in_threadpool(_kept, database(request))
+            kept = await run_in_threadpool(_read_figures, database(request))
         except (DatabaseUnusable, DBAPIError) as error:
             answers = not is_database_wide(error) and not isinstance(error, DatabaseUnusable)
             parts["database"] = state.database.damage.trouble or str(error)
@@ -158,13 +158,13 @@ async def read_metrics(request: Request) -> Response:
     return Response(generate_latest(registry), media_type=CONTENT_TYPE_LATEST)
 
 
-def _kept(store: Store) -> _StoreFigures:
+def _read_figures(store: Store) -> _StoreFigures:
     with store.reading() as session:
         totals = samples.totals(session)
         by_state = _of_every(jobs.STATES, jobs.count(session))
         on_their_way = _of_every(deliveries.STATES, deliveries.counts(session))
         rejected = _of_every((*get_args(Reason), *get_args(InternalErrorReason)), quarantine.counts(session))
-        ages = _ages(totals)
+        ages = _sample_ages(totals)
         silent = sum(seconds > SILENT_S for seconds in ages.values())
         return _StoreFigures(_bounded(totals), ages, silent, rejected, by_state, on_their_way)
 
@@ -174,7 +174,7 @@ def _of_every(states: Iterable[str], counts: Mapping[str, int]) -> dict[str, int
     return dict.fromkeys(states, 0) | dict(counts)
 
 
-def _ages(totals: list[Totals]) -> dict[str, float]:
+def _sample_ages(totals: list[Totals]) -> dict[str, float]:
     """Return the age of each machine's newest sample [s], where there is one."""
     moment = now()
     return {one.machine_id: (moment - one.last_time) / 1e9 for one in totals if one.last_time}

@@ -68,7 +68,7 @@ def _acquisition(held: StageFigures, parts: Mapping[str, str]) -> Stage:
         state=state,
         words=words,
         latest=time_or_none(held.newest_sample),
-        figures=_some(held, "machines_now", "heard_machines", "rejected", "lost_ever"),
+        figures=_selected(held, "machines_now", "heard_machines", "rejected", "lost_ever"),
     )
 
 
@@ -83,7 +83,7 @@ def _manipulation(held: StageFigures, parts: Mapping[str, str]) -> Stage:
         state=state,
         words=words,
         latest=time_or_none(_latest(held.newest_run, held.newest_identification)),
-        figures=_some(held, "runs", "open_runs_now", "waiting_jobs_now", "failed_jobs", "identifications"),
+        figures=_selected(held, "runs", "open_runs_now", "waiting_jobs_now", "failed_jobs", "identifications"),
     )
 
 
@@ -99,7 +99,7 @@ def _detection(held: StageFigures, parts: Mapping[str, str]) -> Stage:
         state=state,
         words=words,
         latest=time_or_none(held.newest_identification),
-        figures=_some(held, "identifications", "accepted"),
+        figures=_selected(held, "identifications", "accepted"),
     )
 
 
@@ -111,7 +111,7 @@ def _assessment(held: StageFigures, parts: Mapping[str, str]) -> Stage:
         state=state,
         words=words,
         latest=time_or_none(held.newest_diagnosis),
-        figures=_some(held, "diagnoses"),
+        figures=_selected(held, "diagnoses"),
     )
 
 
@@ -134,7 +134,7 @@ def _advice(held: StageFigures, parts: Mapping[str, str]) -> Stage:
         state=state,
         words=words,
         latest=time_or_none(held.newest_alert),
-        figures=_some(held, "open_alerts_now", "waiting_deliveries_now", "overdue_deliveries_now", "given_up_deliveries"),
+        figures=_selected(held, "open_alerts_now", "waiting_deliveries_now", "overdue_deliveries_now", "given_up_deliveries"),
     )
 
 
@@ -150,5 +150,5 @@ def _latest(*moments: int | None) -> int | None:
     return max((one for one in moments if one is not None), default=None)
 
 
-def _some(held: StageFigures, *names: str) -> dict[str, int]:
+def _selected(held: StageFigures, *names: str) -> dict[str, int]:
     return {name: getattr(held, name) for name in names}

@@ -21,7 +21,7 @@ from storage.findings.jobs import RUN
 from storage.findings.trends import Integers, ParameterHistory, Stamp, Texts
 from storage.machines import machines
 
-MOST_KEPT = 512
+MAXIMUM_HISTORIES = 512
 """Largest number of cached histories; one of 2,000 points takes some 600 kB."""
 
 ACCEPTED = "accepted"
@@ -67,7 +67,7 @@ class HistoryCache:
         self._database = database
         self._changes = Changes(database)
         self._baseline_runs = baseline_runs
-        self._kept: OrderedDict[tuple[str, str, str], _CachedHistory] = OrderedDict()
+        self._histories: OrderedDict[tuple[str, str, str], _CachedHistory] = OrderedDict()
         self._lock = threading.Lock()
 
     def columns(self, machine_id: str, parameters: Sequence[str], *, scope: str) -> dict[str, Columns]:
@@ -76,7 +76,7 @@ class HistoryCache:
         Raises MachineUnknown, and ParameterUnknown for a parameter that the machine cannot have.
         """
         mark = self._changes.mark(trends.TABLES)
-        found = self._still_good(machine_id, parameters, scope, lambda kept: mark is not None and kept.mark == mark)
+        found = self._valid_columns(machine_id, parameters, scope, lambda kept: mark is not None and kept.mark == mark)
         if not parameters or len(found) < len(parameters):
             found = self._read(machine_id, parameters, scope, mark)
         return {name: found[name] for name in parameters}
@@ -85,7 +85,7 @@ class HistoryCache:
         with self._database.reading() as session:
             machines.get(session, machine_id)
             stamp = trends.stamp(session, machine_id)
-            found = self._still_good(machine_id, parameters, scope, lambda kept: kept.stamp == stamp)
+            found = self._valid_columns(machine_id, parameters, scope, lambda kept: kept.stamp == stamp)
             missing = [name for name in parameters if name not in found]
             read = trends.histories(session, machine_id, missing, scope=scope) if missing else {}
             units = units_of(session, machine_id, [name for name, history in read.items() if not len(history)])
@@ -95,29 +95,29 @@ class HistoryCache:
                     bands = baseline_bands(session, machine_id, name, history, baseline_runs=self._baseline_runs)
                 found[name] = _columns(history, bands)
         for name, columns in found.items():
-            self._keep((machine_id, name, scope), _CachedHistory(mark, stamp, columns))
+            self._store((machine_id, name, scope), _CachedHistory(mark, stamp, columns))
         return found
 
-    def _still_good(
+    def _valid_columns(
         self, machine_id: str, parameters: Sequence[str], scope: str, holds: Callable[[_CachedHistory], bool]
     ) -> dict[str, Columns]:
         found = {}
         with self._lock:
             for name in parameters:
-                kept = self._kept.get((machine_id, name, scope))
+                kept = self._histories.get((machine_id, name, scope))
                 if kept is not None and holds(kept):
                     found[name] = kept.columns
-                    self._kept.move_to_end((machine_id, name, scope))
+                    self._histories.move_to_end((machine_id, name, scope))
         return found
 
-    def _keep(self, key: tuple[str, str, str], kept: _CachedHistory) -> None:
+    def _store(self, key: tuple[str, str, str], kept: _CachedHistory) -> None:
         if not len(kept.columns):
             return  # anybody can ask for names that are not there
         with self._lock:
-            self._kept[key] = kept
-            self._kept.move_to_end(key)
-            while len(self._kept) > MOST_KEPT:
-                self._kept.popitem(last=False)
+            self._histories[key] = kept
+            self._histories.move_to_end(key)
+            while len(self._histories) > MAXIMUM_HISTORIES:
+                self._histories.popitem(last=False)
 
 
 def in_time_range(columns: Columns, *, first: int | None, last: int | None, most: int) -> Chosen:

@@ -22,19 +22,21 @@ from storage.findings import trends
 
 router = APIRouter(tags=["trends"], responses=RESPONSES, dependencies=[VIEWER])
 
-MOST_PARAMETERS = 100
-MOST_POINTS = 20_000
+MAXIMUM_PARAMETERS = 100
+MAXIMUM_POINTS = 20_000
 
 Scope = Annotated[Literal["run", "gathered"], Query(description="of single runs, or of the newest runs together")]
 MaxPoints = Annotated[
     int,
-    Query(ge=10, le=MOST_POINTS, description="most points of each series; a longer one is thinned out, which the answer says"),
+    Query(
+        ge=10, le=MAXIMUM_POINTS, description="most points of each series; a longer one is thinned out, which the answer says"
+    ),
 ]
 Parameters = Annotated[
     list[Annotated[str, Field(max_length=160, pattern=r"^\w+\.\S+$")]],
     Query(
         min_length=1,
-        max_length=MOST_PARAMETERS,
+        max_length=MAXIMUM_PARAMETERS,
         description="such as bearing.B1.kxx or critical_speed.1; several in one question",
     ),
 ]

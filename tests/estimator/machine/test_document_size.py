@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from benchmarks.large_trains import large_train
+from benchmarks.estimator.large_trains import large_train
 from estimator.fit.identify import LARGEST_SAMPLE_COUNT, most_samples
 from estimator.machine.document import DocumentError, parse_machine
 from estimator.machine.document_size import (

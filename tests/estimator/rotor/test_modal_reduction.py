@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from benchmarks.large_trains import off
+from benchmarks.estimator.large_trains import off
 from estimator.machine.document import Machine, parse_machine
 from estimator.modes.campbell import campbell
 from estimator.modes.critical_speed import critical_speed_table, synchronous_crossings, undamped_critical_speeds
@@ -193,4 +193,4 @@ def test_coordinates_undo_the_expansion() -> None:
 
 def test_a_speed_that_no_machine_has_takes_no_more_modes_than_are_sensible() -> None:
     basis = modal_basis(parse_machine(plain()), 1e9)
-    assert basis.plane is None or basis.plane.shape[1] < modal_reduction.MOST_MODES + 200
+    assert basis.plane is None or basis.plane.shape[1] < modal_reduction.MAXIMUM_MODES + 200

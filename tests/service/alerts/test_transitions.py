@@ -9,7 +9,7 @@ from sqlalchemy import select
 from sqlalchemy.exc import IntegrityError
 from sqlalchemy.orm import Session
 
-from benchmarks.alert_life import check, live
+from benchmarks.faults.alert_life import check, live
 from service.alerts import transitions
 from service.alerts.lifecycle import Forbidden, Severity, Suppression
 from service.alerts.transitions import AlertFinding, Person

@@ -1,8 +1,8 @@
-"""The API keeps to its own document: a short form of `python -m benchmarks.contract`, with a service process and real data."""
+"""The API keeps to its own document: a short form of `benchmarks.faults.contract`, with a service process and real data."""
 
 from pathlib import Path
 
-from benchmarks.contract import against_service
+from benchmarks.faults.contract import against_service
 from service.commands import openapi
 
 EXAMPLES = 2

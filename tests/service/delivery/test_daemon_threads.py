@@ -62,10 +62,10 @@ def test_a_name_is_looked_up_once_at_a_time(monkeypatch: pytest.MonkeyPatch) -> 
         go.wait(10.0)
         return ["192.0.2.1"]
 
-    monkeypatch.setattr(addresses, "_asked", slow)
+    monkeypatch.setattr(addresses, "_resolve", slow)
 
     async def several() -> list[list[str]]:
-        waiting = [asyncio.create_task(addresses._found("slow.example", 443)) for _ in range(20)]
+        waiting = [asyncio.create_task(addresses._addresses_of("slow.example", 443)) for _ in range(20)]
         await asyncio.sleep(0.05)
         waiting[0].cancel()
         await asyncio.sleep(0)

@@ -257,7 +257,7 @@ def test_what_nobody_expected_is_told_of_until_it_is_over(
     class Confused(WholeShare):
         clear = False
 
-        def leads(self, work: str) -> bool:
+        def is_leader(self, work: str) -> bool:
             if not self.clear:
                 raise LookupError(work)
             return True
@@ -266,7 +266,7 @@ def test_what_nobody_expected_is_told_of_until_it_is_over(
     one = Dispatcher(plant, network[0], settings(), share)
     one.start()
     try:
-        wait_until(lambda: one.trouble == "unexpected error; the log has it")
+        wait_until(lambda: one.trouble == "alert deliveries cannot be read or recorded: unexpected error; the log has it")
         share.clear = True
         wait_until(lambda: one.trouble is None)
     finally:

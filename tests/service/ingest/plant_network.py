@@ -77,7 +77,7 @@ class Surroundings(WholeShare):
     def take(self, arrived: ArrivedBatch) -> None:
         self.taken.append(arrived)
 
-    def owns(self, machine_id: str) -> bool:
+    def is_owner(self, machine_id: str) -> bool:
         return self.own is None or machine_id in self.own
 
 

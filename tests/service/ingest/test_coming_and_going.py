@@ -82,7 +82,7 @@ def test_what_waits_of_a_source_with_a_log_is_left_to_the_log_when_shares_change
         return bool(fetching.live.sources(KEY))
 
     wait_until(known)
-    wait_until(lambda: fetching.collect(100) == 0 and not fetching.is_asking)
+    wait_until(lambda: fetching.collect(100) == 0 and not fetching.is_querying)
     around.taken.clear()
     fetching.place(KEY, BEYOND)
     fetching.review()

@@ -80,7 +80,7 @@ def test_a_machine_that_fails_is_put_off_and_caught_up_with(
 ) -> None:
     """Its messages wait in its source's log: nothing is lost, and nobody else is held up by it."""
     monkeypatch.setattr(backoff_module, "FIRST_PAUSE_S", 0.5)
-    monkeypatch.setattr(single_writes, "MOST_TRIES", most_tries)
+    monkeypatch.setattr(single_writes, "MAXIMUM_TRIES", most_tries)
     with plant.transaction() as session:
         machines.create(session, machine(id="pump-8"))
     wait_until(lambda: heard(client))
@@ -110,7 +110,7 @@ def test_what_was_counted_as_lost_is_asked_for_again_after_a_machine_was_put_off
     monkeypatch.setattr(recovery_module, "PATIENCE_S", 0.3)
     monkeypatch.setattr(known_logs, "SILENCE_S", 3600.0)
     monkeypatch.setattr(backoff_module, "FIRST_PAUSE_S", 0.5)
-    monkeypatch.setattr(single_writes, "MOST_TRIES", 1)
+    monkeypatch.setattr(single_writes, "MAXIMUM_TRIES", 1)
     lossy.leave_a_gap(plant)
     with plant.transaction() as session:
         standing = session.get_one(CollectorRow, KEY.machine).state

@@ -48,7 +48,7 @@ def _impatient(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_what_was_left_untried_is_held_where_storing_one_by_one_is_interrupted(
     plant: Database, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(single_writes, "MOST_TRIES", 1)
+    monkeypatch.setattr(single_writes, "MAXIMUM_TRIES", 1)
     paused: list[SourceKey] = []
     backoff = SourceBackoff()
     backoff.call_on_pause(paused.append)
@@ -77,7 +77,7 @@ def test_behind_many_that_cannot_be_stored_those_that_can_are_reached(
     router: zenoh.Session, plant: Database, lossy: DroppedOnTheWay, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(backoff_module, "FIRST_PAUSE_S", 0.2)
-    monkeypatch.setattr(single_writes, "MOST_TRIES", 1)
+    monkeypatch.setattr(single_writes, "MAXIMUM_TRIES", 1)
     for _ in range(6):
         lossy.publish(dropped=True)
     with ExitStack() as until:

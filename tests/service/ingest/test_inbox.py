@@ -53,7 +53,7 @@ def test_of_a_message_that_is_too_large_the_beginning_waits(router: zenoh.Sessio
     assert (beginning.payload, beginning.size) == (b"y" * KEPT_BYTES, LARGEST_MESSAGE + 1)
 
 
-@pytest.mark.parametrize(("bound", "most", "kept"), [("MOST_MESSAGES", 10, 10), ("MOST_BYTES", 10_000, 10)])
+@pytest.mark.parametrize(("bound", "most", "kept"), [("MAXIMUM_MESSAGES", 10, 10), ("MAXIMUM_BYTES", 10_000, 10)])
 def test_beyond_its_bounds_the_sender_waits_and_nothing_is_lost(
     router: zenoh.Session, monkeypatch: pytest.MonkeyPatch, bound: str, most: int, kept: int
 ) -> None:

@@ -399,7 +399,7 @@ class _Elsewhere(WholeShare):
 
     leading = True
 
-    def leads(self, work: str) -> bool:  # noqa: ARG002
+    def is_leader(self, work: str) -> bool:  # noqa: ARG002
         """As told."""
         return self.leading
 

@@ -83,7 +83,7 @@ class OneLoop(InProcess):
 
     def handle_request(self, request: httpx.Request) -> httpx.Response:
         """One request."""
-        return self._runner.run(self._asked(request))
+        return self._runner.run(self._handle(request))
 
     def close(self) -> None:
         """End the loop."""

@@ -14,9 +14,9 @@ from service.api.alerts import schemas
 from service.api.machines import limit_schemas, timeline_schemas
 from service.resilience.rate_limit import RateLimit
 from service.security import api_keys
-from service.security.authentication import COOKIE, REMEMBERED_S, Authentication, Credentials, Unauthenticated
+from service.security.authentication import COOKIE, IDENTITY_CACHE_S, Authentication, Credentials, Unauthenticated
 from service.security.configuration import Security
-from service.security.key_set import AGAIN_S, KEPT_S, STALE_S, KeySet, KeysUnavailable, _parsed
+from service.security.key_set import KEPT_S, RETRY_S, STALE_S, KeySet, KeysUnavailable, _parsed
 from service.security.principal import Author, Role
 from service.security.tokens import Claims, TokenRefused, Tokens
 from storage.clock import now
@@ -67,7 +67,7 @@ def test_a_revoked_key_opens_nothing_within_seconds(store: Database) -> None:
     assert asyncio.run(_ask(authentication, text)) == "anna"
     with store.transaction() as session:
         api_keys.revoke(session, text.split("_")[1])
-    clock.now += REMEMBERED_S + 0.1
+    clock.now += IDENTITY_CACHE_S + 0.1
     with pytest.raises(Unauthenticated, match="revoked"):
         asyncio.run(_ask(authentication, text))
 
@@ -111,12 +111,12 @@ def test_without_keys_and_issuer_everything_is_as_before_and_the_first_key_ends_
     path = f"{PREFIX}/machines/{KEY.machine}/timeline"
     assert value(api.ask("POST", path, json=NOTE), 201)["by"] == "somebody else"
     text = made(plant)
-    clock.now += REMEMBERED_S + 0.1
+    clock.now += IDENTITY_CACHE_S + 0.1
     problem(api.ask("GET", ME), 401)
     assert value(api.ask("GET", ME, headers=bearer(text)))["name"] == "anna"
     with plant.transaction() as session:
         api_keys.revoke(session, text.split("_")[1])
-    clock.now += REMEMBERED_S + 0.1
+    clock.now += IDENTITY_CACHE_S + 0.1
     problem(api.ask("GET", ME), 401)
     api.http.close()
 
@@ -205,7 +205,7 @@ def test_an_unknown_key_makes_the_service_ask_once_in_a_while(issuer: Issuer) ->
     for number in range(20):
         assert found.find(f"made-up-{number}") is None
     assert issuer.asked == before + 1  # it was asked a moment ago
-    clock.now += AGAIN_S + 1
+    clock.now += RETRY_S + 1
     for number in range(20):
         assert found.find(f"made-up-{number}") is None
     assert issuer.asked == before + 2
@@ -221,7 +221,7 @@ def test_a_new_key_of_the_issuer_is_found(issuer: Issuer) -> None:
         found = KeySet(f"{issuer.url}/keys", clock=clock)
         assert found.find("e1") is None
         issuer.published = ["r1", "e1"]
-        clock.now += AGAIN_S + 1
+        clock.now += RETRY_S + 1
         assert found.find("e1") is not None
     finally:
         issuer.published = ["r1", "e1"]
@@ -236,7 +236,7 @@ def test_keys_outlast_an_issuer_that_is_away_but_not_for_ever(tmp_path: Path, is
     file.unlink()
     clock.now += STALE_S - 1
     assert found.find("r1") is not None
-    clock.now += AGAIN_S + 2
+    clock.now += RETRY_S + 2
     with pytest.raises(KeysUnavailable):
         found.find("r1")
 

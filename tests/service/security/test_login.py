@@ -11,7 +11,7 @@ from sqlalchemy import select
 
 from service.http.security_headers import NOTHING
 from service.security import api_keys
-from service.security.authentication import REMEMBERED_S
+from service.security.authentication import IDENTITY_CACHE_S
 from service.security.configuration import Security
 from service.security.login import PATIENCE_S
 from service.security.open_id import LoginFailed, OpenId
@@ -140,7 +140,7 @@ def test_a_session_ends_with_its_key(api: Api, filled: Filled) -> None:
         api_keys.revoke(session, filled.keys["viewer"].split("_")[1])
     authentication = api.app.state.authentication
     before = authentication._clock
-    authentication._clock = lambda: before() + REMEMBERED_S + 0.1
+    authentication._clock = lambda: before() + IDENTITY_CACHE_S + 0.1
     assert "no longer valid" in problem(api.ask("GET", ME), 401)["detail"]
 
 

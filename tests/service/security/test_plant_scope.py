@@ -9,6 +9,7 @@ from sqlalchemy import func, select, text
 
 from service.alerts.transitions import AlertFinding, raise_alert
 from service.api.alerts.event_stream import stream
+from service.delivery.signing import new_secret
 from service.security.principal import Principal, Role
 from storage.alerts import deliveries
 from storage.database.engine import Database
@@ -139,6 +140,18 @@ def test_a_subscription_of_one_plant_tells_of_that_plant(api: Api, filled: Fille
         session.flush()
         names = session.scalars(select(SubscriptionRow.name).join(DeliveryRow).where(DeliveryRow.alert_id == event)).all()
     assert sorted(names) == ["orchard network", "wide"]
+
+
+def test_who_has_some_plants_cannot_have_something_signed_with_a_secret_that_they_name(
+    api: Api, filled: Filled, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """It may be that of another plant's receiver, to whom they could then send what was signed."""
+    monkeypatch.setenv("RUNDOWN_WEBHOOK_SECRET_CENTRE", new_secret())
+    said = {"kind": "webhook", "name": "x", "target": "https://x.example/", "secret_env": "RUNDOWN_WEBHOOK_SECRET_CENTRE"}
+    told = problem(api.ask("POST", f"{PREFIX}/subscriptions", json=said, headers=bearer(filled.keys["own"])), 403)
+    assert "all plants" in told["detail"]
+    made = api.ask("POST", f"{PREFIX}/subscriptions", json=said, headers=bearer(filled.keys["admin"]))
+    assert made.json()["secret"] is None
 
 
 def test_the_event_stream_tells_of_ones_own_plants_and_ends_with_the_key(api: Api, filled: Filled) -> None:

@@ -107,8 +107,8 @@ def test_repeated_entries_are_told_when_their_minute_is_over(database: Database)
 
 
 def test_so_many_principals_are_counted_apart(database: Database, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(repeated_entries, "MOST_KEPT", 3)
-    monkeypatch.setattr(repeated_entries, "MOST_ADDRESSES", 2)
+    monkeypatch.setattr(repeated_entries, "MAXIMUM_COUNTS", 3)
+    monkeypatch.setattr(repeated_entries, "MAXIMUM_ADDRESSES", 2)
     repeated = RepeatedEntries(database)
     assert sum(repeated.first(entry(who=f"person {number}", address=f"10.0.0.{number}")) for number in range(100)) == 4
     repeated.write(everything=True)

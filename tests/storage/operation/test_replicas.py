@@ -71,7 +71,7 @@ def test_a_round_takes_over_what_the_dead_held_and_were_computing(plant: Databas
     living = Leasing(plant, "all")
     living.start()
     try:
-        assert living.owns(KEY.machine)
+        assert living.is_owner(KEY.machine)
         with plant.transaction(beside_others=True) as session:
             living.require(session, [KEY.machine])
             assert [one.id for one in replicas.list_all(session)] == [living.holder]

@@ -318,7 +318,7 @@ def test_what_nobody_expected_ends_no_stream_and_is_told_of_until_it_is_over(
         await until(trouble=True)
         ready = await asyncio.to_thread(api.get, "/ready")
         assert ready.status_code == 503
-        assert ready.json()["parts"]["alert_events"] == "unexpected error; the log has it"
+        assert ready.json()["parts"]["alert_events"] == "alert events cannot be read: unexpected error; the log has it"
         await asyncio.to_thread(raised, plant, "coupling.C0")
         another = stream(broadcaster, None)
         await anext(another)

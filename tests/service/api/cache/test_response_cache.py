@@ -10,7 +10,7 @@ import pytest
 from fastapi import Request, Response
 
 from service.api.cache import response_cache
-from service.api.cache.response_cache import LARGEST_KEPT_BYTES, MOST_KEPT_BYTES, ResponseCache
+from service.api.cache.response_cache import LARGEST_KEPT_BYTES, MAXIMUM_CACHE_BYTES, ResponseCache
 from service.security.principal import OPEN
 from storage.database.engine import Database
 from storage.machines import machines
@@ -201,7 +201,7 @@ def test_an_error_is_told_and_not_kept(database: Database) -> None:
 
 def test_memory_is_bounded(database: Database) -> None:
     huge, large = Counted(LARGEST_KEPT_BYTES + 1), Counted(LARGEST_KEPT_BYTES // 2)
-    many = 2 * MOST_KEPT_BYTES // (LARGEST_KEPT_BYTES // 2)
+    many = 2 * MAXIMUM_CACHE_BYTES // (LARGEST_KEPT_BYTES // 2)
 
     async def story() -> None:
         cache = ResponseCache(database)

@@ -380,7 +380,7 @@ def test_the_drawing_is_to_scale(api: Api) -> None:
 
 
 def test_an_answer_is_computed_once_and_only_so_many_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("service.api.cache.computed_cache.MOST_KEPT", 2)
+    monkeypatch.setattr("service.api.cache.computed_cache.MAXIMUM_ENTRIES", 2)
     cache, made = ComputedCache(), []
 
     def ask(name: str) -> str:

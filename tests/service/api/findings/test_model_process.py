@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from fastapi import HTTPException
 
-from benchmarks.large_trains import large_train
+from benchmarks.estimator.large_trains import large_train
 from estimator.machine.document import parse_machine
 from estimator.modes.eigenmodes import modes
 from estimator.rotor.system_matrices import system_matrices

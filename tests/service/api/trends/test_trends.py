@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 from service.api.conventions.formats import CSV, JSON, PARQUET, parquet_bytes
 from service.api.trends.downsampling import min_max
 from service.client import Rundown
-from service.monitoring.parameter_catalogue import MOST_REVISIONS
+from service.monitoring.parameter_catalogue import MAXIMUM_REVISIONS
 from storage.database.engine import Database
 from storage.findings import jobs
 from storage.machines import baselines, machines, timeline
@@ -372,7 +372,7 @@ def test_what_only_an_earlier_revision_had_is_still_there(plant: Database) -> No
 
 def test_of_many_revisions_the_newest_are_looked_at(plant: Database) -> None:
     with plant.transaction() as session:
-        for number in range(MOST_REVISIONS - 1):
+        for number in range(MAXIMUM_REVISIONS - 1):
             machines.revise(session, machine(discs=document()["discs"][:1], name=f"Pump {number}"))
     assert trend(Api(plant), "disc.D2.unbalance")[0]["value"] == []
     with plant.transaction() as session:

@@ -1,0 +1,1 @@
+"""Section 6.5 of the thesis: what a document may hold beyond its model."""
