@@ -25,15 +25,18 @@ CORRELATION_LENGTH = 0.4
 """Distance over which a deviation stays alike, as a part of the speed range [-]."""
 SMALLEST_VARIANCE_PART = 0.01
 """Part of a deviation's variance that its left-out shapes may hold [-]."""
-SIGNIFICANT = 6.6
-"""Twice the logarithm of the likelihood ratio from which on a deviation is believed [-]: 1 in 200 where there is
-none."""
+SIGNIFICANT = 4.0
+"""Twice the logarithm of the likelihood ratio from which on a deviation is believed [-]: 1 in 44 where there is none."""
+RULED_OUT = 6.6
+"""Twice the logarithm of the likelihood ratio by which a size is ruled out [-]."""
 WELL_CONDITIONED = 1e5
 """Condition number up to which data show deviations that matter [-]."""
 CONFIRMED_SIZE = 0.01
 """Relative size of deviations up to which they need not be reckoned with, where the data rule out larger ones [-]."""
-EXPECTED_SIZE = 0.1
-"""Relative size of deviations to reckon with where the data could show them in part [-]."""
+EXPECTED_SIZE = 0.3
+"""Largest relative size of deviations to reckon with where the data could show them in part [-]."""
+MARGIN = 2.0
+"""Factor on the largest size that the data do not rule out [-]: deviations of real films are alike, those looked for are not."""
 EXPECTED_SIZE_UNSEEN = 0.8
 """Relative size of deviations to reckon with where other coefficients can make up for them at every speed [-]."""
 GRID = 60
@@ -93,7 +96,7 @@ def judge_form(problem: FitProblem, found: FitResult, covariance: Floats, condit
     largest = deviations.largest()
     if condition <= WELL_CONDITIONED or largest <= CONFIRMED_SIZE:
         return FormVerdict(covariance)
-    expected = EXPECTED_SIZE_UNSEEN if _form_alone_decides(problem) else min(EXPECTED_SIZE, largest)
+    expected = EXPECTED_SIZE_UNSEEN if _form_alone_decides(problem) else min(EXPECTED_SIZE, MARGIN * largest)
     return FormVerdict(deviations.widened(covariance, expected))
 
 
@@ -145,7 +148,7 @@ class _Deviations:
 
     def largest(self) -> float:
         """Return the largest size that the data do not rule out [-]."""
-        ruled_out = self._ratios < max(0.0, float(self._ratios.max())) - SIGNIFICANT
+        ruled_out = self._ratios < max(0.0, float(self._ratios.max())) - RULED_OUT
         return float(np.exp(self._sizes[int(np.argmax(ruled_out))])) if ruled_out[-1] else LARGEST_SIZE
 
     def _ratio(self, log_size: float) -> float:
