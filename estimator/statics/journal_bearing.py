@@ -130,6 +130,9 @@ def oil_viscosity(oil: Oil) -> float:
 
     Returns:
         Dynamic viscosity [Pa s].
+
+    Raises:
+        ValueError: The oil gives neither, which no document's oil does.
     """
     if oil.viscosity is not None:
         return oil.viscosity
