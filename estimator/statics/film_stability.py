@@ -1,4 +1,7 @@
-"""Stability of a train on its films: its least damped mode at a speed, and the speed from which on it would whirl."""
+"""Stability of a train on its films: its least damped mode at a speed, and the speed from which on it would whirl.
+
+Films act by their eight coefficients at the equilibrium (Lund, J. Tribol. 109 (1987) 37).
+"""
 
 from dataclasses import dataclass
 

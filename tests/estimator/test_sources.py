@@ -34,7 +34,6 @@ OWN = {
     "diagnosis/observation.py": "a second-order expansion of the likelihood, in the module's docstring",
     "fit/fit_problem.py": "χ² and its derivatives, which the fit's method minimises",
     "fit/identifiability.py": "reads a covariance whose source is the fit's",
-    "fit/physical_limits.py": "signs of damping ratios and of eigenvalues",
     "identification/sweep_correction.py": "derived in the module's docstring",
     "phasors/beating.py": "derived in the module's docstring",
     "phasors/modal_transient.py": "derived in the module's docstring",
