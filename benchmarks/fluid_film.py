@@ -19,13 +19,15 @@ from estimator.arrays import Floats
 from estimator.fit.coordinates import Coordinates
 from estimator.fit.identify import Identification, Options, identify
 from estimator.identification.sweep_correction import sweep_transient
-from estimator.machine.document import Machine
+from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.condensation import CondensedTrain, condense
 from estimator.rotor.response import response
+from estimator.statics.equilibrium import film_train
 from estimator.updated_model.model import UpdatedModel, model_at
+from tests.estimator.statics.films import motor_compressor_document
 from tests.film_plant.documents import DAMPING, STIFFNESS, Form, linear_machine, measured
-from tests.film_plant.motor_compressor import CouplingKind, motor_compressor
+from tests.film_plant.motor_compressor import CASES, CouplingKind, motor_compressor
 from tests.film_plant.plant import RPM, Plant
 from tests.film_plant.plants import motor_compressor_plant, random_plant
 from tests.film_plant.scores import Score, own_form_data, score, true_values
@@ -78,6 +80,58 @@ def reference_response(_: int) -> list[Figure]:
     return [
         Figure("reference arrays, response with their K and C, part of its maximum", "<= 1e-6", f"{worst:.1e}", worst <= 1e-6)
     ]
+
+
+def reference_statics(_: int) -> list[Figure]:
+    """Return the worst deviations from the reference arrays' loads, positions, films and response over all cases."""
+    worst = dict.fromkeys(("load", "position", "stiffness", "damping", "response"), 0.0)
+    kinds: tuple[CouplingKind, ...] = ("flexible", "rigid")
+    with np.load(DATA / "motor-compressor" / "arrays.npz") as arrays:
+        speed = arrays["speed"]
+        for kind in kinds:
+            for case in CASES:
+                said = {what: arrays[f"{kind}.{case}.{what}"] for what in ("load", "stiffness", "damping", "response")}
+                said["position"] = arrays[f"{kind}.{case}.journal_position"]
+                for what, value in _statics_deviations(kind, case, speed, said).items():
+                    worst[what] = max(worst[what], value)
+    asked = {"load": 0.02, "position": 0.02, "stiffness": 0.02, "damping": 0.02, "response": 0.05}
+    of = {"load": "of the load", "position": "of the clearance", "response": "of the maximum"}
+    return [
+        Figure(
+            f"reference arrays, all cases: {what}, part {of.get(what, 'of the largest term')}",
+            f"<= {asked[what]:.0%}",
+            f"{100 * value:.2f} %",
+            value <= asked[what],
+        )
+        for what, value in worst.items()
+    ]
+
+
+def _statics_deviations(kind: CouplingKind, case: str, speed: Floats, said: dict[str, Floats]) -> dict[str, float]:
+    """Return the largest deviation of each quantity in one case, as a part of what it is compared with."""
+    machine = parse_machine(motor_compressor_document(kind, case))
+    train = film_train(machine)
+    found = [one for one in train.over(speed) if one is not None]
+    if len(found) < speed.size:
+        return dict.fromkeys(said, float("inf"))
+    true = motor_compressor(kind, case)
+    own = {
+        "load": np.stack([one.force for one in found]),
+        "position": np.stack([one.position for one in found]),
+        "stiffness": np.stack([one.stiffness for one in found]),
+        "damping": np.stack([one.damping for one in found]),
+    }
+    plant = Plant("motor-compressor", true, true, float(speed[0]), float(speed[-1]))
+    own["response"] = _phasors(machine, plant, speed, own["stiffness"], own["damping"])
+    clearance = np.array([one.clearance for one in train.bearings])
+    sizes = {
+        "load": np.linalg.norm(said["load"], axis=2)[..., None],
+        "position": clearance[:, None],
+        "stiffness": np.abs(said["stiffness"]).max(axis=(2, 3))[..., None, None],
+        "damping": np.abs(said["damping"]).max(axis=(2, 3))[..., None, None],
+        "response": np.abs(said["response"]).max(),
+    }
+    return {what: float((np.abs(own[what] - said[what]) / sizes[what]).max()) for what in own}
 
 
 def sweep(_: int) -> list[Figure]:
@@ -200,6 +254,7 @@ def _film_model(machine: Machine, plant: Plant) -> UpdatedModel:
 
 PARTS: dict[str, Callable[[int], list[Figure]]] = {
     "reference": reference_response,
+    "statics": reference_statics,
     "sweep": sweep,
     "wrong-forms": wrong_forms,
     "own-forms": own_forms,

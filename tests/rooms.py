@@ -8,12 +8,14 @@ import re
 _ARROWS = """
 estimator:
 estimator/bearings: estimator
+estimator/films: estimator
 estimator/signal: estimator
 estimator/machine: estimator estimator/bearings
 estimator/rotor: estimator estimator/bearings estimator/machine
 estimator/trends: estimator estimator/machine
 estimator/modes: estimator estimator/machine estimator/rotor
 estimator/phasors: estimator estimator/machine estimator/modes estimator/rotor
+estimator/statics: estimator estimator/bearings estimator/films estimator/machine estimator/modes estimator/rotor
 estimator/fit: estimator estimator/bearings estimator/machine estimator/modes estimator/phasors estimator/rotor
 estimator/runs: estimator estimator/machine estimator/phasors
 estimator/thesis: estimator estimator/bearings estimator/machine estimator/modes estimator/phasors estimator/rotor
@@ -98,7 +100,7 @@ service/api: service/api/alerts service/api/cache service/api/conventions servic
 service/doctor: service/api service/configuration service/delivery service/maintenance service/messaging
     service/security service/wire storage/alerts storage/backup storage/database storage/operation
 service/commands: estimator estimator/fit estimator/identification estimator/machine estimator/modes estimator/phasors
-    estimator/simulation estimator/thesis estimator/updated_model service/api service/api/operation
+    estimator/simulation estimator/statics estimator/thesis estimator/updated_model service/api service/api/operation
     service/configuration service/delivery service/doctor service/edge service/export service/http
     service/identification service/ingest service/journal service/maintenance service/messaging service/monitoring
     service/replication service/resilience service/runs service/secrets service/security service/sources service/wire

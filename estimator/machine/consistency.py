@@ -83,7 +83,7 @@ def _material_problems(train: Train) -> Iterator[InitErrorDetails]:
 
 
 def _duplicate_problems(train: Train) -> Iterator[InitErrorDetails]:
-    for name in ("shafts", "discs", "bearings", "couplings", "seals", "probes"):
+    for name in ("shafts", "discs", "bearings", "couplings", "seals", "static_loads", "probes"):
         parts = getattr(train, name)
         counts = Counter(part.id for part in parts)
         for i, part in enumerate(parts):
@@ -98,7 +98,7 @@ def _duplicate_problems(train: Train) -> Iterator[InitErrorDetails]:
 
 def _station_problems(train: Train) -> Iterator[InitErrorDetails]:
     lengths = {shaft.id: shaft.length for shaft in train.shafts}
-    for name in ("discs", "bearings", "seals", "probes"):
+    for name in ("discs", "bearings", "seals", "static_loads", "probes"):
         for i, part in enumerate(getattr(train, name)):
             if part.shaft not in lengths:
                 message = f"'{part.shaft}' is not one of the shafts: {', '.join(lengths)}"

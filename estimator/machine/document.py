@@ -11,6 +11,7 @@ from estimator.bearings.registry import place_of
 from estimator.errors import Invalid
 from estimator.field_types import Identifier, Length, Part, Text
 from estimator.machine.consistency import reference_problems
+from estimator.machine.films import StaticLoad
 from estimator.machine.parts import Bearing, Coupling, Disc, Material, Probe, RayleighDamping, Seal, Shaft
 from estimator.machine.rules import (
     Collection,
@@ -39,6 +40,7 @@ class Machine(Part):
     bearings: Annotated[tuple[Bearing, ...], Field(min_length=1, max_length=60)]
     couplings: Annotated[tuple[Coupling, ...], Field(max_length=20)] = ()
     seals: Annotated[tuple[Seal, ...], Field(max_length=60)] = ()
+    static_loads: Annotated[tuple[StaticLoad, ...], Field(max_length=60)] = ()
     probes: Annotated[tuple[Probe, ...], Field(min_length=1, max_length=120)]
     conditions: Annotated[tuple[Condition, ...], Field(max_length=16)] = ()
     noise: Noise = Noise()

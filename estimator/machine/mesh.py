@@ -4,6 +4,7 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.machine.document import Machine
+from estimator.machine.films import StaticLoad
 from estimator.machine.parts import STATION_TOLERANCE, Bearing, Disc, Probe, Seal, Shaft
 
 DEFAULT_ELEMENTS_PER_SHAFT = 12
@@ -43,7 +44,13 @@ def element_count(machine: Machine, shaft: Shaft) -> int:
 def _spans(machine: Machine, shaft: Shaft) -> tuple[list[float], list[int]]:
     """Compute the stations [m] at which a node must be, and the number of elements from each to the next."""
     ends = np.concatenate([[0.0], np.cumsum([section.length for section in shaft.sections])])
-    parts: list[Disc | Bearing | Seal | Probe] = [*machine.discs, *machine.bearings, *machine.seals, *machine.probes]
+    parts: list[Disc | Bearing | Seal | StaticLoad | Probe] = [
+        *machine.discs,
+        *machine.bearings,
+        *machine.seals,
+        *machine.static_loads,
+        *machine.probes,
+    ]
     places = [part.station for part in parts if part.shaft == shaft.id]
     wanted = np.unique(np.concatenate([ends, np.minimum(places, ends[-1])]))
     fixed = [0.0]

@@ -12,6 +12,7 @@ from pydantic import Field, model_validator
 
 from estimator.bearings.registry import DeclaredForm
 from estimator.field_types import Angle, Direct, Identifier, Length, NotNegative, Part, Positive, Real, Spread
+from estimator.machine.films import JournalFilm
 
 STATION_TOLERANCE = 1e-9
 """Largest distance of two stations that are the same place [m]."""
@@ -94,11 +95,14 @@ class LateralCoefficients(Part):
 
 
 class Bearing(LateralCoefficients):
-    """A bearing to ground with eight linear coefficients (thesis Eq. 3.7)."""
+    """A bearing to ground with eight linear coefficients (thesis Eq. 3.7), and what is known of its film."""
 
     id: Identifier
     shaft: Identifier
     station: NotNegative = Field(description="[m] from the shaft's driver-side end")
+    film: JournalFilm | None = Field(
+        default=None, description="geometry and oil of a journal bearing: static loads, positions"
+    )
 
 
 class Seal(LateralCoefficients):

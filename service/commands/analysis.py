@@ -7,6 +7,7 @@ import threadpoolctl
 import typer
 from pydantic import ValidationError
 
+from estimator.errors import Invalid
 from estimator.fit.identify import Identification
 from estimator.identification.model_comparison import compare_misalignment
 from estimator.identification.quality_gate import GatedIdentification, identify_gated
@@ -18,6 +19,7 @@ from estimator.thesis.machine_regression import regress
 from estimator.thesis.tikhonov import Rule
 from estimator.updated_model.model import updated_model
 from service.commands.exit import fail
+from service.commands.film_report import film_text, has_films
 from service.commands.identification_report import (
     EXPLAINED,
     advice_text,
@@ -84,7 +86,9 @@ def identify_offline(
 
 def model(
     machine: MachineFile,
-    files: RunFiles,
+    files: Annotated[
+        list[Path] | None, typer.Argument(help="recorded runs, as for replay; without any the static state on oil films alone")
+    ] = None,
     sidecar: OtherSidecar = None,
     service_rpm: Annotated[
         float | None, typer.Option(min=1e-3, help="speed at which it works; by default the range's end")
@@ -93,9 +97,14 @@ def model(
 ) -> None:
     """Identify a machine from recorded runs and print the results of the updated model.
 
-    Critical speeds, amplification factors and separation margins, coupling loads, balance and corrections, impact test. Ends
-    with status 1 when the fit is not accepted.
+    Critical speeds, amplification factors and separation margins, coupling loads, balance and corrections, impact test. Where
+    the document gives the film of each bearing, the static state comes first: loads, specific pressures, eccentricities,
+    positions, Sommerfeld numbers and the speed from which on the train would whirl. Ends with status 1 when the fit is not
+    accepted.
     """
+    _print_films(machine, service_rpm, needed=not files)
+    if not files:
+        return
     described, _, result = _identified(machine, files, sidecar)
     say(result.verdict)
     if not result.accepted:
@@ -105,6 +114,19 @@ def model(
         with threadpoolctl.threadpool_limits(1):
             say_lines(model_text(updated_model(described, result), service_rpm=speed, grade=grade))
     except ValueError as error:
+        fail(str(error))
+
+
+def _print_films(machine: Path, service_rpm: float | None, *, needed: bool) -> None:
+    """Print the static state on oil films of a document that describes them; needed: fail for one that does not."""
+    try:
+        described = read_machine(machine)
+        if has_films(described):
+            speed = described.speed_range.maximum_rpm if service_rpm is None else service_rpm
+            say_lines(film_text(described, service_rpm=speed))
+        elif needed:
+            fail(f"{machine}: no run is given, and a bearing says nothing of its film: there is nothing to compute")
+    except (UnreadableFile, Invalid) as error:
         fail(str(error))
 
 

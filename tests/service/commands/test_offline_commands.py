@@ -115,6 +115,18 @@ def test_what_the_updated_model_says(healthy: str) -> None:
     assert "Impact test" not in text
 
 
+def test_the_static_state_of_films_needs_no_run() -> None:
+    text = run("model", "examples/motor-compressor.yaml")
+    assert "at 700 r/min" in text
+    loads = [float(line.split()[2]) for line in text.splitlines() if line.split()[:1] in (["B1"], ["B2"], ["B3"], ["B4"])]
+    assert sum(loads[:4]) == pytest.approx(4733, abs=3)
+    assert "The train would whirl from 503" in text
+
+
+def test_without_runs_and_films_there_is_nothing_to_compute() -> None:
+    assert "a bearing says nothing of its film" in run("model", DOCUMENT, status=1)
+
+
 def test_an_impact_test_in_the_document_is_compared(healthy: str, tmp_path: Path) -> None:
     document = chapter_3_document()
     document["impact_test"] = {"frequencies_hz": [19.0, 60.0]}

@@ -1,0 +1,115 @@
+"""Stability of a train on its films: its least damped mode at a speed, and the speed from which on it would whirl.
+
+Films act by their eight coefficients at the equilibrium (Lund, J. Tribol. 109 (1987) 37).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.arrays import Floats
+from estimator.bearings.terms import LATERAL
+from estimator.machine.document import Machine
+from estimator.modes.eigenmodes import damping_ratio, log_decrement
+from estimator.rotor.assembly import assemble_rotor
+from estimator.rotor.modal_reduction import modal_basis
+from estimator.rotor.parameters import unknowns
+from estimator.rotor.system_matrices import system_matrices
+from estimator.statics.equilibrium import FilmEquilibrium, FilmTrain
+
+HIGHEST_MODE = 2.0
+"""Highest frequency of modes that are looked at, as a multiple of the spin speed [-]: films whirl below it."""
+SPEED_STEP = 1.05
+"""Factor from speed to speed in the search for the onset of whirl [-]."""
+EXACT = 1e-3
+"""Relative width of the range in which the onset is known in the end [-]."""
+
+
+@dataclass(frozen=True)
+class LeastDampedWhirl:
+    """The least damped mode of a train on its films.
+
+    Attributes:
+        speed: Spin speed, without sign [rad/s].
+        frequency: Its damped natural frequency [rad/s].
+        log_decrement: Its logarithmic decrement, negative where it grows [-].
+    """
+
+    speed: float
+    frequency: float
+    log_decrement: float
+
+
+def least_damped_whirl(machine: Machine, equilibrium: FilmEquilibrium) -> LeastDampedWhirl | None:
+    """Solve for the least damped mode at an equilibrium, pads reduced to their eight coefficients.
+
+    Args:
+        machine: The machine.
+        equilibrium: Its equilibrium at a speed.
+
+    Returns:
+        The mode; None where none oscillates in the range of interest.
+    """
+    highest = HIGHEST_MODE * equilibrium.speed
+    basis = modal_basis(machine, highest)
+    matrices = system_matrices(machine, coefficients=film_coefficients(machine, equilibrium), basis=basis)
+    roots = np.linalg.eigvals(matrices.state_matrix(spin=machine.direction * equilibrium.speed))
+    slow = roots[(roots.imag > 1e-6 * np.abs(roots)) & (roots.imag <= highest)]
+    if slow.size == 0:
+        return None
+    root = slow[[int(np.argmin(damping_ratio(slow)))]]
+    return LeastDampedWhirl(equilibrium.speed, float(root[0].imag), float(log_decrement(root)[0]))
+
+
+def film_coefficients(machine: Machine, equilibrium: FilmEquilibrium) -> Floats:
+    """Return all coefficients of a machine with those of its films.
+
+    Args:
+        machine: The machine, with K coefficients.
+        equilibrium: Its equilibrium at a speed.
+
+    Returns:
+        Coefficients (K,), those that are no bearing's as expected [SI].
+    """
+    numbers = {bearing.id: number for number, bearing in enumerate(machine.bearings)}
+    places = {term.name: ("xy".index(term.force), "xy".index(term.motion)) for term in LATERAL}
+    found = []
+    for one in unknowns(machine, assemble_rotor(machine)).coefficients:
+        kind, element = one.element.split(".", 1)
+        if kind != "bearing":
+            found.append(one.expected)
+            continue
+        film = equilibrium.film[numbers[element]]
+        found.append(float((film.stiffness if one.order == 0 else film.damping)[places[one.term.name]]))
+    return np.array(found)
+
+
+def whirl_onset(machine: Machine, train: FilmTrain, *, first: float, last: float) -> float | None:
+    """Find the lowest speed from which on a mode grows.
+
+    Args:
+        machine: The machine.
+        train: Its films and statics.
+        first: Speed at which the search begins [rad/s].
+        last: Speed at which it ends [rad/s].
+
+    Returns:
+        The speed [rad/s]; None where no mode grows up to the last one.
+    """
+    low, high = first, first
+    while not _grows(machine, train, high):
+        if high >= last:
+            return None
+        low, high = high, min(last, SPEED_STEP * high)
+    if high == first:
+        return first
+    while high - low > EXACT * high:
+        middle = (low + high) / 2
+        low, high = (low, middle) if _grows(machine, train, middle) else (middle, high)
+    return high
+
+
+def _grows(machine: Machine, train: FilmTrain, speed: float) -> bool:
+    equilibrium = train.equilibrium(speed)
+    mode = None if equilibrium is None else least_damped_whirl(machine, equilibrium)
+    return mode is not None and mode.log_decrement < 0.0

@@ -1,0 +1,157 @@
+"""The train at rest, condensed to its journals: what their films have to carry.
+
+Loads are derived, never free: the film forces f on the journals at u obey S u = w + f, with S the stiffness of shafts and
+couplings seen at the journals, which no rigid motion of the whole train strains, and w the weight that arrives there.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.linalg
+from numpy.typing import NDArray
+
+from estimator.arrays import Floats
+from estimator.errors import Invalid
+from estimator.machine.document import Machine
+from estimator.machine.parts import Coupling
+from estimator.rotor.assembly import Rotor, assemble_rotor, plane_columns
+from estimator.rotor.parameters import unknowns
+from estimator.rotor.shaft_element import NODE_DOFS, PLANE_DOFS
+from estimator.rotor.system_matrices import system_matrices
+
+GRAVITY = 9.81
+"""Acceleration of free fall [m/s²]."""
+
+
+class MissingFilm(Invalid):
+    """Raised when the static loads are asked for of a train of which a bearing says nothing of its film."""
+
+
+class UnsupportedShaft(Invalid):
+    """Raised when shafts and couplings would fall although all journals are held."""
+
+
+@dataclass(frozen=True)
+class TrainStatics:
+    """A train at rest over the x and y of its n journals, bearing by bearing.
+
+    Attributes:
+        bearings: Ids of the bearings (n,).
+        stiffness: Stiffness S (2n, 2n) [N/m].
+        weight: Forces w (2n,) that arrive at the journals when they are held where all is straight [N].
+        aligned: Positions (n, 2) of the bearings' centres at which no coupling carries shear or moment with the journals in
+            them [m].
+    """
+
+    bearings: tuple[str, ...]
+    stiffness: Floats
+    weight: Floats
+    aligned: Floats
+
+    def film_force(self, position: Floats) -> Floats:
+        """Compute the forces that films must exert for the journals to rest somewhere.
+
+        Args:
+            position: Absolute positions (n, 2) of the journals [m].
+
+        Returns:
+            Forces (n, 2) [N].
+        """
+        return np.asarray((self.stiffness @ position.reshape(-1) - self.weight).reshape(-1, 2))
+
+
+def train_statics(machine: Machine) -> TrainStatics:
+    """Condense a train under its weight and static loads to its journals (Guyan, AIAA J. 3 (1965) 380, exact in statics).
+
+    Args:
+        machine: The machine; stiffness of its couplings as expected.
+
+    Returns:
+        The train at rest.
+
+    Raises:
+        UnsupportedShaft: Something would fall although all journals are held.
+    """
+    rotor = assemble_rotor(machine)
+    held = np.concatenate([_journal(rotor, bearing.shaft, bearing.station) for bearing in machine.bearings])
+    load = _load(machine, rotor)
+    stiffness, weight = _condensed(_stiffness(machine, couplings=True), load, held)
+    return TrainStatics(tuple(one.id for one in machine.bearings), stiffness, weight, _aligned(machine, rotor, load, held))
+
+
+def _stiffness(machine: Machine, *, couplings: bool) -> Floats:
+    """Return the stiffness (N, N) of shafts, with or without couplings, without bearings and seals [N/m, N, N m]."""
+    listed = unknowns(machine, assemble_rotor(machine)).coefficients
+    values = [one.expected if couplings and one.element.startswith("coupling.") else 0.0 for one in listed]
+    return system_matrices(machine, coefficients=np.array(values)).stiffness
+
+
+def _load(machine: Machine, rotor: Rotor) -> Floats:
+    """Return weight and static loads (N,) on all degrees of freedom [N, N m]."""
+    _, y_plane = plane_columns(rotor.size)
+    upwards = y_plane @ np.tile([1.0, 0.0], rotor.plane_size // PLANE_DOFS)
+    load = np.asarray(-GRAVITY * (rotor.mass @ upwards))
+    for one in machine.static_loads:
+        load[_journal(rotor, one.shaft, one.station)] += (one.force_x, one.force_y)
+    return load
+
+
+def _journal(rotor: Rotor, shaft: str, station: float) -> NDArray[np.intp]:
+    """Return the places of x and y at a station."""
+    first = NODE_DOFS * rotor.node(shaft, station)
+    return np.array([first, first + 1], dtype=np.intp)
+
+
+def _condensed(stiffness: Floats, load: Floats, held: NDArray[np.intp]) -> tuple[Floats, Floats]:
+    """Return stiffness and load seen at some degrees of freedom, the others in equilibrium."""
+    deflected, moved = _free_motion(stiffness, load, held)
+    seen = stiffness[np.ix_(held, held)] + stiffness[held] @ moved
+    return (seen + seen.T) / 2, load[held] - stiffness[held] @ deflected
+
+
+def _free_motion(stiffness: Floats, load: Floats, held: NDArray[np.intp]) -> tuple[Floats, Floats]:
+    """Return the motion (N,) under load with some degrees of freedom held, and that (N, k) per unit of each of these; zero at
+    them."""
+    free = np.setdiff1d(np.arange(load.size), held)
+    block = stiffness[np.ix_(free, free)]
+    size = np.sqrt(np.abs(np.diag(block)))
+    scaled = block / np.outer(size, size)
+    if np.linalg.cond(scaled) > 1e14:
+        raise UnsupportedShaft("a shaft is held neither by two bearings nor by a coupling: nothing carries its weight")
+    right = np.column_stack([load[free], -stiffness[np.ix_(free, held)]]) / size[:, None]
+    solved = scipy.linalg.solve(scaled, right) / size[:, None]
+    whole = np.zeros((load.size, 1 + held.size))
+    whole[free] = solved
+    return whole[:, 0], whole[:, 1:]
+
+
+def _aligned(machine: Machine, rotor: Rotor, load: Floats, held: NDArray[np.intp]) -> Floats:
+    """Return the bearings' places (n, 2) when each shaft, sagging in its own bearings, is moved until couplings fit [m].
+
+    The first shaft of a train stays; the others are moved as rigid bodies.
+    """
+    sag, _ = _free_motion(_stiffness(machine, couplings=False), load, held)
+    moved = np.zeros(rotor.size)
+    settled = {machine.shafts[0].id}
+    waiting = list(machine.couplings)
+    while waiting:
+        coupling = next((one for one in waiting if settled & {one.driver, one.driven}), None)
+        if coupling is None:
+            break  # another train beside the first: its own first shaft stays
+        waiting.remove(coupling)
+        _fit(rotor, coupling, sag, moved, settled)
+    return np.asarray(moved[held].reshape(-1, 2))
+
+
+def _fit(rotor: Rotor, coupling: Coupling, sag: Floats, moved: Floats, settled: set[str]) -> None:
+    """Move the shaft at one end of a coupling, as a rigid body, until its end fits the other's."""
+    ends = {coupling.driver: rotor.end_node(coupling.driver), coupling.driven: rotor.first_node[coupling.driven]}
+    still, other = (coupling.driver, coupling.driven) if coupling.driver in settled else (coupling.driven, coupling.driver)
+    settled.add(other)
+    here, there = (slice(NODE_DOFS * ends[one], NODE_DOFS * (ends[one] + 1)) for one in (still, other))
+    gap = (sag + moved)[here] - sag[there]
+    stations = rotor.stations[other]
+    away = stations - (0.0 if other == coupling.driven else stations[-1])
+    for node, distance in enumerate(away, start=rotor.first_node[other]):
+        x, y, about_x, about_y = gap
+        moved[NODE_DOFS * node : NODE_DOFS * (node + 1)] = (x + about_y * distance, y - about_x * distance, about_x, about_y)

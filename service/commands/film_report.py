@@ -1,0 +1,83 @@
+"""Reports the static state of a train on its oil films on a terminal: loads, positions, stability."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from estimator.machine.document import Machine
+from estimator.statics.equilibrium import FilmEquilibrium, FilmTrain, film_train
+from estimator.statics.film_stability import least_damped_whirl, whirl_onset
+from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
+
+LARGEST_ONSET = 2.0
+"""Highest speed at which whirl is looked for, as a multiple of the speed range's end [-]."""
+MEGAPASCAL = 1e6
+
+
+def has_films(machine: Machine) -> bool:
+    """Return whether every bearing of a document says what its film is."""
+    return all(bearing.film is not None for bearing in machine.bearings)
+
+
+def film_text(machine: Machine, *, service_rpm: float) -> str:
+    """Return the report at the lowest speed of the range and at the service speed [r/min].
+
+    Raises Invalid for films and shafts that have no equilibrium.
+    """
+    train = film_train(machine)
+    return "\n".join([*_states(machine, train, service_rpm), "", *_stability(machine, train, service_rpm)])
+
+
+def _states(machine: Machine, train: FilmTrain, service_rpm: float) -> Iterator[str]:
+    yield (
+        "Static state on oil films: bearing, load x and y [N], specific pressure [MPa], eccentricity, position x and y [µm], "
+        "thinnest film [µm], Sommerfeld number"
+    )
+    for rpm in dict.fromkeys((machine.speed_range.minimum_rpm, service_rpm)):
+        speed = rpm_to_rad_per_s(rpm)
+        found = train.equilibria(speed)
+        if not found:
+            yield f"  at {rpm:g} r/min: no equilibrium with films of at least a twentieth of the clearance; the journals touch"
+            continue
+        if len(found) > 1:
+            yield f"  at {rpm:g} r/min there are {len(found)} equilibria; which one holds depends on how the train came there"
+        for one in found:
+            yield f"  at {rpm:g} r/min"
+            yield from _bearings(machine, train, one)
+
+
+def _bearings(machine: Machine, train: FilmTrain, found: FilmEquilibrium) -> Iterator[str]:
+    for bearing, journal, place, force in zip(machine.bearings, train.bearings, found.position, found.force, strict=True):
+        below = rad_per_s_to_rpm(found.speed) < journal.said.valid_above_rpm
+        load = float(np.hypot(*force))
+        pressure = load / (journal.said.diameter * journal.said.length)
+        turns = found.speed / (2 * math.pi)
+        number = (
+            journal.viscosity * turns * (journal.radius / journal.clearance) ** 2 / pressure if pressure > 0.0 else math.inf
+        )
+        yield (
+            f"    {bearing.id:<10} {force[0]:9.0f} {force[1]:9.0f} {pressure / MEGAPASCAL:7.3f} "
+            f"{float(np.hypot(*place)) / journal.clearance:6.3f} {1e6 * place[0]:8.1f} {1e6 * place[1]:8.1f} "
+            f"{1e6 * journal.thinnest(place):7.1f} {number:8.3f}{'  lifted by other means here' if below else ''}"
+        )
+
+
+def _stability(machine: Machine, train: FilmTrain, service_rpm: float) -> Iterator[str]:
+    service = rpm_to_rad_per_s(service_rpm)
+    equilibrium = train.equilibrium(service)
+    mode = None if equilibrium is None else least_damped_whirl(machine, equilibrium)
+    if mode is None:
+        yield f"Stability at {service_rpm:g} r/min: no mode to judge"
+    else:
+        yield (
+            f"Stability at {service_rpm:g} r/min: least damped mode {rad_per_s_to_rpm(mode.frequency):.0f} cycles per minute, "
+            f"log decrement {mode.log_decrement:.3f}"
+        )
+    last = LARGEST_ONSET * machine.speed_range.maximum_rpm
+    lowest = rpm_to_rad_per_s(machine.speed_range.minimum_rpm)
+    onset = whirl_onset(machine, train, first=lowest, last=rpm_to_rad_per_s(last))
+    if onset is None:
+        yield f"The train would not whirl up to {last:.0f} r/min"
+    else:
+        yield f"The train would whirl from {rad_per_s_to_rpm(onset):.0f} r/min"
