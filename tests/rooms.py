@@ -8,6 +8,7 @@ import re
 _ARROWS = """
 estimator:
 estimator/bearings: estimator
+estimator/films: estimator
 estimator/signal: estimator
 estimator/machine: estimator estimator/bearings
 estimator/rotor: estimator estimator/bearings estimator/machine

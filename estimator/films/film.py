@@ -1,0 +1,203 @@
+"""Film of a whole bearing: the sum over its pads, in units of the clearance, with derivatives of what is interpolated."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.arrays import Floats
+from estimator.errors import Invalid
+from estimator.films.pad import FULL_ARC, Pad
+from estimator.films.pad_table import THINNEST_FILM, PadTable, PolarFilm, pad_table
+from estimator.films.profiles import BearingProfile
+from estimator.films.reynolds import Bools
+
+_TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
+_AT_CENTRE = 1e-9
+"""Eccentricity below which a film has no direction [c]."""
+
+
+class OutsideFilm(Invalid):
+    """Raised when a film is asked for where it is thinner than it is known, or where no journal can be."""
+
+
+class InvalidSlenderness(Invalid):
+    """Raised when no bearing has the ratio of length to diameter."""
+
+
+@dataclass(frozen=True)
+class FilmCoefficients:
+    """Film at positions (...) of the journal: near each, force on the journal = force - K x - C ẋ.
+
+    Units are those of who gives it: of `Film` in terms of the clearance, of `dimensional_film` SI. At the centre of curvature
+    of a pad that is not 360° long, and in the centre of a plain bearing, a film that ruptures has a stiffness that depends on
+    the direction in which the journal leaves: there it is that towards x, and its own derivatives are 0.
+
+    Attributes:
+        force: Forces (..., 2) [μ ω R L (R/c)², or N].
+        stiffness: Stiffness K (..., 2, 2) = -∂force/∂position [μ ω R L (R/c)²/c, or N/m].
+        damping: Damping C (..., 2, 2) [μ R L (R/c)²/c, or N s/m].
+        stiffness_slope: Derivatives (..., 2, 2, 2) of K by the position, whose component is the last axis
+            [μ ω R L (R/c)²/c², or N/m²].
+        damping_slope: Derivatives (..., 2, 2, 2) of C by the position, whose component is the last axis
+            [μ R L (R/c)²/c², or N s/m²].
+    """
+
+    force: Floats
+    stiffness: Floats
+    damping: Floats
+    stiffness_slope: Floats
+    damping_slope: Floats
+
+
+class Film:
+    """Film of a bearing over the journal's position.
+
+    Positions are relative to the bearing's centre, in clearances c of the pads (radius of curvature less the journal's radius);
+    forces in μ ω R L (R/c)², with viscosity μ, spin speed ω, the journal's radius R and the bearing's length L.
+    """
+
+    def __init__(self, profile: BearingProfile, slenderness: float) -> None:
+        """Make the tables of its pads, or take those made before; one takes seconds.
+
+        Args:
+            profile: Profile of the bearing.
+            slenderness: Length over diameter [-].
+
+        Raises:
+            InvalidSlenderness: No bearing has this slenderness.
+        """
+        if not 0.05 <= slenderness <= 20.0:
+            raise InvalidSlenderness(f"length over diameter is {slenderness:g}: usual are 0.3 to 1.2, possible 0.05 to 20")
+        self._tables = tuple((pad, pad_table(arc=pad.arc, slenderness=float(slenderness))) for pad in profile.pads)
+
+    def covers(self, position: Floats) -> Bools:
+        """Return where the film is known: nowhere thinner than a twentieth of the clearance.
+
+        Args:
+            position: Positions (..., 2) [c].
+
+        Returns:
+            Whether it is (...).
+        """
+        covered = np.ones(np.shape(position)[:-1], dtype=bool)
+        for pad, table in self._tables:
+            eccentricity, direction, _ = _polar(pad, position)
+            covered &= table.covers(eccentricity, direction)
+        return covered
+
+    def thinnest(self, position: Floats) -> Floats:
+        """Compute the thickness of the film where it is thinnest.
+
+        Args:
+            position: Positions (..., 2) [c].
+
+        Returns:
+            Thicknesses (...), negative where the journal would be in the wall [c].
+        """
+        found = np.full(np.shape(position)[:-1], np.inf)
+        for pad, table in self._tables:
+            eccentricity, direction, _ = _polar(pad, position)
+            found = np.minimum(found, table.thinnest(eccentricity, direction))
+        return found
+
+    def at(self, position: Floats) -> FilmCoefficients:
+        """Compute forces, coefficients and their derivatives.
+
+        Args:
+            position: Positions (..., 2) of the journal relative to the bearing's centre [c].
+
+        Returns:
+            The film at those positions.
+
+        Raises:
+            OutsideFilm: The film is not known at one of the positions.
+        """
+        position = np.asarray(position, dtype=float)
+        covered = self.covers(position)
+        if not covered.all():
+            place = position[~covered][0]
+            raise OutsideFilm(
+                f"a journal {np.hypot(*place):.3f} clearances from the bearing's centre, at {np.degrees(np.angle(complex(*place))):.0f}°: "
+                f"the film is {float(self.thinnest(place)):.3f} clearances thin; films are known down to {THINNEST_FILM:g}"
+            )
+        parts = [_pad_film(pad, table, position) for pad, table in self._tables]
+        return FilmCoefficients(*(np.sum([getattr(one, name) for one in parts], axis=0) for name in _QUANTITIES))
+
+
+_QUANTITIES = ("force", "stiffness", "damping", "stiffness_slope", "damping_slope")
+
+
+def _polar(pad: Pad, position: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return ε and φ (...) from the middle of the pad, and the axes (..., 2, 2) whose columns are radial and tangential."""
+    place = np.asarray(position, dtype=float) + np.array(pad.closing)
+    eccentricity = np.hypot(place[..., 0], place[..., 1])
+    central = eccentricity < _AT_CENTRE
+    radial = np.where(central[..., None], np.array([1.0, 0.0]), place / np.where(central, 1.0, eccentricity)[..., None])
+    axes = np.stack([radial, radial @ _TURN.T], axis=-1)
+    if pad.arc == FULL_ARC:
+        return eccentricity, np.zeros_like(eccentricity), axes
+    turned = np.arctan2(radial[..., 1], radial[..., 0]) - pad.middle
+    return eccentricity, np.asarray((turned + np.pi) % (2.0 * np.pi) - np.pi), axes
+
+
+def _pad_film(pad: Pad, table: PadTable, position: Floats) -> FilmCoefficients:
+    """Return the film of one pad."""
+    eccentricity, direction, axes = _polar(pad, position)
+    film = table.at(eccentricity, direction)
+    stiffness, stiffness_by = _stiffness(film, eccentricity)
+    damping, damping_by = _damping(film)
+    over = np.where(eccentricity < _AT_CENTRE, 0.0, 1.0 / np.maximum(eccentricity, _AT_CENTRE))
+    return FilmCoefficients(
+        np.einsum("...ia,...a->...i", axes, eccentricity[..., None] * film.force_ratio),
+        np.einsum("...ia,...jb,...ab->...ij", axes, axes, stiffness),
+        np.einsum("...ia,...jb,...ab->...ij", axes, axes, damping),
+        _slopes(axes, stiffness, stiffness_by, over),
+        _slopes(axes, damping, damping_by, over),
+    )
+
+
+def _matrix(rr: Floats, rt: Floats, tr: Floats, tt: Floats) -> Floats:
+    return np.stack([np.stack([rr, rt], axis=-1), np.stack([tr, tt], axis=-1)], axis=-2)
+
+
+def _stiffness(film: PolarFilm, eccentricity: Floats) -> tuple[Floats, tuple[Floats, Floats]]:
+    """Return K (..., 2, 2) in the axes radial and tangential, and the derivatives of its components by ε and φ.
+
+    F = ε g in axes that turn with φ: -∂F/∂ε is the radial column, -(1/ε) ∂F/∂φ the tangential one.
+    """
+    e = eccentricity
+    radial, tangential = film.force_ratio[..., 0], film.force_ratio[..., 1]
+    (radial_e, tangential_e), (radial_f, tangential_f) = (
+        (film.first[..., one, 0], film.first[..., one, 1]) for one in range(2)
+    )
+    (radial_ee, tangential_ee), (radial_ef, tangential_ef), (radial_ff, tangential_ff) = (
+        (film.second[..., one, 0], film.second[..., one, 1]) for one in range(3)
+    )
+    value = _matrix(
+        radial + e * radial_e, radial_f - tangential, tangential + e * tangential_e, tangential_f + radial
+    )
+    by_e = _matrix(
+        2.0 * radial_e + e * radial_ee, radial_ef - tangential_e, 2.0 * tangential_e + e * tangential_ee, tangential_ef + radial_e
+    )
+    by_f = _matrix(
+        radial_f + e * radial_ef, radial_ff - tangential_f, tangential_f + e * tangential_ef, tangential_ff + radial_f
+    )
+    return -value, (-by_e, -by_f)
+
+
+def _damping(film: PolarFilm) -> tuple[Floats, tuple[Floats, Floats]]:
+    """Return C (..., 2, 2) in the axes radial and tangential, as `PadFilm.damping`, with the derivatives of its components."""
+
+    def whole(radial_damping: Floats, force_ratio: Floats) -> Floats:
+        cross = 2.0 * force_ratio[..., 0]
+        return _matrix(radial_damping, cross, cross, 2.0 * force_ratio[..., 1])
+
+    by = [whole(film.damping_first[..., one], film.first[..., one, :]) for one in range(2)]
+    return whole(film.damping, film.force_ratio), (by[0], by[1])
+
+
+def _slopes(axes: Floats, value: Floats, by: tuple[Floats, Floats], over: Floats) -> Floats:
+    """Return the derivatives (..., 2, 2, 2) by the position of a matrix with components in turning axes."""
+    turning = _TURN @ value - value @ _TURN + by[1]
+    local = np.stack([by[0], over[..., None, None] * turning], axis=-1)
+    return np.asarray(np.einsum("...ia,...jb,...kc,...abc->...ijk", axes, axes, axes, local))
