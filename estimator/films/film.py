@@ -1,6 +1,7 @@
 """Film of a whole bearing: the sum over its pads, in units of the clearance, with derivatives of what is interpolated."""
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -11,8 +12,16 @@ from estimator.films.pad_table import THINNEST_FILM, PadTable, PolarFilm, pad_ta
 from estimator.films.profiles import BearingProfile
 from estimator.films.reynolds import Bools
 
+
+class TableMaker(Protocol):
+    """Function that returns the table of a pad."""
+
+    def __call__(self, *, arc: float, slenderness: float) -> PadTable:
+        """Return the table of an arc [rad] and a ratio of length to diameter [-]."""
+
+
 _TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
-_AT_CENTRE = 1e-9
+_AT_CENTRE = 1e-14
 """Eccentricity below which a film has no direction [c]."""
 
 
@@ -52,23 +61,24 @@ class FilmCoefficients:
 class Film:
     """Film of a bearing over the journal's position.
 
-    Positions are relative to the bearing's centre, in clearances c of the pads (radius of curvature less the journal's radius);
-    forces in μ ω R L (R/c)², with viscosity μ, spin speed ω, the journal's radius R and the bearing's length L.
+    Positions are relative to the bearing's centre, in clearances c of the pads (radius of curvature less the journal's
+    radius); forces in μ ω R L (R/c)², with viscosity μ, spin speed ω, the journal's radius R and the bearing's length L.
     """
 
-    def __init__(self, profile: BearingProfile, slenderness: float) -> None:
+    def __init__(self, profile: BearingProfile, slenderness: float, *, table: TableMaker = pad_table) -> None:
         """Make the tables of its pads, or take those made before; one takes seconds.
 
         Args:
             profile: Profile of the bearing.
             slenderness: Length over diameter [-].
+            table: Function that returns the table of a pad.
 
         Raises:
             InvalidSlenderness: No bearing has this slenderness.
         """
         if not 0.05 <= slenderness <= 20.0:
             raise InvalidSlenderness(f"length over diameter is {slenderness:g}: usual are 0.3 to 1.2, possible 0.05 to 20")
-        self._tables = tuple((pad, pad_table(arc=pad.arc, slenderness=float(slenderness))) for pad in profile.pads)
+        self._tables = tuple((pad, table(arc=pad.arc, slenderness=float(slenderness))) for pad in profile.pads)
 
     def covers(self, position: Floats) -> Bools:
         """Return where the film is known: nowhere thinner than a twentieth of the clearance.
@@ -115,10 +125,12 @@ class Film:
         position = np.asarray(position, dtype=float)
         covered = self.covers(position)
         if not covered.all():
-            place = position[~covered][0]
+            x, y = position[~covered][0]
+            thin = float(self.thinnest(np.array([x, y])))
             raise OutsideFilm(
-                f"a journal {np.hypot(*place):.3f} clearances from the bearing's centre, at {np.degrees(np.angle(complex(*place))):.0f}°: "
-                f"the film is {float(self.thinnest(place)):.3f} clearances thin; films are known down to {THINNEST_FILM:g}"
+                f"a journal {np.hypot(x, y):.3f} clearances from the bearing's centre, at "
+                f"{np.degrees(np.arctan2(y, x)):.0f}°: its film is {thin:.3f} clearances thin, and none is known that is "
+                f"thinner than {THINNEST_FILM:g}"
             )
         parts = [_pad_film(pad, table, position) for pad, table in self._tables]
         return FilmCoefficients(*(np.sum([getattr(one, name) for one in parts], axis=0) for name in _QUANTITIES))
@@ -173,11 +185,12 @@ def _stiffness(film: PolarFilm, eccentricity: Floats) -> tuple[Floats, tuple[Flo
     (radial_ee, tangential_ee), (radial_ef, tangential_ef), (radial_ff, tangential_ff) = (
         (film.second[..., one, 0], film.second[..., one, 1]) for one in range(3)
     )
-    value = _matrix(
-        radial + e * radial_e, radial_f - tangential, tangential + e * tangential_e, tangential_f + radial
-    )
+    value = _matrix(radial + e * radial_e, radial_f - tangential, tangential + e * tangential_e, tangential_f + radial)
     by_e = _matrix(
-        2.0 * radial_e + e * radial_ee, radial_ef - tangential_e, 2.0 * tangential_e + e * tangential_ee, tangential_ef + radial_e
+        2.0 * radial_e + e * radial_ee,
+        radial_ef - tangential_e,
+        2.0 * tangential_e + e * tangential_ee,
+        tangential_ef + radial_e,
     )
     by_f = _matrix(
         radial_f + e * radial_ef, radial_ff - tangential_f, tangential_f + e * tangential_ef, tangential_ff + radial_f

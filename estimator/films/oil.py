@@ -42,8 +42,8 @@ class WaltherOil:
     def __post_init__(self) -> None:
         if not 1.0 < self.viscosity_at_100 < self.viscosity_at_40 < 1e4:
             raise InvalidOil(
-                f"viscosities of {self.viscosity_at_40:g} mm²/s at 40 °C and {self.viscosity_at_100:g} mm²/s at 100 °C: that at "
-                "100 °C must be the smaller, and both between 1 and 10 000 mm²/s"
+                f"viscosities of {self.viscosity_at_40:g} mm²/s at 40 °C and {self.viscosity_at_100:g} mm²/s at 100 °C: "
+                "that at 100 °C must be the smaller, and both between 1 and 10 000 mm²/s"
             )
         if not 500.0 < self.density < 1500.0:
             raise InvalidOil(f"a density of {self.density:g} kg/m³: oils have 800 to 1000 kg/m³")
@@ -89,7 +89,7 @@ def grade_oil(grade: int, *, viscosity_at_100: float | None = None, density: flo
 
     Args:
         grade: ISO VG grade (ISO 3448), such as 46.
-        viscosity_at_100: Kinematic viscosity at 100 °C [mm²/s]; None for that of a mineral oil with a viscosity index near 100,
+        viscosity_at_100: Kinematic viscosity at 100 °C [mm²/s]; None for that of a mineral oil of viscosity index 100,
             as turbine oils have; between oils of index 95 and 105 it varies by 2 %.
         density: Density at 15 °C [kg/m³].
 

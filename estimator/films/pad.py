@@ -18,9 +18,9 @@ class Pad:
     """Arc of a bearing's surface with one centre of curvature, axially at a constant radius.
 
     Angles run from the horizontal x towards y, as the journal turns. The centre of curvature lies away from the bearing's
-    centre by preload times clearance, against the direction of the preload: towards there the pad is closer to the journal. The
-    clearance is the pad's own (radius of curvature less the journal's radius), not the smallest one of the assembled bearing,
-    which is (1 - preload) of it.
+    centre by preload times clearance, against the direction of the preload: towards there the pad is closer to the journal.
+    The clearance is the pad's own (radius of curvature less the journal's radius), not the smallest one of the assembled
+    bearing, which is (1 - preload) of it.
 
     Attributes:
         start: Leading edge, where the journal drags the oil in [rad].
@@ -55,6 +55,6 @@ class Pad:
 
     @property
     def closing(self) -> tuple[float, float]:
-        """Return the journal's position relative to the centre of curvature when it is in the bearing's centre [clearances]."""
+        """Return the place of a journal in the bearing's centre relative to the centre of curvature (x, y) [clearances]."""
         direction = self.middle if self.preload_direction is None else self.preload_direction
         return self.preload * math.cos(direction), self.preload * math.sin(direction)

@@ -110,7 +110,7 @@ def circumferential_terms(mesh: PadMesh) -> CircumferentialTerms:
 
 
 def term_changes(mesh: PadMesh, change: Floats) -> TermChanges:
-    """Differentiate the terms of Reynolds' equation by the thickness of the film.
+    """Compute the changes of the terms of Reynolds' equation with the thickness of the film.
 
     Args:
         mesh: The mesh.

@@ -1,7 +1,7 @@
 """Reynolds' equation of a finite pad with rupture of the film.
 
-Where the oil is incompressible and as viscous everywhere, with angles θ around the journal, ζ = 2 z / L along it, and pressure in
-μ ω (R/c)²,
+Where the oil is incompressible and as viscous everywhere, with angles θ around the journal, ζ = 2 z / L along it, and pressure
+in μ ω (R/c)²,
 
     ∂/∂θ(h³ ∂p/∂θ) + (D/L)² ∂/∂ζ(h³ ∂p/∂ζ) = 6 ∂h/∂θ + 12 ∂h/∂(ω t),    p ≥ 0,
 
@@ -167,8 +167,8 @@ class PadSolver:
                 return pressure, active
             active = following
         raise FilmNotFound(
-            f"a pad of {math.degrees(self._arc):g}° with L/D {self._slenderness:g}, the journal at {eccentricity:g} clearances "
-            f"and {math.degrees(direction):g}°: after {MOST_CHANGES} changes nodes still change sides"
+            f"a pad of {math.degrees(self._arc):g}°, L/D {self._slenderness:g}, the journal at {eccentricity:g} clearances, "
+            f"{math.degrees(direction):g}°: after {MOST_CHANGES} changes nodes still change sides"
         )
 
     def _edge(self, system: "_System", pressure: Floats, active: Bools) -> Floats:
@@ -191,8 +191,8 @@ def edge_conductance(links: Floats, *, pressure: Floats, residual: Floats, activ
 
     At the edge p = κ d²/2, where d is the distance and κ the source over h³. The discrete equation at the last node with
     pressure, equal to that of this parabola, puts the edge at d = (1/2 + τ) Δ behind it, where Δ is the width of the cell and
-    τ = p/(κ Δ²), which goes from 0 to 1 while the edge passes the cell. κ Δ² follows from the residual at the first node without
-    pressure. Where p = 0 at the distance d instead of Δ, the conductance is Δ/d times as large.
+    τ = p/(κ Δ²), which goes from 0 to 1 while the edge passes the cell. κ Δ² follows from the residual at the first node
+    without pressure. Where p = 0 at the distance d instead of Δ, the conductance is Δ/d times as large.
 
     Args:
         links: Conductances (n, m) of the cells [-].
@@ -231,7 +231,7 @@ class _System:
 
     @cached_property
     def _bands(self) -> Floats:
-        """Lower bands of the matrix, (m + 1, n - 1, m): nodes along the pad follow one another."""
+        """Return the lower bands of the matrix (m + 1, n - 1, m), in which nodes along the pad follow one another."""
         count = self.axial_weights.size
         bands = np.zeros((count + 1, *self.shape))
         for offset in range(count):

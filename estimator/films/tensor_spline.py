@@ -27,7 +27,7 @@ class TensorSpline:
     """Cubic tensor spline of Q quantities over a and a periodic angle b, or over a alone."""
 
     def __init__(self, a: Floats, b: Floats | None, values: Floats) -> None:
-        """Interpolate.
+        """Interpolate the values.
 
         Args:
             a: Nodes (A,), ascending [any unit].
@@ -45,7 +45,7 @@ class TensorSpline:
         self._pieces = np.ascontiguousarray(np.moveaxis(pieces, (1, 3), (0, 1)))
 
     def at(self, a: Floats, b: Floats) -> SplineValue:
-        """Evaluate; beyond the ends of a the last polynomials go on.
+        """Compute values and derivatives; beyond the ends of a the last polynomials go on.
 
         Args:
             a: First coordinates (...) [that of the nodes].
