@@ -1,4 +1,7 @@
-"""Film of a whole bearing: the sum over its pads, in units of the clearance, with derivatives of what is interpolated."""
+"""Film of a whole bearing: the sum over its pads, in units of the clearance, with derivatives of what is interpolated.
+
+Stiffness and damping as J. W. Lund, J. Tribol. 109 (1987) 37 defines them, at any position and not only where a weight rests.
+"""
 
 from dataclasses import dataclass
 from typing import Protocol

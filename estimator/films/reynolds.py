@@ -5,13 +5,13 @@ in μ ω (R/c)²,
 
     ∂/∂θ(h³ ∂p/∂θ) + (D/L)² ∂/∂ζ(h³ ∂p/∂ζ) = 6 ∂h/∂θ + 12 ∂h/∂(ω t),    p ≥ 0,
 
-and where p > 0 it holds; elsewhere the left side is less: pressure and its gradient vanish at the edge of the film (Reynolds',
-Swift's and Stieber's condition). Forces are in μ ω R L (R/c)²: a Sommerfeld number S = μ N L D (R/c)²/W (N in rev/s) is one
-over π times the force in this unit.
+and where p > 0 it holds; elsewhere the right side is larger: pressure and its gradient vanish at the edge of the film
+(Reynolds', Swift's and Stieber's condition). Forces are in μ ω R L (R/c)²: a Sommerfeld number S = μ N L D (R/c)²/W (N in
+rev/s) is one over π times the force in this unit.
 
 Discretisation: cells around the pad that are exact in the limit of a long one, and even polynomials along it, both in weak
 form, so that matrix and damping are symmetric. Which nodes carry pressure is found exactly, by a primal-dual active set
-(M. Hintermüller, K. Ito, K. Kunisch, SIAM J. Optim. 13 (2003) 865, doi 10.1137/S1052623401383558) from coarse meshes to finer
+(M. Hintermüller, K. Ito, K. Kunisch, SIAM J. Optim. 13 (2003) 865, doi:10.1137/S1052623401383558) from coarse meshes to finer
 ones. The force is then accurate to second order in the width of a cell, and smooth. A perturbation would jump whenever a node
 changes sides, since its gradient does not vanish at the edge: the edge is therefore located inside its cell, from pressure
 and residual on its two sides (`edge_conductance`).
@@ -284,5 +284,10 @@ class _System:
 
 def _outflow(links: Floats, breadth: Floats, axial_stiffness: Floats, pressure: Floats) -> Floats:
     """Return the outflow from each inner node (n - 1, m) at a pressure."""
-    bounded = np.pad(pressure, ((1, 1), (0, 0)))
-    return np.asarray(breadth[:, None] * (pressure @ axial_stiffness) - np.diff(links * np.diff(bounded, axis=0), axis=0))
+    flow = links[1:-1] * (pressure[1:] - pressure[:-1])
+    outflow = breadth[:, None] * (pressure @ axial_stiffness)
+    outflow[:-1] -= flow
+    outflow[1:] += flow
+    outflow[0] += links[0] * pressure[0]
+    outflow[-1] += links[-1] * pressure[-1]
+    return outflow
