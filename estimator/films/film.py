@@ -42,7 +42,7 @@ class FilmCoefficients:
 
     Units are those of who gives it: of `Film` in terms of the clearance, of `dimensional_film` SI. At the centre of curvature
     of a pad that is not 360° long, and in the centre of a plain bearing, a film that ruptures has a stiffness that depends on
-    the direction in which the journal leaves: there it is that towards x, and its own derivatives are 0.
+    the direction in which the journal leaves: there all is that of a journal that leaves towards x, with no derivatives by y.
 
     Attributes:
         force: Forces (..., 2) [μ ω R L (R/c)², or N].
@@ -81,7 +81,7 @@ class Film:
         """
         if not 0.05 <= slenderness <= 20.0:
             raise InvalidSlenderness(f"length over diameter is {slenderness:g}: usual are 0.3 to 1.2, possible 0.05 to 20")
-        self._tables = tuple((pad, table(arc=pad.arc, slenderness=float(slenderness))) for pad in profile.pads)
+        self._tables = tuple((pad, table(arc=pad.arc, slenderness=round(float(slenderness), 9))) for pad in profile.pads)
 
     def covers(self, position: Floats) -> Bools:
         """Return where the film is known: nowhere thinner than a twentieth of the clearance.

@@ -21,8 +21,8 @@ PROFILES = {
 
 @lru_cache(maxsize=16)
 def coarse_table(*, arc: float, slenderness: float) -> PadTable:
-    """A table with a sixth of the nodes, on a mesh of half the cells."""
-    return PadTable(arc=arc, slenderness=slenderness, around=100, radial_nodes=14, angular_nodes=54)
+    """A table with an eighth of the nodes, on a mesh of a third of the cells."""
+    return PadTable(arc=arc, slenderness=slenderness, around=80, radial_nodes=12, angular_nodes=48)
 
 
 def film(name: str, slenderness: float | None = None) -> Film:
