@@ -11,7 +11,7 @@ import numpy as np
 from estimator.arrays import Floats
 from estimator.errors import Invalid
 from estimator.films.pad import FULL_ARC, Pad
-from estimator.films.pad_table import THINNEST_FILM, PadTable, PolarFilm, pad_table
+from estimator.films.pad_table import MOST_CONTINUOUS, THINNEST_FILM, PadTable, PolarFilm, pad_table
 from estimator.films.profiles import BearingProfile
 from estimator.films.reynolds import Bools
 
@@ -19,8 +19,8 @@ from estimator.films.reynolds import Bools
 class TableMaker(Protocol):
     """Function that returns the table of a pad."""
 
-    def __call__(self, *, arc: float, slenderness: float) -> PadTable:
-        """Return the table of an arc [rad] and a ratio of length to diameter [-]."""
+    def __call__(self, *, arc: float, slenderness: float, continuous: bool) -> PadTable:
+        """Return the table of an arc [rad] and a ratio of length to diameter [-]; `continuous` as of `Pad`."""
 
 
 _TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
@@ -81,7 +81,15 @@ class Film:
         """
         if not 0.05 <= slenderness <= 20.0:
             raise InvalidSlenderness(f"length over diameter is {slenderness:g}: usual are 0.3 to 1.2, possible 0.05 to 20")
-        self._tables = tuple((pad, table(arc=pad.arc, slenderness=round(float(slenderness), 9))) for pad in profile.pads)
+        if slenderness > MOST_CONTINUOUS and any(pad.continuous for pad in profile.pads):
+            raise InvalidSlenderness(
+                f"length over diameter is {slenderness:g}: films that form again by themselves are known up to "
+                f"{MOST_CONTINUOUS:g}"
+            )
+        self._tables = tuple(
+            (pad, table(arc=pad.arc, slenderness=round(float(slenderness), 9), continuous=pad.continuous))
+            for pad in profile.pads
+        )
 
     def covers(self, position: Floats) -> Bools:
         """Return where the film is known: nowhere thinner than a twentieth of the clearance.

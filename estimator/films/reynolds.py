@@ -98,7 +98,7 @@ class PadSolver:
         """Prepare the solver.
 
         Args:
-            arc: Arc of the pad; 2π for a bearing into which oil comes where the film is thickest [rad].
+            arc: Arc of the pad; one of 2π turns with the journal, so that its edges stay in one direction from it [rad].
             slenderness: Length over diameter of the journal [-].
             around: Cells around the pad.
             along: Nodes along half of the pad; None for as many as its slenderness asks for.
@@ -112,7 +112,8 @@ class PadSolver:
 
         Args:
             eccentricity: Eccentricity from the centre of curvature, also 0, where the ratios to it have a limit [c].
-            direction: Direction of the journal from there, from the middle of the pad; 0 for a pad of 360° [rad].
+            direction: Direction of the journal from there, from the middle of the pad; 0 for a pad of 360° into which oil
+                comes where the film is thickest [rad].
 
         Returns:
             The film.
@@ -139,7 +140,7 @@ class PadSolver:
             -system.force(system.perturbed(film.eccentricity * film.pressure, active, -shape(system.mesh.angle), edge))
             for shape in (np.cos, np.sin)
         ]
-        if self._arc == FULL_ARC:  # the leading edge turns with the journal, and so does the force
+        if self._arc == FULL_ARC:  # its edges turn with the journal, and so does the force
             radial, tangential = film.force_over_eccentricity
             columns[1] = np.array([tangential, -radial])
         return np.stack(columns, axis=1)

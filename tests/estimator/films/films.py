@@ -11,6 +11,7 @@ from estimator.films.profiles import elliptical, four_lobe, plain, three_lobe, t
 
 PROFILES = {
     "plain": (plain(), 0.5),
+    "continuous": (plain(continuous=True), 0.5),
     "two_axial_grooves": (two_axial_grooves(), 0.5),
     "elliptical": (elliptical(preload=0.5), 1.0),
     "three_lobe": (three_lobe(preload=0.4), 0.7),
@@ -20,9 +21,9 @@ PROFILES = {
 
 
 @lru_cache(maxsize=16)
-def coarse_table(*, arc: float, slenderness: float) -> PadTable:
+def coarse_table(*, arc: float, slenderness: float, continuous: bool = False) -> PadTable:
     """A table with an eighth of the nodes, on a mesh of a third of the cells."""
-    return PadTable(arc=arc, slenderness=slenderness, around=80, radial_nodes=12, angular_nodes=48)
+    return PadTable(arc=arc, slenderness=slenderness, continuous=continuous, around=80, radial_nodes=12, angular_nodes=48)
 
 
 def film(name: str, slenderness: float | None = None) -> Film:

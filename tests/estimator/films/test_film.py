@@ -9,6 +9,8 @@ from estimator.films.dimensional_film import InvalidFilmData, dimensional_film, 
 from estimator.films.film import Film, InvalidSlenderness, OutsideFilm
 from estimator.films.profiles import BearingProfile, elliptical, plain, three_lobe
 from tests.estimator.films.films import PROFILES, coarse_table, film, positions
+from tests.film_plant.profile import PLAIN
+from tests.film_plant.reynolds import FilmSolver
 
 NAMES = list(PROFILES)
 
@@ -142,6 +144,21 @@ def test_what_no_film_has_is_refused(wrong: dict[str, float], said: str) -> None
     data = {"radius": 0.04, "length": 0.04, "clearance": 9e-5, "viscosity": 0.009, "speed": 300.0}
     with pytest.raises(InvalidFilmData, match=said):
         film_scale(**{**data, **wrong})
+
+
+def test_a_film_that_forms_again_by_itself_damps_more() -> None:
+    """Against the film plant's finite volumes, on a ring without an edge."""
+    places = np.array([[0.0, -0.2], [0.3, -0.3], [0.1, -0.7]])
+    solver = FilmSolver(PLAIN, 0.5)
+    found, begun = Film(plain(continuous=True), 0.5).at(places), film("plain").at(places)
+    for index, place in enumerate(places):
+        due = solver.solve(place)
+        for quantity in ("force", "stiffness", "damping"):
+            one, other = getattr(found, quantity)[index], getattr(due, quantity)
+            assert np.abs(one - other).max() < 0.01 * np.abs(other).max()
+        assert np.trace(found.damping[index]) > np.trace(begun.damping[index])
+    with pytest.raises(InvalidSlenderness, match="known up to 2"):
+        Film(plain(continuous=True), 3.0)
 
 
 def test_a_bearing_longer_than_any_is_refused() -> None:

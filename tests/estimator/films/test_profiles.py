@@ -33,6 +33,7 @@ def test_a_preload_brings_the_pad_closer_where_it_says() -> None:
         (lambda: Pad(0.0, 0.05), "a pad of 2.86.*6 to 360"),
         (lambda: Pad(0.0, 1.0, 1.0), "a preload of 1: it must be 0 to 0.9"),
         (lambda: Pad(0.0, FULL_ARC, 0.2), "needs two pads"),
+        (lambda: Pad(0.0, 2.0, continuous=True), "only one of 360°"),
         (lambda: lobed(4, preload=0.2, groove=1.6, first=0.0), "narrower than 84°"),
         (lambda: elliptical(preload=0.5, groove=0.0), "wider than 0"),
         (lambda: BearingProfile(()), "at least one"),
