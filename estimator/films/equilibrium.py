@@ -2,7 +2,8 @@
 
 The load is what acts on the journal, in any direction: a weight W is (0, -W). Newton's method with the exact stiffness, never
 past the end of the film, from the best of some hundred positions known of each film: it needs no sequence of loads and finds a
-journal that carries next to nothing as well as one close to the wall.
+journal that carries next to nothing as well as one close to the wall. Damping of the steps as in P. Deuflhard, Newton
+Methods for Nonlinear Problems, Springer, 2004.
 """
 
 from dataclasses import dataclass

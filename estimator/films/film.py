@@ -1,4 +1,7 @@
-"""Film of a whole bearing: the sum over its pads, in units of the clearance, with derivatives of what is interpolated."""
+"""Film of a whole bearing: the sum over its pads, in units of the clearance, with derivatives of what is interpolated.
+
+Stiffness and damping as J. W. Lund, J. Tribol. 109 (1987) 37 defines them, at any position and not only where a weight rests.
+"""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -8,7 +11,7 @@ import numpy as np
 from estimator.arrays import Floats
 from estimator.errors import Invalid
 from estimator.films.pad import FULL_ARC, Pad
-from estimator.films.pad_table import THINNEST_FILM, PadTable, PolarFilm, pad_table
+from estimator.films.pad_table import MOST_CONTINUOUS, THINNEST_FILM, PadTable, PolarFilm, pad_table
 from estimator.films.profiles import BearingProfile
 from estimator.films.reynolds import Bools
 
@@ -16,8 +19,8 @@ from estimator.films.reynolds import Bools
 class TableMaker(Protocol):
     """Function that returns the table of a pad."""
 
-    def __call__(self, *, arc: float, slenderness: float) -> PadTable:
-        """Return the table of an arc [rad] and a ratio of length to diameter [-]."""
+    def __call__(self, *, arc: float, slenderness: float, continuous: bool) -> PadTable:
+        """Return the table of an arc [rad] and a ratio of length to diameter [-]; `continuous` as of `Pad`."""
 
 
 _TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
@@ -39,7 +42,7 @@ class FilmCoefficients:
 
     Units are those of who gives it: of `Film` in terms of the clearance, of `dimensional_film` SI. At the centre of curvature
     of a pad that is not 360° long, and in the centre of a plain bearing, a film that ruptures has a stiffness that depends on
-    the direction in which the journal leaves: there it is that towards x, and its own derivatives are 0.
+    the direction in which the journal leaves: there all is that of a journal that leaves towards x, with no derivatives by y.
 
     Attributes:
         force: Forces (..., 2) [μ ω R L (R/c)², or N].
@@ -78,7 +81,15 @@ class Film:
         """
         if not 0.05 <= slenderness <= 20.0:
             raise InvalidSlenderness(f"length over diameter is {slenderness:g}: usual are 0.3 to 1.2, possible 0.05 to 20")
-        self._tables = tuple((pad, table(arc=pad.arc, slenderness=float(slenderness))) for pad in profile.pads)
+        if slenderness > MOST_CONTINUOUS and any(pad.continuous for pad in profile.pads):
+            raise InvalidSlenderness(
+                f"length over diameter is {slenderness:g}: films that form again by themselves are known up to "
+                f"{MOST_CONTINUOUS:g}"
+            )
+        self._tables = tuple(
+            (pad, table(arc=pad.arc, slenderness=round(float(slenderness), 9), continuous=pad.continuous))
+            for pad in profile.pads
+        )
 
     def covers(self, position: Floats) -> Bools:
         """Return where the film is known: nowhere thinner than a twentieth of the clearance.

@@ -24,16 +24,18 @@ class Pad:
 
     Attributes:
         start: Leading edge, where the journal drags the oil in [rad].
-        arc: Extent from there in the sense of rotation; 2π for a bearing without grooves, into which oil comes where the film
-            is thickest [rad].
+        arc: Extent from there in the sense of rotation; 2π for a bearing without grooves [rad].
         preload: Distance of the centre of curvature from the bearing's centre, in clearances [-].
         preload_direction: Direction in which the preload closes the film [rad]; None for the middle of the pad.
+        continuous: Whether the film of a pad of 360° forms again by itself wherever it can. If not, oil comes where the film
+            is thickest, at ambient pressure, and it begins there (A. A. Raimondi, J. Boyd, ASLE Trans. 1 (1958) 159).
     """
 
     start: float
     arc: float
     preload: float = 0.0
     preload_direction: float | None = None
+    continuous: bool = False
 
     def __post_init__(self) -> None:
         if not 0.1 <= self.arc <= FULL_ARC:
@@ -42,6 +44,8 @@ class Pad:
             raise InvalidPad(f"a preload of {self.preload:g}: it must be 0 to 0.9")
         if self.is_full and self.preload:
             raise InvalidPad("a pad of 360° with preload: a bearing with preload needs two pads or more")
+        if self.continuous and not self.is_full:
+            raise InvalidPad(f"a continuous film on a pad of {math.degrees(self.arc):g}°: only one of 360° has it")
 
     @property
     def is_full(self) -> bool:

@@ -1,7 +1,8 @@
 """Mesh around one pad, and Reynolds' equation on it in the sense of rotation.
 
 Angles run from the middle of the pad. Lengths across the film are in clearances c, pressures in μ ω (R/c)². The film between
-the journal at eccentricity ε in direction φ and the pad is h = 1 - ε cos(θ - φ) thick.
+the journal at eccentricity ε in direction φ and the pad is h = 1 - ε cos(θ - φ) thick. The flow per unit of length is 6 h less
+h³ ∂p/∂θ (A. Z. Szeri, Fluid Film Lubrication, 2nd ed. 2011, chapter 2).
 """
 
 from dataclasses import dataclass

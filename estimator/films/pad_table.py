@@ -26,6 +26,8 @@ THINNEST_TABULATED = 0.028
 """Smallest 1 - ε/q of a table [-]."""
 THINNEST_FILM = 0.05
 """Thinnest film for which tables are used [c]: where it is thinner, roughness and deflection rule."""
+MOST_CONTINUOUS = 2.0
+"""Largest slenderness for which a film that forms again by itself is ruptured somewhere [-]."""
 RADIAL_NODES, ANGULAR_NODES = 28, 160
 """Numbers of nodes of a table: between them force, stiffness and damping are within 0.5 % of a solution's."""
 FARTHER, FARTHER_WITHIN = 0.3, 1.2
@@ -61,6 +63,7 @@ class PadTable:
         *,
         arc: float,
         slenderness: float,
+        continuous: bool = False,
         around: int = AROUND,
         radial_nodes: int = RADIAL_NODES,
         angular_nodes: int = ANGULAR_NODES,
@@ -70,6 +73,8 @@ class PadTable:
         Args:
             arc: Arc of the pad [rad].
             slenderness: Length over diameter of the journal [-].
+            continuous: Whether the film of a pad of 360° forms again by itself: the pad's edges are then put where it opens
+                fastest, where there is none up to a slenderness of `MOST_CONTINUOUS`.
             around: Cells of the solver's mesh around the pad.
             radial_nodes: Number of eccentricities.
             angular_nodes: Number of directions; a pad of 360° needs one.
@@ -80,7 +85,7 @@ class PadTable:
         solver = PadSolver(arc=arc, slenderness=slenderness, around=around)
         share = np.linspace(0.0, 1.0, radial_nodes)
         s = -math.log(THINNEST_TABULATED) * share * (0.45 + 0.55 * share)
-        turn = _directions(self._half, angular_nodes) if arc < FULL_ARC else np.zeros(1)
+        turn = _directions(self._half, angular_nodes) if arc < FULL_ARC else np.array([math.pi / 2.0 if continuous else 0.0])
         reach = self._reach(turn)[0]
         values = np.empty((s.size, turn.size, 3))
         for i, j in np.ndindex(values.shape[:2]):
@@ -163,14 +168,15 @@ def _directions(half: float, count: int) -> Floats:
 
 
 @lru_cache(maxsize=TABLES)
-def pad_table(*, arc: float, slenderness: float) -> PadTable:
+def pad_table(*, arc: float, slenderness: float, continuous: bool = False) -> PadTable:
     """Return the table of a pad, which is made when it is first asked for.
 
     Args:
         arc: Arc of the pad [rad].
         slenderness: Length over diameter of the journal [-].
+        continuous: Whether the film of a pad of 360° forms again by itself.
 
     Returns:
         The table.
     """
-    return PadTable(arc=arc, slenderness=slenderness)
+    return PadTable(arc=arc, slenderness=slenderness, continuous=continuous)

@@ -29,13 +29,17 @@ class BearingProfile:
             raise InvalidPad("pads that cover more than 360°: their arcs and grooves must share the circumference")
 
 
-def plain() -> BearingProfile:
+def plain(*, continuous: bool = False) -> BearingProfile:
     """Return a round bearing without grooves.
+
+    Args:
+        continuous: Whether the film forms again by itself, instead of where it is thickest, as of `Pad`. At small
+            eccentricities this adds up to a sixth to the radial damping.
 
     Returns:
         The profile.
     """
-    return BearingProfile((Pad(0.0, FULL_ARC),))
+    return BearingProfile((Pad(0.0, FULL_ARC, continuous=continuous),))
 
 
 def two_axial_grooves(*, groove: float = USUAL_GROOVE, split: float = 0.0) -> BearingProfile:

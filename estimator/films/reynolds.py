@@ -5,13 +5,13 @@ in μ ω (R/c)²,
 
     ∂/∂θ(h³ ∂p/∂θ) + (D/L)² ∂/∂ζ(h³ ∂p/∂ζ) = 6 ∂h/∂θ + 12 ∂h/∂(ω t),    p ≥ 0,
 
-and where p > 0 it holds; elsewhere the left side is less: pressure and its gradient vanish at the edge of the film (Reynolds',
-Swift's and Stieber's condition). Forces are in μ ω R L (R/c)²: a Sommerfeld number S = μ N L D (R/c)²/W (N in rev/s) is one
-over π times the force in this unit.
+and where p > 0 it holds; elsewhere the right side is larger: pressure and its gradient vanish at the edge of the film
+(Reynolds', Swift's and Stieber's condition). Forces are in μ ω R L (R/c)²: a Sommerfeld number S = μ N L D (R/c)²/W (N in
+rev/s) is one over π times the force in this unit.
 
 Discretisation: cells around the pad that are exact in the limit of a long one, and even polynomials along it, both in weak
 form, so that matrix and damping are symmetric. Which nodes carry pressure is found exactly, by a primal-dual active set
-(M. Hintermüller, K. Ito, K. Kunisch, SIAM J. Optim. 13 (2003) 865, doi 10.1137/S1052623401383558) from coarse meshes to finer
+(M. Hintermüller, K. Ito, K. Kunisch, SIAM J. Optim. 13 (2003) 865, doi:10.1137/S1052623401383558) from coarse meshes to finer
 ones. The force is then accurate to second order in the width of a cell, and smooth. A perturbation would jump whenever a node
 changes sides, since its gradient does not vanish at the edge: the edge is therefore located inside its cell, from pressure
 and residual on its two sides (`edge_conductance`).
@@ -98,7 +98,7 @@ class PadSolver:
         """Prepare the solver.
 
         Args:
-            arc: Arc of the pad; 2π for a bearing into which oil comes where the film is thickest [rad].
+            arc: Arc of the pad; one of 2π turns with the journal, so that its edges stay in one direction from it [rad].
             slenderness: Length over diameter of the journal [-].
             around: Cells around the pad.
             along: Nodes along half of the pad; None for as many as its slenderness asks for.
@@ -112,7 +112,8 @@ class PadSolver:
 
         Args:
             eccentricity: Eccentricity from the centre of curvature, also 0, where the ratios to it have a limit [c].
-            direction: Direction of the journal from there, from the middle of the pad; 0 for a pad of 360° [rad].
+            direction: Direction of the journal from there, from the middle of the pad; 0 for a pad of 360° into which oil
+                comes where the film is thickest [rad].
 
         Returns:
             The film.
@@ -139,7 +140,7 @@ class PadSolver:
             -system.force(system.perturbed(film.eccentricity * film.pressure, active, -shape(system.mesh.angle), edge))
             for shape in (np.cos, np.sin)
         ]
-        if self._arc == FULL_ARC:  # the leading edge turns with the journal, and so does the force
+        if self._arc == FULL_ARC:  # its edges turn with the journal, and so does the force
             radial, tangential = film.force_over_eccentricity
             columns[1] = np.array([tangential, -radial])
         return np.stack(columns, axis=1)
@@ -284,5 +285,10 @@ class _System:
 
 def _outflow(links: Floats, breadth: Floats, axial_stiffness: Floats, pressure: Floats) -> Floats:
     """Return the outflow from each inner node (n - 1, m) at a pressure."""
-    bounded = np.pad(pressure, ((1, 1), (0, 0)))
-    return np.asarray(breadth[:, None] * (pressure @ axial_stiffness) - np.diff(links * np.diff(bounded, axis=0), axis=0))
+    flow = links[1:-1] * (pressure[1:] - pressure[:-1])
+    outflow = breadth[:, None] * (pressure @ axial_stiffness)
+    outflow[:-1] -= flow
+    outflow[1:] += flow
+    outflow[0] += links[0] * pressure[0]
+    outflow[-1] += links[-1] * pressure[-1]
+    return outflow

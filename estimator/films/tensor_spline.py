@@ -1,4 +1,7 @@
-"""Piecewise polynomials over two coordinates, the second periodic or absent, with their derivatives."""
+"""Piecewise polynomials over two coordinates, the second periodic or absent, with their derivatives.
+
+Cubic splines as in C. de Boor, A Practical Guide to Splines, Springer, 1978.
+"""
 
 from dataclasses import dataclass
 

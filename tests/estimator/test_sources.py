@@ -32,6 +32,7 @@ METHODS = re.compile(
 OWN = {
     "diagnosis/data_faults.py": "probabilities of counts and of χ², stated at each function",
     "diagnosis/observation.py": "a second-order expansion of the likelihood, in the module's docstring",
+    "films/pad_table.py": "coordinates of an interpolation, in the module's docstring",
     "fit/fit_problem.py": "χ² and its derivatives, which the fit's method minimises",
     "fit/identifiability.py": "reads a covariance whose source is the fit's",
     "identification/sweep_correction.py": "derived in the module's docstring",
