@@ -1,0 +1,50 @@
+"""Trains on fluid films: figures asked beside those measured, on plants that share no physics with the estimator.
+
+The plants are those of `tests/film_plant`: films from finite volumes, truths drawn from priors. One line a figure; status 1
+where one falls short. `--short` takes fewer plants and about a minute.
+
+    python -m benchmarks.fluid_film [--short] [--plants N] [--only NAME …]
+"""
+
+import argparse
+from collections.abc import Callable, Sequence
+
+from threadpoolctl import threadpool_limits
+
+from benchmarks.fluid_film.figure import Figure
+from benchmarks.fluid_film.films import films
+from benchmarks.fluid_film.linear_forms import own_forms, wrong_forms
+from benchmarks.fluid_film.reference_arrays import reference_response, reference_statics
+from benchmarks.fluid_film.sweep import sweep
+
+PARTS: dict[str, Callable[[int], list[Figure]]] = {
+    "films": films,
+    "reference": reference_response,
+    "statics": reference_statics,
+    "sweep": sweep,
+    "wrong-forms": wrong_forms,
+    "own-forms": own_forms,
+}
+SHORT_PLANTS = 1
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Print a line for each figure; status 1 where one falls short."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.fluid_film", description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("--short", action="store_true", help="few plants")
+    parser.add_argument("--plants", type=int, default=20, help="number of random plants, seeds 0, 1, …")
+    parser.add_argument("--only", nargs="*", choices=tuple(PARTS), default=tuple(PARTS))
+    chosen = parser.parse_args(arguments)
+    kept = True
+    print(f"  {'fluid films':<76}{'asked':>12}{'measured':>24}")
+    with threadpool_limits(limits=1):
+        for name in chosen.only:
+            for figure in PARTS[name](SHORT_PLANTS if chosen.short else chosen.plants):
+                print(figure, flush=True)
+                kept &= figure.kept
+    if not kept:
+        raise SystemExit(1)
+
+
+if __name__ == "__main__":
+    main()
