@@ -35,7 +35,7 @@ CONFIRMED_SIZE = 0.01
 """Relative size of deviations up to which they need not be reckoned with, where the data rule out larger ones [-]."""
 EXPECTED_SIZE = 0.3
 """Largest relative size of deviations to reckon with where the data could show them in part [-]."""
-MARGIN = 2.0
+MARGIN = 3.0
 """Factor on the largest size that the data do not rule out [-]: real films deviate alike, those looked for do not."""
 EXPECTED_SIZE_UNSEEN = 0.8
 """Relative size of deviations to reckon with where other coefficients can make up for them at every speed [-]."""
