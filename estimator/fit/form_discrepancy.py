@@ -8,7 +8,7 @@ zero, and nothing changes. Where it is not, the covariance grows by what the dev
 is refused.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -66,7 +66,7 @@ class FormVerdict:
         Returns:
             The verdict.
         """
-        return replace(verdict, accepted=False, words=f"{self.words}; {verdict.words}") if self.words else verdict
+        return verdict.refused(self.words) if self.words else verdict
 
 
 def judge_form(problem: FitProblem, found: FitResult, covariance: Floats, condition: float) -> FormVerdict:

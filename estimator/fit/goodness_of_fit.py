@@ -42,6 +42,18 @@ class Verdict:
     words: str
     degrees_of_freedom: int
 
+    def refused(self, reason: str) -> "Verdict":
+        """Return the verdict that the fit may not be used although χ² allows it.
+
+        Args:
+            reason: The reason in words.
+
+        Returns:
+            The verdict.
+        """
+        beside = self.words.removeprefix("accepted").lstrip(":; ")
+        return Verdict(False, f"{reason}; {beside}", self.degrees_of_freedom)
+
 
 def accepted(chi_square: float, freedom: int) -> bool:
     """Check whether χ² is no larger than the noise explains.

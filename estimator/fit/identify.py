@@ -419,4 +419,4 @@ def _possible(problem: FitProblem, found: FitResult, verdict: Verdict, limits: L
     moved, growing = without_growing_modes(limits(problem), problem, found)
     if growing is None:
         return moved, verdict
-    return found, replace(verdict, accepted=False, words=f"{growing.words}; {verdict.words}")
+    return found, verdict.refused(growing.words)
