@@ -1,0 +1,62 @@
+"""Derivatives of equilibria by clearances, viscosities and elevations, against differences of equilibria found anew."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from estimator.machine.document import parse_machine
+from estimator.statics.equilibrium import FilmEquilibrium, FilmTrain, film_train
+from estimator.statics.film_sensitivity import PARAMETERS, film_sensitivity
+from estimator.units import rpm_to_rad_per_s
+from tests.estimator.statics.films import Kind, motor_compressor_document
+
+STEPS = {"clearance": 1e-5, "viscosity": 1e-5, "elevation_x": 1e-9, "elevation_y": 1e-9}
+
+
+def changed(train: FilmTrain, number: int, name: str, step: float) -> FilmTrain:
+    """The train with one parameter of one bearing changed, clearance and viscosity by a part."""
+    if name.startswith("elevation"):
+        elevation = train.elevation.copy()
+        elevation[number, "xy".index(name[-1])] += step
+        return replace(train, elevation=elevation)
+    bearings = list(train.bearings)
+    one = bearings[number]
+    if name == "viscosity":
+        bearings[number] = replace(one, viscosity=one.viscosity * np.exp(step))
+    else:
+        said = one.said.model_copy(update={"radial_clearance": one.said.radial_clearance * float(np.exp(step))})
+        bearings[number] = replace(one, said=said)
+    return replace(train, bearings=tuple(bearings))
+
+
+def equilibrium(train: FilmTrain, start: FilmEquilibrium) -> FilmEquilibrium:
+    found = train.equilibrium(start.speed, start=start.position)
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("kind", ["flexible", "rigid"])
+def test_derivatives_are_those_of_differences(kind: Kind) -> None:
+    train = film_train(parse_machine(motor_compressor_document(kind)))
+    found = train.equilibrium(rpm_to_rad_per_s(3000.0))
+    assert found is not None
+    slopes = film_sensitivity(train, found)
+    for number in range(4):
+        for place, name in enumerate(PARAMETERS):
+            step = STEPS[name]
+            ahead, behind = (equilibrium(changed(train, number, name, sign * step), found) for sign in (1, -1))
+            row = len(PARAMETERS) * number + place
+            for what in ("position", "force", "stiffness", "damping"):
+                difference = (getattr(ahead, what) - getattr(behind, what)) / (2 * step)
+                own = getattr(slopes, what)[row]
+                assert np.abs(own - difference).max() <= 1e-4 * np.abs(difference).max(), (number, name, what)
+
+
+def test_a_rigid_rise_of_all_bearings_moves_nothing_within_them() -> None:
+    train = film_train(parse_machine(motor_compressor_document("rigid")))
+    found = train.equilibrium(rpm_to_rad_per_s(3000.0))
+    assert found is not None
+    slopes = film_sensitivity(train, found)
+    rise = slopes.position[PARAMETERS.index("elevation_y") :: len(PARAMETERS)].sum(axis=0)
+    assert np.abs(rise).max() < 1e-6
