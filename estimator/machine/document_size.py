@@ -19,6 +19,7 @@ from estimator.machine.document import DocumentError, Machine, parse_machine
 from estimator.machine.mesh import element_count
 from estimator.machine.part_coefficients import ELEMENTS, coefficient_names
 from estimator.machine.parts import Bearing, Probe, Seal
+from estimator.machine.plausibility import implausible_values
 from estimator.units import rpm_to_rad_per_s
 
 LARGEST_SECTIONS = 400
@@ -80,7 +81,7 @@ class DocumentSize:
 
 
 def accepted_machine(document: Any) -> Machine:
-    """Read the machine that a decoded document describes, where that is not too large.
+    """Read the machine that a decoded document describes, where that is neither too large nor implausible.
 
     Args:
         document: The decoded document.
@@ -89,13 +90,13 @@ def accepted_machine(document: Any) -> Machine:
         The machine.
 
     Raises:
-        DocumentError: The document is wrong or too large.
+        DocumentError: The document is wrong, too large, or has a value that only a slip of the unit explains.
     """
     return accepted(parse_machine(document))
 
 
 def accepted(machine: Machine) -> Machine:
-    """Return the machine, where its document is not too large.
+    """Return the machine, where its document is neither too large nor implausible.
 
     Args:
         machine: The machine.
@@ -104,14 +105,15 @@ def accepted(machine: Machine) -> Machine:
         The same machine.
 
     Raises:
-        DocumentError: The document is too large; the error names what is and what would be right.
+        DocumentError: The document is too large, or has a value that only a slip of the unit explains; the error names what is
+            wrong and what would be right.
     """
     sections = _sections(machine)
     if sections > LARGEST_SECTIONS:  # nothing else is counted then
         raise DocumentError(
             [("shafts", f"{sections} sections in all; at most {LARGEST_SECTIONS}: make one of neighbours that differ little")]
         )
-    problems = _problems(machine, document_size(machine))
+    problems = [*implausible_values(machine), *_problems(machine, document_size(machine))]
     if problems:
         raise DocumentError(problems)
     return machine

@@ -62,6 +62,7 @@ def test_a_rigid_motion_of_all_bearings_changes_no_load(right: float, up: float,
     assert second.force == pytest.approx(first.force, abs=1e-3)
 
 
+@pytest.mark.long
 def test_a_journal_that_turns_the_other_way_rests_in_the_mirror_image() -> None:
     machine = between_two_bearings(profile="elliptical", preload=0.4, turned_deg=15.0)
     mirrored = between_two_bearings(profile="elliptical", preload=0.4, turned_deg=-15.0)

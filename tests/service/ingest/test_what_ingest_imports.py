@@ -16,6 +16,7 @@ STATES_AND_COUNTS = {
     "field_types",
     "machine.consistency",
     "machine.document",
+    "machine.films",
     "machine.parameter_description",
     "machine.part_coefficients",
     "machine.parts",
