@@ -4,7 +4,10 @@ Each machine's samples come over HTTP, a batch a second. What is told of each is
 longest transaction and the longest cycle of ingest, as the service's own metrics say it, and how long `/alive` took, asked
 twenty times a second by a process of its own, while they run down, until all runs are closed, and for a while longer.
 
-    python -m benchmarks.faults.worst_documents [--each 5] [--settle 125] [--linger 60] [--seed 0] [--database postgresql]
+    python -m benchmarks.faults.worst_documents [--each 5] [--settle 125] [--linger 60] [--seed 0] [--repeats 3] [--database postgresql]
+
+A machine does other things as well, and the longest of some thousand transactions is one of a kind: what is judged is the
+median of the repeats, each with a service of its own. Samples may not be lost in any.
 """
 
 import argparse

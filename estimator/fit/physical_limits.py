@@ -16,7 +16,7 @@ from estimator.fit.reweighting import with_fitted_noise
 from estimator.machine.document import Machine
 from estimator.machine.scaled_materials import with_scaled_materials
 from estimator.modes.eigenmodes import Modes, damping_ratio, eigenvalue_slopes
-from estimator.rotor.modal_reduction import modal_basis
+from estimator.rotor.modal_reduction import reduced_basis
 from estimator.rotor.system_matrices import system_matrices
 from estimator.units import rad_per_s_to_rpm
 
@@ -109,7 +109,7 @@ class PhysicalLimits:
             The modes; none for a speed at which there is none.
         """
         machine = self._scaled(theta)
-        basis = modal_basis(machine, self.highest)
+        basis = reduced_basis(machine, self.highest)
         found = []
         for spin, row in zip(self.speeds.tolist(), self._coefficients(theta), strict=True):
             matrices = system_matrices(machine, coefficients=row, basis=basis)
@@ -142,7 +142,7 @@ class PhysicalLimits:
             Derivatives (n,), 0 for coordinates of other kinds [rad/s].
         """
         machine, root = self._scaled(theta), mode.eigenvalue
-        basis = modal_basis(machine, self.highest)
+        basis = reduced_basis(machine, self.highest)
         at = self.coordinates.at_speeds(np.array([mode.speed]))
         base = at.coefficients(theta).reshape(-1)
         spin = self.machine.direction * mode.speed

@@ -126,12 +126,27 @@ EVERYTHING = Basis(None)
 """Basis without reduction: every degree of freedom is a coordinate."""
 
 
-@cached_by_identity
 def modal_basis(machine: Machine, highest: float) -> Basis:
     """Compute shapes in which the modes of a machine up to a frequency are as on its whole mesh.
 
+    As `reduced_basis`, but a mesh that is small anyway is left as it is: results on it are exact.
+
+    Args:
+        machine: The machine.
+        highest: Highest frequency [rad/s].
+
+    Returns:
+        The basis.
+    """
+    return EVERYTHING if assemble_rotor(machine).size <= SMALL else reduced_basis(machine, highest)
+
+
+@cached_by_identity
+def reduced_basis(machine: Machine, highest: float) -> Basis:
+    """Compute shapes in which the modes of a machine up to a frequency are nearly as on its whole mesh.
+
     This holds whatever the machine's coefficients are, at spin speeds up to that size. Component mode synthesis (MacNeal 1971,
-    Rubin 1975; module's docstring). A mesh that is small anyway is left as it is.
+    Rubin 1975; module's docstring).
 
     Args:
         machine: The machine.
@@ -141,8 +156,6 @@ def modal_basis(machine: Machine, highest: float) -> Basis:
         The basis.
     """
     rotor = assemble_rotor(machine)
-    if rotor.size <= SMALL:
-        return EVERYTHING
     shapes = _shapes(machine, rotor, highest)
     return Basis(shapes) if shapes.shape[1] < rotor.plane_size else EVERYTHING
 
