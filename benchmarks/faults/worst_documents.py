@@ -4,7 +4,8 @@ Each machine's samples come over HTTP, a batch a second. What is told of each is
 longest transaction and the longest cycle of ingest, as the service's own metrics say it, and how long `/alive` took, asked
 twenty times a second by a process of its own, while they run down, until all runs are closed, and for a while longer.
 
-    python -m benchmarks.faults.worst_documents [--each 5] [--settle 125] [--linger 60] [--seed 0] [--repeats 3] [--database postgresql]
+    python -m benchmarks.faults.worst_documents [--each 5] [--settle 125] [--linger 60] [--seed 0] [--repeats 3]
+        [--database postgresql]
 
 A machine does other things as well, and the longest of some thousand transactions is one of a kind: what is judged is the
 median of the repeats, each with a service of its own. Samples may not be lost in any.
@@ -17,7 +18,9 @@ import tempfile
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
+from statistics import median
 from typing import Any
 
 import httpx
@@ -109,8 +112,27 @@ def send(url: str, machine: Machine, *, seed: int, pace_s: float = 1.0, batches:
     return acknowledged
 
 
-def measure(service: Service, options: argparse.Namespace) -> bool:
-    """Print the figures; whether they are as asked."""
+@dataclass(frozen=True)
+class Figures:
+    """What one service showed.
+
+    Attributes:
+        lost: Acknowledged samples that are not stored, of all that were acknowledged.
+        acknowledged: Samples that were acknowledged.
+        transaction_s: Longest transaction.
+        cycle_s: Longest stretch in which ingest takes no message.
+        alive_s: Largest of 99 % of the times that `/alive` took.
+    """
+
+    lost: int
+    acknowledged: int
+    transaction_s: float
+    cycle_s: float
+    alive_s: float
+
+
+def measure(service: Service, options: argparse.Namespace) -> Figures:
+    """Print and return the figures of one service."""
     documents = [largest(kind) | {"id": f"m{k}-{n}"} for k, kind in enumerate(KINDS) for n in range(options.each)]
     url = f"http://127.0.0.1:{service.port}/api/v1"
     with service.running():
@@ -131,20 +153,31 @@ def measure(service: Service, options: argparse.Namespace) -> bool:
         watch.stop()
         stored = sum(row["received"] for row in service.get("/sources", limit=1000))
         states = service.get("/health")["jobs"]
-    lost = acknowledged - stored
     alive = np.array(took)
-    p99 = float(np.percentile(alive, 99))
     transaction, cycle = (watch.largest[name] for name in FIGURES)
-    print(f"{len(documents)} machines, {options.each} each of: {', '.join(KINDS)}; seed {options.seed}")
-    print(f"  acknowledged samples lost: {lost} of {acknowledged}; asked: 0")
+    figures = Figures(acknowledged - stored, acknowledged, transaction, cycle, float(np.percentile(alive, 99)))
+    print(f"  acknowledged samples lost: {figures.lost} of {acknowledged}")
+    print(f"  longest transaction: {1e3 * transaction:.0f} ms; longest stretch without a message: {1e3 * cycle:.0f} ms")
+    print(
+        f"  /alive, {alive.size} times: median {1e3 * np.median(alive):.1f} ms, p99 {1e3 * figures.alive_s:.0f} ms, "
+        f"largest {1e3 * alive.max():.0f} ms"
+    )
+    print(f"  all runs closed {closed_after:.1f} s after the last sample; jobs meanwhile: {states}", flush=True)
+    return figures
+
+
+def judge(found: list[Figures]) -> bool:
+    """Print the medians beside what is asked; whether they are as asked."""
+    lost = sum(one.lost for one in found)
+    transaction = median(one.transaction_s for one in found)
+    cycle = median(one.cycle_s for one in found)
+    alive = median(one.alive_s for one in found)
+    print(f"median of {len(found)}")
+    print(f"  acknowledged samples lost, all together: {lost}; asked: 0")
     print(f"  longest transaction: {1e3 * transaction:.0f} ms; asked: {1e3 * LONGEST_TRANSACTION_S:.0f} ms")
     print(f"  longest stretch in which ingest takes no message: {1e3 * cycle:.0f} ms; asked: {1e3 * LONGEST_CYCLE_S:.0f} ms")
-    print(
-        f"  /alive, {alive.size} times: median {1e3 * np.median(alive):.1f} ms, p99 {1e3 * p99:.0f} ms, "
-        f"largest {1e3 * alive.max():.0f} ms; asked: p99 {1e3 * ALIVE_S:.0f} ms"
-    )
-    print(f"  all runs closed {closed_after:.1f} s after the last sample; jobs meanwhile: {states}")
-    return lost == 0 and transaction <= LONGEST_TRANSACTION_S and cycle <= LONGEST_CYCLE_S and p99 <= ALIVE_S
+    print(f"  /alive, p99: {1e3 * alive:.0f} ms; asked: {1e3 * ALIVE_S:.0f} ms")
+    return lost == 0 and transaction <= LONGEST_TRANSACTION_S and cycle <= LONGEST_CYCLE_S and alive <= ALIVE_S
 
 
 def send_all(url: str, documents: list[dict[str, Any]], *, seed: int, **how: Any) -> int:
@@ -170,14 +203,19 @@ def main() -> None:
     parser.add_argument("--linger", type=float, default=60.0, help="how long it is looked at after all runs are closed [s]")
     parser.add_argument("--settle", type=float, default=125.0, help="how long the machines are at speed before [s]")
     parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--database", choices=["sqlite", "postgresql"], default="sqlite")
     options = parser.parse_args()
-    with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as until_then:
-        url = None
-        if options.database == "postgresql":
-            url = PostgresqlDatabases(until_then.enter_context(server())).new(Path(folder) / "worst")
-        if not measure(Service(Path(folder), database=url, RUNDOWN_REQUESTS_PER_S="10000"), options):
-            raise SystemExit(1)
+    print(f"{len(KINDS) * options.each} machines, {options.each} each of: {', '.join(KINDS)}; seed {options.seed}")
+    found = []
+    for _ in range(options.repeats):
+        with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as until_then:
+            url = None
+            if options.database == "postgresql":
+                url = PostgresqlDatabases(until_then.enter_context(server())).new(Path(folder) / "worst")
+            found.append(measure(Service(Path(folder), database=url, RUNDOWN_REQUESTS_PER_S="10000"), options))
+    if not judge(found):
+        raise SystemExit(1)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 PAUSE_S = 0.0005
 LONGEST_S = 0.05
 """Longest total of a cycle's pauses: half of the time between two cycles."""
-LONGEST_IN_TRANSACTION_S = 0.01
+LONGEST_IN_TRANSACTION_S = 0.004
 """Longest total within one transaction: on a busy machine a short pause may last 20 ms, and other writers wait."""
 
 
