@@ -21,7 +21,7 @@ from storage.measurements.samples import SourceKey
 
 logger = logging.getLogger(__name__)
 
-LONGEST_TRANSACTION_S = 0.008
+LONGEST_TRANSACTION_S = 0.012
 """Time after which no further batch is added to a transaction; the consequences of those in it come on top."""
 LONGEST_TURN_S = 0.1
 """Time after which a turn stores no further single batch: messages wait to be taken."""
