@@ -12,6 +12,7 @@ from estimator.machine.parameter_description import describe
 from estimator.machine.rules import Noise
 from estimator.quantities import Quantity
 from estimator.rotor.assembly import assemble_rotor
+from estimator.rotor.coefficient_models import expected_coefficients, expects_a_law, governing_models
 from estimator.rotor.condensation import condense
 from estimator.rotor.parameters import Unknowns, unknowns
 from estimator.rotor.response import response
@@ -49,7 +50,8 @@ class Truth:
 
     Attributes:
         unknowns: Names and expectations of coefficients and excitations.
-        coefficients: Coefficients (K,) [SI].
+        coefficients: Coefficients (K,), of those that follow a table over speed the values in the middle of the speed range
+            [SI].
         unbalances: Complex unbalances (P,) [kg m].
         factors: Factors by name on E and density of the materials that the document does not take as known [-].
     """
@@ -84,6 +86,12 @@ def draw_truth(machine: Machine, rng: np.random.Generator) -> Truth:
     turned = nominal * np.exp(0.1 * rng.standard_normal(nominal.size) + 0.3j * rng.standard_normal(nominal.size))
     train = condense(machine, speed=np.ones(1), direction=np.ones(1))
     drawn = np.exp(train.scale_spread * rng.standard_normal(train.scale_spread.size)).tolist()
+    for one in governing_models(unknown.coefficients):
+        if expects_a_law(one.model):  # off as its own parameters are
+            centre, spread = (np.array([getattr(p, of) for p in one.model.parameters]) for of in ("centre", "spread"))
+            curves = one.model.at(np.array([rpm_to_rad_per_s(machine.speed_range.middle_rpm)]))
+            off = curves.values(centre + spread * rng.standard_normal(centre.size))[0]
+            factor[list(one.coefficients)] = _ratio(off, curves.values(centre)[0])
     return Truth(unknown, expected * factor, turned, dict(zip(train.scale_names, drawn, strict=True)))
 
 
@@ -229,7 +237,22 @@ def true_phasors(machine: Machine, truth: Truth, speed: Floats) -> Complexes:
     # A simulated machine has no bow and no misalignment load, even where its document allows for them.
     excitations = np.zeros(len(train.unknowns.excitations), dtype=complex)
     excitations[: truth.unbalances.size] = truth.unbalances
-    return response(train, coefficients=truth.coefficients, excitations=excitations)
+    return response(train, coefficients=_over_speed(truth, speed), excitations=excitations)
+
+
+def _over_speed(truth: Truth, speed: Floats) -> Floats:
+    """Return the true coefficients, (K,) or where some follow a table (S, K) [SI]: off by the same factor at every speed."""
+    listed = truth.unknowns.coefficients
+    over = expected_coefficients(listed, speed)
+    middle = np.array([one.expected for one in listed])
+    if np.all(over == middle):
+        return truth.coefficients
+    return np.asarray(np.where(over == middle, truth.coefficients, _ratio(truth.coefficients, middle) * over))
+
+
+def _ratio(values: Floats, reference: Floats) -> Floats:
+    """Return values over their references, 1 where the reference is zero [-]."""
+    return np.divide(values, reference, out=np.ones_like(values), where=reference != 0.0)
 
 
 def noise(model: Noise, clean: Complexes, rng: np.random.Generator) -> Complexes:
