@@ -123,7 +123,10 @@ class TableModel:
         Returns:
             Their curves.
         """
-        return TableCurves(self._interpolant(np.clip(speed, self.speed[0], self.speed[-1])), self._power)
+        columns = np.array(self.columns)
+        found = self._interpolant(np.clip(speed, self.speed[0], self.speed[-1]))
+        # Rounding must not make anything of a column that spans many decades negative.
+        return TableCurves(np.clip(found, columns.min(axis=1), columns.max(axis=1)), self._power)
 
     def level(self, fitted: Floats) -> Floats:  # noqa: ARG002 - whatever they are
         """Refuse coefficients that are the same at every speed: a table's are not.

@@ -69,8 +69,6 @@ def _crossings(undamped: Callable[[float], Floats], speeds: Floats) -> Floats:
     for k in range(min(map(len, at))):
         away = np.array([one[k] for one in at]) - speeds
         for i in np.flatnonzero(np.sign(away[1:]) != np.sign(away[:-1])).tolist():
-            crossing = scipy.optimize.brentq(
-                lambda one, k=k: float(undamped(one)[k]) - one, speeds[i], speeds[i + 1], rtol=1e-8
-            )
-            found.append(float(crossing))
+            ends = speeds[i], speeds[i + 1]
+            found.append(float(scipy.optimize.brentq(lambda one, k=k: float(undamped(one)[k]) - one, *ends, rtol=1e-8)))
     return np.sort(found)

@@ -230,10 +230,8 @@ class ExpectedOrbits:
         Raises:
             ValueError: The document gives no stiffness of a bearing, or the machine has no critical speed.
         """
-        rpm = machine.speed_range.middle_rpm
-        guessed = [
-            one.id for one in machine.bearings if None in [nominal_value(one, term, rpm=rpm) for term in ("kxx", "kyy")]
-        ]
+        rpm, terms = machine.speed_range.middle_rpm, ("kxx", "kyy")
+        guessed = [one.id for one in machine.bearings if None in [nominal_value(one, term, rpm=rpm) for term in terms]]
         if guessed:
             raise ValueError(f"the document gives no stiffness of bearing {', '.join(guessed)}")
         basis = modal_basis(machine, rpm_to_rad_per_s(machine.speed_range.maximum_rpm))
