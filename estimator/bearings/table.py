@@ -8,7 +8,7 @@ its ends the table is held level.
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, ClassVar, Literal, NoReturn, Self
 
 import numpy as np
 from pydantic import Field, ValidationInfo, field_validator, model_validator
@@ -128,11 +128,14 @@ class TableModel:
         # Rounding must not make anything of a column that spans many decades negative.
         return TableCurves(np.clip(found, columns.min(axis=1), columns.max(axis=1)), self._power)
 
-    def level(self, fitted: Floats) -> Floats:  # noqa: ARG002 - whatever they are
-        """Refuse coefficients that are the same at every speed: a table's are not.
+    def level(self, fitted: Floats) -> NoReturn:  # noqa: ARG002 - whatever they are
+        """Return no factors: a table's coefficients are not the same at every speed.
 
         Args:
             fitted: Fitted numbers (C,) of the constant coefficients [-].
+
+        Returns:
+            Nothing, ever.
 
         Raises:
             ValueError: Always.

@@ -63,7 +63,10 @@ def _critical_speeds(document: str) -> Floats:
 
 
 def _crossings(undamped: Callable[[float], Floats], speeds: Floats) -> Floats:
-    """Find the speeds at which one of the critical speeds of the matrices of that very speed lies."""
+    """Find the speeds at which one of the critical speeds of the matrices of that very speed lies.
+
+    Roots by Brent (Algorithms for Minimization without Derivatives, Prentice-Hall 1973; Comput. J. 14 (1971) 422).
+    """
     at = [undamped(float(one)) for one in speeds]
     found: list[float] = []
     for k in range(min(map(len, at))):

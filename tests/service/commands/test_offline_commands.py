@@ -156,9 +156,9 @@ def test_bearings_follow_tables_in_files_beside_the_document(tmp_path: Path) -> 
         here = chapter_3_document()
         for bearing in here["bearings"]:
             bearing |= {n: np.interp(30 * speed / np.pi, speeds, column) for n, column in columns[bearing["id"]].items()}
-        return dense_response(parse_machine(here), np.array([speed]), direction=1)[0]
+        return dense_response(parse_machine(here), np.array([speed]), direction=1)
 
-    path_of_run = recorded(tmp_path, "run", noisy(np.array([at(speed) for speed in SPEED]), seed=4))
+    path_of_run = recorded(tmp_path, "run", noisy(np.concatenate([at(speed) for speed in SPEED]), seed=4))
     text = run("identify", str(path), path_of_run)
     assert "warning: bearings[3].speed_dependence.speed_rpm: the table covers 90 to 3000 r/min" in text
     assert "\naccepted" in text
