@@ -20,7 +20,8 @@ estimator/fit: estimator estimator/bearings estimator/machine estimator/modes es
 estimator/runs: estimator estimator/machine estimator/phasors
 estimator/thesis: estimator estimator/bearings estimator/machine estimator/modes estimator/phasors estimator/rotor
 estimator/diagnosis: estimator estimator/fit estimator/machine estimator/rotor estimator/trends
-estimator/simulation: estimator estimator/machine estimator/phasors estimator/rotor estimator/runs estimator/trends
+estimator/simulation: estimator estimator/bearings estimator/machine estimator/phasors estimator/rotor estimator/runs
+    estimator/trends
 estimator/updated_model: estimator estimator/fit estimator/machine estimator/modes estimator/phasors estimator/rotor
 estimator/identification: estimator estimator/fit estimator/machine estimator/modes estimator/phasors estimator/rotor
     estimator/updated_model

@@ -1,11 +1,13 @@
 """Simulation of a plant's machine: its true parameters over the weeks, its coast-downs and run-ups, and noisy phasors."""
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
+from estimator.bearings.model import ModelParameter
 from estimator.machine.coupling_neighbours import neighbouring_bearings
 from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe
@@ -86,12 +88,8 @@ def draw_truth(machine: Machine, rng: np.random.Generator) -> Truth:
     turned = nominal * np.exp(0.1 * rng.standard_normal(nominal.size) + 0.3j * rng.standard_normal(nominal.size))
     train = condense(machine, speed=np.ones(1), direction=np.ones(1))
     drawn = np.exp(train.scale_spread * rng.standard_normal(train.scale_spread.size)).tolist()
-    for one in governing_models(unknown.coefficients):
-        if expects_a_law(one.model):  # off as its own parameters are
-            centre, spread = (np.array([getattr(p, of) for p in one.model.parameters]) for of in ("centre", "spread"))
-            curves = one.model.at(np.array([rpm_to_rad_per_s(machine.speed_range.middle_rpm)]))
-            off = curves.values(centre + spread * rng.standard_normal(centre.size))[0]
-            factor[list(one.coefficients)] = _ratio(off, curves.values(centre)[0])
+    for where, off in _factors_of_laws(unknown, rng, lambda one: one.spread):
+        factor[where] = off
     return Truth(unknown, expected * factor, turned, dict(zip(train.scale_names, drawn, strict=True)))
 
 
@@ -141,9 +139,29 @@ def truth_of_run(truth: Truth, rng: np.random.Generator) -> Truth:
         Truth of the run.
     """
     size = np.array([RUN_SCATTER.get(c.quantity, OTHER_RUN_SCATTER) for c in truth.unknowns.coefficients])
-    coefficients = truth.coefficients * (1.0 + size * rng.standard_normal(size.size))
+    factor = 1.0 + size * rng.standard_normal(size.size)
     turn = rng.standard_normal(truth.unbalances.size) + 1j * rng.standard_normal(truth.unbalances.size)
-    return replace(truth, coefficients=coefficients, unbalances=truth.unbalances * (1 + RUN_SCATTER["unbalance"] * turn))
+    scatter = {one.name: float(own) for one, own in zip(truth.unknowns.coefficients, size, strict=True)}
+    for where, off in _factors_of_laws(truth.unknowns, rng, lambda one: scatter[describe(one.name).coefficient]):
+        factor[where] = off
+    unbalances = truth.unbalances * (1 + RUN_SCATTER["unbalance"] * turn)
+    return replace(truth, coefficients=truth.coefficients * factor, unbalances=unbalances)
+
+
+def _factors_of_laws(
+    unknown: Unknowns, rng: np.random.Generator, spread: Callable[[ModelParameter], float]
+) -> Iterator[tuple[list[int], Floats]]:
+    """Yield the coefficients that follow a law over speed, such as a table, and factors by which they are off.
+
+    They are off as the law's own parameters are, each drawn with its spread [-]: those of an exact table not at all.
+    """
+    for one in governing_models(unknown.coefficients):
+        if expects_a_law(one.model):
+            centre = np.array([parameter.centre for parameter in one.model.parameters])
+            size = np.array([spread(parameter) for parameter in one.model.parameters])
+            curves = one.model.at(np.ones(1))  # a factor at one speed is the factor at all
+            drawn = curves.values(centre + size * rng.standard_normal(centre.size))[0]
+            yield list(one.coefficients), _ratio(drawn, curves.values(centre)[0])
 
 
 def drawn_conditions(machine: Machine, time_s: float, rng: np.random.Generator) -> Floats:
