@@ -20,7 +20,8 @@ estimator/fit: estimator estimator/bearings estimator/machine estimator/modes es
 estimator/runs: estimator estimator/machine estimator/phasors
 estimator/thesis: estimator estimator/bearings estimator/machine estimator/modes estimator/phasors estimator/rotor
 estimator/diagnosis: estimator estimator/fit estimator/machine estimator/rotor estimator/trends
-estimator/simulation: estimator estimator/machine estimator/phasors estimator/rotor estimator/runs estimator/trends
+estimator/simulation: estimator estimator/bearings estimator/machine estimator/phasors estimator/rotor estimator/runs
+    estimator/trends
 estimator/updated_model: estimator estimator/fit estimator/machine estimator/modes estimator/phasors estimator/rotor
 estimator/identification: estimator estimator/fit estimator/machine estimator/modes estimator/phasors estimator/rotor
     estimator/updated_model
@@ -43,7 +44,7 @@ service/wire: estimator estimator/machine estimator/phasors storage storage/enco
 service/alerts: estimator storage storage/alerts storage/tables
 service/resilience: service/wire storage storage/database storage/measurements
 service/secrets: storage/backup storage/database
-service/configuration: estimator/machine service/secrets storage/encoding
+service/configuration: estimator/bearings estimator/machine service/secrets storage/encoding
 service/http: estimator service/configuration service/resilience service/secrets storage/database storage/operation
 service/messaging: service/configuration service/wire
 service/replication: service/configuration service/resilience storage/database storage/findings storage/operation

@@ -146,6 +146,26 @@ class SpeedDependence(Part):
         """
         return len(self.knots_rpm) * len(terms)
 
+    def nominal(self, term: str, rpm: float) -> None:
+        """Return None: the element's own nominal values hold, at every speed.
+
+        Args:
+            term: The term, such as `kxx`.
+            rpm: Speed [r/min].
+        """
+
+    def warnings(self, lowest_rpm: float, highest_rpm: float) -> tuple[tuple[str, str], ...]:  # noqa: ARG002
+        """Return no warnings.
+
+        Args:
+            lowest_rpm: Lowest speed of the machine [r/min].
+            highest_rpm: Its highest speed [r/min].
+
+        Returns:
+            Nothing.
+        """
+        return ()
+
     def models(self, coefficients: Sequence[ModelParameter]) -> Sequence[CoefficientModel]:
         """Return a model of each coefficient.
 

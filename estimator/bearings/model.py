@@ -7,7 +7,7 @@ forms.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Protocol
 
@@ -106,12 +106,14 @@ class OwnParameter:
         quantity: Physical quantity.
         unit: SI unit.
         positive: Whether it is positive by nature, as of `ModelParameter`.
+        term: The element's direct term that it scales, such as `kxx`; None for one that scales none.
     """
 
     name: str
     quantity: str
     unit: str
     positive: bool
+    term: str | None = None
 
 
 class CoefficientCurves(Protocol):
@@ -205,6 +207,28 @@ class BearingForm(Protocol):
 
         Returns:
             The number.
+        """
+
+    def nominal(self, term: str, rpm: float) -> float | None:
+        """Return the value that the form itself gives a term before any measurement.
+
+        Args:
+            term: The term, such as `kxx`.
+            rpm: Speed [r/min].
+
+        Returns:
+            The value [SI]; None where the element's own nominal value holds, at every speed.
+        """
+
+    def warnings(self, lowest_rpm: float, highest_rpm: float) -> Iterable[tuple[str, str]]:
+        """Find what is possible but hardly meant.
+
+        Args:
+            lowest_rpm: Lowest speed of the machine [r/min].
+            highest_rpm: Its highest speed [r/min].
+
+        Returns:
+            Pairs of a field of the form, and a sentence about it.
         """
 
     def models(self, coefficients: Sequence[ModelParameter]) -> Sequence[CoefficientModel]:

@@ -11,10 +11,11 @@ from pydantic import BaseModel, Discriminator, Tag
 from estimator.bearings.constant import Constant
 from estimator.bearings.knots import SpeedDependence
 from estimator.bearings.model import BearingForm, OwnParameter
+from estimator.bearings.table import Table
 
 T = TypeVar("T")
 
-FORMS = (SpeedDependence,)
+FORMS = (SpeedDependence, Table)
 """Forms of `speed_dependence` in a machine document."""
 
 CONSTANT = Constant()

@@ -164,6 +164,6 @@ class ChangeColumns:
 
     def _of(self, element: str) -> Iterator[tuple[int, Coefficient]]:
         for place, name in enumerate(self.names):
-            one = self._coefficients.get(describe(name).whole)
+            one = self._coefficients.get(describe(name).coefficient)
             if one is not None and one.element == element:
                 yield place, one

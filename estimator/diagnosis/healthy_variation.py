@@ -66,7 +66,7 @@ def slow_variation(unknowns: Unknowns, names: Sequence[str], typical: Floats) ->
         Covariance (N, N) [SI², 1 for logarithms].
     """
     by_name = {one.name: one for one in unknowns.coefficients}
-    known = [by_name.get(describe(name).whole) for name in names]
+    known = [by_name.get(describe(name).coefficient) for name in names]
     growth = np.array([_growth(one, float(value)) for one, value in zip(known, typical, strict=True)])
     shared = growth * np.array([0.0 if one is None else SHARED.get(one.quantity, 0.0) for one in known])
     groups = [None if one is None else (one.element, one.order == 1) for one in known]

@@ -178,8 +178,8 @@ class Coordinates:
         Returns:
             The coordinates.
         """
-        curves = {one.first: one.model.at(speed) for one in self.models}
-        return replace(self, models=tuple(replace(one, curves=curves[one.first]) for one in self.models))
+        curves = {id(one.model): one.model.at(speed) for one in self.models}  # tied ones share their leader's
+        return replace(self, models=tuple(replace(one, curves=curves[id(one.model)]) for one in self.models))
 
     def places(self, coefficient: int) -> range:
         """Return the coordinates of a coefficient.

@@ -127,6 +127,8 @@ def _coefficients(
             yield _not_estimated(coefficient, f"kept at its nominal value {coefficient.nominal:g} {coefficient.unit}")
         elif coefficient.tied_to is not None:
             yield _not_estimated(coefficient, f"tied to {coefficient.tied_to}")
+        elif not coordinates.places(k):
+            yield _not_estimated(coefficient, "as the document gives it over speed, which is taken as exact")
         else:
             for place in coordinates.places(k):
                 if place in told:

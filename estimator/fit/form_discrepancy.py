@@ -103,9 +103,15 @@ def judge_form(problem: FitProblem, found: FitResult, covariance: Floats, condit
 def _form_alone_decides(problem: FitProblem) -> bool:
     """Return whether more coefficients follow the speed than m channels give real numbers at one speed, 2m.
 
-    Then others can make up for any deviation of one of them, and the form alone tells them apart.
+    Then others can make up for any deviation of one of them, and the form alone tells them apart. A model with parameters of
+    another kind than values at speeds, such as factors on a table, does not leave its coefficients that freedom.
     """
-    following = {k for one in problem.coordinates.models for k in one.coefficients}
+    following = {
+        k
+        for one in problem.coordinates.models
+        if any(parameter.coefficient is not None for parameter in one.model.parameters)
+        for k in one.coefficients
+    }
     return len(following) > 2 * len(problem.train.channels)
 
 

@@ -10,6 +10,7 @@ from estimator.arrays import Complexes, Floats
 from estimator.fit.coordinates import Coordinates
 from estimator.fit.fit_problem import FitProblem, FitResult
 from estimator.machine.document import Machine
+from estimator.machine.parameter_description import describe
 from estimator.rotor.assembly import assemble_rotor
 from estimator.rotor.modal_reduction import modal_basis
 from estimator.rotor.parameters import Coefficient, dense
@@ -67,10 +68,10 @@ class OpenParameters:
         return float(speed.min()), float(speed.max())
 
     def _coefficient(self, place: int) -> tuple[int, Coefficient] | None:
-        for k, one in enumerate(self.problem.train.unknowns.coefficients):
-            if place in self.problem.coordinates.places(k):
-                return k, one
-        return None
+        coordinates, own = self.problem.coordinates, describe(self.problem.coordinates.names[place]).coefficient
+        given = [(k, one) for k, one in enumerate(self.problem.train.unknowns.coefficients) if place in coordinates.places(k)]
+        # Of the several coefficients of a model, the one that the coordinate is named after.
+        return next((pair for pair in given if pair[1].name == own), given[0] if given else None)
 
     def _no_mode(self, k: int, coefficient: Coefficient) -> str | None:
         low, high = self._range

@@ -9,7 +9,14 @@ from typing import Any, Protocol
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from estimator.machine.parameter_description import describe
-from estimator.machine.part_coefficients import ELEMENTS, Elements, coefficient_names, coefficient_values, planes
+from estimator.machine.part_coefficients import (
+    ELEMENTS,
+    Elements,
+    coefficient_names,
+    coefficient_values,
+    given_over_speed,
+    planes,
+)
 from estimator.machine.parts import STATION_TOLERANCE, Disc, Material, Shaft
 from estimator.machine.rules import Condition, Operation, ParameterRule, SpeedRange
 
@@ -147,6 +154,11 @@ def _dependence_problems(train: Train) -> Iterator[InitErrorDetails]:
                 if name not in known:
                     message = f"'{name}' is not identified here; what is: {', '.join(known)}"
                     yield _problem((place, i, "speed_dependence", "coefficients"), name, message)
+            for name in known:
+                value = getattr(part, name)
+                if form is not None and value is not None and form.nominal(name, train.speed_range.middle_rpm) is not None:
+                    message = "stands in the table of speed_dependence, too: give it in one place only"
+                    yield _problem((place, i, name), value, message)
 
 
 def _matching(pattern: str, names: Iterable[str]) -> list[str]:
@@ -175,7 +187,7 @@ def _fitting(train: Train, names: Iterable[str]) -> dict[str, list[str]]:
 
 
 def _rule_problems(train: Train) -> Iterator[InitErrorDetails]:
-    coefficients = coefficient_values(train)
+    coefficients, over_speed = coefficient_values(train), given_over_speed(train, rpm=train.speed_range.middle_rpm)
     values = coefficients | planes(train.discs)
     fitting = _fitting(train, values)
     in_force = {name: i for i, rule in enumerate(train.parameters) for name in fitting[rule.names]}
@@ -187,7 +199,11 @@ def _rule_problems(train: Train) -> Iterator[InitErrorDetails]:
             message = f"'{rule.names}' matches no parameter; one of them is {next(iter(values))}"
             yield _problem(("parameters", i, "names"), rule.names, message)
         ruled = by_rule.get(i, [])
-        unknown = [name for name in ruled if values[name] is None]
+        given = [name for name in ruled if name in over_speed]
+        if given and rule.tied_to is None:
+            message = f"{', '.join(given)} follow a table: its scale_spread says how far it may be off, 0 that it is exact"
+            yield _problem(("parameters", i), rule.names, message)
+        unknown = [name for name in ruled if values[name] is None and name not in over_speed]
         if unknown and rule.tied_to is None:
             message = f"needs a nominal value of {', '.join(unknown)}"
             yield _problem(("parameters", i), rule.names, message)

@@ -61,6 +61,12 @@ class ParameterDescription:
         own = OWN_PARAMETERS.get(self.quantity)
         return own.positive if own is not None else self.quantity in SCALE_FACTORS
 
+    @property
+    def coefficient(self) -> str:
+        """Return the name of the coefficient whose value, or scale factor, it is; `whole` for anything else."""
+        own = OWN_PARAMETERS.get(self.quantity)
+        return self.whole if own is None or own.term is None else f"{self.element}.{own.term}"
+
     def of_term(self, term: str) -> str:
         """Return the name of another term of the element, at the same knot.
 

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Protocol
 
 from estimator.bearings.terms import ANGULAR, COUPLING, LATERAL, SEAL, Term
-from estimator.machine.parts import Bearing, Coupling, Disc, Seal
+from estimator.machine.parts import Bearing, Coupling, Disc, LateralCoefficients, Seal
 
 ELEMENTS = {"bearings": "bearing", "couplings": "coupling", "seals": "seal"}
 """Lists of the document whose parts have coefficients, and the beginning of their parameters' names."""
@@ -27,7 +27,7 @@ class Elements(Protocol):
 
 
 def coefficient_values(train: Elements) -> dict[str, float | None]:
-    """Return the nominal value of every coefficient that is identified.
+    """Return the nominal value of every coefficient that is identified, as its part gives it.
 
     Args:
         train: Parts with coefficients.
@@ -41,6 +41,42 @@ def coefficient_values(train: Elements) -> dict[str, float | None]:
         for part in getattr(train, place)
         for name in coefficient_names(part)
     }
+
+
+def given_over_speed(train: Elements, *, rpm: float) -> frozenset[str]:
+    """Return the names of the coefficients whose nominal values are those of a form over speed, such as a table.
+
+    Args:
+        train: Parts with coefficients.
+        rpm: Any speed of the machine [r/min].
+
+    Returns:
+        Names, such as `bearing.B1.kxx`.
+    """
+    return frozenset(
+        f"{kind}.{part.id}.{name}"
+        for place, kind in ELEMENTS.items()
+        for part in getattr(train, place)
+        for name in coefficient_names(part)
+        if part.speed_dependence is not None and part.speed_dependence.nominal(name, rpm) is not None
+    )
+
+
+def nominal_value(part: LateralCoefficients, term: str, *, rpm: float) -> float | None:
+    """Return the nominal value of a term of a part: that of its form, where the form gives one, else its own.
+
+    Args:
+        part: The part.
+        term: The term, such as `kxx`.
+        rpm: Speed [r/min].
+
+    Returns:
+        The value [SI]; None where the document gives none.
+    """
+    form = part.speed_dependence
+    given = None if form is None else form.nominal(term, rpm)
+    value: float | None = getattr(part, term)
+    return value if given is None else given
 
 
 def coefficient_names(part: Bearing | Coupling | Seal) -> tuple[str, ...]:

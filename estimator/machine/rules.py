@@ -31,6 +31,11 @@ class SpeedRange(Part):
             raise ValueError(f"minimum_rpm {self.minimum_rpm} must be below maximum_rpm {self.maximum_rpm}")
         return self
 
+    @property
+    def middle_rpm(self) -> float:
+        """Return the speed in the middle of the range [r/min]."""
+        return (self.minimum_rpm + self.maximum_rpm) / 2
+
 
 class Operation(Part):
     """Operation of the machine, as far as its runs cannot be told from the speed alone."""

@@ -1,8 +1,10 @@
 """Critical speeds of the document's nominal model, and the ones that a run has crossed."""
 
+from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
+import scipy.optimize
 
 from estimator.arrays import Floats
 from estimator.machine.document import Machine
@@ -13,6 +15,8 @@ from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 
 CACHE_SIZE = 256
 """Number of machines whose critical speeds are cached."""
+GRID = 16
+"""Number of speeds between which crossings are looked for where coefficients follow a table over speed."""
 
 
 def crossed_critical_speeds(machine: Machine, *, lowest: float, highest: float) -> list[float]:
@@ -46,7 +50,28 @@ def nominal_critical_speeds(machine: Machine) -> Floats:
 def _critical_speeds(document: str) -> Floats:
     machine = Machine.model_validate_json(document)
     highest = rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
-    # Where coefficients follow the speed, those of the middle.
     matrices = system_matrices_over_speed(machine, basis=modal_basis(machine, highest))
-    found = undamped_critical_speeds(matrices(highest / 2), direction=machine.direction)
+
+    def undamped(speed: float) -> Floats:
+        return undamped_critical_speeds(matrices(speed), direction=machine.direction)
+
+    # Matrices of nominal coefficients that do not follow the speed are one and the same.
+    if matrices(highest) is not matrices(highest / GRID):
+        return _crossings(undamped, np.linspace(highest / GRID, highest, GRID))
+    found = undamped(highest)
     return np.asarray(found[found <= highest])
+
+
+def _crossings(undamped: Callable[[float], Floats], speeds: Floats) -> Floats:
+    """Find the speeds at which one of the critical speeds of the matrices of that very speed lies.
+
+    Roots by Brent (Algorithms for Minimization without Derivatives, Prentice-Hall 1973; Comput. J. 14 (1971) 422).
+    """
+    at = [undamped(float(one)) for one in speeds]
+    found: list[float] = []
+    for k in range(min(map(len, at))):
+        away = np.array([one[k] for one in at]) - speeds
+        for i in np.flatnonzero(np.sign(away[1:]) != np.sign(away[:-1])).tolist():
+            ends = speeds[i], speeds[i + 1]
+            found.append(float(scipy.optimize.brentq(lambda one, k=k: float(undamped(one)[k]) - one, *ends, rtol=1e-8)))
+    return np.sort(found)

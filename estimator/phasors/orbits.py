@@ -14,10 +14,12 @@ from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine
+from estimator.machine.part_coefficients import nominal_value
 from estimator.modes.critical_speed import undamped_critical_speeds
 from estimator.phasors.measurement import Measurement
 from estimator.phasors.noise import error_size
 from estimator.phasors.probe_axes import AxisPhasors, ProbeStation, axis_phasors, probe_stations
+from estimator.rotor.coefficient_models import expected_coefficients
 from estimator.rotor.condensation import condense
 from estimator.rotor.modal_reduction import modal_basis
 from estimator.rotor.system_matrices import system_matrices
@@ -228,7 +230,8 @@ class ExpectedOrbits:
         Raises:
             ValueError: The document gives no stiffness of a bearing, or the machine has no critical speed.
         """
-        guessed = [bearing.id for bearing in machine.bearings if bearing.kxx is None or bearing.kyy is None]
+        rpm, terms = machine.speed_range.middle_rpm, ("kxx", "kyy")
+        guessed = [one.id for one in machine.bearings if None in [nominal_value(one, term, rpm=rpm) for term in terms]]
         if guessed:
             raise ValueError(f"the document gives no stiffness of bearing {', '.join(guessed)}")
         basis = modal_basis(machine, rpm_to_rad_per_s(machine.speed_range.maximum_rpm))
@@ -239,7 +242,7 @@ class ExpectedOrbits:
         lowest = min(rpm_to_rad_per_s(machine.speed_range.minimum_rpm), LOWEST * critical)
         speed = np.linspace(lowest, BELOW_CRITICAL * critical, EXPECTED_SPEEDS)
         train = condense(machine, speed=speed, direction=np.full(speed.size, float(machine.direction)))
-        stiffness = train.dynamic_stiffness(np.array([one.expected for one in train.unknowns.coefficients]))
+        stiffness = train.dynamic_stiffness(expected_coefficients(train.unknowns.coefficients, speed))
         planes = len(train.unknowns.unbalances)
         response = train.output @ np.linalg.solve(stiffness, train.force[:, :, : 2 * planes : 2])
         return cls(critical, speed, response * np.array([disc.mass for disc in machine.discs]))

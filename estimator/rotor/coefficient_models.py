@@ -4,6 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from math import log
 
+import numpy as np
+
+from estimator.arrays import Floats
 from estimator.bearings.model import CoefficientModel, ModelParameter
 from estimator.rotor.parameters import Coefficient
 
@@ -69,6 +72,42 @@ def prior_parameter(coefficient: Coefficient) -> ModelParameter:
         spread=_spread(coefficient),
         coefficient=coefficient.name,
     )
+
+
+def expected_coefficients(coefficients: Sequence[Coefficient], speed: Floats) -> Floats:
+    """Return what is expected of all coefficients of a train at some speeds before any measurement.
+
+    Args:
+        coefficients: The train's K coefficients.
+        speed: Spin speeds (S,), without sign [rad/s].
+
+    Returns:
+        Coefficients (S, K) [SI].
+    """
+    found = np.tile([one.expected for one in coefficients], (speed.size, 1)).astype(float)
+    for one in governing_models(coefficients):
+        if expects_a_law(one.model):
+            centre = np.array([parameter.centre for parameter in one.model.parameters])
+            found[:, one.coefficients] = one.model.at(speed).values(centre)
+    index = {one.name: k for k, one in enumerate(coefficients)}
+    for k, tied in enumerate(coefficients):
+        if tied.tied_to is not None:
+            found[:, k] = found[:, index[tied.tied_to]]
+    return found
+
+
+def expects_a_law(model: CoefficientModel) -> bool:
+    """Return whether a model expects its coefficients to follow the speed in a certain way before any measurement.
+
+    A model whose parameters are coefficients' values expects the same everywhere.
+
+    Args:
+        model: The model.
+
+    Returns:
+        Whether it does.
+    """
+    return all(parameter.coefficient is None for parameter in model.parameters)
 
 
 def _spread(coefficient: Coefficient) -> float:

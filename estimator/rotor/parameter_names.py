@@ -122,12 +122,15 @@ def without_number(name: str) -> str:
 
 
 def _coefficient_units(coefficients: Sequence[Coefficient]) -> dict[str, str]:
-    """Return the SI unit by name: of the parameters of the bearing models, and of each coefficient that is fixed or tied."""
+    """Return the SI unit by name: of the parameters of the bearing models, and of each coefficient that has none."""
     models = {min(one.coefficients): one.model for one in governing_models(coefficients)}
+    index = {one.name: k for k, one in enumerate(coefficients)}
     found: dict[str, str] = {}
     for k, one in enumerate(coefficients):
         if one.fixed or one.tied_to is not None:
             found[one.name] = one.unit
+        elif k in models and not models[k].parameters:
+            found |= {coefficients[index[name]].name: coefficients[index[name]].unit for name in models[k].coefficients}
         elif k in models:
             found |= {parameter.name: parameter.unit for parameter in models[k].parameters}
     return found

@@ -17,6 +17,7 @@ from estimator.bearings.model import BearingForm
 from estimator.bearings.registry import CONSTANT
 from estimator.bearings.terms import ANGULAR, COUPLING, LATERAL, SEAL, Axis, Term
 from estimator.machine.document import Machine
+from estimator.machine.part_coefficients import nominal_value
 from estimator.machine.parts import Bearing, Coupling, LateralCoefficients, Seal, Shaft
 from estimator.machine.rules import ParameterRule
 from estimator.quantities import UNITS, Quantity
@@ -41,7 +42,8 @@ class Coefficient:
         element: Name of the element, such as `bearing.B1`.
         term: The term that it is.
         pairs: Vectors (a, b), each {degree of freedom: sign}; only a coupling of translation and rotation has two pairs.
-        nominal: The document's value [unit]; None where it gives none.
+        nominal: The document's value [unit], of one that follows a table that at the middle of the speed range; None where it
+            gives none.
         scale: Magnitude expected of it, always positive [unit].
         fixed: Whether it is kept at the nominal value.
         tied_to: Name of the coefficient whose value it takes.
@@ -251,12 +253,13 @@ def dense(vectors: list[Vector], size: int) -> NDArray[np.float64]:
 def _to_ground(machine: Machine, rotor: Rotor, part: Bearing | Seal) -> list[Coefficient]:
     nodes = {rotor.node(part.shaft, part.station): 1.0}
     scales = _scales(machine, machine.shaft(part.shaft), part)
+    rpm = machine.speed_range.middle_rpm
     element = f"seal.{part.id}" if isinstance(part, Seal) else f"bearing.{part.id}"
-    found = [_coefficient(element, part, term, nodes, scales[term.name]) for term in LATERAL]
+    found = [_coefficient(element, part, term, nodes, scales[term.name], rpm) for term in LATERAL]
     for term in SEAL if isinstance(part, Seal) else ():
         value = getattr(part, term.name)
         if value is not None:
-            found.append(_coefficient(element, part, term, nodes, value))
+            found.append(_coefficient(element, part, term, nodes, value, rpm))
     return found
 
 
@@ -266,12 +269,14 @@ def _coupling(machine: Machine, rotor: Rotor, coupling: Coupling) -> list[Coeffi
     element = f"coupling.{coupling.id}"
     scales = _scales(machine, shaft, coupling)
     stiff = 10 * _bending_stiffness(machine, shaft) / shaft.length
-    found = [_coefficient(element, coupling, term, nodes, scales[term.name]) for term in LATERAL]
-    found += [_coefficient(element, coupling, term, nodes, getattr(coupling, term.name) or stiff) for term in ANGULAR]
+    rpm = machine.speed_range.middle_rpm
+    found = [_coefficient(element, coupling, term, nodes, scales[term.name], rpm) for term in LATERAL]
+    found += [_coefficient(element, coupling, term, nodes, getattr(coupling, term.name) or stiff, rpm) for term in ANGULAR]
     for term in COUPLING:
         value = getattr(coupling, term.name)
         if value is not None:
-            found.append(_coefficient(element, coupling, term, nodes, _coupling_scale(coupling, term, value, stiff, shaft)))
+            scale = _coupling_scale(coupling, term, value, stiff, shaft)
+            found.append(_coefficient(element, coupling, term, nodes, scale, rpm))
     return found
 
 
@@ -289,14 +294,17 @@ def _relative(nodes: dict[int, float], dof: int) -> Vector:
     return {NODE_DOFS * node + dof: sign for node, sign in nodes.items()}
 
 
-def _coefficient(element: str, part: LateralCoefficients, term: Term, nodes: dict[int, float], scale: float) -> Coefficient:
+def _coefficient(
+    element: str, part: LateralCoefficients, term: Term, nodes: dict[int, float], scale: float, rpm: float
+) -> Coefficient:
+    """Build a coefficient; rpm: speed at which its nominal value is taken [r/min]."""
     form = part.speed_dependence
     return Coefficient(
         name=f"{element}.{term.name}",
         element=element,
         term=term,
         pairs=tuple((_relative(nodes, _DOF[force]), _relative(nodes, _DOF[motion])) for force, motion in term.axes),
-        nominal=getattr(part, term.name),
+        nominal=nominal_value(part, term.name, rpm=rpm),
         scale=scale,
         form=form if form is not None and form.governs(term.name) else CONSTANT,
     )
@@ -388,16 +396,15 @@ def _with_rule(unbalance: Excitation, rules: tuple[ParameterRule, ...]) -> Excit
 def _scales(machine: Machine, shaft: Shaft, part: LateralCoefficients) -> dict[str, float]:
     """Estimate magnitudes from the nominal direct terms where known, else from the shaft's own stiffness and mass."""
     stiffness = 48 * _bending_stiffness(machine, shaft) / shaft.length**3
-    known_k = [value for value in (part.kxx, part.kyy) if value is not None]
+    rpm = machine.speed_range.middle_rpm
+    nominal = {term.name: nominal_value(part, term.name, rpm=rpm) for term in LATERAL if term.direct}
+    known_k = [value for name in ("kxx", "kyy") if (value := nominal[name]) is not None]
     k = float(np.mean(known_k)) if known_k else stiffness
-    known_c = [value for value in (part.cxx, part.cyy) if value is not None]
+    known_c = [value for name in ("cxx", "cyy") if (value := nominal[name]) is not None]
     # A tenth of the stiffness force at the middle of the speed range is a usual damping force.
-    middle = rpm_to_rad_per_s((machine.speed_range.minimum_rpm + machine.speed_range.maximum_rpm) / 2)
-    c = float(np.mean(known_c)) if known_c else 0.1 * k / middle
+    c = float(np.mean(known_c)) if known_c else 0.1 * k / rpm_to_rad_per_s(rpm)
     values = {term.name: (k if term.quantity == "stiffness" else c) for term in LATERAL}
-    for term in LATERAL:
-        if term.direct:
-            values[term.name] = getattr(part, term.name) or values[term.name]
+    values |= {name: value for name, value in nominal.items() if value is not None}
     return values
 
 

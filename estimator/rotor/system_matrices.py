@@ -10,6 +10,7 @@ import scipy.linalg
 from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine
 from estimator.rotor.assembly import assemble_rotor
+from estimator.rotor.coefficient_models import expected_coefficients, expects_a_law, governing_models
 from estimator.rotor.modal_reduction import EVERYTHING, Basis
 from estimator.rotor.parameters import dense, unknowns
 
@@ -113,6 +114,8 @@ def system_matrices_over_speed(
         ValueError: The number of coefficients is not the machine's.
     """
     built = _builder(machine, basis)
+    if coefficients is None:
+        coefficients = _expected_over_speed(machine)
     if callable(coefficients):
         at = coefficients
 
@@ -124,6 +127,14 @@ def system_matrices_over_speed(
         return lambda speed: known(np.ascontiguousarray(at(speed), dtype=float).tobytes())
     constant = built(coefficients)
     return lambda _: constant
+
+
+def _expected_over_speed(machine: Machine) -> CoefficientsOverSpeed:
+    """Return the function of the speed that the expected coefficients are; None where they are constant."""
+    listed = unknowns(machine, assemble_rotor(machine)).coefficients
+    if not any(expects_a_law(one.model) for one in governing_models(listed)):
+        return None
+    return lambda speed: expected_coefficients(listed, np.array([speed]))[0]
 
 
 def _builder(machine: Machine, basis: Basis) -> Callable[[Floats | None], SystemMatrices]:

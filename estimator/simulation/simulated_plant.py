@@ -1,17 +1,20 @@
 """Simulation of a plant's machine: its true parameters over the weeks, its coast-downs and run-ups, and noisy phasors."""
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
+from estimator.bearings.model import ModelParameter
 from estimator.machine.coupling_neighbours import neighbouring_bearings
 from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe
 from estimator.machine.rules import Noise
 from estimator.quantities import Quantity
 from estimator.rotor.assembly import assemble_rotor
+from estimator.rotor.coefficient_models import expected_coefficients, expects_a_law, governing_models
 from estimator.rotor.condensation import condense
 from estimator.rotor.parameters import Unknowns, unknowns
 from estimator.rotor.response import response
@@ -49,7 +52,8 @@ class Truth:
 
     Attributes:
         unknowns: Names and expectations of coefficients and excitations.
-        coefficients: Coefficients (K,) [SI].
+        coefficients: Coefficients (K,), of those that follow a table over speed the values in the middle of the speed range
+            [SI].
         unbalances: Complex unbalances (P,) [kg m].
         factors: Factors by name on E and density of the materials that the document does not take as known [-].
     """
@@ -84,6 +88,8 @@ def draw_truth(machine: Machine, rng: np.random.Generator) -> Truth:
     turned = nominal * np.exp(0.1 * rng.standard_normal(nominal.size) + 0.3j * rng.standard_normal(nominal.size))
     train = condense(machine, speed=np.ones(1), direction=np.ones(1))
     drawn = np.exp(train.scale_spread * rng.standard_normal(train.scale_spread.size)).tolist()
+    for where, off in _factors_of_laws(unknown, rng, lambda one: one.spread):
+        factor[where] = off
     return Truth(unknown, expected * factor, turned, dict(zip(train.scale_names, drawn, strict=True)))
 
 
@@ -133,9 +139,29 @@ def truth_of_run(truth: Truth, rng: np.random.Generator) -> Truth:
         Truth of the run.
     """
     size = np.array([RUN_SCATTER.get(c.quantity, OTHER_RUN_SCATTER) for c in truth.unknowns.coefficients])
-    coefficients = truth.coefficients * (1.0 + size * rng.standard_normal(size.size))
+    factor = 1.0 + size * rng.standard_normal(size.size)
     turn = rng.standard_normal(truth.unbalances.size) + 1j * rng.standard_normal(truth.unbalances.size)
-    return replace(truth, coefficients=coefficients, unbalances=truth.unbalances * (1 + RUN_SCATTER["unbalance"] * turn))
+    scatter = {one.name: float(own) for one, own in zip(truth.unknowns.coefficients, size, strict=True)}
+    for where, off in _factors_of_laws(truth.unknowns, rng, lambda one: scatter[describe(one.name).coefficient]):
+        factor[where] = off
+    unbalances = truth.unbalances * (1 + RUN_SCATTER["unbalance"] * turn)
+    return replace(truth, coefficients=truth.coefficients * factor, unbalances=unbalances)
+
+
+def _factors_of_laws(
+    unknown: Unknowns, rng: np.random.Generator, spread: Callable[[ModelParameter], float]
+) -> Iterator[tuple[list[int], Floats]]:
+    """Yield the coefficients that follow a law over speed, such as a table, and factors by which they are off.
+
+    They are off as the law's own parameters are, each drawn with its spread [-]: those of an exact table not at all.
+    """
+    for one in governing_models(unknown.coefficients):
+        if expects_a_law(one.model):
+            centre = np.array([parameter.centre for parameter in one.model.parameters])
+            size = np.array([spread(parameter) for parameter in one.model.parameters])
+            curves = one.model.at(np.ones(1))  # a factor at one speed is the factor at all
+            drawn = curves.values(centre + size * rng.standard_normal(centre.size))[0]
+            yield list(one.coefficients), _ratio(drawn, curves.values(centre)[0])
 
 
 def drawn_conditions(machine: Machine, time_s: float, rng: np.random.Generator) -> Floats:
@@ -229,7 +255,22 @@ def true_phasors(machine: Machine, truth: Truth, speed: Floats) -> Complexes:
     # A simulated machine has no bow and no misalignment load, even where its document allows for them.
     excitations = np.zeros(len(train.unknowns.excitations), dtype=complex)
     excitations[: truth.unbalances.size] = truth.unbalances
-    return response(train, coefficients=truth.coefficients, excitations=excitations)
+    return response(train, coefficients=_over_speed(truth, speed), excitations=excitations)
+
+
+def _over_speed(truth: Truth, speed: Floats) -> Floats:
+    """Return the true coefficients, (K,) or where some follow a table (S, K) [SI]: off by the same factor at every speed."""
+    listed = truth.unknowns.coefficients
+    over = expected_coefficients(listed, speed)
+    middle = np.array([one.expected for one in listed])
+    if np.all(over == middle):
+        return truth.coefficients
+    return np.asarray(np.where(over == middle, truth.coefficients, _ratio(truth.coefficients, middle) * over))
+
+
+def _ratio(values: Floats, reference: Floats) -> Floats:
+    """Return values over their references, 1 where the reference is zero [-]."""
+    return np.divide(values, reference, out=np.ones_like(values), where=reference != 0.0)
 
 
 def noise(model: Noise, clean: Complexes, rng: np.random.Generator) -> Complexes:

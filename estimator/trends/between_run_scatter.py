@@ -136,7 +136,8 @@ def _expected(name: str) -> float:
         return STIFFNESS_SCATTER
     if said.component is not None:
         return EXCITATION_SCATTER
-    return STIFFNESS_SCATTER if said.term is None or said.term.order == 0 else DAMPING_SCATTER
+    term = describe(said.coefficient).term
+    return STIFFNESS_SCATTER if term is None or term.order == 0 else DAMPING_SCATTER
 
 
 def _direct_term_scale(name: str, at: Mapping[str, float]) -> float:

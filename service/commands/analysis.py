@@ -18,6 +18,7 @@ from estimator.phasors.recorded_run import RecordedRun
 from estimator.thesis.machine_regression import regress
 from estimator.thesis.tikhonov import Rule
 from estimator.updated_model.model import updated_model
+from service.commands.document_warnings import say_warnings
 from service.commands.exit import fail
 from service.commands.film_report import film_text, has_films
 from service.commands.identification_report import (
@@ -183,6 +184,7 @@ def _runs(
 ) -> tuple[Machine, list[tuple[RecordedRun, Measurement]]]:
     """Read a document and its recorded runs, without the slow roll of a band where one is given."""
     described = read_machine(machine)
+    say_warnings(described)
     runs, left_out = read_runs(described, files, sidecar)
     for line in left_out:
         say(line, err=True)

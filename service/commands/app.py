@@ -22,6 +22,7 @@ from estimator.simulation.simulated_plant import (
 )
 from estimator.units import RAD_PER_S
 from service.commands.analysis import compare, identify_offline, model, show_slow_roll
+from service.commands.document_warnings import say_warnings
 from service.commands.exit import fail
 from service.commands.keys import audit_app, key_app
 from service.commands.retention import retention_app
@@ -251,7 +252,9 @@ def edge(
 def document(machine: Annotated[Path, typer.Argument(help="machine document, YAML or JSON")]) -> None:
     """Check a machine document and print it as JSON, as the REST API takes it."""
     try:
-        say_lines(json.dumps(read_machine(machine).model_dump(mode="json"), indent=1))
+        described = read_machine(machine)
+        say_warnings(described)
+        say_lines(json.dumps(described.model_dump(mode="json"), indent=1))
     except UnreadableFile as error:
         fail(str(error))
 

@@ -7,6 +7,7 @@ import yaml
 
 from estimator.machine.document import DocumentError, Machine
 from estimator.machine.document_size import accepted_machine
+from service.configuration.table_files import WrongTableFile, with_table_columns
 
 
 class UnreadableFile(ValueError):
@@ -27,9 +28,14 @@ def read_yaml(path: Path) -> Any:
 
 
 def read_machine(path: Path) -> Machine:
-    """Read the machine document in a file. Raises UnreadableFile, which names every wrong field, also for an oversized one."""
+    """Read the machine document in a file, with the tables in CSV files that it names beside it.
+
+    Raises UnreadableFile, which names every wrong field, also for an oversized one.
+    """
     try:
-        return accepted_machine(read_yaml(path))
+        return accepted_machine(with_table_columns(read_yaml(path), path.parent))
+    except WrongTableFile as error:
+        raise UnreadableFile(f"{path}: {error}") from error
     except DocumentError as error:
         problems = "\n".join(f"  {field}: {message}" for field, message in error.problems)
         raise UnreadableFile(f"{path} is not a machine document:\n{problems}") from error

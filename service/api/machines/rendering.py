@@ -3,6 +3,7 @@
 from typing import Any
 
 from estimator.machine.document import Machine
+from estimator.machine.document_warnings import document_warnings
 from service.api.machines import schemas
 from storage.clock import to_datetime
 from storage.machines.fleet import ListedMachine
@@ -24,9 +25,11 @@ def listed_machine(one: ListedMachine) -> dict[str, Any]:
 
 def revision(row: RevisionRow) -> schemas.MachineRevision:
     """Return a revision of a machine's document as the API shows it."""
+    document = Machine.model_validate(row.document)
     return schemas.MachineRevision(
         id=row.machine_id,
         revision=row.revision,
         created_at=to_datetime(row.created_at),
-        document=Machine.model_validate(row.document),
+        document=document,
+        warnings=[str(one) for one in document_warnings(document)],
     )

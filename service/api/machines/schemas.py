@@ -2,7 +2,7 @@
 
 from datetime import datetime
 
-from pydantic import BaseModel
+from pydantic import BaseModel, Field
 
 from estimator.machine.document import Machine
 
@@ -24,3 +24,4 @@ class MachineRevision(BaseModel):
     revision: int
     created_at: datetime
     document: Machine
+    warnings: list[str] = Field(description="what is hardly meant in the document, each with its field, and what is usual")

@@ -10,11 +10,18 @@ from estimator.bearings.model import BearingForm, CoefficientModel, ModelParamet
 from estimator.bearings.registry import CONSTANT, FORM_NAMES, DeclaredForm, place_of
 from estimator.machine.document import parse_machine
 from estimator.machine.parameter_description import describe
+from estimator.rotor.coefficient_models import expects_a_law
 from tests.estimator.trains import chapter_3_document
 
 EXAMPLES: dict[str, dict[str, Any]] = {
     "piecewise": {"knots_rpm": [500, 1500, 3000]},
     "polynomial": {"knots_rpm": [500, 1500, 3000]},
+    "table": {
+        "speed_rpm": [500, 900, 1500, 2200, 3000],
+        "kxx": [3e8, 2.4e8, 2e8, 1.9e8, 1.9e8],
+        "kxy": [4e7, -2e7, -1e8, -1.2e8, -1.1e8],
+        "scale_spread": 0.2,
+    },
 }
 """One document of each form; a form without one fails the tests."""
 SPEED = np.linspace(40.0, 330.0, 13)
@@ -54,6 +61,10 @@ def test_derivatives_are_those_of_the_values(model: CoefficientModel) -> None:
 @pytest.mark.parametrize("model", models())
 def test_a_level_is_the_same_at_every_speed(model: CoefficientModel) -> None:
     governed = [one for one in ELEMENT if one.name in model.coefficients]
+    if expects_a_law(model):
+        with pytest.raises(ValueError, match="cannot be constant"):
+            model.level(np.full(len(governed), 0.2))
+        return
     values = model.at(SPEED).values(model.level(np.full(len(governed), 0.2)))
     assert values == pytest.approx(np.tile([float(one.value(np.array(0.2))) for one in governed], (SPEED.size, 1)), rel=1e-12)
 
@@ -76,6 +87,8 @@ def test_names_say_what_is_positive(model: CoefficientModel) -> None:
 def test_every_form_has_a_place_in_a_document() -> None:
     for name, fields in EXAMPLES.items():
         document = chapter_3_document()
+        bearing = document["bearings"][1]
+        document["bearings"][1] = {key: bearing[key] for key in bearing if key not in fields}  # a table gives them instead
         document["bearings"][1]["speed_dependence"] = {"form": name, **fields}
         form = parse_machine(document).bearings[1].speed_dependence
         assert form is not None

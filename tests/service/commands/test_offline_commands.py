@@ -1,6 +1,7 @@
 """The commands that work on recorded runs without a service, run in this process on data of the dense model."""
 
 import csv
+import json
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -12,7 +13,8 @@ from typer.testing import CliRunner
 
 from estimator.machine.document import parse_machine
 from service.commands.app import app
-from tests.estimator.trains import Complexes, Document, chapter_3_document, dense_response, noisy
+from service.configuration.document_files import read_machine
+from tests.estimator.trains import LATERAL, Complexes, Document, chapter_3_document, dense_response, noisy
 
 DOCUMENT = "examples/thesis-chapter-3.yaml"
 SPEED = np.arange(300.0, 10.0, -4.0)
@@ -134,6 +136,37 @@ def test_an_impact_test_in_the_document_is_compared(healthy: str, tmp_path: Path
     text = run("model", str(tmp_path / "document.yaml"), healthy)
     assert "Impact test" in text
     assert any(line.strip().startswith("19.00") for line in text.splitlines())
+
+
+def test_bearings_follow_tables_in_files_beside_the_document(tmp_path: Path) -> None:
+    document = chapter_3_document()
+    speeds, columns = [90, 300, 600, 900, 1500, 3000], {}
+    for bearing in document["bearings"]:
+        nominal = {name: bearing.pop(name) for name in LATERAL}
+        rows = {name: [one * (1 + 0.4 * rpm / 3000) for rpm in speeds] for name, one in nominal.items()}
+        columns[bearing["id"]] = rows
+        with (tmp_path / f"{bearing['id']}.csv").open("w", newline="") as file:
+            csv.writer(file).writerows([["speed_rpm", *rows], *zip(speeds, *rows.values(), strict=True)])
+        bearing["speed_dependence"] = {"form": "table", "csv": f"{bearing['id']}.csv", "scale_spread": 0.1}
+    path = tmp_path / "document.yaml"
+    path.write_text(yaml.safe_dump(document))
+    machine = read_machine(path)
+
+    def at(speed: float) -> Complexes:
+        here = chapter_3_document()
+        for bearing in here["bearings"]:
+            bearing |= {n: np.interp(30 * speed / np.pi, speeds, column) for n, column in columns[bearing["id"]].items()}
+        return dense_response(parse_machine(here), np.array([speed]), direction=1)
+
+    path_of_run = recorded(tmp_path, "run", noisy(np.concatenate([at(speed) for speed in SPEED]), seed=4))
+    text = run("identify", str(path), path_of_run)
+    assert "warning: bearings[3].speed_dependence.speed_rpm: the table covers 90 to 3000 r/min" in text
+    assert "\naccepted" in text
+    for name in ("bearing.B1.kxx_scale", "bearing.B3.kyy_scale", "bearing.B2.cxx_scale"):
+        found, error = value(text, name)
+        assert abs(found - 1.0) < 4 * error < 0.4
+    assert "load of the couplings" in run("model", str(path), path_of_run)
+    assert json.loads("{" + run("document", str(path)).partition("{")[2]) == machine.model_dump(mode="json")
 
 
 def test_views_of_misalignment_are_compared(healthy: str, tmp_path: Path) -> None:

@@ -1,0 +1,303 @@
+"""Coefficients that follow a table over speed, as a maker calculates them, with a scale factor per direct term on request.
+
+Between the table's speeds they follow the shape-preserving cubics of Fritsch and Carlson (SIAM J. Numer. Anal. 17 (1980) 238,
+doi:10.1137/0717021), which never leave the values beside them: monotone values stay monotone, positive ones positive. Beyond
+its ends the table is held level.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Annotated, Any, ClassVar, Literal, NoReturn, Self
+
+import numpy as np
+from pydantic import Field, ValidationInfo, field_validator, model_validator
+
+from estimator.arrays import Floats
+from estimator.bearings.model import CoefficientModel, ModelParameter, OwnParameter
+from estimator.bearings.monotone_cubic import MonotoneCubic
+from estimator.bearings.terms import LATERAL, TERMS
+from estimator.field_types import Direct, Part, Positive, Real, Spread
+from estimator.quantities import UNITS
+from estimator.units import RAD_PER_S, rpm_to_rad_per_s
+
+FEWEST_SPEEDS = 5
+"""Least number of speeds of a table."""
+MOST_SPEEDS = 500
+"""Largest number of speeds of a table."""
+COLUMNS = tuple(term.name for term in LATERAL)
+"""Terms that a table can give."""
+SMALLEST_STIFFNESS = 1e3
+"""Direct stiffness of a film below which another unit was probably meant [N/m]."""
+
+Speeds = Annotated[tuple[Positive, ...], Field(max_length=MOST_SPEEDS, json_schema_extra={"minItems": FEWEST_SPEEDS})]
+DirectColumn = Annotated[tuple[Direct, ...], Field(max_length=MOST_SPEEDS)] | None
+CrossColumn = Annotated[tuple[Real, ...], Field(max_length=MOST_SPEEDS)] | None
+
+
+def scale_name(term: str) -> str:
+    """Return the last part of the name of a direct term's scale factor.
+
+    Args:
+        term: The term, such as `kxx`.
+
+    Returns:
+        The name, such as `kxx_scale`.
+    """
+    return f"{term}_scale"
+
+
+@dataclass(frozen=True)
+class TableCurves:
+    """C coefficients of a table at S speeds, as functions of P logarithms of scale factors.
+
+    Attributes:
+        table: The table's own values (S, C) [SI].
+        power: Power (C, P) with which each coefficient goes with each factor [-].
+    """
+
+    table: Floats
+    power: Floats
+
+    def values(self, fitted: Floats) -> Floats:
+        """Compute the coefficients.
+
+        Args:
+            fitted: Logarithms of the factors (P,) [-].
+
+        Returns:
+            Coefficients (S, C) [SI].
+        """
+        return np.asarray(self.table * np.exp(self.power @ fitted))
+
+    def derivatives(self, fitted: Floats, block: slice) -> Floats:
+        """Compute the derivatives of the coefficients by the logarithms of the factors, at some of the speeds.
+
+        Args:
+            fitted: Logarithms of the factors (P,) [-].
+            block: The s speeds.
+
+        Returns:
+            Derivatives (s, C, P) [SI].
+        """
+        return np.asarray(self.values(fitted)[block, :, None] * self.power)
+
+
+@dataclass(frozen=True)
+class TableModel:
+    """Coefficients of one element that follow a table.
+
+    Each direct term has a factor of its own; a cross-coupled term goes with the geometric mean of those of the direct terms
+    beside it. A direct term that is not the model's has the factor 1 for that.
+
+    Attributes:
+        coefficients: Names of the C coefficients.
+        columns: Values (n,) of each over the table's speeds [SI].
+        speed: Speeds of the table (n,), ascending [rad/s].
+        scale_spread: Prior standard deviation of the factors' logarithms [-]; 0 for a table that is exact.
+        constant: False.
+    """
+
+    coefficients: tuple[str, ...]
+    columns: tuple[tuple[float, ...], ...]
+    speed: tuple[float, ...]
+    scale_spread: float
+    constant: bool = False
+
+    @cached_property
+    def parameters(self) -> tuple[ModelParameter, ...]:
+        """Return the P factors; none of an exact table."""
+        if self.scale_spread == 0.0:
+            return ()
+        unit, direct = UNITS["scale factor"], [name for name in self.coefficients if TERMS[_term(name)].direct]
+        return tuple(
+            ModelParameter(scale_name(name), "scale factor", unit, True, 1.0, 1.0, self.scale_spread) for name in direct
+        )
+
+    def at(self, speed: Floats) -> TableCurves:
+        """Return the coefficients at some speeds.
+
+        Args:
+            speed: Spin speeds (S,), without sign [rad/s].
+
+        Returns:
+            Their curves.
+        """
+        columns = np.array(self.columns)
+        found = self._interpolant(np.clip(speed, self.speed[0], self.speed[-1]))
+        # Rounding must not make anything of a column that spans many decades negative.
+        return TableCurves(np.clip(found, columns.min(axis=1), columns.max(axis=1)), self._power)
+
+    def level(self, fitted: Floats) -> NoReturn:  # noqa: ARG002 - whatever they are
+        """Return no factors: a table's coefficients are not the same at every speed.
+
+        Args:
+            fitted: Fitted numbers (C,) of the constant coefficients [-].
+
+        Returns:
+            Nothing, ever.
+
+        Raises:
+            ValueError: Always.
+        """
+        raise ValueError(f"{', '.join(self.coefficients)} follow a table over speed and cannot be constant")
+
+    @cached_property
+    def _interpolant(self) -> MonotoneCubic:
+        return MonotoneCubic(np.array(self.speed), np.array(self.columns).T)
+
+    @cached_property
+    def _power(self) -> Floats:
+        factors = [parameter.name for parameter in self.parameters]
+        power = np.zeros((len(self.coefficients), len(factors)))
+        for row, name in zip(power, self.coefficients, strict=True):
+            element = name.rpartition(".")[0]
+            for beside in TERMS[_term(name)].beside:  # a direct term stands beside itself, twice
+                factor = scale_name(f"{element}.{beside}")
+                if factor in factors:
+                    row[factors.index(factor)] += 0.5
+        return power
+
+
+class Table(Part):
+    """Dependence of an element's coefficients on the speed: a table, as from its maker's calculation.
+
+    The coefficients that have a column follow it, between its speeds by shape-preserving cubics and level beyond its ends; the
+    others are constant. Commands that read the document from a file take `csv: FILE` in place of the columns.
+    """
+
+    own_parameters: ClassVar[tuple[OwnParameter, ...]] = tuple(
+        OwnParameter(scale_name(term.name), "scale factor", UNITS["scale factor"], positive=True, term=term.name)
+        for term in LATERAL
+        if term.direct
+    )
+
+    form: Literal["table"]
+    speed_rpm: Speeds = Field(description="ascending, at least five [r/min]")
+    kxx: DirectColumn = Field(default=None, description="at each speed [N/m]")
+    kxy: CrossColumn = Field(default=None, description="at each speed [N/m]")
+    kyx: CrossColumn = Field(default=None, description="at each speed [N/m]")
+    kyy: DirectColumn = Field(default=None, description="at each speed [N/m]")
+    cxx: DirectColumn = Field(default=None, description="at each speed [N s/m]")
+    cxy: CrossColumn = Field(default=None, description="at each speed [N s/m]")
+    cyx: CrossColumn = Field(default=None, description="at each speed [N s/m]")
+    cyy: DirectColumn = Field(default=None, description="at each speed [N s/m]")
+    scale_spread: Spread = Field(
+        default=0.0, description="how far the table's direct terms may be off, each by a factor, relative rms [-]; 0: exact"
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _columns_not_file(cls, data: Any) -> Any:
+        if isinstance(data, Mapping) and "csv" in data:
+            raise ValueError(
+                f"csv: a file is read only by commands, beside the document; here the columns stand themselves: speed_rpm "
+                f"[r/min] and some of {', '.join(COLUMNS)} [N/m, N s/m]"
+            )
+        return data
+
+    @field_validator("speed_rpm")
+    @classmethod
+    def _long_and_ascending(cls, speeds: tuple[float, ...]) -> tuple[float, ...]:
+        if len(speeds) < FEWEST_SPEEDS:
+            raise ValueError(f"a table has at least {FEWEST_SPEEDS} speeds [r/min], usually 10 to 30, not {len(speeds)}")
+        for place, (low, high) in enumerate(zip(speeds, speeds[1:], strict=False)):
+            if high <= low:
+                raise ValueError(f"speeds [r/min] must ascend: {high:g} at place {place + 2} follows {low:g}")
+        return speeds
+
+    @field_validator(*COLUMNS)
+    @classmethod
+    def _one_value_a_speed(cls, column: tuple[float, ...] | None, info: ValidationInfo) -> tuple[float, ...] | None:
+        speeds = info.data.get("speed_rpm")  # missing where it is itself wrong
+        if column is not None and speeds is not None and len(column) != len(speeds):
+            raise ValueError(f"needs one value at each of the {len(speeds)} speeds of speed_rpm, not {len(column)}")
+        return column
+
+    @model_validator(mode="after")
+    def _some_column(self) -> Self:
+        if not self.coefficients:
+            raise ValueError(f"a table gives at least one of {', '.join(COLUMNS)}")
+        return self
+
+    @property
+    def coefficients(self) -> tuple[str, ...]:
+        """Return the terms that have a column."""
+        return tuple(name for name in COLUMNS if getattr(self, name) is not None)
+
+    def governs(self, term: str) -> bool:
+        """Return whether a term has a column.
+
+        Args:
+            term: The term, such as `kxx`.
+
+        Returns:
+            Whether it has.
+        """
+        return term in self.coefficients
+
+    def parameter_count(self, terms: Sequence[str]) -> int:
+        """Return the number of scale factors: one for each direct term, none of an exact table.
+
+        Args:
+            terms: The terms, all of which have a column.
+
+        Returns:
+            The number.
+        """
+        return 0 if self.scale_spread == 0.0 else sum(TERMS[name].direct for name in terms)
+
+    def nominal(self, term: str, rpm: float) -> float | None:
+        """Return a term's value in the table.
+
+        Args:
+            term: The term, such as `kxx`.
+            rpm: Speed [r/min].
+
+        Returns:
+            The value [SI]; None for a term without a column.
+        """
+        if not self.governs(term):
+            return None
+        return float(self._model((term,), (term,)).at(np.array([rpm_to_rad_per_s(rpm)])).table[0, 0])
+
+    def warnings(self, lowest_rpm: float, highest_rpm: float) -> Iterator[tuple[str, str]]:
+        """Find what is hardly meant: a speed range beyond the table's ends, stiffnesses in another unit.
+
+        Args:
+            lowest_rpm: Lowest speed of the machine [r/min].
+            highest_rpm: Its highest speed [r/min].
+
+        Yields:
+            Name of a field, and a sentence about it.
+        """
+        first, last = self.speed_rpm[0], self.speed_rpm[-1]
+        ranges = [(lowest_rpm, first)] * (lowest_rpm < first) + [(last, highest_rpm)] * (highest_rpm > last)
+        if ranges:
+            beyond = " and ".join(f"from {low:g} to {high:g}" for low, high in ranges)
+            words = f"the table covers {first:g} to {last:g} r/min and is held level beyond its ends, {beyond} r/min"
+            yield "speed_rpm", words
+        for name in ("kxx", "kyy"):
+            column = getattr(self, name)
+            if column is not None and min(column) < SMALLEST_STIFFNESS:
+                yield name, f"{min(column):g} N/m: bearings usually have 1e5 to 1e9 N/m; was N/µm meant?"
+
+    def models(self, coefficients: Sequence[ModelParameter]) -> Sequence[CoefficientModel]:
+        """Return the one model of an element's coefficients.
+
+        Args:
+            coefficients: The coefficients as parameters.
+
+        Returns:
+            The model, in a list.
+        """
+        names = tuple(one.name for one in coefficients)
+        return [self._model(names, tuple(map(_term, names)))]
+
+    def _model(self, names: tuple[str, ...], terms: tuple[str, ...]) -> TableModel:
+        speed = tuple(rpm * RAD_PER_S["rpm"] for rpm in self.speed_rpm)
+        return TableModel(names, tuple(getattr(self, term) for term in terms), speed, self.scale_spread)
+
+
+def _term(name: str) -> str:
+    return name.rpartition(".")[2]
