@@ -135,6 +135,8 @@ def _coefficients(
                     continue  # a parameter of several coefficients is told once
                 told.add(place)
                 parameter = coordinates.parameters[place]
+                if parameter.nuisance:
+                    continue
                 common = (parameter.name, coefficient.element, parameter.quantity, parameter.unit)
                 if place in doubtful:
                     why = _reason_text(reason, parameter.name)

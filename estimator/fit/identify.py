@@ -10,11 +10,12 @@ from estimator.fit.channel_sensitivity import ChannelEffects, channel_effects
 from estimator.fit.coordinates import Coordinates
 from estimator.fit.estimates import Estimate, determined, estimates
 from estimator.fit.fit_problem import FitProblem, FitResult
-from estimator.fit.form_discrepancy import FormVerdict, judge_form
+from estimator.fit.form_discrepancy import FormVerdict, judge_form, needs_form
 from estimator.fit.goodness_of_fit import Verdict, VerdictRemark, judge, remark
 from estimator.fit.identifiability import Reasons, reasons_for
 from estimator.fit.maximum_likelihood import STAGE_MISFITS
 from estimator.fit.multistart import BestFit, best_fit
+from estimator.fit.nuisance_parameters import excessive_deviations
 from estimator.fit.physical_limits import Limits, limits_for, without_growing_modes
 from estimator.fit.profile_likelihood import flat_coordinates
 from estimator.machine.document import Machine
@@ -240,7 +241,8 @@ def identify_train(
     """
     options = options or Options()
     coordinates = Coordinates.of(train, unbalance_scale=1.0)
-    free = coordinates.size - int(np.count_nonzero(coordinates.scale_place >= 0)) - coordinates.channels.count
+    held = int(np.count_nonzero(coordinates.scale_place >= 0)) + int(np.count_nonzero(coordinates.nuisance))
+    free = coordinates.size - held - coordinates.channels.count
     count = _independent_numbers(measurement)
     if count <= free:
         raise NotEnoughData(
@@ -253,7 +255,7 @@ def identify_train(
         starts=options.starts,
         seed=options.seed,
         good=lambda found: judge(problem, found).accepted,
-        beginning=None if beginning is None else problem.coordinates.theta(beginning),
+        beginning=None if beginning is None else problem.coordinates.beginning(beginning),
     )
     return _result(problem, best, reasons, limits)
 
@@ -362,7 +364,7 @@ def _result(problem: FitProblem, best: BestFit, reasons: Reasons | None, limits:
     beside = VerdictRemark()
     doubtful, form_alone = frozenset[int](), frozenset[int]()
     if verdict.accepted:
-        found_form = judge_form(problem, found, covariance, condition) if coordinates.models else FormVerdict(covariance)
+        found_form = _form_verdict(problem, found, covariance, condition)
         found, verdict = _possible(problem, found, found_form.applied(verdict), limits)
         form_alone = _determined(coordinates, covariance) - _determined(coordinates, found_form.covariance)
         covariance = found_form.covariance
@@ -376,11 +378,12 @@ def _result(problem: FitProblem, best: BestFit, reasons: Reasons | None, limits:
     why = None if reasons is None else reasons(problem, found, covariance)
     if why is not None and form_alone:
         why = _with_form_alone(why, frozenset(coordinates.names[place] for place in form_alone))
+    told = ~coordinates.nuisance
     return Identification(
         estimates=estimates(problem.train, coordinates, found.theta, error, why, doubtful),
-        coordinates=coordinates.names,
-        covariance=covariance * np.outer(coordinates.unit, coordinates.unit),
-        point=coordinates.point(found.theta),
+        coordinates=tuple(name for name, one in zip(coordinates.names, told, strict=True) if one),
+        covariance=(covariance * np.outer(coordinates.unit, coordinates.unit))[np.ix_(told, told)],
+        point=coordinates.point(found.theta)[told],
         chi_square=found.chi_square,
         degrees_of_freedom=verdict.degrees_of_freedom,
         accepted=verdict.accepted,
@@ -395,6 +398,14 @@ def _result(problem: FitProblem, best: BestFit, reasons: Reasons | None, limits:
         outliers={channel: int(count) for channel, count in zip(problem.train.channels, left_out, strict=True) if count},
         channel_effects=channel_effects(problem, found, inflation=beside.inflation),
     )
+
+
+def _form_verdict(problem: FitProblem, found: FitResult, covariance: Floats, condition: float) -> FormVerdict:
+    """Return the verdict on how coefficients follow the speed: by assumed forms, and by films with their deviations."""
+    excess = excessive_deviations(problem, found, covariance)
+    if excess or not needs_form(problem):
+        return FormVerdict(covariance, excess)
+    return judge_form(problem, found, covariance, condition)
 
 
 def _determined(coordinates: Coordinates, covariance: Floats) -> frozenset[int]:
