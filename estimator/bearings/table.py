@@ -12,10 +12,10 @@ from typing import Annotated, Any, ClassVar, Literal, NoReturn, Self
 
 import numpy as np
 from pydantic import Field, ValidationInfo, field_validator, model_validator
-from scipy.interpolate import PchipInterpolator
 
 from estimator.arrays import Floats
 from estimator.bearings.model import CoefficientModel, ModelParameter, OwnParameter
+from estimator.bearings.monotone_cubic import MonotoneCubic
 from estimator.bearings.terms import LATERAL, TERMS
 from estimator.field_types import Direct, Part, Positive, Real, Spread
 from estimator.quantities import UNITS
@@ -143,8 +143,8 @@ class TableModel:
         raise ValueError(f"{', '.join(self.coefficients)} follow a table over speed and cannot be constant")
 
     @cached_property
-    def _interpolant(self) -> PchipInterpolator:
-        return PchipInterpolator(np.array(self.speed), np.array(self.columns).T)
+    def _interpolant(self) -> MonotoneCubic:
+        return MonotoneCubic(np.array(self.speed), np.array(self.columns).T)
 
     @cached_property
     def _power(self) -> Floats:

@@ -17,8 +17,8 @@ from estimator.bearings.table import Table
 from estimator.fit.identify import Identification, identify
 from estimator.machine.document import DocumentError, Machine, parse_machine
 from estimator.machine.document_size import document_size
+from estimator.machine.document_warnings import document_warnings
 from estimator.machine.parameter_description import describe
-from estimator.machine.plausibility import document_warnings
 from estimator.modes.nominal_critical_speeds import nominal_critical_speeds
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.assembly import assemble_rotor
