@@ -6,8 +6,8 @@ from estimator.arrays import Floats
 
 CORRELATION_LENGTH = 0.4
 """Distance over which a deviation stays alike, as a part of the speed range [-]."""
-SMALLEST_VARIANCE_PART = 0.01
-"""Part of a deviation's variance that its left-out shapes may hold [-]."""
+LEFT_OUT = 0.01
+"""Part of a deviation's variance that its left-out shapes may hold, where nothing else is said [-]."""
 GRID = 60
 """Number of points over which shapes are computed."""
 
@@ -19,20 +19,27 @@ class DeviationShapes:
     Williams, Gaussian Processes for Machine Learning, 2006, sec. 4.3).
     """
 
-    def __init__(self, low: float, high: float) -> None:
+    def __init__(self, low: float, high: float, *, left_out: float = LEFT_OUT) -> None:
+        """Compute the shapes.
+
+        Args:
+            low: Lowest speed [rad/s].
+            high: Highest speed [rad/s].
+            left_out: Part of a deviation's variance that its left-out shapes may hold [-].
+        """
         self.low = low
         self.high = high
         self.grid = np.linspace(0.0, 1.0, GRID)
         variance, vectors = np.linalg.eigh(_correlation(self.grid, self.grid))
         variance, vectors = variance[::-1], vectors[:, ::-1]
         held = np.cumsum(variance) / variance.sum()
-        count = int(np.searchsorted(held, 1.0 - SMALLEST_VARIANCE_PART)) + 1
+        count = int(np.searchsorted(held, 1.0 - left_out)) + 1
         self.weight = vectors[:, :count] / np.sqrt(variance[:count])
 
     @property
     def count(self) -> int:
         """Return the number of shapes B."""
-        return self.weight.shape[1]
+        return int(self.weight.shape[1])
 
     def at(self, speed: Floats) -> Floats:
         """Compute the shapes at some speeds.

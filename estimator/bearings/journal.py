@@ -1,7 +1,7 @@
 """Coefficients of journal bearings from their oil films, whose geometry, oil and elevation the document gives.
 
-A film's coefficients depend on the load that the whole train puts on it, so that this form makes no model of one bearing alone:
-`estimator.statics.film_model` makes one of all films of a train.
+A film's coefficients depend on the load that the whole train puts on it, so that this form makes no model of one bearing
+alone: `estimator.statics.film_model` makes one of all films of a train.
 """
 
 from collections.abc import Sequence
@@ -20,7 +20,7 @@ DEVIATING = ("kxx", "kxy", "kyx", "kyy", "cxx", "cxy", "cyy")
 """Terms of a film that deviate from its model each by itself; cyx deviates as cxy, to which it is equal in a film."""
 
 
-class Journal(Part):
+class JournalForm(Part):
     """Coefficients that follow from the oil film: the bearing's `film` gives geometry, oil and elevation.
 
     Clearance, viscosity and elevation of each bearing are determined, with what the document says of them as a prior.
@@ -40,7 +40,7 @@ class Journal(Part):
         default=3e-5, description="how far the bearing's centre may be from its elevation, rms, in each direction [m]"
     )
     discrepancy: Spread = Field(
-        default=0.04, description="how far the film's coefficients may be from those of its model, relative rms [-]"
+        default=0.05, description="how far the film's coefficients may be from those of its model, relative rms [-]"
     )
 
     @property

@@ -177,19 +177,6 @@ class Coordinates:
         """
         return (point - self.origin) / self.unit
 
-    def beginning(self, point: Floats) -> Floats:
-        """Convert the physical values of an identification's coordinates, without those told to nobody, to fit coordinates.
-
-        Args:
-            point: Physical values [SI, logarithms of positive ones].
-
-        Returns:
-            Fit coordinates θ (n,) [-].
-        """
-        whole = self.point(self.centre)
-        whole[~self.nuisance] = point
-        return self.theta(whole)
-
     def at_speeds(self, speed: Floats) -> "Coordinates":
         """Return the same coordinates at other speeds.
 
@@ -346,7 +333,9 @@ class _CoordinateBuilder:
             scale_place=np.array(scale_place, dtype=np.intp),
             channels=ChannelCoordinates(gain=gain, run_out=run_out, unit=unit),
             quantities=tuple(c.quantity for c in coefficients),
-            guessed=np.array([c.direct and c.nominal is None and k not in following for k, c in enumerate(coefficients)], dtype=bool),
+            guessed=np.array(
+                [c.direct and c.nominal is None and k not in following for k, c in enumerate(coefficients)], dtype=bool
+            ),
         )
 
     def _excitation(self, one: Excitation, scale: float) -> int:

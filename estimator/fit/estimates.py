@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from estimator.arrays import Floats
 from estimator.bearings.model import ModelParameter
 from estimator.fit.coordinates import Coordinates
+from estimator.machine.parameter_description import describe
 from estimator.quantities import UNITS, Quantity
 from estimator.rotor.condensation import CondensedTrain
 from estimator.rotor.parameters import Coefficient, Excitation
@@ -137,7 +138,7 @@ def _coefficients(
                 parameter = coordinates.parameters[place]
                 if parameter.nuisance:
                     continue
-                common = (parameter.name, coefficient.element, parameter.quantity, parameter.unit)
+                common = (parameter.name, describe(parameter.name).element, parameter.quantity, parameter.unit)
                 if place in doubtful:
                     why = _reason_text(reason, parameter.name)
                     yield _estimate_without_value(common, f"the data leave it open far beyond its standard error{why}")

@@ -219,8 +219,10 @@ def _information(problem: FitProblem, theta: Floats, shapes: DeviationShapes) ->
 
 
 def _owners(problem: FitProblem) -> "np.ndarray[tuple[int], np.dtype[np.intp]]":
-    """Return for each coefficient the number of its deviation (K,): a tied one has its leader's, a fixed one none (-1), nor one
-    whose model has deviations of its own."""
+    """Return for each coefficient the number of its deviation (K,).
+
+    A tied one has its leader's; a fixed one has none (-1), nor one whose model has deviations of its own.
+    """
     coefficients, deviating = problem.train.unknowns.coefficients, _with_own_deviations(problem)
     free = [one.name for k, one in enumerate(coefficients) if not one.fixed and one.tied_to is None and k not in deviating]
     names = [one.tied_to or one.name for one in coefficients]

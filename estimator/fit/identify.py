@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
+from estimator.bearings.journal import JournalForm
 from estimator.fit.channel_sensitivity import ChannelEffects, channel_effects
 from estimator.fit.coordinates import Coordinates
 from estimator.fit.estimates import Estimate, determined, estimates
@@ -23,6 +24,7 @@ from estimator.machine.document_size import FEWEST_SAMPLES, document_size
 from estimator.machine.rules import Noise
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.condensation import CondensedTrain, condense
+from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 
 LARGEST_SAMPLE_COUNT = 5000
 """Most samples that one fit uses; more are thinned out."""
@@ -152,7 +154,8 @@ def identify(
         SingularCondensation: The train cannot be condensed at a speed.
         ValueError: The channels are not the machine's.
     """
-    measurement = _thinned(_without_empty_samples(measurement), most=most_samples(machine))
+    measurement = _on_films(machine, _without_empty_samples(measurement))
+    measurement = _thinned(measurement, most=most_samples(machine))
     _require_enough(machine, measurement)
     train = condense(machine, speed=measurement.speed, direction=measurement.direction)
     found = identify_train(
@@ -255,7 +258,7 @@ def identify_train(
         starts=options.starts,
         seed=options.seed,
         good=lambda found: judge(problem, found).accepted,
-        beginning=None if beginning is None else problem.coordinates.beginning(beginning),
+        beginning=None if beginning is None else problem.coordinates.theta(beginning),
     )
     return _result(problem, best, reasons, limits)
 
@@ -285,6 +288,16 @@ def _independent_numbers(measurement: Measurement) -> int:
 
 def _without_empty_samples(measurement: Measurement) -> Measurement:
     return measurement.pick(np.asarray(measurement.usable.any(axis=1)))
+
+
+def _on_films(machine: Machine, measurement: Measurement) -> Measurement:
+    """Pick the samples at speeds at which the films of the document carry their journals. Raises NotEnoughData."""
+    films = [one.film for one in machine.bearings if one.film is not None and isinstance(one.speed_dependence, JournalForm)]
+    slowest = rpm_to_rad_per_s(max((one.valid_above_rpm for one in films), default=0.0))
+    found = measurement.pick(np.asarray(measurement.speed >= slowest))
+    if found.speed.size == 0 < measurement.speed.size:
+        raise NotEnoughData(f"no sample is above valid_above_rpm of a film, {rad_per_s_to_rpm(slowest):.0f} r/min")
+    return found
 
 
 def most_samples(machine: Machine) -> int:
@@ -378,12 +391,11 @@ def _result(problem: FitProblem, best: BestFit, reasons: Reasons | None, limits:
     why = None if reasons is None else reasons(problem, found, covariance)
     if why is not None and form_alone:
         why = _with_form_alone(why, frozenset(coordinates.names[place] for place in form_alone))
-    told = ~coordinates.nuisance
     return Identification(
         estimates=estimates(problem.train, coordinates, found.theta, error, why, doubtful),
-        coordinates=tuple(name for name, one in zip(coordinates.names, told, strict=True) if one),
-        covariance=(covariance * np.outer(coordinates.unit, coordinates.unit))[np.ix_(told, told)],
-        point=coordinates.point(found.theta)[told],
+        coordinates=coordinates.names,
+        covariance=covariance * np.outer(coordinates.unit, coordinates.unit),
+        point=coordinates.point(found.theta),
         chi_square=found.chi_square,
         degrees_of_freedom=verdict.degrees_of_freedom,
         accepted=verdict.accepted,

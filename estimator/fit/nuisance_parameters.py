@@ -1,6 +1,6 @@
-"""Parameters that are fitted only so that others get their due uncertainty: how many data they use up, whether they stay small.
+"""Parameters that are fitted only for the due uncertainty of others: how many data they use up, whether they stay small.
 
-They are deviations of oil films from their model, each believed to be of unit size. The fit's estimates of them, δ, then scatter
+They are deviations of oil films from their model, each believed to be of unit size. The fit's estimates of them, δ, scatter
 with the covariance I - C, C being that which the data leave (Rasmussen and Williams, Gaussian Processes for Machine Learning,
 2006, sec. 2.2), and δᵀ (I - C)⁻¹ δ follows χ². Where it is far larger, the data want more deviation than the document says.
 """
@@ -61,6 +61,6 @@ def excessive_deviations(problem: FitProblem, found: FitResult, covariance: Floa
         return ""
     times = math.sqrt(squares.sum() / count)
     return (
-        f"oil films deviate from their model by {times:.2g} times what the document says (discrepancy): geometry, oil, supports "
-        "or coupling are not as described"
+        f"oil films deviate from their model by {times:.2g} times what the document says (discrepancy): geometry, oil, "
+        "supports or coupling are not as described"
     )

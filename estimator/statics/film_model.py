@@ -1,9 +1,9 @@
 """Model of all bearings of a train by their oil films: coefficients over speed from clearances, viscosities and elevations.
 
 The loads on the films follow from the statics of the whole train, so that one model gives the coefficients of all bearings.
-Equilibria are solved at a few speeds, with exact derivatives; between them coefficients follow splines. Films of real bearings
-deviate from any model by some per cent: each term may be off by a Gaussian process over speed (Kennedy and O'Hagan, J. R. Stat.
-Soc. B 63 (2001) 425, doi:10.1111/1467-9868.00294), whose numbers are fitted with the others and told to nobody.
+Equilibria are solved at a few speeds, with exact derivatives; between them coefficients follow splines. Films of real
+bearings deviate from any model by some per cent: each term may be off by a Gaussian process over speed (Kennedy and O'Hagan,
+J. R. Stat. Soc. B 63 (2001) 425, doi:10.1111/1467-9868.00294), whose numbers are fitted with the others and told to nobody.
 """
 
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline
 
 from estimator.arrays import Floats
 from estimator.bearings.deviation_shapes import DeviationShapes
-from estimator.bearings.journal import DEVIATING, Journal
+from estimator.bearings.journal import DEVIATING, JournalForm
 from estimator.bearings.model import ModelParameter
 from estimator.bearings.terms import LATERAL
 from estimator.machine.document import Machine
@@ -30,10 +30,12 @@ SPEEDS = 12
 """Number of speeds at which equilibria are solved."""
 TERMS = tuple(term.name for term in LATERAL)
 """Terms of a bearing in the order of a film's matrices: stiffness by rows, then damping."""
-LEVELS = ("stiffness", "damping")
+LEVELS = ("all.stiffness_deviation", "all.damping_deviation")
 """Deviations that the direct terms of all films share at every speed: a solver, or an oil, is off for all of them alike."""
 SHARED = 0.4
 """Part of a deviation's variance that is shared so [-]."""
+LEFT_OUT = 0.001
+"""Part of a deviation's variance that its left-out shapes may hold [-]: less than noise of 1 % shows."""
 OWN = len(PARAMETERS)
 """Number of a film's own parameters."""
 
@@ -51,7 +53,7 @@ class FilmModel:
     """
 
     train: FilmTrain
-    forms: tuple[Journal, ...]
+    forms: tuple[JournalForm, ...]
     slowest: float
     fastest: float
     constant: bool = False
@@ -98,16 +100,16 @@ class FilmModel:
     def _deviations(self) -> list[ModelParameter]:
         """Return the numbers of the films' deviations: those of each term's shapes, then the levels that all films share."""
         deviating = [one.name for one, form in zip(self.train.bearings, self.forms, strict=True) if form.discrepancy > 0.0]
-        names = [f"{name}.{term}.{shape}" for name in deviating for term in DEVIATING for shape in range(self.shapes.count)]
-        names += LEVELS if deviating else ()
-        return [
-            ModelParameter(f"deviation.{name}", "scale factor", "1", False, 0.0, 1.0, 1.0, nuisance=True) for name in names
+        names = [
+            f"{name}.{term}_deviation{shape}" for name in deviating for term in DEVIATING for shape in range(self.shapes.count)
         ]
+        names += LEVELS if deviating else ()
+        return [ModelParameter(f"films.{name}", "scale factor", "1", False, 0.0, 1.0, 1.0, nuisance=True) for name in names]
 
     @cached_property
     def shapes(self) -> DeviationShapes:
         """Return the shapes that deviations have over speed."""
-        return DeviationShapes(self.slowest, self.fastest)
+        return DeviationShapes(self.slowest, self.fastest, left_out=LEFT_OUT)
 
     def at(self, speed: Floats) -> "FilmCurves":
         """Return the curves at some speeds.
@@ -180,7 +182,8 @@ class FilmCurves:
         else:
             self.nodes, self.weight = np.array([high]), np.ones((speed.size, 1))
         self.shapes = model.shapes.at(speed)
-        self._places = model.train.over(self.nodes)
+        self._nominal = model.train.over(self.nodes)
+        self._last: FilmTrain | None = None
         self._solved: tuple[bytes, tuple[FilmEquilibrium, ...] | None] = (b"", None)
         self._slopes: tuple[bytes, Floats] = (b"", np.zeros(0))
 
@@ -237,22 +240,22 @@ class FilmCurves:
 
     def _solve(self, own: Floats) -> tuple[FilmEquilibrium, ...] | None:
         train = self.model.changed(own)
-        clearance = np.array([one.clearance for one in train.bearings])
-        nominal = np.array([one.clearance for one in self.model.train.bearings])
-        before = self._solved[1] if self._solved[1] is not None else self._places
-        if all(one is not None for one in before):
-            start = np.stack([one.position for one in before if one is not None])
-            at = np.array([one.clearance for one in self._last]) if self._solved[1] is not None else nominal
-            found = equilibria_near(train, self.nodes, start * (clearance / at)[:, None])
-        else:
-            found = None
+        found = self._near(train)
         if found is None:
-            one_by_one = train.over(self.nodes)
-            found = tuple(one for one in one_by_one if one is not None)
-            if len(found) < self.nodes.size:
-                return None
-        self._last = train.bearings
+            one_by_one = tuple(one for one in train.over(self.nodes) if one is not None)
+            found = one_by_one if len(one_by_one) == self.nodes.size else None
+        if found is not None:
+            self._last = train
         return found
+
+    def _near(self, train: FilmTrain) -> tuple[FilmEquilibrium, ...] | None:
+        """Return the equilibria near the last ones, at the same parts of the clearances; None where there are none."""
+        before, of = (self._nominal, self.model.train) if self._last is None else (self._solved[1], self._last)
+        known = [one.position for one in before or () if one is not None]
+        if len(known) < self.nodes.size:
+            return None
+        ratio = np.array([new.clearance / old.clearance for new, old in zip(train.bearings, of.bearings, strict=True)])
+        return equilibria_near(train, self.nodes, np.stack(known) * ratio[:, None])
 
     def _base(self, fitted: Floats) -> Floats:
         """Return the films' own coefficients (S, 8n)."""
@@ -338,7 +341,7 @@ def film_model(machine: Machine) -> FilmModel:
         InvalidSlenderness: A bearing has an impossible ratio of length to diameter.
     """
     speeds = machine.speed_range
-    forms = tuple(one.speed_dependence for one in machine.bearings if isinstance(one.speed_dependence, Journal))
+    forms = tuple(one.speed_dependence for one in machine.bearings if isinstance(one.speed_dependence, JournalForm))
     return FilmModel(film_train(machine), forms, rpm_to_rad_per_s(speeds.minimum_rpm), rpm_to_rad_per_s(speeds.maximum_rpm))
 
 

@@ -1,4 +1,7 @@
-"""Equilibria of a train on its films at many speeds at once, by Newton's method with steps that are halved."""
+"""Equilibria of a train on its films at many speeds at once, by Newton's method with steps that are halved.
+
+Nocedal and Wright, Numerical Optimization, 2006, sec. 11.1 and 11.2.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,7 +14,7 @@ from estimator.statics.equilibrium import HALVINGS, LARGEST_STEP, SETTLED, STEPS
 
 
 @dataclass(frozen=True)
-class _State:
+class _JournalsOverSpeed:
     """Journals at S speeds.
 
     Attributes:
@@ -66,9 +69,9 @@ def equilibria_near(train: FilmTrain, speeds: Floats, start: Floats) -> tuple[Fi
     return None
 
 
-def _state(train: FilmTrain, speeds: Floats, position: Floats) -> _State:
+def _state(train: FilmTrain, speeds: Floats, position: Floats) -> _JournalsOverSpeed:
     films = tuple(one.at(position[:, number], speed=speeds) for number, one in enumerate(train.bearings))
-    return _State(position, films, _lacking(train, position, [one.force for one in films]))
+    return _JournalsOverSpeed(position, films, _lacking(train, position, [one.force for one in films]))
 
 
 def _lacking(train: FilmTrain, position: Floats, forces: Sequence[Floats]) -> Floats:
@@ -77,7 +80,7 @@ def _lacking(train: FilmTrain, position: Floats, forces: Sequence[Floats]) -> Fl
     return np.asarray(needed.reshape(position.shape) - np.stack(forces, axis=1))
 
 
-def _newton_step(train: FilmTrain, state: _State, clearance: Floats) -> Floats:
+def _newton_step(train: FilmTrain, state: _JournalsOverSpeed, clearance: Floats) -> Floats:
     """Return the steps (S, n, 2) of Newton's method, none longer than allowed [m]."""
     count = len(state.position)
     whole = np.repeat(train.statics.stiffness[None], count, axis=0)
@@ -89,7 +92,7 @@ def _newton_step(train: FilmTrain, state: _State, clearance: Floats) -> Floats:
     return np.asarray(step * np.minimum(1.0, LARGEST_STEP / np.maximum(longest, 1e-300))[:, None, None])
 
 
-def _shortened(train: FilmTrain, speeds: Floats, state: _State, step: Floats) -> _State | None:
+def _shortened(train: FilmTrain, speeds: Floats, state: _JournalsOverSpeed, step: Floats) -> _JournalsOverSpeed | None:
     """Return the journals after steps that are halved until they stay in the films and lack less; None where none does."""
     part = np.ones(len(step))
     before = np.linalg.norm(state.lacking, axis=(1, 2))

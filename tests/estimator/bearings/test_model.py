@@ -14,6 +14,7 @@ from estimator.rotor.coefficient_models import expects_a_law
 from tests.estimator.trains import chapter_3_document
 
 EXAMPLES: dict[str, dict[str, Any]] = {
+    "journal": {},
     "piecewise": {"knots_rpm": [500, 1500, 3000]},
     "polynomial": {"knots_rpm": [500, 1500, 3000]},
     "table": {
