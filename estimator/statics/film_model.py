@@ -19,12 +19,13 @@ from estimator.bearings.deviation_shapes import DeviationShapes
 from estimator.bearings.journal import DEVIATING, JournalForm
 from estimator.bearings.model import ModelParameter
 from estimator.bearings.terms import LATERAL
+from estimator.errors import Invalid
 from estimator.machine.document import Machine
 from estimator.quantities import UNITS
 from estimator.statics.equilibrium import FilmEquilibrium, FilmTrain, film_train
 from estimator.statics.film_sensitivity import PARAMETERS, film_sensitivity
 from estimator.statics.films_over_speed import equilibria_near
-from estimator.units import rpm_to_rad_per_s
+from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 
 SPEEDS = 12
 """Number of speeds at which equilibria are solved."""
@@ -40,6 +41,10 @@ OWN = len(PARAMETERS)
 """Number of a film's own parameters."""
 
 
+class FilmTooThin(Invalid):
+    """Raised when a film of the document does not carry its journal at a speed at which the machine is watched."""
+
+
 @dataclass(frozen=True)
 class FilmModel:
     """The 8n coefficients of n films as functions of 4n parameters and of their deviations.
@@ -47,7 +52,7 @@ class FilmModel:
     Attributes:
         train: The train on its films as the document gives them.
         forms: Form of each bearing.
-        slowest: Lowest speed of the document [rad/s].
+        slowest: Lowest speed of the document at which all films carry [rad/s].
         fastest: Highest one [rad/s].
         constant: False.
     """
@@ -107,12 +112,17 @@ class FilmModel:
         return [ModelParameter(f"films.{name}", "scale factor", "1", False, 0.0, 1.0, 1.0, nuisance=True) for name in names]
 
     @cached_property
+    def films(self) -> "SolvedFilms":
+        """Return the films at the speeds at which they are solved."""
+        return SolvedFilms(self)
+
+    @cached_property
     def shapes(self) -> DeviationShapes:
         """Return the shapes that deviations have over speed."""
         return DeviationShapes(self.slowest, self.fastest, left_out=LEFT_OUT)
 
     def at(self, speed: Floats) -> "FilmCurves":
-        """Return the curves at some speeds.
+        """Return the curves at some speeds; beyond the document's range they are level.
 
         Args:
             speed: Spin speeds (S,), without sign [rad/s].
@@ -120,7 +130,7 @@ class FilmModel:
         Returns:
             The curves.
         """
-        return FilmCurves(self, speed)
+        return FilmCurves(self, np.clip(speed, self.slowest, self.fastest))
 
     def level(self, fitted: Floats) -> NoReturn:  # noqa: ARG002 - whatever they are
         """Return no parameters: a film's coefficients are not the same at every speed.
@@ -163,29 +173,123 @@ class FilmModel:
         return np.array([self.parameters[OWN * number + 2].step for number in range(len(self.forms))])
 
 
+class SolvedFilms:
+    """Films at the speeds at which equilibria are solved, remembered for the last fitted numbers.
+
+    Attributes:
+        speed: The speeds (G,), ascending [rad/s].
+    """
+
+    def __init__(self, model: FilmModel) -> None:
+        """Solve for the equilibria that the document says.
+
+        Args:
+            model: The model.
+
+        Raises:
+            FilmTooThin: There is none at a speed.
+        """
+        self._model = model
+        self.speed = np.geomspace(model.slowest, model.fastest, SPEEDS)
+        nominal = model.train.over(self.speed)
+        for speed, one in zip(self.speed.tolist(), nominal, strict=True):
+            if one is None:
+                raise FilmTooThin(
+                    f"at {rad_per_s_to_rpm(speed):.0f} r/min a journal would be within a twentieth of the clearance of its "
+                    "bearing: are geometry and oil right? Below the speed at which films carry, give valid_above_rpm"
+                )
+        self._last, self._found = model.train, nominal
+        self._solved: tuple[bytes, tuple[FilmEquilibrium, ...] | None] = (b"", None)
+        self._slopes: tuple[bytes, Floats] = (b"", np.zeros(0))
+
+    def coefficients(self, fitted: Floats) -> Floats:
+        """Compute the films' own coefficients.
+
+        Args:
+            fitted: Fitted numbers (P,) [-].
+
+        Returns:
+            Coefficients (G, 8n) [SI]; NaN where a film is too thin.
+        """
+        found = self.equilibria(fitted)
+        if found is None:
+            return np.full((self.speed.size, 8 * len(self._model.forms)), np.nan)
+        return np.stack([_row(one.stiffness, one.damping) for one in found])
+
+    def equilibria(self, fitted: Floats) -> tuple[FilmEquilibrium, ...] | None:
+        """Return the equilibria at these speeds.
+
+        Args:
+            fitted: Fitted numbers (P,) [-].
+
+        Returns:
+            The equilibria; None where a film is too thin.
+        """
+        own = fitted[: OWN * len(self._model.forms)]
+        key = own.tobytes()
+        if self._solved[0] != key:
+            self._solved = key, self._solve(own)
+        return self._solved[1]
+
+    def _solve(self, own: Floats) -> tuple[FilmEquilibrium, ...] | None:
+        train = self._model.changed(own)
+        found = self._near(train)
+        if found is None:
+            one_by_one = tuple(one for one in train.over(self.speed) if one is not None)
+            found = one_by_one if len(one_by_one) == self.speed.size else None
+        if found is not None:
+            self._last, self._found = train, found
+        return found
+
+    def _near(self, train: FilmTrain) -> tuple[FilmEquilibrium, ...] | None:
+        """Return the equilibria near the last ones, at the same parts of the clearances; None where there are none."""
+        start = np.stack([one.position for one in self._found if one is not None])
+        pairs = zip(train.bearings, self._last.bearings, strict=True)
+        return equilibria_near(train, self.speed, start * np.array([[new.clearance / old.clearance] for new, old in pairs]))
+
+    def slopes(self, fitted: Floats) -> Floats:
+        """Compute the derivatives of the films' own coefficients by their own fitted numbers.
+
+        Args:
+            fitted: Fitted numbers (P,) [-].
+
+        Returns:
+            Derivatives (G, 8n, 4n) [SI].
+        """
+        own = fitted[: OWN * len(self._model.forms)]
+        key = own.tobytes()
+        if self._slopes[0] != key:
+            found = self.equilibria(fitted)
+            count = own.size
+            if found is None:
+                slopes = np.full((self.speed.size, 2 * count, count), np.nan)
+            else:
+                train = self._model.changed(own)
+                each = [film_sensitivity(train, one) for one in found]
+                slopes = np.stack(
+                    [np.stack([_row(k, c) for k, c in zip(one.stiffness, one.damping, strict=True)], axis=-1) for one in each]
+                )
+                unit = np.ones(count)
+                unit.reshape(-1, OWN)[:, 2:] = self._model.elevation_unit[:, None]
+                slopes = slopes * unit
+            self._slopes = key, slopes
+        return self._slopes[1]
+
+
 class FilmCurves:
     """Coefficients of the films at S speeds."""
 
     def __init__(self, model: FilmModel, speed: Floats) -> None:
-        """Choose the speeds of the equilibria.
+        """Prepare the interpolation.
 
         Args:
             model: The model.
-            speed: Spin speeds (S,), without sign [rad/s].
+            speed: Spin speeds (S,) within the model's range [rad/s].
         """
         self.model = model
         self.speed = speed
-        low, high = float(speed.min()), float(speed.max())
-        if high > low:
-            self.nodes = np.geomspace(low, high, SPEEDS)
-            self.weight = np.asarray(CubicSpline(np.log(self.nodes), np.eye(SPEEDS))(np.log(speed)))
-        else:
-            self.nodes, self.weight = np.array([high]), np.ones((speed.size, 1))
+        self.weight = np.asarray(CubicSpline(np.log(model.films.speed), np.eye(SPEEDS))(np.log(speed)))
         self.shapes = model.shapes.at(speed)
-        self._nominal = model.train.over(self.nodes)
-        self._last: FilmTrain | None = None
-        self._solved: tuple[bytes, tuple[FilmEquilibrium, ...] | None] = (b"", None)
-        self._slopes: tuple[bytes, Floats] = (b"", np.zeros(0))
 
     def values(self, fitted: Floats) -> Floats:
         """Compute the coefficients.
@@ -212,7 +316,7 @@ class FilmCurves:
             Derivatives (s, 8n, P) [SI].
         """
         base = self._base(fitted)[block]
-        own = np.einsum("sg,gcp->scp", self.weight[block], self._node_slopes(fitted))
+        own = np.einsum("sg,gcp->scp", self.weight[block], self.model.films.slopes(fitted))
         if not self.model.parameters[-1].nuisance:
             return own
         sizes, relative = self._sizes(base), self._relative(fitted)[block]
@@ -223,67 +327,9 @@ class FilmCurves:
         found[..., own.shape[2] :] = sizes[..., None] * self._by_deviation[block]
         return found
 
-    def equilibria(self, fitted: Floats) -> tuple[FilmEquilibrium, ...] | None:
-        """Return the equilibria at the speeds `nodes`.
-
-        Args:
-            fitted: Fitted numbers (P,) [-].
-
-        Returns:
-            The equilibria; None where a film is too thin.
-        """
-        own = fitted[: OWN * len(self.model.forms)]
-        key = own.tobytes()
-        if self._solved[0] != key:
-            self._solved = key, self._solve(own)
-        return self._solved[1]
-
-    def _solve(self, own: Floats) -> tuple[FilmEquilibrium, ...] | None:
-        train = self.model.changed(own)
-        found = self._near(train)
-        if found is None:
-            one_by_one = tuple(one for one in train.over(self.nodes) if one is not None)
-            found = one_by_one if len(one_by_one) == self.nodes.size else None
-        if found is not None:
-            self._last = train
-        return found
-
-    def _near(self, train: FilmTrain) -> tuple[FilmEquilibrium, ...] | None:
-        """Return the equilibria near the last ones, at the same parts of the clearances; None where there are none."""
-        before, of = (self._nominal, self.model.train) if self._last is None else (self._solved[1], self._last)
-        known = [one.position for one in before or () if one is not None]
-        if len(known) < self.nodes.size:
-            return None
-        ratio = np.array([new.clearance / old.clearance for new, old in zip(train.bearings, of.bearings, strict=True)])
-        return equilibria_near(train, self.nodes, np.stack(known) * ratio[:, None])
-
     def _base(self, fitted: Floats) -> Floats:
         """Return the films' own coefficients (S, 8n)."""
-        found = self.equilibria(fitted)
-        if found is None:
-            return np.full((self.speed.size, 8 * len(self.model.forms)), np.nan)
-        return np.asarray(self.weight @ np.stack([_row(one.stiffness, one.damping) for one in found]))
-
-    def _node_slopes(self, fitted: Floats) -> Floats:
-        """Return the derivatives (G, 8n, 4n) of the films' own coefficients at the speeds of the equilibria."""
-        own = fitted[: OWN * len(self.model.forms)]
-        key = own.tobytes()
-        if self._slopes[0] != key:
-            found = self.equilibria(fitted)
-            count = own.size
-            if found is None:
-                slopes = np.full((self.nodes.size, 2 * count, count), np.nan)
-            else:
-                train = self.model.changed(own)
-                each = [film_sensitivity(train, one) for one in found]
-                slopes = np.stack(
-                    [np.stack([_row(k, c) for k, c in zip(one.stiffness, one.damping, strict=True)], axis=-1) for one in each]
-                )
-                unit = np.ones(count)
-                unit.reshape(-1, OWN)[:, 2:] = self.model.elevation_unit[:, None]
-                slopes = slopes * unit
-            self._slopes = key, slopes
-        return self._slopes[1]
+        return np.asarray(self.weight @ self.model.films.coefficients(fitted))
 
     def _sizes(self, base: Floats) -> Floats:
         """Return what a deviation of each coefficient is a part of (S, 8n): the direct terms beside it."""
@@ -340,9 +386,10 @@ def film_model(machine: Machine) -> FilmModel:
         UnsupportedShaft: Something would fall although all journals are held.
         InvalidSlenderness: A bearing has an impossible ratio of length to diameter.
     """
-    speeds = machine.speed_range
     forms = tuple(one.speed_dependence for one in machine.bearings if isinstance(one.speed_dependence, JournalForm))
-    return FilmModel(film_train(machine), forms, rpm_to_rad_per_s(speeds.minimum_rpm), rpm_to_rad_per_s(speeds.maximum_rpm))
+    lifted = max((one.film.valid_above_rpm for one in machine.bearings if one.film is not None), default=0.0)
+    slowest, fastest = max(machine.speed_range.minimum_rpm, lifted), machine.speed_range.maximum_rpm
+    return FilmModel(film_train(machine), forms, rpm_to_rad_per_s(slowest), rpm_to_rad_per_s(fastest))
 
 
 def _row(stiffness: Floats, damping: Floats) -> Floats:

@@ -4,7 +4,11 @@ import numpy as np
 import pytest
 
 from estimator.fit.identify import Options, identify
+from estimator.identification.pooling import combine
+from estimator.identification.sweep_correction import sweep_transient
 from estimator.machine.document import parse_machine
+from estimator.updated_model.derived_quantities import derived_quantities
+from estimator.updated_model.model import updated_model
 from tests.film_plant.discrepancy import DiscrepancySize
 from tests.film_plant.documents import film_document, measured
 from tests.film_plant.plants import random_plant
@@ -39,3 +43,19 @@ def test_films_that_are_said_to_be_exact_and_are_not_are_refused() -> None:
     plant = random_plant(1, discrepancy=DiscrepancySize(spread=0.08))
     found = identify(parse_machine(film_document(plant, discrepancy=0.002)), measured(plant, seed=1), OPTIONS)
     assert not found.accepted
+
+
+def test_what_a_job_does_behind_an_identification_works_with_films() -> None:
+    plant = random_plant(0, discrepancy=DiscrepancySize())
+    machine = parse_machine(film_document(plant))
+    data = measured(plant, seed=0)
+    found = identify(machine, data, OPTIONS)
+    derived = {one.name: one for one in derived_quantities(machine, found, (), direction=1)}
+    assert derived["critical_speed.1"].value is not None
+    model = updated_model(machine, found)
+    swept = sweep_transient(model, time=np.linspace(0.0, 120.0, data.speed.size), speed=data.speed)
+    assert np.isfinite(swept.averaged).all()
+    again = identify(machine, measured(plant, seed=1), OPTIONS, beginning=found.point)
+    assert again.accepted
+    assert again.iterations < found.iterations
+    assert combine([found, again]).accepted

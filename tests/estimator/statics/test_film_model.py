@@ -8,7 +8,7 @@ import yaml
 
 from estimator.arrays import Floats
 from estimator.machine.document import DocumentError, parse_machine
-from estimator.statics.film_model import TERMS, FilmModel, film_model
+from estimator.statics.film_model import TERMS, FilmModel, FilmTooThin, film_model
 from tests.paths import EXAMPLES
 
 SPEED = np.linspace(4600.0, 700.0, 60) * np.pi / 30
@@ -89,3 +89,20 @@ def test_a_document_that_leaves_loads_open_is_refused(change: Any, words: str) -
     change(said)
     with pytest.raises(DocumentError, match=words):
         parse_machine(said)
+
+
+def test_a_film_that_never_carries_is_named_and_one_that_is_lifted_by_jacking_oil_is_left_out() -> None:
+    said = document()
+    said["speed_range"]["minimum_rpm"] = 5
+    with pytest.raises(FilmTooThin, match=r"at 5 r/min.*valid_above_rpm"):
+        _ = film_model(parse_machine(said)).films
+    said["bearings"][2]["film"]["valid_above_rpm"] = 700
+    films = film_model(parse_machine(said)).films
+    assert films.speed[0] == pytest.approx(700 * np.pi / 30)
+
+
+def test_beyond_the_range_coefficients_are_level() -> None:
+    model = film_model(parse_machine(document()))
+    centre = np.array([one.centre for one in model.parameters])
+    ends = np.array([model.slowest, model.fastest])
+    np.testing.assert_array_equal(model.at(np.array([0.0, 2 * model.fastest])).values(centre), model.at(ends).values(centre))
