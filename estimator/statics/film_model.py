@@ -318,7 +318,7 @@ class FilmCurves:
         base = self._base(fitted)[block]
         own = np.einsum("sg,gcp->scp", self.weight[block], self.model.films.slopes(fitted))
         if not self.model.parameters[-1].nuisance:
-            return own
+            return np.asarray(own)
         sizes, relative = self._sizes(base), self._relative(fitted)[block]
         first, second = self._beside
         growth = 0.5 * (own[:, first] / base[:, first, None] + own[:, second] / base[:, second, None])
