@@ -16,6 +16,9 @@ Quantity = Literal[
     "scale factor",
     "gain",
     "run-out",
+    "clearance",
+    "viscosity",
+    "elevation",
 ]
 """Physical quantity of a parameter."""
 
@@ -33,6 +36,9 @@ UNITS: dict[Quantity, str] = {
     "scale factor": "1",
     "gain": "1",
     "run-out": "m",
+    "clearance": "m",
+    "viscosity": "Pa s",
+    "elevation": "m",
 }
 """SI unit of each quantity."""
 ORDER: dict[Quantity, int] = {"damping": 1, "angular damping": 1, "inertia": 2}

@@ -17,6 +17,7 @@ estimator/modes: estimator estimator/machine estimator/rotor
 estimator/phasors: estimator estimator/machine estimator/modes estimator/rotor
 estimator/statics: estimator estimator/bearings estimator/films estimator/machine estimator/modes estimator/rotor
 estimator/fit: estimator estimator/bearings estimator/machine estimator/modes estimator/phasors estimator/rotor
+    estimator/statics
 estimator/runs: estimator estimator/machine estimator/phasors
 estimator/thesis: estimator estimator/bearings estimator/machine estimator/modes estimator/phasors estimator/rotor
 estimator/diagnosis: estimator estimator/fit estimator/machine estimator/rotor estimator/trends

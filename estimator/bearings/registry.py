@@ -9,13 +9,14 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar, Union, get_args
 from pydantic import BaseModel, Discriminator, Tag
 
 from estimator.bearings.constant import Constant
+from estimator.bearings.journal import JournalForm
 from estimator.bearings.knots import SpeedDependence
 from estimator.bearings.model import BearingForm, OwnParameter
 from estimator.bearings.table import Table
 
 T = TypeVar("T")
 
-FORMS = (SpeedDependence, Table)
+FORMS = (SpeedDependence, Table, JournalForm)
 """Forms of `speed_dependence` in a machine document."""
 
 CONSTANT = Constant()

@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from estimator.arrays import Complexes, Floats
 from estimator.bearings.model import CoefficientCurves, CoefficientModel, ModelParameter
 from estimator.fit.channel_coordinates import ChannelCoordinates
+from estimator.fit.train_models import train_models
 from estimator.quantities import Quantity
-from estimator.rotor.coefficient_models import governing_models
+from estimator.rotor.coefficient_models import expects_a_law
 from estimator.rotor.condensation import CondensedTrain
 from estimator.rotor.parameters import Coefficient, Excitation
 
@@ -141,6 +142,13 @@ class Coordinates:
             The coordinates.
         """
         return _CoordinateBuilder(train, unbalance_scale).build()
+
+    @cached_property
+    def nuisance(self) -> NDArray[np.bool_]:
+        """Return which coordinates are told to nobody (n,)."""
+        found = np.zeros(self.size, dtype=bool)
+        found[: len(self.parameters)] = [one.nuisance for one in self.parameters]
+        return found
 
     @property
     def size(self) -> int:
@@ -306,6 +314,7 @@ class _CoordinateBuilder:
         gain = self._channels("gain", train.gain_spread)
         run_out = self._channels("run_out", train.run_out_spread)
         unit = np.array(self.unit)
+        following = {k for one in models if expects_a_law(one.model) for k in one.coefficients}
         return Coordinates(
             names=tuple(self.names),
             centre=np.array(self.centre),
@@ -324,7 +333,9 @@ class _CoordinateBuilder:
             scale_place=np.array(scale_place, dtype=np.intp),
             channels=ChannelCoordinates(gain=gain, run_out=run_out, unit=unit),
             quantities=tuple(c.quantity for c in coefficients),
-            guessed=np.array([c.direct and c.nominal is None for c in coefficients], dtype=bool),
+            guessed=np.array(
+                [c.direct and c.nominal is None and k not in following for k, c in enumerate(coefficients)], dtype=bool
+            ),
         )
 
     def _excitation(self, one: Excitation, scale: float) -> int:
@@ -338,7 +349,7 @@ class _CoordinateBuilder:
         place = np.full(len(coefficients), -1, dtype=np.intp)
         parameters: list[ModelParameter] = []
         models: list[PlacedModel] = []
-        for one in governing_models(coefficients):
+        for one in train_models(self.train):
             first = len(self.names)
             for parameter in one.model.parameters:
                 self.add(parameter.name, parameter.centre, parameter.spread, parameter.step, parameter.origin)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from estimator.arrays import Floats
 from estimator.bearings.model import ModelParameter
 from estimator.fit.coordinates import Coordinates
+from estimator.machine.parameter_description import describe
 from estimator.quantities import UNITS, Quantity
 from estimator.rotor.condensation import CondensedTrain
 from estimator.rotor.parameters import Coefficient, Excitation
@@ -22,6 +23,8 @@ LARGEST_DIRECT_ERROR = 0.4
 """Largest standard error of an estimable direct term's logarithm [-]: beyond it the term may be zero, and its logarithm has no
 sound interval.
 """
+LARGEST_PRIOR_PART = 0.8
+"""Largest standard error of an estimable level, as a part of that believed beforehand [-]."""
 
 Common = tuple[str, str, str, str]
 """Name, element, quantity and unit of an estimate."""
@@ -135,13 +138,24 @@ def _coefficients(
                     continue  # a parameter of several coefficients is told once
                 told.add(place)
                 parameter = coordinates.parameters[place]
-                common = (parameter.name, coefficient.element, parameter.quantity, parameter.unit)
+                if parameter.nuisance:
+                    continue
+                common = (parameter.name, describe(parameter.name).element, parameter.quantity, parameter.unit)
                 if place in doubtful:
                     why = _reason_text(reason, parameter.name)
                     yield _estimate_without_value(common, f"the data leave it open far beyond its standard error{why}")
                     continue
+                if _is_prior_alone(parameter, float(error[place])):
+                    why = "the data say hardly more of it than what is believed beforehand"
+                    yield _estimate_without_value(common, f"{why}: ± {parameter.step * parameter.spread:.2g} {parameter.unit}")
+                    continue
                 judged_by = parameter.scale if parameter.coefficient is None else comparison_size(coefficient, size)
                 yield _parameter(parameter, common, float(theta[place]), float(error[place]), judged_by, reason)
+
+
+def _is_prior_alone(parameter: ModelParameter, error: float) -> bool:
+    """Return whether the prior alone determines a level, such as an elevation: one that may be zero."""
+    return not parameter.positive and parameter.coefficient is None and error > LARGEST_PRIOR_PART * parameter.spread
 
 
 def comparison_size(coefficient: Coefficient, size: dict[str, float]) -> float:

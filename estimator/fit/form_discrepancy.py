@@ -15,16 +15,13 @@ import numpy as np
 import scipy.optimize
 
 from estimator.arrays import Floats
+from estimator.bearings.deviation_shapes import DeviationShapes
 from estimator.fit.fit_problem import FitProblem, FitResult
 from estimator.fit.goodness_of_fit import Verdict
 from estimator.fit.phasor_jacobian import phasor_jacobian
 from estimator.fit.reweighting import with_fitted_noise
 from estimator.rotor.response import sensitivity
 
-CORRELATION_LENGTH = 0.4
-"""Distance over which a deviation stays alike, as a part of the speed range [-]."""
-SMALLEST_VARIANCE_PART = 0.01
-"""Part of a deviation's variance that its left-out shapes may hold [-]."""
 SIGNIFICANT = 4.0
 """Twice the logarithm of the likelihood ratio from which on a deviation is believed [-]: 1 in 44 where there is none."""
 RULED_OUT = 6.6
@@ -39,8 +36,6 @@ MARGIN = 3.0
 """Factor on the largest size that the data do not rule out [-]: real films deviate alike, those looked for do not."""
 EXPECTED_SIZE_UNSEEN = 0.8
 """Relative size of deviations to reckon with where other coefficients can make up for them at every speed [-]."""
-GRID = 60
-"""Number of points over which shapes are computed."""
 LARGEST_SIZE = 1.0
 """Largest relative size of deviations that is looked for [-]."""
 
@@ -188,40 +183,6 @@ class _Deviations:
         return np.asarray(covariance + moved @ open_part @ moved.T + np.outer(shift, shift))
 
 
-class DeviationShapes:
-    """Shapes of a deviation over a range of speeds, by which it is a sum of independent numbers of unit variance.
-
-    Those of a Gaussian process of squared exponential correlation (Karhunen-Loève, by Nyström's method; Rasmussen and
-    Williams, Gaussian Processes for Machine Learning, 2006, sec. 4.3).
-    """
-
-    def __init__(self, low: float, high: float) -> None:
-        self.low = low
-        self.high = high
-        self.grid = np.linspace(0.0, 1.0, GRID)
-        variance, vectors = np.linalg.eigh(_correlation(self.grid, self.grid))
-        variance, vectors = variance[::-1], vectors[:, ::-1]
-        held = np.cumsum(variance) / variance.sum()
-        count = int(np.searchsorted(held, 1.0 - SMALLEST_VARIANCE_PART)) + 1
-        self.weight = vectors[:, :count] / np.sqrt(variance[:count])
-
-    def at(self, speed: Floats) -> Floats:
-        """Compute the shapes at some speeds.
-
-        Args:
-            speed: Speeds (S,) [rad/s].
-
-        Returns:
-            Shapes (S, B) [-].
-        """
-        place = (speed - self.low) / max(self.high - self.low, 1e-300)
-        return np.asarray(_correlation(np.clip(place, 0.0, 1.0), self.grid) @ self.weight)
-
-
-def _correlation(first: Floats, second: Floats) -> Floats:
-    return np.asarray(np.exp(-0.5 * ((first[:, None] - second) / CORRELATION_LENGTH) ** 2))
-
-
 def _information(problem: FitProblem, theta: Floats, shapes: DeviationShapes) -> tuple[Floats, Floats, Floats, Floats]:
     """Compute the information of unit deviations (D, D), that which they share with the coordinates (n, D), and ½ of the
     derivative of -χ² by them (D,) and by the coordinates (n,)."""
@@ -258,10 +219,40 @@ def _information(problem: FitProblem, theta: Floats, shapes: DeviationShapes) ->
 
 
 def _owners(problem: FitProblem) -> "np.ndarray[tuple[int], np.dtype[np.intp]]":
-    """Return for each coefficient the number of its deviation (K,): a tied one has its leader's, a fixed one none (-1)."""
-    coefficients = problem.train.unknowns.coefficients
-    free = [one.name for one in coefficients if not one.fixed and one.tied_to is None]
-    return np.array([-1 if one.fixed else free.index(one.tied_to or one.name) for one in coefficients], dtype=np.intp)
+    """Return for each coefficient the number of its deviation (K,).
+
+    A tied one has its leader's; a fixed one has none (-1), nor one whose model has deviations of its own.
+    """
+    coefficients, deviating = problem.train.unknowns.coefficients, _with_own_deviations(problem)
+    free = [one.name for k, one in enumerate(coefficients) if not one.fixed and one.tied_to is None and k not in deviating]
+    names = [one.tied_to or one.name for one in coefficients]
+    return np.array(
+        [-1 if one.fixed or name not in free else free.index(name) for one, name in zip(coefficients, names, strict=True)],
+        dtype=np.intp,
+    )
+
+
+def _with_own_deviations(problem: FitProblem) -> frozenset[int]:
+    """Return the coefficients whose models have parameters that stand for deviations."""
+    return frozenset(
+        k
+        for one in problem.coordinates.models
+        if any(parameter.nuisance for parameter in one.model.parameters)
+        for k in one.coefficients
+    )
+
+
+def needs_form(problem: FitProblem) -> bool:
+    """Return whether a coefficient follows the speed in a form that the document assumes, with no deviations of its own.
+
+    Args:
+        problem: The fit's problem.
+
+    Returns:
+        Whether one does.
+    """
+    following = {k for one in problem.coordinates.models for k in one.coefficients}
+    return bool(following - _with_own_deviations(problem))
 
 
 def _sizes(problem: FitProblem, values: Floats) -> Floats:

@@ -6,15 +6,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
+from estimator.bearings.journal import JournalForm
 from estimator.fit.channel_sensitivity import ChannelEffects, channel_effects
 from estimator.fit.coordinates import Coordinates
 from estimator.fit.estimates import Estimate, determined, estimates
 from estimator.fit.fit_problem import FitProblem, FitResult
-from estimator.fit.form_discrepancy import FormVerdict, judge_form
+from estimator.fit.form_discrepancy import FormVerdict, judge_form, needs_form
 from estimator.fit.goodness_of_fit import Verdict, VerdictRemark, judge, remark
 from estimator.fit.identifiability import Reasons, reasons_for
 from estimator.fit.maximum_likelihood import STAGE_MISFITS
 from estimator.fit.multistart import BestFit, best_fit
+from estimator.fit.nuisance_parameters import excessive_deviations
 from estimator.fit.physical_limits import Limits, limits_for, without_growing_modes
 from estimator.fit.profile_likelihood import flat_coordinates
 from estimator.machine.document import Machine
@@ -22,6 +24,7 @@ from estimator.machine.document_size import FEWEST_SAMPLES, document_size
 from estimator.machine.rules import Noise
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.condensation import CondensedTrain, condense
+from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 
 LARGEST_SAMPLE_COUNT = 5000
 """Most samples that one fit uses; more are thinned out."""
@@ -151,7 +154,8 @@ def identify(
         SingularCondensation: The train cannot be condensed at a speed.
         ValueError: The channels are not the machine's.
     """
-    measurement = _thinned(_without_empty_samples(measurement), most=most_samples(machine))
+    measurement = _on_films(machine, _without_empty_samples(measurement))
+    measurement = _thinned(measurement, most=most_samples(machine))
     _require_enough(machine, measurement)
     train = condense(machine, speed=measurement.speed, direction=measurement.direction)
     found = identify_train(
@@ -240,7 +244,8 @@ def identify_train(
     """
     options = options or Options()
     coordinates = Coordinates.of(train, unbalance_scale=1.0)
-    free = coordinates.size - int(np.count_nonzero(coordinates.scale_place >= 0)) - coordinates.channels.count
+    held = int(np.count_nonzero(coordinates.scale_place >= 0)) + int(np.count_nonzero(coordinates.nuisance))
+    free = coordinates.size - held - coordinates.channels.count
     count = _independent_numbers(measurement)
     if count <= free:
         raise NotEnoughData(
@@ -283,6 +288,16 @@ def _independent_numbers(measurement: Measurement) -> int:
 
 def _without_empty_samples(measurement: Measurement) -> Measurement:
     return measurement.pick(np.asarray(measurement.usable.any(axis=1)))
+
+
+def _on_films(machine: Machine, measurement: Measurement) -> Measurement:
+    """Pick the samples at speeds at which the films of the document carry their journals. Raises NotEnoughData."""
+    films = [one.film for one in machine.bearings if one.film is not None and isinstance(one.speed_dependence, JournalForm)]
+    slowest = rpm_to_rad_per_s(max((one.valid_above_rpm for one in films), default=0.0))
+    found = measurement.pick(np.asarray(measurement.speed >= slowest))
+    if found.speed.size == 0 < measurement.speed.size:
+        raise NotEnoughData(f"no sample is above valid_above_rpm of a film, {rad_per_s_to_rpm(slowest):.0f} r/min")
+    return found
 
 
 def most_samples(machine: Machine) -> int:
@@ -362,7 +377,7 @@ def _result(problem: FitProblem, best: BestFit, reasons: Reasons | None, limits:
     beside = VerdictRemark()
     doubtful, form_alone = frozenset[int](), frozenset[int]()
     if verdict.accepted:
-        found_form = judge_form(problem, found, covariance, condition) if coordinates.models else FormVerdict(covariance)
+        found_form = _form_verdict(problem, found, covariance, condition)
         found, verdict = _possible(problem, found, found_form.applied(verdict), limits)
         form_alone = _determined(coordinates, covariance) - _determined(coordinates, found_form.covariance)
         covariance = found_form.covariance
@@ -395,6 +410,14 @@ def _result(problem: FitProblem, best: BestFit, reasons: Reasons | None, limits:
         outliers={channel: int(count) for channel, count in zip(problem.train.channels, left_out, strict=True) if count},
         channel_effects=channel_effects(problem, found, inflation=beside.inflation),
     )
+
+
+def _form_verdict(problem: FitProblem, found: FitResult, covariance: Floats, condition: float) -> FormVerdict:
+    """Return the verdict on how coefficients follow the speed: by assumed forms, and by films with their deviations."""
+    excess = excessive_deviations(problem, found, covariance)
+    if excess or not needs_form(problem):
+        return FormVerdict(covariance, excess)
+    return judge_form(problem, found, covariance, condition)
 
 
 def _determined(coordinates: Coordinates, covariance: Floats) -> frozenset[int]:

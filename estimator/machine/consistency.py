@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
+from estimator.bearings.journal import JournalForm
 from estimator.machine.parameter_description import describe
 from estimator.machine.part_coefficients import (
     ELEMENTS,
@@ -77,6 +78,7 @@ def reference_problems(train: Train) -> Iterator[InitErrorDetails]:
         yield _problem(("operation", "running_rpm"), running, message)
     yield from _coupling_problems(train)
     yield from _dependence_problems(train)
+    yield from _film_problems(train)
     yield from _rule_problems(train)
 
 
@@ -159,6 +161,23 @@ def _dependence_problems(train: Train) -> Iterator[InitErrorDetails]:
                 if form is not None and value is not None and form.nominal(name, train.speed_range.middle_rpm) is not None:
                     message = "stands in the table of speed_dependence, too: give it in one place only"
                     yield _problem((place, i, name), value, message)
+
+
+def _film_problems(train: Train) -> Iterator[InitErrorDetails]:
+    """Find bearings of which the loads on films cannot be derived: one film needs those of all bearings."""
+    for place in ELEMENTS:
+        for i, part in enumerate(getattr(train, place)):
+            if place != "bearings" and isinstance(part.speed_dependence, JournalForm):
+                message = "form 'journal' is of bearings with a film only"
+                yield _problem((place, i, "speed_dependence", "form"), "journal", message)
+    on_films = [isinstance(one.speed_dependence, JournalForm) for one in train.bearings]
+    for i, bearing in enumerate(train.bearings):
+        if any(on_films) and not on_films[i]:
+            message = "needs the form 'journal', as the other bearings: loads on films follow from the whole train's statics"
+            yield _problem(("bearings", i, "speed_dependence"), None, message)
+        elif on_films[i] and bearing.film is None:
+            message = "form 'journal' needs the bearing's film: diameter, length, radial_clearance [m] and oil"
+            yield _problem(("bearings", i, "film"), None, message)
 
 
 def _matching(pattern: str, names: Iterable[str]) -> list[str]:

@@ -39,6 +39,7 @@ class CondensedTrain:
         gain_spread: Standard deviation (m,) of each channel's gain [-]; empty where gains are exact.
         run_out_spread: Standard deviation (m,) of each channel's run-out [m]; empty where run-outs are exact.
         scale_factors: The F factors of E and ρ that are not known exactly.
+        machine: The machine; None for a train that is none's.
     """
 
     speed: Floats
@@ -52,6 +53,7 @@ class CondensedTrain:
     gain_spread: Floats = field(default_factory=lambda: np.zeros(0))
     run_out_spread: Floats = field(default_factory=lambda: np.zeros(0))
     scale_factors: tuple[ScaleFactor, ...] = ()
+    machine: Machine | None = None
 
     @property
     def scale_names(self) -> tuple[str, ...]:
@@ -209,6 +211,7 @@ def condense(machine: Machine, *, speed: Floats, direction: Floats, output: Floa
         gain_spread=np.array([probe.gain_spread for probe in machine.probes]),
         run_out_spread=np.array([probe.run_out_spread for probe in machine.probes]),
         scale_factors=scales,
+        machine=machine,
     )
 
 

@@ -9,7 +9,9 @@ from estimator.arrays import Floats
 from estimator.films.dimensional_film import dimensional_film
 from estimator.films.film import Film, FilmCoefficients
 from estimator.films.oil import grade_oil
+from estimator.films.pad_table import MOST_CONTINUOUS
 from estimator.films.profiles import BearingProfile, elliptical, four_lobe, plain, three_lobe, two_axial_grooves
+from estimator.films.reynolds import Bools
 from estimator.machine.films import JournalFilm, Oil
 
 
@@ -50,7 +52,18 @@ class JournalBearing:
         Returns:
             Whether it is.
         """
-        return bool(self.film.covers(self._mirrored(position) / self.clearance))
+        return bool(self.covers_all(position))
+
+    def covers_all(self, position: Floats) -> Bools:
+        """Return where the film is known.
+
+        Args:
+            position: Positions (..., 2) of the journal relative to the bearing's centre [m].
+
+        Returns:
+            Whether it is (...).
+        """
+        return self.film.covers(self._mirrored(position) / self.clearance)
 
     def thinnest(self, position: Floats) -> float:
         """Compute the thickness of the film where it is thinnest.
@@ -63,12 +76,12 @@ class JournalBearing:
         """
         return float(self.film.thinnest(self._mirrored(position) / self.clearance)) * self.clearance
 
-    def at(self, position: Floats, *, speed: float) -> FilmCoefficients:
+    def at(self, position: Floats, *, speed: Floats | float) -> FilmCoefficients:
         """Compute force on the journal, stiffness and damping, with their derivatives by the position.
 
         Args:
-            position: Position (2,) of the journal relative to the bearing's centre [m].
-            speed: Spin speed, without sign [rad/s].
+            position: Positions (..., 2) of the journal relative to the bearing's centre [m].
+            speed: Spin speed, without sign (...) [rad/s].
 
         Returns:
             The film there.
@@ -144,7 +157,8 @@ def oil_viscosity(oil: Oil) -> float:
 def _profile(said: JournalFilm, direction: int) -> BearingProfile:
     groove, turned = math.radians(said.groove_deg), direction * math.radians(said.turned_deg)
     if said.profile == "plain":
-        return plain()
+        # Without grooves nothing says where the film begins.
+        return plain(continuous=said.length <= MOST_CONTINUOUS * said.diameter)
     if said.profile == "two_axial_grooves":
         return two_axial_grooves(groove=groove, split=turned)
     if said.profile == "elliptical":

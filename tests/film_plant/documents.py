@@ -9,6 +9,7 @@ from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.measurement import Measurement
 from tests.film_plant.arrays import Complexes, Floats
 from tests.film_plant.plant import NOISE_FLOOR, NOISE_PART, RPM, Plant, noisy
+from tests.film_plant.plants import PRIORS, Priors
 
 Form = Literal["constant", "polynomial", "piecewise"]
 
@@ -18,6 +19,10 @@ STIFFNESS, DAMPING = ("kxx", "kxy", "kyx", "kyy"), ("cxx", "cxy", "cyx", "cyy")
 """Terms of a bearing in the order of its matrices."""
 PERTURBATION = 0.15
 """Standard deviation by which nominal coefficients are off: of the logarithm, or part of the value [-]."""
+FILM_DISCREPANCY = 0.05
+"""Rms of the films' deviations that documents state: some 4 % are drawn, and solvers differ by 1 or 2 % [-]."""
+RIGID = 1e8
+"""Lateral stiffness from which on a coupling is a rigid one [N/m]."""
 SPEED_MARGIN = 0.02
 """Part by which a document's speed range is wider than the runs [-]."""
 
@@ -67,6 +72,28 @@ def linear_document(
             disc["unbalance"] = {"magnitude": float(abs(off)), "angle_deg": float(np.degrees(np.angle(off)))}
     if element_length is not None:
         said["element_length"] = element_length
+    return said
+
+
+def film_document(plant: Plant, *, priors: Priors = PRIORS, discrepancy: float = FILM_DISCREPANCY) -> dict[str, Any]:
+    """The document that describes a plant's bearings by their films as they are believed, with the priors on them."""
+    said = geometry(plant)
+    rigid = said["couplings"][0]["kxx"] > RIGID
+    for bearing, one in zip(said["bearings"], plant.believed.bearings, strict=True):
+        viscosity = one.oil.viscosity(one, speed=0.0, eccentricity=0.0)
+        bearing["film"] = {
+            "diameter": one.diameter,
+            "length": one.length,
+            "radial_clearance": one.clearance,
+            "oil": {"viscosity": float(viscosity)},
+        }
+        bearing["speed_dependence"] = {
+            "form": "journal",
+            "clearance_spread": priors.clearance,
+            "viscosity_spread": priors.viscosity,
+            "elevation_spread": priors.rigid_elevation if rigid else priors.elevation,
+            "discrepancy": discrepancy,
+        }
     return said
 
 

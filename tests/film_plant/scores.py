@@ -83,6 +83,18 @@ def true_values(plant: Plant, machine: Machine) -> Truths:
     return found
 
 
+def film_truths(plant: Plant) -> Truths:
+    """The plant's unbalances, clearances, viscosities, and elevations over those of the aligned train."""
+    found = _unbalances(plant)
+    for number, (true, believed) in enumerate(zip(plant.train.bearings, plant.believed.bearings, strict=True), start=1):
+        name = f"bearing.B{number}"
+        found[f"{name}.clearance"] = complex(true.clearance)
+        found[f"{name}.viscosity"] = complex(true.oil.viscosity(true, speed=0.0, eccentricity=0.0))
+        for axis, place in (("x", 0), ("y", 1)):
+            found[f"{name}.elevation_{axis}"] = complex(true.elevation[place] - believed.elevation[place])
+    return found
+
+
 def own_form_data(plant: Plant, machine: Machine, *, seed: int) -> tuple[Measurement, Truths] | None:
     """Data of a train whose coefficients follow exactly the forms of its document, and its truth; None where it is unstable.
 

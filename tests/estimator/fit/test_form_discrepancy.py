@@ -5,7 +5,7 @@ from typing import Literal
 import numpy as np
 import pytest
 
-from estimator.fit.form_discrepancy import DeviationShapes
+from estimator.bearings.deviation_shapes import DeviationShapes
 from estimator.fit.identify import Options, identify
 from estimator.machine.document import Machine
 from tests.film_plant.documents import Form, linear_machine, measured

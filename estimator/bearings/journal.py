@@ -1,0 +1,102 @@
+"""Coefficients of journal bearings from their oil films, whose geometry, oil and elevation the document gives.
+
+A film's coefficients depend on the load that the whole train puts on it, so that this form makes no model of one bearing
+alone: `estimator.statics.film_model` makes one of all films of a train.
+"""
+
+from collections.abc import Sequence
+from typing import Annotated, ClassVar, Literal
+
+from pydantic import Field
+
+from estimator.bearings.model import CoefficientModel, ModelParameter, OwnParameter
+from estimator.bearings.terms import LATERAL
+from estimator.field_types import Part, Spread
+from estimator.quantities import UNITS
+
+LARGEST_ELEVATION_SPREAD = 0.01
+"""Largest prior standard deviation of an elevation [m]; more was meant in µm or mm."""
+DEVIATING = ("kxx", "kxy", "kyx", "kyy", "cxx", "cxy", "cyy")
+"""Terms of a film that deviate from its model each by itself; cyx deviates as cxy, to which it is equal in a film."""
+
+
+class JournalForm(Part):
+    """Coefficients that follow from the oil film: the bearing's `film` gives geometry, oil and elevation.
+
+    Clearance, viscosity and elevation of each bearing are determined, with what the document says of them as a prior.
+    """
+
+    own_parameters: ClassVar[tuple[OwnParameter, ...]] = (
+        OwnParameter("clearance", "clearance", UNITS["clearance"], positive=True),
+        OwnParameter("viscosity", "viscosity", UNITS["viscosity"], positive=True),
+        OwnParameter("elevation_x", "elevation", UNITS["elevation"], positive=False),
+        OwnParameter("elevation_y", "elevation", UNITS["elevation"], positive=False),
+    )
+
+    form: Literal["journal"]
+    clearance_spread: Spread = Field(default=0.15, description="how far the radial clearance may be off, relative rms [-]")
+    viscosity_spread: Spread = Field(default=0.15, description="how far the film's viscosity may be off, relative rms [-]")
+    elevation_spread: Annotated[float, Field(ge=0, le=LARGEST_ELEVATION_SPREAD)] = Field(
+        default=3e-5, description="how far the bearing's centre may be from its elevation, rms, in each direction [m]"
+    )
+    discrepancy: Spread = Field(
+        default=0.05, description="how far the film's coefficients may be from those of its model, relative rms [-]"
+    )
+
+    @property
+    def coefficients(self) -> tuple[str, ...]:
+        """Return all terms of the bearing: a film gives every one."""
+        return tuple(term.name for term in LATERAL)
+
+    def governs(self, term: str) -> bool:
+        """Return whether a term is the film's: each is.
+
+        Args:
+            term: The term, such as `kxx`.
+
+        Returns:
+            Whether it is.
+        """
+        return term in self.coefficients
+
+    def parameter_count(self, terms: Sequence[str]) -> int:
+        """Return the number of parameters that a film has, which gives all terms together.
+
+        Args:
+            terms: The terms.
+
+        Returns:
+            The number.
+        """
+        return len(self.own_parameters) if terms else 0
+
+    def nominal(self, term: str, rpm: float) -> None:
+        """Return None: the load on the film, which its coefficients depend on, is that of a whole train.
+
+        Args:
+            term: The term, such as `kxx`.
+            rpm: Speed [r/min].
+        """
+
+    def warnings(self, lowest_rpm: float, highest_rpm: float) -> tuple[tuple[str, str], ...]:  # noqa: ARG002
+        """Return no warnings.
+
+        Args:
+            lowest_rpm: Lowest speed of the machine [r/min].
+            highest_rpm: Its highest speed [r/min].
+
+        Returns:
+            Nothing.
+        """
+        return ()
+
+    def models(self, coefficients: Sequence[ModelParameter]) -> Sequence[CoefficientModel]:  # noqa: ARG002
+        """Return no models: the films of a train have one together.
+
+        Args:
+            coefficients: The coefficients as parameters.
+
+        Returns:
+            Nothing.
+        """
+        return ()

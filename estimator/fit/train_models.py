@@ -1,0 +1,25 @@
+"""Models of a train's coefficients: those of its elements one by one, and that of all its oil films together."""
+
+from estimator.bearings.journal import JournalForm
+from estimator.rotor.coefficient_models import GoverningModel, governing_models
+from estimator.rotor.condensation import CondensedTrain
+from estimator.statics.film_model import film_model
+
+
+def train_models(train: CondensedTrain) -> tuple[GoverningModel, ...]:
+    """Return the models of all coefficients that are neither fixed nor tied.
+
+    Args:
+        train: The condensed train.
+
+    Returns:
+        The models, in the order of the first coefficient that each gives.
+    """
+    coefficients = train.unknowns.coefficients
+    found = governing_models(coefficients)
+    if train.machine is None or not any(isinstance(one.form, JournalForm) for one in coefficients):
+        return found
+    index = {one.name: k for k, one in enumerate(coefficients)}
+    model = film_model(train.machine)
+    films = GoverningModel(model, tuple(index[name] for name in model.coefficients))
+    return tuple(sorted((*found, films), key=lambda one: min(one.coefficients)))

@@ -1,0 +1,117 @@
+"""Equilibria of a train on its films at many speeds at once, by Newton's method with steps that are halved.
+
+Nocedal and Wright, Numerical Optimization, 2006, sec. 11.1 and 11.2.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.arrays import Floats
+from estimator.films.film import FilmCoefficients
+from estimator.statics.equilibrium import HALVINGS, LARGEST_STEP, SETTLED, STEPS, FilmEquilibrium, FilmTrain
+
+
+@dataclass(frozen=True)
+class _JournalsOverSpeed:
+    """Journals at S speeds.
+
+    Attributes:
+        position: Positions (S, n, 2) relative to the bearings' centres [m].
+        films: Film of each of the n bearings, at S positions.
+        lacking: Forces (S, n, 2) by which films fall short of what the train needs there [N].
+    """
+
+    position: Floats
+    films: tuple[FilmCoefficients, ...]
+    lacking: Floats
+
+    def at(self, place: int) -> tuple[FilmCoefficients, ...]:
+        """Return the films at one speed."""
+        return tuple(
+            FilmCoefficients(
+                one.force[place],
+                one.stiffness[place],
+                one.damping[place],
+                one.stiffness_slope[place],
+                one.damping_slope[place],
+            )
+            for one in self.films
+        )
+
+
+def equilibria_near(train: FilmTrain, speeds: Floats, start: Floats) -> tuple[FilmEquilibrium, ...] | None:
+    """Find the equilibria at some speeds near positions that are known, such as those of films a little different.
+
+    Args:
+        train: The train on its n films.
+        speeds: Spin speeds (S,), without sign [rad/s].
+        start: Positions (S, n, 2) of the journals to start from [m].
+
+    Returns:
+        The equilibrium at each speed; None where one is not found.
+    """
+    clearance = np.array([one.clearance for one in train.bearings])
+    if not _covered(train, start).all():
+        return None
+    state = _state(train, speeds, start)
+    for _ in range(STEPS):
+        step = _newton_step(train, state, clearance)
+        if np.max(np.linalg.norm(step, axis=2) / clearance) < SETTLED:
+            return tuple(
+                FilmEquilibrium(float(speed), state.position[place], state.at(place)) for place, speed in enumerate(speeds)
+            )
+        moved = _shortened(train, speeds, state, step)
+        if moved is None:
+            return None
+        state = moved
+    return None
+
+
+def _state(train: FilmTrain, speeds: Floats, position: Floats) -> _JournalsOverSpeed:
+    films = tuple(one.at(position[:, number], speed=speeds) for number, one in enumerate(train.bearings))
+    return _JournalsOverSpeed(position, films, _lacking(train, position, [one.force for one in films]))
+
+
+def _lacking(train: FilmTrain, position: Floats, forces: Sequence[Floats]) -> Floats:
+    absolute = (position + train.elevation).reshape(len(position), -1)
+    needed = absolute @ train.statics.stiffness.T - train.statics.weight
+    return np.asarray(needed.reshape(position.shape) - np.stack(forces, axis=1))
+
+
+def _newton_step(train: FilmTrain, state: _JournalsOverSpeed, clearance: Floats) -> Floats:
+    """Return the steps (S, n, 2) of Newton's method, none longer than allowed [m]."""
+    count = len(state.position)
+    whole = np.repeat(train.statics.stiffness[None], count, axis=0)
+    for number, one in enumerate(state.films):
+        block = slice(2 * number, 2 * number + 2)
+        whole[:, block, block] += one.stiffness
+    step = np.linalg.solve(whole, -state.lacking.reshape(count, -1, 1)).reshape(state.position.shape)
+    longest = np.max(np.linalg.norm(step, axis=2) / clearance, axis=1)
+    return np.asarray(step * np.minimum(1.0, LARGEST_STEP / np.maximum(longest, 1e-300))[:, None, None])
+
+
+def _shortened(train: FilmTrain, speeds: Floats, state: _JournalsOverSpeed, step: Floats) -> _JournalsOverSpeed | None:
+    """Return the journals after steps that are halved until they stay in the films and lack less; None where none does."""
+    part = np.ones(len(step))
+    before = np.linalg.norm(state.lacking, axis=(1, 2))
+    for _ in range(HALVINGS):
+        trial = state.position + part[:, None, None] * step
+        inside = _covered(train, trial)
+        if inside.all():
+            found = _state(train, speeds, trial)
+            better = np.linalg.norm(found.lacking, axis=(1, 2)) < before
+            # At its end Newton's method lacks nothing but rounding.
+            better |= before < 1e-9 * np.linalg.norm(train.statics.weight)
+            if better.all():
+                return found
+            inside = better
+        part = np.where(inside, part, part / 2)
+    return None
+
+
+def _covered(train: FilmTrain, position: Floats) -> "np.ndarray[tuple[int, ...], np.dtype[np.bool_]]":
+    """Return at which speeds all films are known (S,)."""
+    known = [one.covers_all(position[:, number]) for number, one in enumerate(train.bearings)]
+    return np.asarray(np.logical_and.reduce(known))

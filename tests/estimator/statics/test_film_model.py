@@ -1,0 +1,108 @@
+"""The model of a train's films against equilibria one by one, its derivatives against differences."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+
+from estimator.arrays import Floats
+from estimator.machine.document import DocumentError, parse_machine
+from estimator.statics.film_model import TERMS, FilmModel, FilmTooThin, film_model
+from tests.paths import EXAMPLES
+
+SPEED = np.linspace(4600.0, 700.0, 60) * np.pi / 30
+
+
+def document(**form: Any) -> dict[str, Any]:
+    """The motor and compressor with bearings that follow their films."""
+    said: dict[str, Any] = yaml.safe_load((EXAMPLES / "motor-compressor.yaml").read_text(encoding="utf-8"))
+    for bearing in said["bearings"]:
+        bearing["speed_dependence"] = {"form": "journal", **form}
+    return said
+
+
+def drawn(model: FilmModel, seed: int) -> Floats:
+    """Fitted numbers drawn from the prior, closer to what is expected."""
+    rng = np.random.default_rng(seed)
+    centre = np.array([one.centre for one in model.parameters])
+    return centre + 0.4 * np.array([one.spread for one in model.parameters]) * rng.standard_normal(centre.size)
+
+
+def test_coefficients_are_those_of_the_equilibria_between_the_speeds_that_are_solved() -> None:
+    model = film_model(parse_machine(document(discrepancy=0.0)))
+    fitted = drawn(model, 1)
+    found = model.at(SPEED).values(fitted).reshape(SPEED.size, 4, 8)
+    for row, one in zip(found, model.changed(fitted).over(SPEED), strict=True):
+        assert one is not None
+        exact = np.concatenate([one.stiffness.reshape(4, 4), one.damping.reshape(4, 4)], axis=1)
+        for part in (slice(0, 4), slice(4, 8)):
+            largest = np.abs(exact[:, part]).max(axis=1, keepdims=True)
+            assert np.max(np.abs(row[:, part] - exact[:, part]) / largest) < 5e-4
+
+
+@pytest.mark.parametrize("discrepancy", [0.0, 0.05])
+def test_derivatives_are_those_of_differences(discrepancy: float) -> None:
+    model = film_model(parse_machine(document(discrepancy=discrepancy)))
+    curves, fitted = model.at(SPEED), drawn(model, 2)
+    found = curves.derivatives(fitted, slice(None))
+    assert found.shape == (SPEED.size, 32, len(model.parameters))
+    size = np.abs(curves.values(fitted)).max(axis=0)
+    for place in {*range(16), *range(16, len(model.parameters), 9), len(model.parameters) - 1}:
+        step = np.zeros(fitted.size)
+        step[place] = 1e-3
+        difference = (curves.values(fitted + step) - curves.values(fitted - step)) / 2e-3
+        np.testing.assert_allclose(found[:, :, place] / size, difference / size, atol=2e-4)
+
+
+def test_deviations_have_the_size_that_the_document_states() -> None:
+    model = film_model(parse_machine(document(discrepancy=0.05)))
+    curves = model.at(SPEED)
+    centre = np.array([one.centre for one in model.parameters])
+    own, rng = curves.values(centre), np.random.default_rng(3)
+    nuisance = np.array([one.nuisance for one in model.parameters])
+    kxx = 8 + TERMS.index("kxx")
+    parts = [
+        curves.values(centre + nuisance * rng.standard_normal(centre.size))[:, kxx] / own[:, kxx] - 1.0 for _ in range(600)
+    ]
+    assert np.sqrt(np.mean(np.square(parts))) == pytest.approx(0.05, rel=0.1)
+
+
+def test_a_film_that_is_too_thin_has_no_coefficients() -> None:
+    model = film_model(parse_machine(document()))
+    centre = np.array([one.centre for one in model.parameters])
+    centre[1] = -8.0  # hardly any viscosity
+    assert np.isnan(model.at(SPEED).values(centre)).all()
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda said: said["bearings"][1].pop("speed_dependence"), "loads on films follow from the whole train's statics"),
+        (lambda said: said["bearings"][2].pop("film"), "needs the bearing's film"),
+        (lambda said: said["couplings"][0].update(speed_dependence={"form": "journal"}), "of bearings with a film only"),
+        (lambda said: said["bearings"][0]["speed_dependence"].update(elevation_spread=30.0), "elevation_spread"),
+    ],
+)
+def test_a_document_that_leaves_loads_open_is_refused(change: Any, words: str) -> None:
+    said = document()
+    change(said)
+    with pytest.raises(DocumentError, match=words):
+        parse_machine(said)
+
+
+def test_a_film_that_never_carries_is_named_and_one_that_is_lifted_by_jacking_oil_is_left_out() -> None:
+    said = document()
+    said["speed_range"]["minimum_rpm"] = 5
+    with pytest.raises(FilmTooThin, match=r"at 5 r/min.*valid_above_rpm"):
+        _ = film_model(parse_machine(said)).films
+    said["bearings"][2]["film"]["valid_above_rpm"] = 700
+    films = film_model(parse_machine(said)).films
+    assert films.speed[0] == pytest.approx(700 * np.pi / 30)
+
+
+def test_beyond_the_range_coefficients_are_level() -> None:
+    model = film_model(parse_machine(document()))
+    centre = np.array([one.centre for one in model.parameters])
+    ends = np.array([model.slowest, model.fastest])
+    np.testing.assert_array_equal(model.at(np.array([0.0, 2 * model.fastest])).values(centre), model.at(ends).values(centre))

@@ -1,0 +1,61 @@
+"""Identification by films on plants of other make: it is accepted, its intervals hold, a wrong bore is refused."""
+
+import numpy as np
+import pytest
+
+from estimator.fit.identify import Options, identify
+from estimator.identification.pooling import combine
+from estimator.identification.sweep_correction import sweep_transient
+from estimator.machine.document import parse_machine
+from estimator.updated_model.derived_quantities import derived_quantities
+from estimator.updated_model.model import updated_model
+from tests.film_plant.discrepancy import DiscrepancySize
+from tests.film_plant.documents import film_document, measured
+from tests.film_plant.plants import random_plant
+from tests.film_plant.scores import film_truths, score
+
+OPTIONS = Options(starts=2)
+
+
+def test_right_documents_are_accepted_and_most_intervals_hold() -> None:
+    inside: list[bool] = []
+    for seed in range(3):
+        plant = random_plant(seed, discrepancy=DiscrepancySize())
+        found = identify(parse_machine(film_document(plant)), measured(plant, seed=seed), OPTIONS)
+        assert found.accepted, found.verdict
+        told = score(found, film_truths(plant))
+        assert len(told.inside) >= 16
+        inside += told.inside
+    assert np.mean(inside) > 0.85
+
+
+def test_what_is_told_has_names_elements_and_units() -> None:
+    plant = random_plant(3)
+    found = identify(parse_machine(film_document(plant)), measured(plant, seed=3), OPTIONS)
+    clearance = found.estimate("bearing.B2.clearance")
+    assert (clearance.element, clearance.unit, clearance.quantity) == ("bearing.B2", "m", "clearance")
+    assert clearance.value == pytest.approx(plant.train.clearances[1], rel=0.3)
+    assert found.estimate("bearing.B4.viscosity").unit == "Pa s"
+    assert not any("deviation" in one.name for one in found.estimates)
+
+
+def test_films_that_are_said_to_be_exact_and_are_not_are_refused() -> None:
+    plant = random_plant(1, discrepancy=DiscrepancySize(spread=0.08))
+    found = identify(parse_machine(film_document(plant, discrepancy=0.002)), measured(plant, seed=1), OPTIONS)
+    assert not found.accepted
+
+
+def test_what_a_job_does_behind_an_identification_works_with_films() -> None:
+    plant = random_plant(0, discrepancy=DiscrepancySize())
+    machine = parse_machine(film_document(plant))
+    data = measured(plant, seed=0)
+    found = identify(machine, data, OPTIONS)
+    derived = {one.name: one for one in derived_quantities(machine, found, (), direction=1)}
+    assert derived["critical_speed.1"].value is not None
+    model = updated_model(machine, found)
+    swept = sweep_transient(model, time=np.linspace(0.0, 120.0, data.speed.size), speed=data.speed)
+    assert np.isfinite(swept.averaged).all()
+    again = identify(machine, measured(plant, seed=1), OPTIONS, beginning=found.point)
+    assert again.accepted
+    assert again.iterations < found.iterations
+    assert combine([found, again]).accepted
