@@ -3,12 +3,13 @@
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from fnmatch import translate
+from fnmatch import fnmatchcase, translate
 from typing import Any, Protocol
 
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from estimator.bearings.journal import JournalForm
+from estimator.bearings.terms import TERMS
 from estimator.machine.parameter_description import describe
 from estimator.machine.part_coefficients import (
     ELEMENTS,
@@ -171,6 +172,12 @@ def _film_problems(train: Train) -> Iterator[InitErrorDetails]:
                 message = "form 'journal' is of bearings with a film only"
                 yield _problem((place, i, "speed_dependence", "form"), "journal", message)
     on_films = [isinstance(one.speed_dependence, JournalForm) for one in train.bearings]
+    films = [one.id for one, film in zip(train.bearings, on_films, strict=True) if film]
+    named = [f"bearing.{one}.{term}" for one in films for term in TERMS]
+    for i, rule in enumerate(train.parameters):
+        if any(fnmatchcase(name, rule.names) for name in named):
+            message = "coefficients of films follow from form 'journal': its own spreads say how well they are known"
+            yield _problem(("parameters", i), rule.names, message)
     for i, bearing in enumerate(train.bearings):
         if any(on_films) and not on_films[i]:
             message = "needs the form 'journal', as the other bearings: loads on films follow from the whole train's statics"

@@ -82,6 +82,10 @@ def test_a_film_that_is_too_thin_has_no_coefficients() -> None:
         (lambda said: said["bearings"][2].pop("film"), "needs the bearing's film"),
         (lambda said: said["couplings"][0].update(speed_dependence={"form": "journal"}), "of bearings with a film only"),
         (lambda said: said["bearings"][0]["speed_dependence"].update(elevation_spread=30.0), "elevation_spread"),
+        (
+            lambda said: said.update(parameters=[{"names": "bearing.B1.kxx", "fixed": True}]),
+            "films follow from form 'journal'",
+        ),
     ],
 )
 def test_a_document_that_leaves_loads_open_is_refused(change: Any, words: str) -> None:
