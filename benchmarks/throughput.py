@@ -36,9 +36,10 @@ from service.messaging.session import session, wait_connected
 from service.sources.publisher import Source
 from service.sources.sqlite_replay_log import DurableLog
 from service.wire import ENCODINGS, Key, SampleBatch
-from tests.end_to_end.processes import Service, free_port, until
+from tests.end_to_end.processes import Service, until
 from tests.end_to_end.test_real_input import ross_batch
 from tests.faults.storage_faults import own_server
+from tests.ports import free_port
 
 P99_ASKED_S = 1.0
 LONGEST_BATCH_MS = 100.0

@@ -2,7 +2,6 @@
 
 import copy
 import math
-import socket
 import time
 from collections.abc import Callable, Mapping, Sequence
 from functools import cache
@@ -264,13 +263,6 @@ def store_identification(
 def sqlite_url(path: object) -> str:
     """URL of an SQLite file."""
     return f"sqlite:///{path}"
-
-
-def free_endpoint() -> str:
-    """A zenoh endpoint on a loopback port that was free a moment ago."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return f"tcp/127.0.0.1:{probe.getsockname()[1]}"
 
 
 def listened_to(publisher: zenoh.Publisher) -> bool:

@@ -8,7 +8,6 @@ import os
 import pwd
 import shutil
 import signal
-import socket
 import subprocess
 import tempfile
 import time
@@ -19,6 +18,8 @@ import psutil
 import psycopg
 import pytest
 from sqlalchemy import make_url
+
+from tests.ports import free_port
 
 START_TIMEOUT_S = 30.0
 FAST = ("fsync=off", "full_page_writes=off", "synchronous_commit=off")
@@ -33,9 +34,7 @@ class Server:
         self._settings = settings
         self._process: subprocess.Popen[bytes] | None = None
         self.log = folder / "server.log"
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            self.port = int(probe.getsockname()[1])
+        self.port = free_port()
         command = [program("initdb"), "--pgdata", str(folder / "data"), "--username", "rundown", "--auth", "trust"]
         # A plant's server has a language's collation: lists must not depend on it.
         command += ["--encoding", "UTF8", "--locale-provider", "icu", "--icu-locale", "en-US", "--locale", "C.UTF-8"]

@@ -18,8 +18,8 @@ from service.security.tokens import Claims, Tokens
 from storage.database.engine import Database
 from storage.operation import audit
 from tests.browser.conftest import PATIENCE_MS
-from tests.end_to_end.processes import free_port
 from tests.plant import KEY, sqlite_url
+from tests.ports import free_port
 from tests.service.security.issuer import AUDIENCE, CLIENT, Issuer
 from tests.service.security.two_plants import HIDDEN, fill
 

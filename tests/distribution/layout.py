@@ -11,9 +11,10 @@ from typing import Any, Self
 
 import httpx
 
-from tests.end_to_end.processes import free_port, process, python, until
+from tests.end_to_end.processes import process, python, until
 from tests.faults.measured import expected, stored_at
 from tests.plant import assert_same_samples, document
+from tests.ports import free_port
 
 Running = tuple[AbstractContextManager[subprocess.Popen[bytes]], subprocess.Popen[bytes]]
 

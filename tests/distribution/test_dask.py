@@ -17,8 +17,9 @@ from storage.database.engine import Database
 from storage.findings import identifications, jobs
 from storage.machines import machines
 from tests.distribution.killed_computation import FILE
-from tests.end_to_end.processes import free_port, process, python, until
+from tests.end_to_end.processes import process, python, until
 from tests.identification import chapter_3, close_run, counts
+from tests.ports import free_port
 
 
 class Cluster:

@@ -16,9 +16,10 @@ from storage.database.engine import Database
 from storage.operation import leases, replicas
 from tests.databases import PostgresqlDatabases
 from tests.distribution.layout import Layout
-from tests.end_to_end.processes import free_port, rundown, until
+from tests.end_to_end.processes import rundown, until
 from tests.faults.measured import measured
 from tests.plant import KEY
+from tests.ports import free_port
 from tests.postgresql import Server
 
 TAKEN_OVER_WITHIN_S = 30.0

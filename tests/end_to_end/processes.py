@@ -3,7 +3,6 @@
 import contextlib
 import os
 import signal
-import socket
 import subprocess
 import sys
 import time
@@ -16,6 +15,7 @@ import httpx
 import yaml
 
 from tests.end_to_end.alive import probing_if_asked
+from tests.ports import free_port
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
@@ -23,13 +23,6 @@ DATA = ROOT / "tests" / "data"
 STOP_TIMEOUT_S = 20.0
 
 T = TypeVar("T")
-
-
-def free_port() -> int:
-    """A port on loopback that nothing listens on."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 def rundown(*arguments: str, timeout: float = 60.0, **environment: str) -> subprocess.CompletedProcess[str]:

@@ -13,8 +13,9 @@ import zenoh
 from service.messaging.session import session as zenoh_session
 from service.messaging.session import wait_connected
 from service.wire import LARGEST_MESSAGE, MESSAGEPACK, Key, SampleBatch, encode_batch, frame
-from tests.end_to_end.processes import EXAMPLES, Service, example, free_port, process, rundown, until
+from tests.end_to_end.processes import EXAMPLES, Service, example, process, rundown, until
 from tests.end_to_end.test_real_input import ROSS, ross_batch
+from tests.ports import free_port
 
 KEY = Key("examples", ROSS)
 

@@ -12,8 +12,9 @@ import httpx
 import pytest
 
 from service.wire import JSON, encode_body
-from tests.end_to_end.processes import EXAMPLES, Service, free_port, until
+from tests.end_to_end.processes import EXAMPLES, Service, until
 from tests.plant import KEY, batch, document
+from tests.ports import free_port
 
 MONITORING = EXAMPLES / "monitoring"
 SAMPLES = 30

@@ -10,10 +10,11 @@ from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Literal, Self
 
-from tests.end_to_end.processes import Service, free_port, process, python, until
+from tests.end_to_end.processes import Service, process, python, until
 from tests.faults.measured import expected, stored_at
 from tests.faults.network import Wire
 from tests.plant import assert_same_samples, document
+from tests.ports import free_port
 
 Part = Literal["edge", "router", "service"]
 PARTS: tuple[Part, ...] = ("edge", "router", "service")

@@ -7,11 +7,12 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from tests.end_to_end.processes import Service, free_port, process, python, until
+from tests.end_to_end.processes import Service, process, python, until
 from tests.faults.chain import Chain
 from tests.faults.measured import expected, stored
 from tests.faults.network import Wire
 from tests.plant import assert_same_samples, document
+from tests.ports import free_port
 
 RATE = 100.0
 SETTLING_S = 2.0

@@ -10,9 +10,10 @@ import httpx
 import pytest
 
 from service.wire import JSON, encode_body
-from tests.end_to_end.processes import Service, free_port, rundown, until
+from tests.end_to_end.processes import Service, rundown, until
 from tests.faults.measured import SIZE, expected, measured, stored
 from tests.plant import KEY, assert_same_samples, document
+from tests.ports import free_port
 
 BEFORE, TOLD_S = 15, 3.0
 """Batches that are acknowledged before the log is deleted; within this time the service says that it is gone [s]."""

@@ -12,7 +12,8 @@ from service.recovery import gap_recovery
 from service.runs.collector import Collector
 from service.sources.publisher import Source
 from storage.database.engine import Database
-from tests.plant import KEY, free_endpoint, wait_until
+from tests.plant import KEY, wait_until
+from tests.ports import free_endpoint
 from tests.prompt_journal import PromptJournal
 from tests.service.ingest.plant_network import DroppedOnTheWay, Edge, ingesting
 

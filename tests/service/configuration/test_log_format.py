@@ -5,7 +5,8 @@ import logging
 from pathlib import Path
 
 from service.configuration.log_format import JsonLines
-from tests.end_to_end.processes import free_port, process, until
+from tests.end_to_end.processes import process, until
+from tests.ports import free_port
 
 
 def test_a_record_is_one_line_with_its_exception() -> None:

@@ -8,7 +8,8 @@ import zenoh
 from service.messaging.session import open_session
 from storage.database.engine import Database
 from storage.tables import IdentificationRow
-from tests.plant import START, free_endpoint, identification, store_identification
+from tests.plant import START, identification, store_identification
+from tests.ports import free_endpoint
 from tests.service.delivery.receivers import Receiver, receiver
 
 

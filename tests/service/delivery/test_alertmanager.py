@@ -20,7 +20,8 @@ from service.delivery.dispatcher import Dispatcher
 from storage.alerts import alerts, deliveries
 from storage.database.engine import Database
 from storage.tables import IdentificationRow
-from tests.plant import free_endpoint, machine, wait_until
+from tests.plant import machine, wait_until
+from tests.ports import free_endpoint
 from tests.service.delivery.receivers import raise_one, settings, subscribe
 
 PROGRAM = "prometheus-alertmanager"

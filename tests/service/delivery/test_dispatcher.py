@@ -29,7 +29,8 @@ from service.secrets.sealing import Sealing
 from storage.alerts import alerts, deliveries
 from storage.database.engine import Database
 from storage.tables import DeliveryRow, IdentificationRow
-from tests.plant import free_endpoint, machine, wait_until
+from tests.plant import machine, wait_until
+from tests.ports import free_endpoint
 from tests.service.delivery.receivers import Receiver, raise_one, settings, subscribe
 
 ANNA = Person("anna")

@@ -21,8 +21,9 @@ from storage.database.engine import Database
 from storage.machines import machines
 from tests.conftest import Stores
 from tests.databases import Databases
-from tests.end_to_end.processes import ROOT, Service, free_port, rundown, until
+from tests.end_to_end.processes import ROOT, Service, rundown, until
 from tests.plant import document, machine, sqlite_url
+from tests.ports import free_port
 
 
 def settings(service: Service, **changes: object) -> Settings:

@@ -18,8 +18,9 @@ from service.configuration.settings import Settings
 from service.doctor.endpoint_probes import probe_endpoints
 from service.doctor.exposed_endpoints import ExposedEndpoint, exposed_endpoints
 from service.security.principal import Role
-from tests.end_to_end.processes import ROOT, Service, free_port, rundown, until
+from tests.end_to_end.processes import ROOT, Service, rundown, until
 from tests.plant import sqlite_url
+from tests.ports import free_port
 
 TWICE: dict[str, Any] = {"allow_no_authentication": True, "everybody_may_change_everything": True}
 API = "REST API, page and metrics"

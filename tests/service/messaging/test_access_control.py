@@ -13,7 +13,8 @@ from service.messaging.access_control import AccessUnusable, StreamAccess, Strea
 from service.messaging.session import StreamUnusable, connected, session
 from service.wire.keys import ALL_LIVE, ALL_RECEIVED, ALL_SAMPLES, Key
 from tests.end_to_end.processes import ROOT
-from tests.plant import free_endpoint, wait_until
+from tests.plant import wait_until
+from tests.ports import free_endpoint
 
 OWN, OTHER = Key("plant-1", "pump-7"), Key("plant-1", "fan-2")
 ACCESS = StreamAccess(

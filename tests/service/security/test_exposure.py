@@ -11,8 +11,9 @@ import pytest
 
 from service.configuration.settings import Settings
 from service.security.exposure import Exposed, beyond, require_authentication
-from tests.end_to_end.processes import ROOT, Service, free_port, rundown, until
+from tests.end_to_end.processes import ROOT, Service, rundown, until
 from tests.plant import sqlite_url
+from tests.ports import free_port
 
 TWICE: dict[str, Any] = {"allow_no_authentication": True, "everybody_may_change_everything": True}
 
