@@ -15,6 +15,7 @@ from benchmarks.fluid_film.figure import Figure
 from benchmarks.fluid_film.film_fits import film_fits
 from benchmarks.fluid_film.films import films
 from benchmarks.fluid_film.linear_forms import own_forms, wrong_forms
+from benchmarks.fluid_film.pedestals import pedestals
 from benchmarks.fluid_film.reference_arrays import reference_response, reference_statics
 from benchmarks.fluid_film.sweep import sweep
 
@@ -24,6 +25,7 @@ PARTS: dict[str, Callable[[int], list[Figure]]] = {
     "statics": reference_statics,
     "sweep": sweep,
     "film-fits": film_fits,
+    "pedestals": pedestals,
     "wrong-forms": wrong_forms,
     "own-forms": own_forms,
 }

@@ -1,4 +1,4 @@
-"""Terms of the coefficients of bearings, seals and couplings: their names and the axes between which they act."""
+"""Terms of the coefficients of bearings, seals, couplings and pedestals: their names and the axes between which they act."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -79,6 +79,9 @@ SEAL = (
     Term("myy", "inertia", "y", "y", ("myy", "myy")),
 )
 """Terms of a seal that are identified only where the document gives them."""
+
+PEDESTAL = tuple(one for one in (*LATERAL, *SEAL) if one.direct)
+"""Terms of a pedestal, which moves along x and along y by itself."""
 
 TERMS = {one.name: one for one in (*LATERAL, *ANGULAR, *COUPLING, *SEAL)}
 """Every term by name."""

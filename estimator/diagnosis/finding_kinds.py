@@ -64,6 +64,10 @@ def _bearings(columns: ChangeColumns) -> Iterator[ExpectedChange]:
     return _single_elements(columns, [*bearings, *(f"seal.{one.id}" for one in columns.machine.seals)])
 
 
+def _pedestals(columns: ChangeColumns) -> Iterator[ExpectedChange]:
+    return _single_elements(columns, [f"pedestal.{one.id}" for one in columns.machine.pedestals])
+
+
 def _single_elements(columns: ChangeColumns, elements: Sequence[str]) -> Iterator[ExpectedChange]:
     """Yield the change of each element by itself, unless the document fixes all its coefficients or ties them to another's."""
     for element in elements:
@@ -231,6 +235,7 @@ FINDING_KINDS: tuple[FindingKind, ...] = (
     ),
     FindingKind("coupling", ("coupling",), "machine", changes=_couplings, size=_element_size),
     FindingKind("bearing", ("bearing", "seal"), "machine", changes=_bearings, size=_element_size),
+    FindingKind("pedestal", ("pedestal",), "machine", changes=_pedestals, size=_element_size),
     FindingKind("unbalance", ("disc",), "machine", changes=_unbalances, size=_unbalance_size, linear=True),
     FindingKind("bow", ("shaft",), "channels", changes=_bows, size=_run_out_size),
     FindingKind("run_out", ("probe",), "channels", changes=_run_outs, size=_run_out_size),

@@ -189,6 +189,7 @@ def with_identified_values(machine: Machine, baseline: Identification) -> Machin
             "bearings": tuple(updated("bearing", one) for one in machine.bearings),
             "couplings": tuple(updated("coupling", one) for one in machine.couplings),
             "seals": tuple(updated("seal", one) for one in machine.seals),
+            "pedestals": tuple(updated("pedestal", one) for one in machine.pedestals),
             "discs": tuple(discs),
             "noise": baseline.noise.model_copy(update={"estimated": False}),
         }

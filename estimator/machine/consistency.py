@@ -19,7 +19,7 @@ from estimator.machine.part_coefficients import (
     given_over_speed,
     planes,
 )
-from estimator.machine.parts import STATION_TOLERANCE, Disc, Material, Shaft
+from estimator.machine.parts import STATION_TOLERANCE, Disc, Material, Probe, Shaft
 from estimator.machine.rules import Condition, Operation, ParameterRule, SpeedRange
 
 
@@ -37,6 +37,10 @@ class Train(Elements, Protocol):
     @property
     def discs(self) -> Sequence[Disc]:
         """Return the discs in the document's order."""
+
+    @property
+    def probes(self) -> Sequence[Probe]:
+        """Return the probes in the document's order."""
 
     @property
     def conditions(self) -> Sequence[Condition]:
@@ -78,6 +82,7 @@ def reference_problems(train: Train) -> Iterator[InitErrorDetails]:
         message = f"lies above the speed range, which ends at {highest:g} r/min"
         yield _problem(("operation", "running_rpm"), running, message)
     yield from _coupling_problems(train)
+    yield from _pedestal_problems(train)
     yield from _dependence_problems(train)
     yield from _film_problems(train)
     yield from _rule_problems(train)
@@ -93,7 +98,7 @@ def _material_problems(train: Train) -> Iterator[InitErrorDetails]:
 
 
 def _duplicate_problems(train: Train) -> Iterator[InitErrorDetails]:
-    for name in ("shafts", "discs", "bearings", "couplings", "seals", "static_loads", "probes"):
+    for name in ("shafts", "discs", "bearings", "couplings", "seals", "pedestals", "static_loads", "probes"):
         parts = getattr(train, name)
         counts = Counter(part.id for part in parts)
         for i, part in enumerate(parts):
@@ -134,6 +139,25 @@ def _coupling_problems(train: Train) -> Iterator[InitErrorDetails]:
             if counts[getattr(coupling, end)] > 1:
                 message = f"shaft '{getattr(coupling, end)}' is the {end} of more than one coupling"
                 yield _problem(("couplings", i, end), getattr(coupling, end), message)
+
+
+def _pedestal_problems(train: Train) -> Iterator[InitErrorDetails]:
+    known = [bearing.id for bearing in train.bearings]
+    counts = Counter(pedestal.bearing for pedestal in train.pedestals)
+    for i, pedestal in enumerate(train.pedestals):
+        if pedestal.bearing not in known:
+            message = f"'{pedestal.bearing}' is not one of the bearings: {', '.join(known)}"
+            yield _problem(("pedestals", i, "bearing"), pedestal.bearing, message)
+        elif counts[pedestal.bearing] > 1:
+            message = f"bearing '{pedestal.bearing}' stands on more than one pedestal"
+            yield _problem(("pedestals", i, "bearing"), pedestal.bearing, message)
+    for i, probe in enumerate(train.probes):
+        if probe.mounted_on is not None and probe.mounted_on not in known:
+            message = f"'{probe.mounted_on}' is not one of the bearings: {', '.join(known)}"
+            yield _problem(("probes", i, "mounted_on"), probe.mounted_on, message)
+        if probe.mounted_on is not None and probe.absolute:
+            message = "stands on the ground: then it is mounted on no bearing's pedestal"
+            yield _problem(("probes", i, "absolute"), probe.absolute, message)
 
 
 def _ring_problems(train: Train) -> Iterator[InitErrorDetails]:
@@ -249,7 +273,9 @@ def _tie_problems(train: Train, coefficients: dict[str, float | None], tied: dic
         if leader == name:
             message = f"'{name}' cannot be tied to itself"
         elif leader not in coefficients or name not in coefficients:
-            message = f"'{name}' cannot be tied to '{leader}': both must be coefficients of bearings, couplings or seals"
+            message = (
+                f"'{name}' cannot be tied to '{leader}': both must be coefficients of bearings, couplings, seals or pedestals"
+            )
         elif leader in tied:
             message = f"'{leader}' is itself tied: tie to an element that stands on its own"
         else:

@@ -12,7 +12,7 @@ from estimator.errors import Invalid
 from estimator.field_types import Identifier, Length, Part, Text
 from estimator.machine.consistency import reference_problems
 from estimator.machine.films import StaticLoad
-from estimator.machine.parts import Bearing, Coupling, Disc, Material, Probe, RayleighDamping, Seal, Shaft
+from estimator.machine.parts import Bearing, Coupling, Disc, Material, Pedestal, Probe, RayleighDamping, Seal, Shaft
 from estimator.machine.rules import (
     Collection,
     Condition,
@@ -40,6 +40,7 @@ class Machine(Part):
     bearings: Annotated[tuple[Bearing, ...], Field(min_length=1, max_length=60)]
     couplings: Annotated[tuple[Coupling, ...], Field(max_length=20)] = ()
     seals: Annotated[tuple[Seal, ...], Field(max_length=60)] = ()
+    pedestals: Annotated[tuple[Pedestal, ...], Field(max_length=60)] = ()
     static_loads: Annotated[tuple[StaticLoad, ...], Field(max_length=60)] = ()
     probes: Annotated[tuple[Probe, ...], Field(min_length=1, max_length=120)]
     conditions: Annotated[tuple[Condition, ...], Field(max_length=16)] = ()
@@ -103,6 +104,23 @@ class Machine(Part):
             if shaft.id == shaft_id:
                 return shaft
         raise KeyError(shaft_id)
+
+    def pedestal_under(self, probe: Probe) -> Pedestal | None:
+        """Return the pedestal against which a probe measures.
+
+        Args:
+            probe: One of the probes.
+
+        Returns:
+            The pedestal; None for a probe that measures the shaft's own motion.
+        """
+        if probe.absolute:
+            return None
+        bearing = probe.mounted_on
+        if bearing is None:
+            own = [one for one in self.bearings if one.shaft == probe.shaft]
+            bearing = min(own, key=lambda one: abs(one.station - probe.station)).id if own else None
+        return next((one for one in self.pedestals if one.bearing == bearing), None)
 
     @property
     def direction(self) -> int:

@@ -56,7 +56,7 @@ class DocumentSize:
         sections: Number of shaft sections.
         elements: Number of shaft elements.
         modes: Number of bending modes as in `LARGEST_MODES`, about.
-        coefficients: Number of coefficients of bearings, seals and couplings.
+        coefficients: Number of coefficients of bearings, seals, couplings and pedestals.
         unknowns: Number of real unknowns.
         probes: Number of probes.
         places: Number of plane degrees of freedom at which parts sit.
@@ -208,10 +208,12 @@ def _unknowns(machine: Machine) -> int:
 
 
 def _places(machine: Machine) -> int:
-    """Count plane degrees of freedom: of a bearing, seal or probe the displacement, of a coupling both of either end."""
+    """Count plane degrees of freedom: of a bearing, seal, pedestal or probe the displacement, of a coupling both of either
+    end."""
     lengths = {shaft.id: shaft.length for shaft in machine.shafts}
     parts: list[Bearing | Seal | Probe] = [*machine.bearings, *machine.seals, *machine.probes]
     sitting = {(part.shaft, round(part.station, 9), "displacement") for part in parts}
+    sitting |= {("pedestal", number, "displacement") for number in range(len(machine.pedestals))}
     for coupling in machine.couplings:
         for shaft, station in ((coupling.driver, round(lengths[coupling.driver], 9)), (coupling.driven, 0.0)):
             sitting |= {(shaft, station, "displacement"), (shaft, station, "slope")}

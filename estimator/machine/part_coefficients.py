@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from typing import Protocol
 
-from estimator.bearings.terms import ANGULAR, COUPLING, LATERAL, SEAL, Term
-from estimator.machine.parts import Bearing, Coupling, Disc, LateralCoefficients, Seal
+from estimator.bearings.terms import ANGULAR, COUPLING, LATERAL, PEDESTAL, SEAL, Term
+from estimator.machine.parts import Bearing, Coupling, Disc, LateralCoefficients, Pedestal, Seal
 
-ELEMENTS = {"bearings": "bearing", "couplings": "coupling", "seals": "seal"}
+ELEMENTS = {"bearings": "bearing", "couplings": "coupling", "seals": "seal", "pedestals": "pedestal"}
 """Lists of the document whose parts have coefficients, and the beginning of their parameters' names."""
 
 
@@ -24,6 +24,10 @@ class Elements(Protocol):
     @property
     def seals(self) -> Sequence[Seal]:
         """Return the seals in the document's order."""
+
+    @property
+    def pedestals(self) -> Sequence[Pedestal]:
+        """Return the pedestals in the document's order."""
 
 
 def coefficient_values(train: Elements) -> dict[str, float | None]:
@@ -79,7 +83,7 @@ def nominal_value(part: LateralCoefficients, term: str, *, rpm: float) -> float 
     return value if given is None else given
 
 
-def coefficient_names(part: Bearing | Coupling | Seal) -> tuple[str, ...]:
+def coefficient_names(part: Bearing | Coupling | Seal | Pedestal) -> tuple[str, ...]:
     """Return the names of the coefficients that are identified of a part.
 
     Args:
@@ -91,7 +95,7 @@ def coefficient_names(part: Bearing | Coupling | Seal) -> tuple[str, ...]:
     return tuple(term.name for term in coefficient_terms(part))
 
 
-def coefficient_terms(part: Bearing | Coupling | Seal) -> tuple[Term, ...]:
+def coefficient_terms(part: Bearing | Coupling | Seal | Pedestal) -> tuple[Term, ...]:
     """Return the terms that are identified of a part: those of its kind, and optional ones that its document gives.
 
     Args:
@@ -100,6 +104,8 @@ def coefficient_terms(part: Bearing | Coupling | Seal) -> tuple[Term, ...]:
     Returns:
         The terms.
     """
+    if isinstance(part, Pedestal):
+        return PEDESTAL
     always = LATERAL + (ANGULAR if isinstance(part, Coupling) else ())
     optional = COUPLING if isinstance(part, Coupling) else SEAL if isinstance(part, Seal) else ()
     return always + tuple(term for term in optional if getattr(part, term.name) is not None)

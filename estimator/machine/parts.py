@@ -1,4 +1,4 @@
-"""Parts of a rotor train as the machine document describes them: shafts, discs, bearings, seals, couplings, probes.
+"""Parts of a rotor train as the machine document describes them: shafts, discs, bearings, pedestals, couplings, probes.
 
 Axes: z along the train from driver to driven, x horizontal, y vertical; positive rotation goes from +x to +y. Lengths in
 metres, masses in kilograms and so on (SI), except where a field's name ends in another unit. A *station* is a distance
@@ -105,6 +105,24 @@ class Bearing(LateralCoefficients):
     )
 
 
+class Pedestal(Part):
+    """A pedestal under a bearing: a mass on a spring and a damper along x, and along y."""
+
+    id: Identifier
+    bearing: Identifier = Field(description="bearing that stands on it")
+    kxx: Direct = Field(description="[N/m]")
+    kyy: Direct = Field(description="[N/m]")
+    cxx: Direct = Field(description="[N s/m]")
+    cyy: Direct = Field(description="[N s/m]")
+    mxx: Direct = Field(description="mass that moves along x [kg]")
+    myy: Direct = Field(description="mass that moves along y [kg]")
+
+    @property
+    def speed_dependence(self) -> None:
+        """Return None: a pedestal does not depend on the speed."""
+        return
+
+
 class Seal(LateralCoefficients):
     """An annular seal to ground: eight coefficients as a bearing's, and fluid inertia where it is given."""
 
@@ -162,6 +180,11 @@ class Probe(Part):
     shaft: Identifier
     station: NotNegative = Field(description="[m] from the shaft's driver-side end")
     angle_deg: Angle = Field(description="[°] from +x towards +y: 0 measures x, 90 measures y")
+    mounted_on: Identifier | None = Field(
+        default=None,
+        description="bearing on whose pedestal it stands; by default the nearest one of its shaft",
+    )
+    absolute: bool = Field(default=False, description="stands on the ground: measures the shaft's own motion")
     sensitivity: Positive | None = Field(default=None, description="[V/m]; needed only where a source publishes volts")
     gain_spread: Spread = Field(default=0.0, description="how far gain and phase may be off, relative rms [-]; 0: exact")
     run_out_spread: NotNegative = Field(

@@ -11,9 +11,14 @@ import numpy as np
 from estimator.arrays import Floats
 from estimator.machine.document import Machine
 from estimator.machine.mesh import node_stations
-from estimator.machine.parts import STATION_TOLERANCE, Disc, Half, Section, Shaft
+from estimator.machine.parts import STATION_TOLERANCE, Disc, Half, Pedestal, Section, Shaft
 from estimator.rotor.identity_cache import cached_by_identity
 from estimator.rotor.shaft_element import NODE_DOFS, PLANE_DOFS, plane_element
+
+PEDESTAL_PART = 1e-9
+"""Part of a pedestal's mass that stands in the rotor's matrices [-]: all of it is a coefficient, but no mass may be zero."""
+PEDESTAL_TILT = 1e6
+"""Frequency of a pedestal's tilt, which nothing drives: far above all others [rad/s]."""
 
 
 @dataclass(frozen=True)
@@ -50,13 +55,14 @@ class PlaneMatrices:
 
 @dataclass(frozen=True)
 class Rotor:
-    """Free-free shafts with their discs, M q̈ + (C + Ω G) q̇ + (K + Ω H) q = f.
+    """Free-free shafts with their discs, and the pedestals apart from them, M q̈ + (C + Ω G) q̇ + (K + Ω H) q = f.
 
     Matrices (N, N) are computed when asked for: those of a long train, kept with it, would fill the memory.
 
     Attributes:
         stations: Stations of the nodes (n,) by shaft id [m].
         first_node: Number of the first node by shaft id.
+        pedestal_node: Number of the node of each pedestal by its id.
         discs: Matrices of discs and coupling halves in a plane.
         materials: Matrices of the shafts by material; stiffness is in proportion to E and mass to ρ.
         internal: Internal damping β by material [s].
@@ -65,6 +71,7 @@ class Rotor:
 
     stations: dict[str, Floats]
     first_node: dict[str, int]
+    pedestal_node: dict[str, int]
     discs: PlaneMatrices
     materials: dict[str, PlaneMatrices]
     internal: dict[str, float]
@@ -208,11 +215,14 @@ def assemble_rotor(machine: Machine) -> Rotor:
     for shaft in machine.shafts:
         first_node[shaft.id] = nodes
         nodes += len(stations[shaft.id])
+    pedestal_node = {one.id: node for node, one in enumerate(machine.pedestals, start=nodes)}
+    nodes += len(pedestal_node)
     used = {section.material for shaft in machine.shafts for section in shaft.sections}
     names = [name for name in machine.materials if name in used]
     rotor = Rotor(
         stations=stations,
         first_node=first_node,
+        pedestal_node=pedestal_node,
         discs=PlaneMatrices.zero(PLANE_DOFS * nodes),
         materials={name: PlaneMatrices.zero(PLANE_DOFS * nodes) for name in names},
         internal={name: machine.materials[name].internal_damping for name in names},
@@ -227,6 +237,8 @@ def assemble_rotor(machine: Machine) -> Rotor:
             _add_body(rotor, rotor.end_node(coupling.driver), coupling.driver_half)
         if coupling.driven_half is not None:
             _add_body(rotor, rotor.first_node[coupling.driven], coupling.driven_half)
+    for pedestal in machine.pedestals:
+        _add_pedestal(rotor, rotor.pedestal_node[pedestal.id], pedestal)
     for part in (rotor.discs, *rotor.materials.values()):
         part.freeze()
     return rotor
@@ -268,3 +280,11 @@ def _add_body(rotor: Rotor, node: int, body: Disc | Half) -> None:
     rotor.discs.mass[displacement, displacement] += body.mass
     rotor.discs.mass[slope, slope] += body.diametral_inertia
     rotor.discs.gyroscopic[slope, slope] += body.polar_inertia
+
+
+def _add_pedestal(rotor: Rotor, node: int, pedestal: Pedestal) -> None:
+    displacement, slope = PLANE_DOFS * node, PLANE_DOFS * node + 1
+    mass = PEDESTAL_PART * min(pedestal.mxx, pedestal.myy)
+    rotor.discs.mass[displacement, displacement] += mass
+    rotor.discs.mass[slope, slope] += mass
+    rotor.discs.stiffness[slope, slope] += mass * PEDESTAL_TILT**2

@@ -229,7 +229,8 @@ def probe_rows(machine: Machine, rotor: Rotor) -> Floats:
         rotor: Its assembled rotor, with N degrees of freedom.
 
     Returns:
-        Displacement (m, N) at each probe, along its angle, per motion of each degree of freedom [-].
+        Displacement (m, N) at each probe, along its angle and relative to the pedestal that it stands on, per motion of each
+        degree of freedom [-].
     """
     rows = np.zeros((len(machine.probes), rotor.size))
     for row, probe in zip(rows, machine.probes, strict=True):
@@ -237,4 +238,8 @@ def probe_rows(machine: Machine, rotor: Rotor) -> Floats:
         angle = np.deg2rad(probe.angle_deg)
         row[x], row[x + 1] = np.cos(angle), np.sin(angle)
         row[np.abs(row) < 1e-15] = 0.0  # a probe along an axis sees that axis only
+        pedestal = machine.pedestal_under(probe)
+        if pedestal is not None:
+            stands = NODE_DOFS * rotor.pedestal_node[pedestal.id]
+            row[stands : stands + 2] -= row[x : x + 2]
     return rows

@@ -177,7 +177,8 @@ def _shapes(machine: Machine, rotor: Rotor, highest: float) -> Floats:
     together = np.concatenate([free, deflected, turned, scipy.linalg.cho_solve(held, np.concatenate(along, axis=1))], axis=1)
     root = np.linalg.cholesky(mass)
     weighted = root.T @ together
-    weighted = weighted / np.linalg.norm(weighted, axis=0)
+    length = np.linalg.norm(weighted, axis=0)
+    weighted = weighted[:, length > 0.0] / length[length > 0.0]  # pedestals have no gyroscopic moments
     orthogonal, size, _ = np.linalg.svd(weighted, full_matrices=True)
     kept = int(np.count_nonzero(size > SMALLEST_PART * size[0]))
     kept += kept % 2  # any one more: their number is even

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from estimator.bearings.model import BearingForm
 from estimator.bearings.registry import CONSTANT
-from estimator.bearings.terms import ANGULAR, COUPLING, LATERAL, SEAL, Axis, Term
+from estimator.bearings.terms import ANGULAR, COUPLING, LATERAL, PEDESTAL, SEAL, Axis, Term
 from estimator.machine.document import Machine
 from estimator.machine.part_coefficients import nominal_value
-from estimator.machine.parts import Bearing, Coupling, LateralCoefficients, Seal, Shaft
+from estimator.machine.parts import Bearing, Coupling, LateralCoefficients, Pedestal, Seal, Shaft
 from estimator.machine.rules import ParameterRule
 from estimator.quantities import UNITS, Quantity
 from estimator.rotor.assembly import Rotor
@@ -206,6 +206,8 @@ def unknowns(machine: Machine, rotor: Rotor) -> Unknowns:
         coefficients += _to_ground(machine, rotor, part)
     for coupling in machine.couplings:
         coefficients += _coupling(machine, rotor, coupling)
+    for pedestal in machine.pedestals:
+        coefficients += _pedestal(rotor, pedestal)
     unbalances = [_with_rule(one, machine.parameters) for one in _unbalances(machine, rotor)]
     return Unknowns(
         _tied([_ruled(one, machine.parameters) for one in coefficients]),
@@ -252,6 +254,8 @@ def dense(vectors: list[Vector], size: int) -> NDArray[np.float64]:
 
 def _to_ground(machine: Machine, rotor: Rotor, part: Bearing | Seal) -> list[Coefficient]:
     nodes = {rotor.node(part.shaft, part.station): 1.0}
+    if isinstance(part, Bearing):
+        nodes |= {rotor.pedestal_node[one.id]: -1.0 for one in machine.pedestals if one.bearing == part.id}
     scales = _scales(machine, machine.shaft(part.shaft), part)
     rpm = machine.speed_range.middle_rpm
     element = f"seal.{part.id}" if isinstance(part, Seal) else f"bearing.{part.id}"
@@ -280,6 +284,15 @@ def _coupling(machine: Machine, rotor: Rotor, coupling: Coupling) -> list[Coeffi
     return found
 
 
+def _pedestal(rotor: Rotor, pedestal: Pedestal) -> list[Coefficient]:
+    element, nodes = f"pedestal.{pedestal.id}", {rotor.pedestal_node[pedestal.id]: 1.0}
+    values = {term: float(getattr(pedestal, term.name)) for term in PEDESTAL}
+    return [
+        Coefficient(f"{element}.{term.name}", element, term, _pairs(term, nodes), nominal=value, scale=value)
+        for term, value in values.items()
+    ]
+
+
 def _coupling_scale(coupling: Coupling, term: Term, value: float, stiff: float, shaft: Shaft) -> float:
     """Return the magnitude expected of a coupling's term that its document gives; stiff: of its angular stiffness [N
     m/rad]."""
@@ -294,6 +307,10 @@ def _relative(nodes: dict[int, float], dof: int) -> Vector:
     return {NODE_DOFS * node + dof: sign for node, sign in nodes.items()}
 
 
+def _pairs(term: Term, nodes: dict[int, float]) -> tuple[tuple[Vector, Vector], ...]:
+    return tuple((_relative(nodes, _DOF[force]), _relative(nodes, _DOF[motion])) for force, motion in term.axes)
+
+
 def _coefficient(
     element: str, part: LateralCoefficients, term: Term, nodes: dict[int, float], scale: float, rpm: float
 ) -> Coefficient:
@@ -303,7 +320,7 @@ def _coefficient(
         name=f"{element}.{term.name}",
         element=element,
         term=term,
-        pairs=tuple((_relative(nodes, _DOF[force]), _relative(nodes, _DOF[motion])) for force, motion in term.axes),
+        pairs=_pairs(term, nodes),
         nominal=nominal_value(part, term.name, rpm=rpm),
         scale=scale,
         form=form if form is not None and form.governs(term.name) else CONSTANT,

@@ -2,6 +2,8 @@
 
 Loads are derived, never free: the film forces f on the journals at u obey S u = w + f, with S the stiffness of shafts and
 couplings seen at the journals, which no rigid motion of the whole train strains, and w the weight that arrives there.
+Pedestals with compliances D give way: u = p - D (f - f₀) for bearings at p, with f₀ the forces at rest, when the train was
+aligned. So S becomes (1 + S D)⁻¹ S.
 """
 
 from dataclasses import dataclass
@@ -37,8 +39,8 @@ class TrainStatics:
 
     Attributes:
         bearings: Ids of the bearings (n,).
-        stiffness: Stiffness S (2n, 2n) [N/m].
-        weight: Forces w (2n,) that arrive at the journals when they are held where all is straight [N].
+        stiffness: Stiffness S (2n, 2n) of shafts, couplings and pedestals [N/m].
+        weight: Forces w (2n,) that arrive at the bearings when journals are held where all is straight [N].
         aligned: Positions (n, 2) of the bearings' centres at which no coupling carries shear or moment with the journals in
             them [m].
     """
@@ -52,7 +54,7 @@ class TrainStatics:
         """Compute the forces that films must exert for the journals to rest somewhere.
 
         Args:
-            position: Absolute positions (n, 2) of the journals [m].
+            position: Positions (n, 2) of the journals, less what the pedestals give way [m].
 
         Returns:
             Forces (n, 2) [N].
@@ -64,7 +66,7 @@ def train_statics(machine: Machine) -> TrainStatics:
     """Condense a train under its weight and static loads to its journals (Guyan, AIAA J. 3 (1965) 380, exact in statics).
 
     Args:
-        machine: The machine; stiffness of its couplings as expected.
+        machine: The machine; stiffness of its couplings and pedestals as expected.
 
     Returns:
         The train at rest.
@@ -76,13 +78,27 @@ def train_statics(machine: Machine) -> TrainStatics:
     held = np.concatenate([_journal(rotor, bearing.shaft, bearing.station) for bearing in machine.bearings])
     load = _load(machine, rotor)
     stiffness, weight = _condensed(_stiffness(machine, couplings=True), load, held)
-    return TrainStatics(tuple(one.id for one in machine.bearings), stiffness, weight, _aligned(machine, rotor, load, held))
+    aligned = _aligned(machine, rotor, load, held)
+    compliance = _compliance(machine)
+    if compliance.any():
+        at_rest = stiffness @ aligned.reshape(-1) - weight
+        given = np.linalg.inv(np.eye(weight.size) + stiffness * compliance)
+        stiffness, weight = given @ stiffness, given @ (weight - stiffness @ (compliance * at_rest))
+        stiffness = (stiffness + stiffness.T) / 2
+    return TrainStatics(tuple(one.id for one in machine.bearings), stiffness, weight, aligned)
+
+
+def _compliance(machine: Machine) -> Floats:
+    """Return by how much the pedestal under each bearing gives way along x and along y (2n,) [m/N]; 0 without one."""
+    under = {one.bearing: (1.0 / one.kxx, 1.0 / one.kyy) for one in machine.pedestals}
+    return np.array([under.get(one.id, (0.0, 0.0)) for one in machine.bearings]).reshape(-1)
 
 
 def _stiffness(machine: Machine, *, couplings: bool) -> Floats:
     """Return the stiffness (N, N) of shafts, with or without couplings, without bearings and seals [N/m, N, N m]."""
     listed = unknowns(machine, assemble_rotor(machine)).coefficients
-    values = [one.expected if couplings and one.element.startswith("coupling.") else 0.0 for one in listed]
+    acting = ("coupling.", "pedestal.") if couplings else ("pedestal.",)
+    values = [one.expected if one.element.startswith(acting) else 0.0 for one in listed]
     return system_matrices(machine, coefficients=np.array(values)).stiffness
 
 

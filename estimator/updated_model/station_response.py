@@ -87,6 +87,10 @@ def displacement_row(machine: Machine, rotor: Rotor, place: Probe) -> Floats:
     # The slope of y is -θx, that of x is θy.
     row[x : x + NODE_DOFS] = _along(angle, at_first, tilt_first)
     row[x + NODE_DOFS : x + 2 * NODE_DOFS] = _along(angle, at_second, tilt_second)
+    pedestal = machine.pedestal_under(place)
+    if pedestal is not None:
+        stands = NODE_DOFS * rotor.pedestal_node[pedestal.id]
+        row[stands : stands + 2] = -math.cos(angle), -math.sin(angle)
     return row
 
 

@@ -159,6 +159,13 @@ BEARING = AlertRule(
     quantities=("sigma", "per_cent"),
     deviations=("bearing", "seal"),
 )
+PEDESTAL = AlertRule(
+    "pedestal",
+    # Neither oil nor load moves it: what does is a bolt, a crack, grout or a pipe's pull.
+    limits=Rule(alert=Level(sigma=4, per_cent=5), danger=Level(per_cent=25)),
+    quantities=("sigma", "per_cent"),
+    deviations=("pedestal",),
+)
 COUPLING = AlertRule(
     "coupling",
     limits=Rule(alert=Level(sigma=4, per_cent=5), danger=Level(per_cent=25)),
@@ -190,7 +197,7 @@ RATE_OF_CHANGE = AlertRule(
     # Seasons drift by 0.25 % a week at their steepest.
     limits=Rule(alert=Level(rate_per_cent_per_week=0.5), danger=Level(rate_per_cent_per_week=2)),
     quantities=("rate_per_cent_per_week",),
-    elements=("bearing", "seal", "coupling", "disc"),
+    elements=("bearing", "seal", "pedestal", "coupling", "disc"),
 )
 """Rule for parameters that drift too fast, whatever the diagnosis: see `service.monitoring.rate_of_change`."""
 
@@ -198,6 +205,7 @@ FINDING_RULES: tuple[FindingRule, ...] = (
     FindingRule("misalignment", MISALIGNMENT, _misalignment_sentence, force="misalignment_force"),
     FindingRule("bearing", BEARING, _element_sentence),
     FindingRule("coupling", COUPLING, _element_sentence),
+    FindingRule("pedestal", PEDESTAL, _element_sentence),
     FindingRule("unbalance", UNBALANCE, _unbalance_sentence),
     FindingRule("bow", RUN_OUT, _bow_sentence),
     FindingRule("run_out", RUN_OUT, _run_out_sentence),

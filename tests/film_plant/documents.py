@@ -1,6 +1,6 @@
 """Machine documents and measurements of film plants: the only place where they meet the estimator."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -10,6 +10,7 @@ from estimator.phasors.measurement import Measurement
 from tests.film_plant.arrays import Complexes, Floats
 from tests.film_plant.plant import NOISE_FLOOR, NOISE_PART, RPM, Plant, noisy
 from tests.film_plant.plants import PRIORS, Priors
+from tests.film_plant.train import Pedestal
 
 Form = Literal["constant", "polynomial", "piecewise"]
 
@@ -95,6 +96,30 @@ def film_document(plant: Plant, *, priors: Priors = PRIORS, discrepancy: float =
             "discrepancy": discrepancy,
         }
     return said
+
+
+def with_pedestals(said: dict[str, Any], plant: Plant, *, spread: float, seed: int = 0) -> dict[str, Any]:
+    """The document with the plant's pedestals, each number off by a spread of its logarithm, which is its prior."""
+    rng = np.random.default_rng(9000 + seed)
+    pedestals = [
+        {
+            "id": f"P{number}",
+            "bearing": f"B{number}",
+            **{name: float(value * np.exp(spread * rng.standard_normal())) for name, value in pedestal_terms(one.pedestal)},
+        }
+        for number, one in enumerate(plant.train.bearings, start=1)
+        if one.pedestal is not None
+    ]
+    rule = {"names": "pedestal.*", "fixed": True} if spread == 0.0 else {"names": "pedestal.*", "spread": spread}
+    probes = [one | {"absolute": plant.absolute} for one in said["probes"]]
+    return said | {"pedestals": pedestals, "parameters": [rule], "probes": probes}
+
+
+def pedestal_terms(one: Pedestal) -> Iterator[tuple[str, float]]:
+    """Names and values of a pedestal's coefficients [SI]."""
+    for letter, (x, y) in (("k", one.stiffness), ("c", one.damping), ("m", one.mass)):
+        yield f"{letter}xx", x
+        yield f"{letter}yy", y
 
 
 def geometry(plant: Plant) -> dict[str, Any]:

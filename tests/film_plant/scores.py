@@ -13,7 +13,7 @@ from estimator.phasors.measurement import Measurement
 from estimator.rotor.condensation import CondensedTrain, condense
 from estimator.rotor.response import response
 from tests.film_plant.arrays import Floats
-from tests.film_plant.documents import DAMPING, STIFFNESS, measured
+from tests.film_plant.documents import DAMPING, STIFFNESS, measured, pedestal_terms
 from tests.film_plant.plant import Plant
 
 Truths = dict[str, complex]
@@ -92,6 +92,8 @@ def film_truths(plant: Plant) -> Truths:
         found[f"{name}.viscosity"] = complex(true.oil.viscosity(true, speed=0.0, eccentricity=0.0))
         for axis, place in (("x", 0), ("y", 1)):
             found[f"{name}.elevation_{axis}"] = complex(true.elevation[place] - believed.elevation[place])
+        if true.pedestal is not None:
+            found |= {f"pedestal.P{number}.{term}": complex(value) for term, value in pedestal_terms(true.pedestal)}
     return found
 
 

@@ -76,6 +76,8 @@ class Statics:
             [(0.0, 0.0) if one.pedestal is None else 1.0 / np.array(one.pedestal.stiffness) for one in train.bearings]
         ).ravel()
         self._elevation = train.elevations.ravel()
+        # The train was aligned with its weight on the pedestals.
+        self._at_rest = self._stiffness @ aligned_elevations(train).ravel() - self._carried
         self._clearance = np.repeat(train.clearances, 2)
 
     def follow(self, speed: Floats) -> Equilibrium:
@@ -152,7 +154,7 @@ class Statics:
 
     def _residual(self, films: _Films, position: Floats) -> Floats:
         """Force (2n,) that is missing for equilibrium [N]."""
-        place = position + self._elevation - self._soft * films.force
+        place = position + self._elevation - self._soft * (films.force - self._at_rest)
         return np.asarray(self._stiffness @ place - self._carried - films.force)
 
     def _newton(self, speed: float, viscosity: Floats, position: Floats) -> Floats:

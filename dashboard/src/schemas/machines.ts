@@ -53,6 +53,7 @@ export interface Drawing {
   discs: { element: string; at: number; radius: number | null; width: number | null }[];
   bearings: { element: string; at: number }[];
   seals: { element: string; at: number }[];
+  pedestals: { element: string; at: number }[];
   couplings: { element: string; at: number }[];
   probes: { channel: string; at: number; angle_deg: number }[];
 }

@@ -16,6 +16,7 @@ export interface TrainLayout {
   discs: (Position & { width: number })[];
   bearings: Position[];
   seals: Position[];
+  pedestals: Position[];
   couplings: Position[];
   probes: { channels: string[]; at: number; radius: number }[];
 }
@@ -43,6 +44,7 @@ export function trainLayout(drawing: Drawing): TrainLayout {
     discs,
     bearings: drawing.bearings.map(position),
     seals: drawing.seals.map(position),
+    pedestals: drawing.pedestals.map(position),
     couplings: drawing.couplings.map(position),
     probes,
   };

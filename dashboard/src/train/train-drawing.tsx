@@ -1,4 +1,4 @@
-// The train drawn to scale from its document: shafts, discs, bearings, seals, couplings, probes.
+// The train drawn to scale from its document: shafts, discs, bearings, seals, pedestals, couplings, probes.
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import { elementName } from "../format/names";
@@ -57,6 +57,7 @@ export function TrainDrawing({ name, drawing, marks, onChoose }: Props) {
         <Couplings {...parts} />
         <Bearings {...parts} />
         <Seals {...parts} />
+        <Pedestals {...parts} />
         <Probes {...parts} />
         <Ruler length={layout.length} at={scale.at} y={scale.height - 8} />
       </svg>
@@ -72,7 +73,7 @@ function scaleOf(layout: TrainLayout): Scale {
   const tall = Math.min(120, Math.max(34, layout.radius * scale * stretch));
   const axis = 44 + tall;
   return {
-    height: axis + tall + 64,
+    height: axis + tall + (layout.pedestals.length ? 92 : 64),
     axis,
     along: (length) => length * scale,
     at: (z) => MARGIN + z * scale,
@@ -182,6 +183,22 @@ function Seals({ layout, scale: { at, axis, thick }, marks, onChoose }: PartProp
         return (
           <Element key={one.element} id={one.element} kind="seal" marks={marks} onChoose={onChoose} x={at(one.at)} y={foot + 24}>
             <path d={`M${at(one.at) - 8} ${foot + 2}l4 7l4 -7l4 7l4 -7`} />
+          </Element>
+        );
+      })}
+    </>
+  );
+}
+
+/** Under its bearing, whose name stands between them. */
+function Pedestals({ layout, scale: { at, axis, thick }, marks, onChoose }: PartProps) {
+  return (
+    <>
+      {layout.pedestals.map((one) => {
+        const foot = axis + thick(one.radius);
+        return (
+          <Element key={one.element} id={one.element} kind="pedestal" marks={marks} onChoose={onChoose} x={at(one.at)} y={foot + 66}>
+            <path d={`M${at(one.at) - 12} ${foot + 42}h24l4 10h-32zM${at(one.at) - 20} ${foot + 54}h40`} />
           </Element>
         );
       })}

@@ -66,6 +66,7 @@ class Drawing(BaseModel):
     discs: list[DiscOut]
     bearings: list[Spot]
     seals: list[Spot]
+    pedestals: list[Spot] = Field(description="each under its bearing")
     couplings: list[CouplingOut]
     probes: list[ProbeOut]
 
@@ -79,6 +80,8 @@ def read_drawing(session: Reading, machine_id: MachineId) -> Drawing:
 
 def _drawing(machine: Machine, revision: int) -> Drawing:
     begins = shaft_begins(machine)
+    bearings = {one.id: one for one in machine.bearings}
+    standing = [(one.id, bearings[one.bearing]) for one in machine.pedestals]
     return Drawing(
         machine=machine.id,
         revision=revision,
@@ -98,6 +101,9 @@ def _drawing(machine: Machine, revision: int) -> Drawing:
             Spot(element=f"bearing.{one.id}", shaft=one.shaft, at=begins[one.shaft] + one.station) for one in machine.bearings
         ],
         seals=[Spot(element=f"seal.{one.id}", shaft=one.shaft, at=begins[one.shaft] + one.station) for one in machine.seals],
+        pedestals=[
+            Spot(element=f"pedestal.{name}", shaft=one.shaft, at=begins[one.shaft] + one.station) for name, one in standing
+        ],
         couplings=[
             CouplingOut(element=f"coupling.{one.id}", driver=one.driver, driven=one.driven, at=begins[one.driven])
             for one in machine.couplings

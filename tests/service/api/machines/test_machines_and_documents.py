@@ -139,3 +139,12 @@ def test_a_body_that_is_no_document_is_refused(api: Api, body: bytes) -> None:
     answer = api.ask("POST", f"{PREFIX}/machines", content=body, headers={"content-type": "application/json"})
     assert answer.status_code in (400, 422)
     problem(answer, answer.status_code)
+
+
+def test_pedestals_are_drawn_under_their_bearings(api: Api) -> None:
+    said = document()
+    made = {"id": "P3", "bearing": "B3", "kxx": 2e8, "kyy": 4e8, "cxx": 2e4, "cyy": 3e4, "mxx": 900.0, "myy": 900.0}
+    api("POST", "/machines", 201, json=said | {"id": "pump-8", "pedestals": [made]})
+    drawn = api.value("/machines/pump-8/drawing")
+    under = {one["element"]: one["at"] for one in drawn["bearings"]}["bearing.B3"]
+    assert drawn["pedestals"] == [{"element": "pedestal.P3", "shaft": "S2", "at": under}]
