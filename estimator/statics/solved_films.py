@@ -74,7 +74,7 @@ class SolvedFilms:
     """
 
     def __init__(self, own: FilmParameters, nominal: NominalFilms) -> None:
-        """Start from the equilibria that the document says.
+        """Take the equilibria that the document says.
 
         Args:
             own: The films' own parameters.
