@@ -23,7 +23,8 @@ estimator/thesis: estimator estimator/bearings estimator/machine estimator/modes
 estimator/diagnosis: estimator estimator/fit estimator/machine estimator/rotor estimator/trends
 estimator/simulation: estimator estimator/bearings estimator/machine estimator/phasors estimator/rotor estimator/runs
     estimator/trends
-estimator/updated_model: estimator estimator/fit estimator/machine estimator/modes estimator/phasors estimator/rotor
+estimator/updated_model: estimator estimator/bearings estimator/fit estimator/machine estimator/modes estimator/phasors
+    estimator/rotor estimator/statics
 estimator/identification: estimator estimator/fit estimator/machine estimator/modes estimator/phasors estimator/rotor
     estimator/updated_model
 storage:

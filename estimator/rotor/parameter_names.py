@@ -6,7 +6,10 @@ With these a parameter that was never identified can be told from one that the m
 import re
 from collections.abc import Mapping, Sequence
 
+from estimator.bearings.journal import JournalForm
+from estimator.bearings.terms import LATERAL
 from estimator.machine.document import Machine
+from estimator.machine.film_speeds import follows_films, told_rpm
 from estimator.machine.parameter_description import describe
 from estimator.quantities import UNITS
 from estimator.rotor.assembly import assemble_rotor
@@ -17,6 +20,8 @@ NUMBER = re.compile(r"[1-9][0-9]{0,2}")
 """Pattern of the number of a critical speed; how many there are is known from the model, not from the document."""
 PAIR = re.compile(rf"({NUMBER.pattern})-({NUMBER.pattern})")
 """Pattern of two numbers of critical speeds."""
+JOURNAL_UNITS = {"load_vertical": "N", "load_horizontal": "N", "journal_x": "m", "journal_y": "m", "eccentricity_ratio": "1"}
+"""SI unit of what is told of a journal in its film at running speed."""
 PLACES = {".N": ".1", ".M-N": ".1-2"}
 """Placeholder for the number of a critical speed, or of two, in names of derived quantities, and the first number it
 can be."""
@@ -76,6 +81,18 @@ def derived_units(machine: Machine) -> dict[str, str]:
         found |= {f"coupling.{coupling.id}.misalignment_force": "N", f"coupling.{coupling.id}.misalignment_moment": "N m"}
     for channel in machine.channels:
         found |= {f"probe.{channel}.amplification_factor.N": "1", f"probe.{channel}.second_over_first": "1"}
+    return found | _film_units(machine)
+
+
+def _film_units(machine: Machine) -> dict[str, str]:
+    """Return the SI unit by name of what is told of oil films: coefficients at some speeds, journals at running speed."""
+    if not follows_films(machine):
+        return {}
+    found: dict[str, str] = {}
+    for bearing in machine.bearings:
+        element = f"bearing.{bearing.id}"
+        found |= {f"{element}.{one.name}@{rpm:g}rpm": UNITS[one.quantity] for one in LATERAL for rpm in told_rpm(machine)}
+        found |= {f"{element}.{name}": unit for name, unit in JOURNAL_UNITS.items()}
     return found
 
 
@@ -131,6 +148,8 @@ def _coefficient_units(coefficients: Sequence[Coefficient]) -> dict[str, str]:
             found[one.name] = one.unit
         elif k in models and not models[k].parameters:
             found |= {coefficients[index[name]].name: coefficients[index[name]].unit for name in models[k].coefficients}
+        elif isinstance(one.form, JournalForm):
+            found |= {f"{one.element}.{own.name}": own.unit for own in one.form.own_parameters}
         elif k in models:
             found |= {parameter.name: parameter.unit for parameter in models[k].parameters}
     return found

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.fit.estimates import CONFIDENCE_95
+from estimator.fit.estimates import CONFIDENCE_95, LARGEST_DIRECT_ERROR, LARGEST_RELATIVE_ERROR
 from estimator.fit.identify import Identification
 from estimator.machine.document import Machine
 from estimator.phasors.harmonic_ratio import FEWEST, NEAR, Orders, measures_second, second_over_first
@@ -18,6 +18,7 @@ from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 from estimator.updated_model.amplification import UncertainPeak, peaks_with_errors
 from estimator.updated_model.coupling_loads import coupling_forces
 from estimator.updated_model.critical_speed_tracking import HIGHEST_ABOVE_TRIP, FollowedCrossings, followed_crossings
+from estimator.updated_model.film_results import FilmResult, film_results
 from estimator.updated_model.modal_uncertainty import crossing_slopes
 from estimator.updated_model.model import UpdatedModel, updated_model
 from estimator.updated_model.uncertainty import standard_errors
@@ -84,6 +85,7 @@ def model_quantities(model: UpdatedModel, *, speed: float) -> tuple[Derived, ...
         *_critical_speeds(model, crossings),
         *_coupling_loads(model, speed),
         *_amplification_factors(model, crossings),
+        *map(_of_film, film_results(model)),
     )
 
 
@@ -176,6 +178,20 @@ def _owners(peaks: Sequence[UncertainPeak], crossings: FollowedCrossings) -> dic
         if highest and abs(one.peak.speed - root[nearest].imag) <= near:
             owners[number] = one
     return owners
+
+
+def _of_film(one: FilmResult) -> Derived:
+    """State a number about a film by the rules of estimates: a direct term by its logarithm, nothing too uncertain."""
+    limit = LARGEST_DIRECT_ERROR if one.positive else LARGEST_RELATIVE_ERROR
+    if one.size is not None and one.error > limit * one.size:
+        part = f"{100 * one.error / one.size:.0f} % of the direct terms"
+        why = f"the data leave it uncertain by {part} (its standard error; {100 * limit:.0f} % at most)"
+        return Derived(one.name, one.unit, None, None, None, why)
+    half = CONFIDENCE_95 * one.error
+    if one.positive:
+        ratio = math.exp(half / one.value)
+        return Derived(one.name, one.unit, one.value, one.value / ratio, one.value * ratio)
+    return Derived(one.name, one.unit, one.value, one.value - half, one.value + half)
 
 
 def _second_orders(machine: Machine, runs: Sequence[Orders], speed: float) -> Iterator[Derived]:

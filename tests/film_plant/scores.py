@@ -1,5 +1,6 @@
 """Truths of a document's parameters, data that follow a document's own forms, and the score of an identification."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,9 +13,10 @@ from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.condensation import CondensedTrain, condense
 from estimator.rotor.response import response
+from estimator.updated_model.derived_quantities import Derived
 from tests.film_plant.arrays import Floats
 from tests.film_plant.documents import DAMPING, STIFFNESS, measured, pedestal_terms
-from tests.film_plant.plant import Plant
+from tests.film_plant.plant import RPM, Plant
 
 Truths = dict[str, complex]
 """True value by the name of an estimate [SI]."""
@@ -69,6 +71,15 @@ def score(found: Identification, truth: Truths) -> Score:
     return Score(found.accepted, tuple(inside), withheld)
 
 
+def score_derived(found: Sequence[Derived], truth: Truths) -> Score:
+    """Compare the derived quantities of an accepted identification with the truth, of those whose truth is given."""
+    told = [one for one in found if one.name in truth]
+    inside = tuple(
+        one.lower <= truth[one.name].real <= one.upper for one in told if one.lower is not None and one.upper is not None
+    )
+    return Score(True, inside, len(told) - len(inside))
+
+
 def true_values(plant: Plant, machine: Machine) -> Truths:
     """The plant's unbalances and coefficients: at each knot those at its speed, of constant ones the mean over the speeds."""
     speed = np.sort(plant.speeds(40))
@@ -94,6 +105,21 @@ def film_truths(plant: Plant) -> Truths:
             found[f"{name}.elevation_{axis}"] = complex(true.elevation[place] - believed.elevation[place])
         if true.pedestal is not None:
             found |= {f"pedestal.P{number}.{term}": complex(value) for term, value in pedestal_terms(true.pedestal)}
+    return found
+
+
+def film_result_truths(plant: Plant, told_rpm: Sequence[float]) -> Truths:
+    """What follows from the plant's films: coefficients at some speeds [r/min], loads and journals' positions at the last."""
+    films = plant.films(np.array(told_rpm) * RPM)
+    found: Truths = {}
+    for number, bearing in enumerate(plant.train.bearings):
+        name, place, load = f"bearing.B{number + 1}", films.position[-1, number], films.load[-1, number]
+        for term in (*STIFFNESS, *DAMPING):
+            values = _term(films.stiffness, films.damping, term)[:, number]
+            found |= {f"{name}.{term}@{rpm:g}rpm": complex(value) for rpm, value in zip(told_rpm, values, strict=True)}
+        found |= {f"{name}.load_vertical": complex(load[1]), f"{name}.load_horizontal": complex(load[0])}
+        found |= {f"{name}.journal_x": complex(place[0]), f"{name}.journal_y": complex(place[1])}
+        found[f"{name}.eccentricity_ratio"] = complex(np.hypot(*place) / bearing.clearance)
     return found
 
 

@@ -7,26 +7,34 @@ from estimator.fit.identify import Options, identify
 from estimator.identification.pooling import combine
 from estimator.identification.sweep_correction import sweep_transient
 from estimator.machine.document import parse_machine
+from estimator.machine.film_speeds import told_rpm
+from estimator.rotor.parameter_names import derived_unit, parameter_units
 from estimator.updated_model.derived_quantities import derived_quantities
 from estimator.updated_model.model import updated_model
 from tests.film_plant.discrepancy import DiscrepancySize
 from tests.film_plant.documents import film_document, measured
 from tests.film_plant.plants import random_plant
-from tests.film_plant.scores import film_truths, score
+from tests.film_plant.scores import film_result_truths, film_truths, score, score_derived
 
 OPTIONS = Options(starts=2)
 
 
 def test_right_documents_are_accepted_and_most_intervals_hold() -> None:
     inside: list[bool] = []
+    of_films: list[bool] = []
     for seed in range(3):
         plant = random_plant(seed, discrepancy=DiscrepancySize())
-        found = identify(parse_machine(film_document(plant)), measured(plant, seed=seed), OPTIONS)
+        machine = parse_machine(film_document(plant))
+        found = identify(machine, measured(plant, seed=seed), OPTIONS)
         assert found.accepted, found.verdict
         told = score(found, film_truths(plant))
         assert len(told.inside) >= 16
         inside += told.inside
+        derived = score_derived(derived_quantities(machine, found), film_result_truths(plant, told_rpm(machine)))
+        assert len(derived.inside) >= 4 * 26
+        of_films += derived.inside
     assert np.mean(inside) > 0.85
+    assert np.mean(of_films) > 0.88
 
 
 def test_what_is_told_has_names_elements_and_units() -> None:
@@ -37,6 +45,20 @@ def test_what_is_told_has_names_elements_and_units() -> None:
     assert clearance.value == pytest.approx(plant.train.clearances[1], rel=0.3)
     assert found.estimate("bearing.B4.viscosity").unit == "Pa s"
     assert not any("deviation" in one.name for one in found.estimates)
+
+
+def test_by_the_document_alone_names_and_units_are_those_that_are_told() -> None:
+    plant = random_plant(0, discrepancy=DiscrepancySize())
+    machine = parse_machine(film_document(plant))
+    found = identify(machine, measured(plant, seed=0), OPTIONS)
+    assert parameter_units(machine) == {one.name: one.unit for one in found.estimates}
+    derived = {one.name: one for one in derived_quantities(machine, found)}
+    assert {name: derived_unit(machine, name) for name in derived} == {name: one.unit for name, one in derived.items()}
+    low, middle, running = told_rpm(machine)
+    assert derived[f"bearing.B1.kxx@{middle:g}rpm"].unit == "N/m"
+    assert derived[f"bearing.B4.cyx@{low:g}rpm"].unit == "N s/m"
+    assert derived["bearing.B2.load_vertical"].unit == "N"
+    assert running == pytest.approx(machine.speed_range.maximum_rpm, abs=0.5)
 
 
 def test_films_that_are_said_to_be_exact_and_are_not_are_refused() -> None:

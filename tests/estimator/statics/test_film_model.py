@@ -8,7 +8,9 @@ import yaml
 
 from estimator.arrays import Floats
 from estimator.machine.document import DocumentError, parse_machine
-from estimator.statics.film_model import TERMS, FilmModel, FilmTooThin, film_model
+from estimator.statics.film_deviations import TERMS
+from estimator.statics.film_model import FilmModel, film_model
+from estimator.statics.solved_films import FilmTooThin
 from tests.paths import EXAMPLES
 
 SPEED = np.linspace(4600.0, 700.0, 60) * np.pi / 30
@@ -33,7 +35,7 @@ def test_coefficients_are_those_of_the_equilibria_between_the_speeds_that_are_so
     model = film_model(parse_machine(document(discrepancy=0.0)))
     fitted = drawn(model, 1)
     found = model.at(SPEED).values(fitted).reshape(SPEED.size, 4, 8)
-    for row, one in zip(found, model.changed(fitted).over(SPEED), strict=True):
+    for row, one in zip(found, model.own.changed(fitted).over(SPEED), strict=True):
         assert one is not None
         exact = np.concatenate([one.stiffness.reshape(4, 4), one.damping.reshape(4, 4)], axis=1)
         for part in (slice(0, 4), slice(4, 8)):
@@ -102,11 +104,12 @@ def test_a_film_that_never_carries_is_named_and_one_that_is_lifted_by_jacking_oi
         _ = film_model(parse_machine(said)).films
     said["bearings"][2]["film"]["valid_above_rpm"] = 700
     films = film_model(parse_machine(said)).films
-    assert films.speed[0] == pytest.approx(700 * np.pi / 30)
+    assert films.nominal.speed[0] == pytest.approx(700 * np.pi / 30)
 
 
 def test_beyond_the_range_coefficients_are_level() -> None:
     model = film_model(parse_machine(document()))
     centre = np.array([one.centre for one in model.parameters])
-    ends = np.array([model.slowest, model.fastest])
-    np.testing.assert_array_equal(model.at(np.array([0.0, 2 * model.fastest])).values(centre), model.at(ends).values(centre))
+    ends = np.array([model.nominal.slowest, model.nominal.fastest])
+    beyond = np.array([0.0, 2 * ends[1]])
+    np.testing.assert_array_equal(model.at(beyond).values(centre), model.at(ends).values(centre))

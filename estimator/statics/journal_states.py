@@ -1,0 +1,56 @@
+"""Journals' positions in their films and the loads on these over speed, with derivatives by the films' own parameters."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.arrays import Floats
+from estimator.statics.film_model import FilmModel
+
+
+@dataclass(frozen=True)
+class JournalStates:
+    """States of n journals at S speeds, with derivatives by the 4n own fitted numbers of their films.
+
+    Attributes:
+        clearance: Radial clearances (n,) [m].
+        position: Positions (S, n, 2) relative to the bearings' centres, x and y [m].
+        force: Forces (S, n, 2) of the films on the journals, x and y: what the bearings carry [N].
+        position_slope: Derivatives (S, n, 2, 4n) of the positions [m].
+        force_slope: Derivatives (S, n, 2, 4n) of the forces [N].
+    """
+
+    clearance: Floats
+    position: Floats
+    force: Floats
+    position_slope: Floats
+    force_slope: Floats
+
+
+def journal_states(model: FilmModel, fitted: Floats, *, speed: Floats) -> JournalStates | None:
+    """Compute where journals rest and what their films carry, between the speeds at which equilibria are solved.
+
+    Args:
+        model: The model of the films.
+        fitted: Fitted numbers (P,) [-].
+        speed: Spin speeds (S,), without sign; beyond the document's range states are level [rad/s].
+
+    Returns:
+        The states; None where a film is too thin.
+    """
+    films, unit = model.films, model.own.unit
+    found, slopes = films.equilibria(fitted), films.sensitivities(fitted)
+    if found is None or slopes is None:
+        return None
+    weight = model.nominal.spline(np.log(np.clip(speed, model.nominal.slowest, model.nominal.fastest)))
+
+    def over_speed(rows: list[Floats]) -> Floats:
+        return np.tensordot(weight, np.stack(rows), 1)
+
+    return JournalStates(
+        clearance=np.array([one.clearance for one in model.own.changed(fitted).bearings]),
+        position=over_speed([one.position for one in found]),
+        force=over_speed([one.force for one in found]),
+        position_slope=np.moveaxis(over_speed([one.position for one in slopes]), 1, -1) * unit,
+        force_slope=np.moveaxis(over_speed([one.force for one in slopes]), 1, -1) * unit,
+    )

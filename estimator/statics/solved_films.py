@@ -1,0 +1,178 @@
+"""Films of a train at the few speeds at which their equilibria are solved, with exact derivatives.
+
+Splines between them: de Boor, A Practical Guide to Splines, Springer 1978.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from estimator.arrays import Floats
+from estimator.errors import Invalid
+from estimator.statics.equilibrium import FilmEquilibrium, FilmTrain
+from estimator.statics.film_parameters import FilmParameters
+from estimator.statics.film_sensitivity import FilmSensitivity, film_sensitivity
+from estimator.statics.films_over_speed import equilibria_near
+from estimator.units import rad_per_s_to_rpm
+
+SPEEDS = 12
+"""Number of speeds at which equilibria are solved."""
+
+
+class FilmTooThin(Invalid):
+    """Raised when a film of the document does not carry its journal at a speed at which the machine is watched."""
+
+
+@dataclass(frozen=True)
+class NominalFilms:
+    """The films as the document gives them.
+
+    Attributes:
+        train: The train on its films.
+        slowest: Lowest speed of the document at which all films carry [rad/s].
+        fastest: Highest one [rad/s].
+    """
+
+    train: FilmTrain
+    slowest: float
+    fastest: float
+
+    @cached_property
+    def speed(self) -> Floats:
+        """Return the speeds at which equilibria are solved (G,), ascending [rad/s]."""
+        return np.geomspace(self.slowest, self.fastest, SPEEDS)
+
+    @cached_property
+    def spline(self) -> CubicSpline:
+        """Return the spline over the logarithm of the speed by which values (G,) at these speeds weigh at others."""
+        return CubicSpline(np.log(self.speed), np.eye(SPEEDS))
+
+    @cached_property
+    def equilibria(self) -> tuple[FilmEquilibrium, ...]:
+        """Return the equilibria at these speeds.
+
+        Raises:
+            FilmTooThin: There is none at a speed.
+        """
+        found = []
+        for speed, one in zip(self.speed.tolist(), self.train.over(self.speed), strict=True):
+            if one is None:
+                raise FilmTooThin(
+                    f"at {rad_per_s_to_rpm(speed):.0f} r/min a journal would be within a twentieth of the clearance of its "
+                    "bearing: are geometry and oil right? Below the speed at which films carry, give valid_above_rpm"
+                )
+            found.append(one)
+        return tuple(found)
+
+
+class SolvedFilms:
+    """Films at the speeds at which equilibria are solved, remembered for the last fitted numbers.
+
+    Equilibria are sought from the last ones on, beginning with the nominal ones.
+    """
+
+    def __init__(self, own: FilmParameters, nominal: NominalFilms) -> None:
+        """Take the equilibria that the document says.
+
+        Args:
+            own: The films' own parameters.
+            nominal: The films as the document gives them.
+
+        Raises:
+            FilmTooThin: There is no equilibrium at a speed.
+        """
+        self._own = own
+        self.nominal = nominal
+        self._last = nominal.train, nominal.equilibria
+        # Each is one object, so that a thread that reads it while another replaces it gets a pair that belongs together.
+        self._solved: tuple[bytes, tuple[FilmEquilibrium, ...] | None] = (b"", None)
+        self._slopes: tuple[bytes, Floats] = (b"", np.zeros(0))
+
+    def coefficients(self, fitted: Floats) -> Floats:
+        """Compute the films' own coefficients.
+
+        Args:
+            fitted: Fitted numbers (P,), the 4n own ones first [-].
+
+        Returns:
+            Coefficients (G, 8n) [SI]; NaN where a film is too thin.
+        """
+        found = self.equilibria(fitted)
+        if found is None:
+            return np.full((self.nominal.speed.size, 2 * self._own.count), np.nan)
+        return np.stack([_row(one.stiffness, one.damping) for one in found])
+
+    def equilibria(self, fitted: Floats) -> tuple[FilmEquilibrium, ...] | None:
+        """Return the equilibria at these speeds.
+
+        Args:
+            fitted: Fitted numbers (P,), the 4n own ones first [-].
+
+        Returns:
+            The equilibria; None where a film is too thin.
+        """
+        key, solved = self._own.of(fitted).tobytes(), self._solved
+        if solved[0] != key:
+            solved = self._solved = key, self._solve(fitted)
+        return solved[1]
+
+    def _solve(self, fitted: Floats) -> tuple[FilmEquilibrium, ...] | None:
+        train, speed = self._own.changed(fitted), self.nominal.speed
+        found = self._near(train)
+        if found is None:
+            one_by_one = tuple(one for one in train.over(speed) if one is not None)
+            found = one_by_one if len(one_by_one) == speed.size else None
+        if found is not None:
+            self._last = train, found
+        return found
+
+    def _near(self, train: FilmTrain) -> tuple[FilmEquilibrium, ...] | None:
+        """Return the equilibria near the last ones, at the same parts of the clearances; None where there are none."""
+        before, found = self._last
+        start = np.stack([one.position for one in found])
+        pairs = zip(train.bearings, before.bearings, strict=True)
+        grown = np.array([[new.clearance / old.clearance] for new, old in pairs])
+        return equilibria_near(train, self.nominal.speed, start * grown)
+
+    def sensitivities(self, fitted: Floats) -> tuple[FilmSensitivity, ...] | None:
+        """Compute the derivatives of the equilibria at these speeds.
+
+        Args:
+            fitted: Fitted numbers (P,), the 4n own ones first [-].
+
+        Returns:
+            The derivatives by the parameters, not their fitted numbers; None where a film is too thin.
+        """
+        found = self.equilibria(fitted)
+        if found is None:
+            return None
+        train = self._own.changed(fitted)
+        return tuple(film_sensitivity(train, one) for one in found)
+
+    def slopes(self, fitted: Floats) -> Floats:
+        """Compute the derivatives of the films' own coefficients by their own fitted numbers.
+
+        Args:
+            fitted: Fitted numbers (P,), the 4n own ones first [-].
+
+        Returns:
+            Derivatives (G, 8n, 4n) [SI].
+        """
+        key, known = self._own.of(fitted).tobytes(), self._slopes
+        if known[0] != key:
+            known = self._slopes = key, self._differentiated(fitted)
+        return known[1]
+
+    def _differentiated(self, fitted: Floats) -> Floats:
+        each, count = self.sensitivities(fitted), self._own.count
+        if each is None:
+            return np.full((self.nominal.speed.size, 2 * count, count), np.nan)
+        rows = [np.stack([_row(k, c) for k, c in zip(one.stiffness, one.damping, strict=True)], axis=-1) for one in each]
+        return np.stack(rows) * self._own.unit
+
+
+def _row(stiffness: Floats, damping: Floats) -> Floats:
+    """Return matrices (n, 2, 2) of n films as one row (8n,)."""
+    return np.concatenate([stiffness.reshape(-1, 4), damping.reshape(-1, 4)], axis=1).reshape(-1)

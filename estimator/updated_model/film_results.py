@@ -1,0 +1,113 @@
+"""Results about a train's oil films: their coefficients at some speeds, loads and journals' positions.
+
+Standard errors to first order (JCGM 100:2008, 5.2) from the covariance of all coordinates: those of coefficients hold the
+films' deviations from their model.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.arrays import Floats
+from estimator.bearings.terms import LATERAL
+from estimator.fit.coordinates import PlacedModel
+from estimator.machine.film_speeds import told_rpm
+from estimator.quantities import UNITS
+from estimator.statics.film_model import FilmModel
+from estimator.statics.film_parameters import OWN
+from estimator.statics.journal_states import JournalStates, journal_states
+from estimator.units import rpm_to_rad_per_s
+from estimator.updated_model.model import UpdatedModel
+from estimator.updated_model.uncertainty import standard_errors
+
+
+@dataclass(frozen=True)
+class FilmResult:
+    """One number about a film.
+
+    Attributes:
+        name: Name, such as `bearing.B1.kxx@1500rpm`.
+        unit: SI unit.
+        value: Value [unit].
+        error: Its standard error [unit].
+        size: What the error of a coefficient is compared with, the direct terms beside it [unit]; None of anything else.
+        positive: Whether it is positive by nature.
+    """
+
+    name: str
+    unit: str
+    value: float
+    error: float
+    size: float | None = None
+    positive: bool = False
+
+
+def film_results(model: UpdatedModel) -> tuple[FilmResult, ...]:
+    """Compute coefficients of all films at the speeds that the document is asked at, and states at running speed.
+
+    Args:
+        model: The updated model.
+
+    Returns:
+        The numbers, film by film; none of a train whose coefficients do not follow from films.
+    """
+    speed = np.array([rpm_to_rad_per_s(one) for one in told_rpm(model.machine)])
+    coordinates = model.coordinates_at(speed)
+    placed = next((one for one in coordinates.models if isinstance(one.model, FilmModel)), None)
+    if placed is None or not isinstance(placed.model, FilmModel):
+        return ()
+    theta = coordinates.theta(model.values)
+    states = journal_states(placed.model, placed.own(theta), speed=speed[-1:])
+    if states is None:
+        return ()
+    unit = coordinates.unit[placed.first : placed.places.stop]
+    covariance = model.covariance[placed.first : placed.places.stop, placed.first : placed.places.stop] / np.outer(unit, unit)
+    coefficients = list(_coefficients(model, placed, theta, covariance))
+    own = covariance[: states.force_slope.shape[-1], : states.force_slope.shape[-1]]
+    each = len(coefficients) // len(model.machine.bearings)
+    return tuple(
+        one
+        for number, bearing in enumerate(model.machine.bearings)
+        for one in (*coefficients[each * number : each * (number + 1)], *_state(f"bearing.{bearing.id}", states, number, own))
+    )
+
+
+def _coefficients(model: UpdatedModel, placed: PlacedModel, theta: Floats, covariance: Floats) -> Iterator[FilmResult]:
+    """Yield each term at each speed, film by film."""
+    values = placed.values(theta)
+    errors = standard_errors(placed.derivatives(theta, slice(None)), covariance)
+    speeds = told_rpm(model.machine)
+    column = {name: c for c, name in enumerate(placed.model.coefficients)}
+    for bearing in model.machine.bearings:
+        for term in LATERAL:
+            c, *beside = (column[f"bearing.{bearing.id}.{one}"] for one in (term.name, *term.beside))
+            for place, rpm in enumerate(speeds):
+                yield FilmResult(
+                    f"bearing.{bearing.id}.{term.name}@{rpm:g}rpm",
+                    UNITS[term.quantity],
+                    float(values[place, c]),
+                    float(errors[place, c]),
+                    float(np.sqrt(np.abs(values[place, beside].prod()))),
+                    term.direct and values[place, c] > 0.0,
+                )
+
+
+def _state(element: str, states: JournalStates, number: int, covariance: Floats) -> Iterator[FilmResult]:
+    """Yield load, position and eccentricity of one journal at the last speed."""
+    force, position = states.force[-1, number], states.position[-1, number]
+    force_slope, position_slope = states.force_slope[-1, number], states.position_slope[-1, number]
+    rows = [
+        ("load_vertical", UNITS["force"], force[1], force_slope[1]),
+        ("load_horizontal", UNITS["force"], force[0], force_slope[0]),
+        ("journal_x", "m", position[0], position_slope[0]),
+        ("journal_y", "m", position[1], position_slope[1]),
+    ]
+    way = float(np.hypot(*position))
+    if way > 0.0:
+        part = way / states.clearance[number]
+        slope = part * (position @ position_slope) / way**2
+        slope[OWN * number] -= part  # by the logarithm of its own clearance
+        rows.append(("eccentricity_ratio", "1", part, slope))
+    for name, unit, value, slope in rows:
+        yield FilmResult(f"{element}.{name}", unit, float(value), float(standard_errors(slope, covariance)))
