@@ -6,7 +6,7 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.errors import Invalid
-from estimator.films.film import Film, FilmCoefficients
+from estimator.films.film import FilmCoefficients, FilmOverPosition
 
 
 class InvalidFilmData(Invalid):
@@ -60,7 +60,7 @@ def film_scale(
 
 
 def dimensional_film(
-    film: Film,
+    film: FilmOverPosition,
     position: Floats,
     *,
     radius: float,
@@ -86,10 +86,12 @@ def dimensional_film(
     scale = film_scale(radius=radius, length=length, clearance=clearance, viscosity=viscosity, speed=speed)
     found = film.at(np.asarray(position) / scale.clearance[..., None])
     force, c = scale.force, scale.clearance
+    stiffness, damping = force / c, force / (c * scale.speed)
     return FilmCoefficients(
         found.force * force[..., None],
-        found.stiffness * (force / c)[..., None, None],
-        found.damping * (force / (c * scale.speed))[..., None, None],
+        found.stiffness * stiffness[..., None, None],
+        found.damping * damping[..., None, None],
         found.stiffness_slope * (force / c**2)[..., None, None, None],
         found.damping_slope * (force / (c**2 * scale.speed))[..., None, None, None],
+        None if found.pads is None else found.pads.rescaled(stiffness=stiffness, damping=damping),
     )

@@ -13,7 +13,7 @@ import numpy as np
 from estimator.arrays import Floats
 from estimator.errors import Invalid
 from estimator.films.dimensional_film import FilmScale, film_scale
-from estimator.films.film import Film, FilmCoefficients
+from estimator.films.film import FilmCoefficients, FilmOverPosition
 from estimator.films.pad_table import THINNEST_FILM
 from estimator.films.reynolds import Bools
 
@@ -60,7 +60,7 @@ class JournalEquilibrium:
 class EquilibriumSearch:
     """Search for positions of equilibrium in one film, in units of the clearance c and of the force μ ω R L (R/c)²."""
 
-    def __init__(self, film: Film) -> None:
+    def __init__(self, film: FilmOverPosition) -> None:
         """Prepare the search by a survey of the film.
 
         Args:
@@ -133,7 +133,7 @@ class EquilibriumSearch:
         """Return the positions (n, 2) to which Newton's method leads, NaN where it ends elsewhere."""
         place = np.array(start)
         state = self.film.at(place)
-        force, stiffness = state.force, state.stiffness
+        force, stiffness = state.force, state.static_stiffness
         wanted = np.linalg.norm(loads, axis=-1)
         left = np.arange(len(loads))
         for _ in range(_STEPS):
@@ -148,7 +148,7 @@ class EquilibriumSearch:
             left = left[(moved >= 0.0) & ~settled]
             if left.size:
                 state = self.film.at(place[left])
-                force[left], stiffness[left] = state.force, state.stiffness
+                force[left], stiffness[left] = state.force, state.static_stiffness
         balanced = np.linalg.norm(force + loads, axis=-1) <= 1e-8 * wanted + 1e-14
         return np.where(balanced[:, None], place, np.nan)
 
@@ -210,7 +210,7 @@ def _with_derivatives(
     state: FilmCoefficients, place: Floats, number: Floats, scale: FilmScale, viscosity: Floats
 ) -> JournalEquilibrium:
     """Return the equilibrium at positions in clearances under loads in the film's unit."""
-    compliance = np.linalg.inv(state.stiffness)
+    compliance = np.linalg.inv(state.static_stiffness)
     c = scale.clearance[..., None]
     moved = c * np.einsum("...ij,...j->...i", compliance, number)  # by the logarithm of the load
     return JournalEquilibrium(
@@ -232,7 +232,7 @@ def _step(stiffness: Floats, unbalanced: Floats) -> Floats:
     return np.asarray(step * np.minimum(1.0, 0.5 / np.maximum(size, 1e-300)))
 
 
-def _reach(film: Film, ray: Floats) -> Floats:
+def _reach(film: FilmOverPosition, ray: Floats) -> Floats:
     """Return how far the journal can go along each ray (n, 2) from the bearing's centre (n,)."""
     low, high = np.zeros(len(ray)), np.full(len(ray), 2.0)
     for _ in range(40):

@@ -14,6 +14,7 @@ from estimator.films.pad import FULL_ARC, Pad
 from estimator.films.pad_table import MOST_CONTINUOUS, THINNEST_FILM, PadTable, PolarFilm, pad_table
 from estimator.films.profiles import BearingProfile
 from estimator.films.reynolds import Bools
+from estimator.films.tilted_pads import TiltedPads
 
 
 class TableMaker(Protocol):
@@ -40,18 +41,21 @@ class InvalidSlenderness(Invalid):
 class FilmCoefficients:
     """Film at positions (...) of the journal: near each, force on the journal = force - K x - C ẋ.
 
+    Where pads tilt this holds for motions at the spin speed; slow ones meet `static_stiffness` instead of K.
+
     Units are those of who gives it: of `Film` in terms of the clearance, of `dimensional_film` SI. At the centre of curvature
     of a pad that is not 360° long, and in the centre of a plain bearing, a film that ruptures has a stiffness that depends on
     the direction in which the journal leaves: there all is that of a journal that leaves towards x, with no derivatives by y.
 
     Attributes:
         force: Forces (..., 2) [μ ω R L (R/c)², or N].
-        stiffness: Stiffness K (..., 2, 2) = -∂force/∂position [μ ω R L (R/c)²/c, or N/m].
+        stiffness: Stiffness K (..., 2, 2); -∂force/∂position unless pads tilt [μ ω R L (R/c)²/c, or N/m].
         damping: Damping C (..., 2, 2) [μ R L (R/c)²/c, or N s/m].
         stiffness_slope: Derivatives (..., 2, 2, 2) of K by the position, whose component is the last axis
             [μ ω R L (R/c)²/c², or N/m²].
         damping_slope: Derivatives (..., 2, 2, 2) of C by the position, whose component is the last axis
             [μ R L (R/c)²/c², or N s/m²].
+        pads: Pads that tilt, as degrees of freedom of their own; None for a film whose pads stand still.
     """
 
     force: Floats
@@ -59,6 +63,67 @@ class FilmCoefficients:
     damping: Floats
     stiffness_slope: Floats
     damping_slope: Floats
+    pads: TiltedPads | None = None
+
+    @property
+    def static_stiffness(self) -> Floats:
+        """Return -∂force/∂position (..., 2, 2) [μ ω R L (R/c)²/c, or N/m]."""
+        return self.stiffness if self.pads is None else self.pads.static_stiffness
+
+    def one_of(self, place: int) -> "FilmCoefficients":
+        """Return the film at one of several positions.
+
+        Args:
+            place: Number of the position.
+
+        Returns:
+            The film there.
+        """
+        return FilmCoefficients(
+            self.force[place],
+            self.stiffness[place],
+            self.damping[place],
+            self.stiffness_slope[place],
+            self.damping_slope[place],
+            None if self.pads is None else self.pads.at(place),
+        )
+
+
+class FilmOverPosition(Protocol):
+    """Film of a bearing over the journal's position, in units of the clearance: of pads that stand still, or tilt."""
+
+    def covers(self, position: Floats) -> Bools:
+        """Return where the film is known.
+
+        Args:
+            position: Positions (..., 2) [c].
+
+        Returns:
+            Whether it is (...).
+        """
+
+    def thinnest(self, position: Floats) -> Floats:
+        """Compute the thickness of the film where it is thinnest.
+
+        Args:
+            position: Positions (..., 2) [c].
+
+        Returns:
+            Thicknesses (...), negative where the journal would be in the wall [c].
+        """
+
+    def at(self, position: Floats) -> FilmCoefficients:
+        """Compute forces, coefficients and their derivatives.
+
+        Args:
+            position: Positions (..., 2) of the journal relative to the bearing's centre [c].
+
+        Returns:
+            The film at those positions.
+
+        Raises:
+            OutsideFilm: The film is not known at one of the positions.
+        """
 
 
 class Film:
@@ -79,16 +144,14 @@ class Film:
         Raises:
             InvalidSlenderness: No bearing has this slenderness.
         """
-        if not 0.05 <= slenderness <= 20.0:
-            raise InvalidSlenderness(f"length over diameter is {slenderness:g}: usual are 0.3 to 1.2, possible 0.05 to 20")
+        slenderness = slenderness_within(slenderness)
         if slenderness > MOST_CONTINUOUS and any(pad.continuous for pad in profile.pads):
             raise InvalidSlenderness(
                 f"length over diameter is {slenderness:g}: films that form again by themselves are known up to "
                 f"{MOST_CONTINUOUS:g}"
             )
         self._tables = tuple(
-            (pad, table(arc=pad.arc, slenderness=round(float(slenderness), 9), continuous=pad.continuous))
-            for pad in profile.pads
+            (pad, table(arc=pad.arc, slenderness=slenderness, continuous=pad.continuous)) for pad in profile.pads
         )
 
     def covers(self, position: Floats) -> Bools:
@@ -145,6 +208,23 @@ class Film:
             )
         parts = [_pad_film(pad, table, position) for pad, table in self._tables]
         return FilmCoefficients(*(np.sum([getattr(one, name) for one in parts], axis=0) for name in _QUANTITIES))
+
+
+def slenderness_within(slenderness: float) -> float:
+    """Return a ratio of length to diameter, rounded so that equal bearings share tables.
+
+    Args:
+        slenderness: Length over diameter [-].
+
+    Returns:
+        The ratio [-].
+
+    Raises:
+        InvalidSlenderness: No bearing has it.
+    """
+    if not 0.05 <= slenderness <= 20.0:
+        raise InvalidSlenderness(f"length over diameter is {slenderness:g}: usual are 0.3 to 1.2, possible 0.05 to 20")
+    return round(float(slenderness), 9)
 
 
 _QUANTITIES = ("force", "stiffness", "damping", "stiffness_slope", "damping_slope")

@@ -13,7 +13,9 @@ LARGEST_CLEARANCE = 0.1
 """Largest radial clearance, as a part of the radius [-]."""
 LARGEST_VISCOSITY = 10.0
 """Largest dynamic viscosity of an oil in a bearing [Pa s]; more was meant in mPa s."""
-Profile = Literal["plain", "two_axial_grooves", "elliptical", "three_lobe", "four_lobe"]
+LARGEST_PAD_PRELOAD = 0.8
+"""Largest preload of tilting pads [-]."""
+Profile = Literal["plain", "two_axial_grooves", "elliptical", "three_lobe", "four_lobe", "tilting_pad"]
 
 
 class Oil(Part):
@@ -36,6 +38,28 @@ class Oil(Part):
         return self
 
 
+class TiltingPads(Part):
+    """The pads of a tilting-pad bearing, equal and evenly around the journal; their preload is the film's."""
+
+    number: Annotated[int, Field(ge=3, le=12)] = Field(description="of pads")
+    arc_deg: Annotated[float, Field(ge=15, le=120)] = Field(description="of each pad [°]")
+    pivot: Annotated[float, Field(ge=0.4, le=0.8)] = Field(
+        default=0.5,
+        description="place of the pivot as a part of the arc, from the edge where oil enters; 0.5 is the middle",
+    )
+    load: Literal["on_pad", "between_pads"] = Field(
+        description="straight below the journal lies a pivot, or the middle between two; turned_deg turns both"
+    )
+
+    @model_validator(mode="after")
+    def _side_by_side(self) -> Self:
+        if self.number * self.arc_deg > 360.0:
+            raise ValueError(
+                f"{self.number} pads of {self.arc_deg:g}° overlap: together they must cover at most 360°, usual is 240 to 320°"
+            )
+        return self
+
+
 class JournalFilm(Part):
     """The oil film of a journal bearing."""
 
@@ -44,8 +68,11 @@ class JournalFilm(Part):
     radial_clearance: Positive = Field(
         description="radius of the pads' curvature less the journal's radius [m]; usual is 0.001 to 0.002 of the radius"
     )
-    profile: Profile = Field(default="plain", description="round, or with grooves or lobes")
-    preload: Annotated[float, Field(ge=0, lt=1)] = Field(default=0.0, description="of each lobe [-]; 0 for round profiles")
+    profile: Profile = Field(default="plain", description="round, with grooves or lobes, or with tilting pads")
+    preload: Annotated[float, Field(ge=0, lt=1)] = Field(
+        default=0.0, description="of each lobe or tilting pad [-]; 0 for round profiles"
+    )
+    pads: TiltingPads | None = Field(default=None, description="of profile tilting_pad, which needs them")
     groove_deg: Annotated[float, Field(gt=0, lt=85)] = Field(default=20.0, description="width of each axial groove [°]")
     turned_deg: Angle = Field(default=0.0, description="angle by which the profile is turned from +x to +y [°]")
     oil: Oil
@@ -63,7 +90,19 @@ class JournalFilm(Part):
                 "usual is 0.001 to 0.002 of it"
             )
         if self.preload > 0.0 and self.profile in ("plain", "two_axial_grooves"):
-            raise ValueError(f"preload {self.preload} goes with a lobed profile, not with {self.profile}")
+            raise ValueError(f"preload {self.preload} goes with a lobed profile or tilting pads, not with {self.profile}")
+        return self
+
+    @model_validator(mode="after")
+    def _padded(self) -> Self:
+        if (self.profile == "tilting_pad") != (self.pads is not None):
+            raise ValueError(
+                "profile tilting_pad needs pads: {number, arc_deg, pivot, load}"
+                if self.pads is None
+                else f"pads go with profile tilting_pad, not with {self.profile}"
+            )
+        if self.pads is not None and self.preload > LARGEST_PAD_PRELOAD:
+            raise ValueError(f"preload {self.preload} of tilting pads: it is 0 to {LARGEST_PAD_PRELOAD:g}, usual 0 to 0.5")
         return self
 
 

@@ -159,7 +159,7 @@ class FilmTrain:
         whole = self.statics.stiffness.copy()
         for number, one in enumerate(films):
             block = slice(2 * number, 2 * number + 2)
-            whole[block, block] += one.stiffness
+            whole[block, block] += one.static_stiffness
         step = np.linalg.solve(whole, -lacking.reshape(-1)).reshape(-1, 2)
         longest = float(np.max(np.linalg.norm(step, axis=1) / self._clearance))
         return np.asarray(step * min(1.0, LARGEST_STEP / max(longest, 1e-300)))

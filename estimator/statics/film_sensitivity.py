@@ -1,8 +1,8 @@
 """Derivatives of a train's equilibrium on films by clearances, viscosities and elevations.
 
 The journals rest where S (e + p) = w + f(p), with elevations e, positions p and film forces f. So a change of anything moves
-them by dp = (S + K)⁻¹ (∂f - S de), K = -∂f/∂p being the films' stiffness (implicit function). A film's force is a function of
-p/c times μ/c², its coefficients are ones times μ/c³ (Lund, J. Tribol. 109 (1987) 37).
+them by dp = (S + K)⁻¹ (∂f - S de), K = -∂f/∂p being the films' stiffness against slow motions (implicit function). A film's
+force is a function of p/c times μ/c², its coefficients are ones times μ/c³ (Lund, J. Tribol. 109 (1987) 37).
 """
 
 from dataclasses import dataclass
@@ -52,12 +52,13 @@ def film_sensitivity(train: FilmTrain, found: FilmEquilibrium) -> FilmSensitivit
     whole = train.statics.stiffness.copy()
     for number, (force, _, _) in enumerate(own):
         block = slice(2 * number, 2 * number + 2)
-        whole[block, block] += found.film[number].stiffness
+        whole[block, block] += found.film[number].static_stiffness
         first = len(PARAMETERS) * number
         driving[first : first + 2, block] = force[:2]
         driving[first + 2 : first + 4] = -train.statics.stiffness[:, block].T
     position = np.asarray(np.linalg.solve(whole, driving.T).T.reshape(-1, count, 2), dtype=float)
-    force = -np.einsum("nij,pnj->pni", found.stiffness, position)
+    static = np.stack([one.static_stiffness for one in found.film])
+    force = -np.einsum("nij,pnj->pni", static, position)
     stiffness = np.einsum("nijk,pnk->pnij", np.stack([one.stiffness_slope for one in found.film]), position)
     damping = np.einsum("nijk,pnk->pnij", np.stack([one.damping_slope for one in found.film]), position)
     for number, parts in enumerate(own):
@@ -70,7 +71,7 @@ def film_sensitivity(train: FilmTrain, found: FilmEquilibrium) -> FilmSensitivit
 def _own_derivatives(film: FilmCoefficients, place: Floats) -> tuple[Floats, Floats, Floats]:
     """Return the derivatives of a film's force (2, 2), stiffness and damping (2, 2, 2) by the logarithms of its own clearance
     and viscosity, the journal staying where it is."""
-    force = np.stack([FORCE_POWER * film.force + film.stiffness @ place, film.force])
+    force = np.stack([FORCE_POWER * film.force + film.static_stiffness @ place, film.force])
     stiffness = np.stack([COEFFICIENT_POWER * film.stiffness - film.stiffness_slope @ place, film.stiffness])
     damping = np.stack([COEFFICIENT_POWER * film.damping - film.damping_slope @ place, film.damping])
     return force, stiffness, damping

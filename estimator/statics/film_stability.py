@@ -1,21 +1,17 @@
 """Stability of a train on its films: its least damped mode at a speed, and the speed from which on it would whirl.
 
-Films act by their eight coefficients at the equilibrium (Lund, J. Tribol. 109 (1987) 37).
+Films act by their eight coefficients at the equilibrium (Lund, J. Tribol. 109 (1987) 37), tilting pads by states of their own.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.arrays import Floats
-from estimator.bearings.terms import LATERAL
 from estimator.machine.document import Machine
 from estimator.modes.eigenmodes import damping_ratio, log_decrement
-from estimator.rotor.assembly import assemble_rotor
 from estimator.rotor.modal_reduction import modal_basis
-from estimator.rotor.parameters import unknowns
-from estimator.rotor.system_matrices import system_matrices
 from estimator.statics.equilibrium import FilmEquilibrium, FilmTrain
+from estimator.statics.pad_states import state_matrix_with_pads
 
 HIGHEST_MODE = 2.0
 """Highest frequency of modes that are looked at, as a multiple of the spin speed [-]: films whirl below it."""
@@ -41,7 +37,7 @@ class LeastDampedWhirl:
 
 
 def least_damped_whirl(machine: Machine, equilibrium: FilmEquilibrium) -> LeastDampedWhirl | None:
-    """Solve for the least damped mode at an equilibrium, pads reduced to their eight coefficients.
+    """Solve for the least damped mode at an equilibrium; pads that tilt are degrees of freedom of their own.
 
     Args:
         machine: The machine.
@@ -52,36 +48,12 @@ def least_damped_whirl(machine: Machine, equilibrium: FilmEquilibrium) -> LeastD
     """
     highest = HIGHEST_MODE * equilibrium.speed
     basis = modal_basis(machine, highest)
-    matrices = system_matrices(machine, coefficients=film_coefficients(machine, equilibrium), basis=basis)
-    roots = np.linalg.eigvals(matrices.state_matrix(spin=machine.direction * equilibrium.speed))
+    roots = np.linalg.eigvals(state_matrix_with_pads(machine, equilibrium, basis))
     slow = roots[(roots.imag > 1e-6 * np.abs(roots)) & (roots.imag <= highest)]
     if slow.size == 0:
         return None
     root = slow[[int(np.argmin(damping_ratio(slow)))]]
     return LeastDampedWhirl(equilibrium.speed, float(root[0].imag), float(log_decrement(root)[0]))
-
-
-def film_coefficients(machine: Machine, equilibrium: FilmEquilibrium) -> Floats:
-    """Return all coefficients of a machine with those of its films.
-
-    Args:
-        machine: The machine, with K coefficients.
-        equilibrium: Its equilibrium at a speed.
-
-    Returns:
-        Coefficients (K,), those that are no bearing's as expected [SI].
-    """
-    numbers = {bearing.id: number for number, bearing in enumerate(machine.bearings)}
-    places = {term.name: ("xy".index(term.force), "xy".index(term.motion)) for term in LATERAL}
-    found = []
-    for one in unknowns(machine, assemble_rotor(machine)).coefficients:
-        kind, element = one.element.split(".", 1)
-        if kind != "bearing":
-            found.append(one.expected)
-            continue
-        film = equilibrium.film[numbers[element]]
-        found.append(float((film.stiffness if one.order == 0 else film.damping)[places[one.term.name]]))
-    return np.array(found)
 
 
 def whirl_onset(machine: Machine, train: FilmTrain, *, first: float, last: float) -> float | None:

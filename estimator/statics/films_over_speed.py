@@ -29,16 +29,7 @@ class _JournalsOverSpeed:
 
     def at(self, place: int) -> tuple[FilmCoefficients, ...]:
         """Return the films at one speed."""
-        return tuple(
-            FilmCoefficients(
-                one.force[place],
-                one.stiffness[place],
-                one.damping[place],
-                one.stiffness_slope[place],
-                one.damping_slope[place],
-            )
-            for one in self.films
-        )
+        return tuple(one.one_of(place) for one in self.films)
 
 
 def equilibria_near(train: FilmTrain, speeds: Floats, start: Floats) -> tuple[FilmEquilibrium, ...] | None:
@@ -86,7 +77,7 @@ def _newton_step(train: FilmTrain, state: _JournalsOverSpeed, clearance: Floats)
     whole = np.repeat(train.statics.stiffness[None], count, axis=0)
     for number, one in enumerate(state.films):
         block = slice(2 * number, 2 * number + 2)
-        whole[:, block, block] += one.stiffness
+        whole[:, block, block] += one.static_stiffness
     step = np.linalg.solve(whole, -state.lacking.reshape(count, -1, 1)).reshape(state.position.shape)
     longest = np.max(np.linalg.norm(step, axis=2) / clearance, axis=1)
     return np.asarray(step * np.minimum(1.0, LARGEST_STEP / np.maximum(longest, 1e-300))[:, None, None])

@@ -7,12 +7,13 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.films.dimensional_film import dimensional_film
-from estimator.films.film import Film, FilmCoefficients
+from estimator.films.film import Film, FilmCoefficients, FilmOverPosition
 from estimator.films.oil import grade_oil
 from estimator.films.pad_table import MOST_CONTINUOUS
 from estimator.films.profiles import BearingProfile, elliptical, four_lobe, plain, three_lobe, two_axial_grooves
 from estimator.films.reynolds import Bools
-from estimator.machine.films import JournalFilm, Oil
+from estimator.films.tilting_film import TiltingFilm, TiltingProfile
+from estimator.machine.films import JournalFilm, Oil, TiltingPads
 
 
 @dataclass(frozen=True)
@@ -28,7 +29,7 @@ class JournalBearing:
     """
 
     name: str
-    film: Film
+    film: FilmOverPosition
     said: JournalFilm
     viscosity: float
     direction: int
@@ -106,6 +107,7 @@ class JournalBearing:
             found.damping * pairs,
             found.stiffness_slope * triples,
             found.damping_slope * triples,
+            None if found.pads is None else found.pads.turned(sign),
         )
 
     @property
@@ -131,7 +133,12 @@ def journal_bearing(name: str, said: JournalFilm, *, direction: int) -> JournalB
     Raises:
         InvalidSlenderness: No bearing has this ratio of length to diameter.
     """
-    film = Film(_profile(said, direction), said.length / said.diameter)
+    slenderness = said.length / said.diameter
+    film: FilmOverPosition
+    if said.pads is None:
+        film = Film(_profile(said, direction), slenderness)
+    else:
+        film = TiltingFilm(_tilting(said, said.pads, direction), slenderness)
     return JournalBearing(name, film, said, oil_viscosity(said.oil), direction)
 
 
@@ -152,6 +159,12 @@ def oil_viscosity(oil: Oil) -> float:
     if oil.iso_vg is None or oil.temperature_c is None:
         raise ValueError("an oil needs its viscosity, or its grade and temperature")
     return float(grade_oil(oil.iso_vg).viscosity(oil.temperature_c))
+
+
+def _tilting(said: JournalFilm, pads: TiltingPads, direction: int) -> TiltingProfile:
+    below = -math.pi / 2 + direction * math.radians(said.turned_deg)
+    first = below if pads.load == "on_pad" else below + math.pi / pads.number
+    return TiltingProfile(pads.number, math.radians(pads.arc_deg), said.preload, pads.pivot, first)
 
 
 def _profile(said: JournalFilm, direction: int) -> BearingProfile:

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 from estimator.machine.document import DocumentError, Machine, parse_machine
 from estimator.statics.equilibrium import FilmTrain, film_train
-from estimator.statics.film_stability import film_coefficients, least_damped_whirl, whirl_onset
+from estimator.statics.film_coefficients import film_coefficients
+from estimator.statics.film_stability import least_damped_whirl, whirl_onset
 from estimator.statics.train_statics import GRAVITY, MissingFilm
 from estimator.units import rpm_to_rad_per_s
 from tests.estimator.statics.films import Kind, between_two_bearings, motor_compressor_document
