@@ -2,13 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
 from estimator.arrays import Floats
+from estimator.bearings.defaults import FormDefaults
 from estimator.bearings.mixed_coefficient import MixedCoefficient
-from estimator.bearings.model import CoefficientModel, ModelParameter, OwnParameter
+from estimator.bearings.model import CoefficientModel, ModelParameter
 from estimator.bearings.terms import TERMS
 
 
@@ -57,10 +57,9 @@ class ConstantModel:
         return fitted
 
 
-class Constant:
+class Constant(FormDefaults):
     """Form of an element whose document states no dependence on the speed."""
 
-    own_parameters: ClassVar[tuple[OwnParameter, ...]] = ()
     coefficients: tuple[str, ...] | None = None
 
     def governs(self, term: str) -> bool:
@@ -84,26 +83,6 @@ class Constant:
             The number.
         """
         return len(terms)
-
-    def nominal(self, term: str, rpm: float) -> None:
-        """Return None: the element's own nominal values hold, at every speed.
-
-        Args:
-            term: The term, such as `kxx`.
-            rpm: Speed [r/min].
-        """
-
-    def warnings(self, lowest_rpm: float, highest_rpm: float) -> tuple[tuple[str, str], ...]:  # noqa: ARG002
-        """Return no warnings.
-
-        Args:
-            lowest_rpm: Lowest speed of the machine [r/min].
-            highest_rpm: Its highest speed [r/min].
-
-        Returns:
-            Nothing.
-        """
-        return ()
 
     def models(self, coefficients: Sequence[ModelParameter]) -> Sequence[CoefficientModel]:
         """Return a model of each coefficient.

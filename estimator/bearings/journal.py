@@ -9,6 +9,7 @@ from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field
 
+from estimator.bearings.defaults import FormDefaults
 from estimator.bearings.model import CoefficientModel, ModelParameter, OwnParameter
 from estimator.bearings.terms import LATERAL
 from estimator.field_types import Part, Spread
@@ -20,7 +21,7 @@ DEVIATING = ("kxx", "kxy", "kyx", "kyy", "cxx", "cxy", "cyy")
 """Terms of a film that deviate from its model each by itself; cyx deviates as cxy, to which it is equal in a film."""
 
 
-class JournalForm(Part):
+class JournalForm(FormDefaults, Part):
     """Coefficients that follow from the oil film: the bearing's `film` gives geometry, oil and elevation.
 
     Clearance, viscosity and elevation of each bearing are determined, with what the document says of them as a prior.
@@ -69,26 +70,6 @@ class JournalForm(Part):
             The number.
         """
         return len(self.own_parameters) if terms else 0
-
-    def nominal(self, term: str, rpm: float) -> None:
-        """Return None: the load on the film, which its coefficients depend on, is that of a whole train.
-
-        Args:
-            term: The term, such as `kxx`.
-            rpm: Speed [r/min].
-        """
-
-    def warnings(self, lowest_rpm: float, highest_rpm: float) -> tuple[tuple[str, str], ...]:  # noqa: ARG002
-        """Return no warnings.
-
-        Args:
-            lowest_rpm: Lowest speed of the machine [r/min].
-            highest_rpm: Its highest speed [r/min].
-
-        Returns:
-            Nothing.
-        """
-        return ()
 
     def models(self, coefficients: Sequence[ModelParameter]) -> Sequence[CoefficientModel]:  # noqa: ARG002
         """Return no models: the films of a train have one together.

@@ -3,14 +3,15 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from estimator.arrays import Floats
+from estimator.bearings.defaults import FormDefaults
 from estimator.bearings.mixed_coefficient import MixedCoefficient
-from estimator.bearings.model import CoefficientModel, ModelParameter, OwnParameter
+from estimator.bearings.model import CoefficientModel, ModelParameter
 from estimator.field_types import Part, Positive
 from estimator.units import rpm_to_rad_per_s
 
@@ -105,14 +106,12 @@ class KnotModel:
         return np.full(len(self.knots_rpm), fitted[0])
 
 
-class SpeedDependence(Part):
+class SpeedDependence(FormDefaults, Part):
     """Dependence of an element's coefficients on the speed: through values at some speeds, which are identified.
 
     Two or more knots: `piecewise` runs straight from knot to knot and stays level outside them, `polynomial` is the one
     polynomial through all of them. Direct terms follow in their logarithm, so that they stay positive.
     """
-
-    own_parameters: ClassVar[tuple[OwnParameter, ...]] = ()
 
     form: Literal["polynomial", "piecewise"]
     knots_rpm: Annotated[tuple[Positive, ...], Field(min_length=2, max_length=12)] = Field(description="ascending [r/min]")
@@ -145,26 +144,6 @@ class SpeedDependence(Part):
             The number.
         """
         return len(self.knots_rpm) * len(terms)
-
-    def nominal(self, term: str, rpm: float) -> None:
-        """Return None: the element's own nominal values hold, at every speed.
-
-        Args:
-            term: The term, such as `kxx`.
-            rpm: Speed [r/min].
-        """
-
-    def warnings(self, lowest_rpm: float, highest_rpm: float) -> tuple[tuple[str, str], ...]:  # noqa: ARG002
-        """Return no warnings.
-
-        Args:
-            lowest_rpm: Lowest speed of the machine [r/min].
-            highest_rpm: Its highest speed [r/min].
-
-        Returns:
-            Nothing.
-        """
-        return ()
 
     def models(self, coefficients: Sequence[ModelParameter]) -> Sequence[CoefficientModel]:
         """Return a model of each coefficient.

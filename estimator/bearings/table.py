@@ -8,12 +8,13 @@ its ends the table is held level.
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Annotated, Any, ClassVar, Literal, NoReturn, Self
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from estimator.arrays import Floats
+from estimator.bearings.defaults import FormDefaults, NeverLevel
 from estimator.bearings.model import CoefficientModel, ModelParameter, OwnParameter
 from estimator.bearings.monotone_cubic import MonotoneCubic
 from estimator.bearings.terms import LATERAL, TERMS
@@ -84,7 +85,7 @@ class TableCurves:
 
 
 @dataclass(frozen=True)
-class TableModel:
+class TableModel(NeverLevel):
     """Coefficients of one element that follow a table.
 
     Each direct term has a factor of its own; a cross-coupled term goes with the geometric mean of those of the direct terms
@@ -97,6 +98,8 @@ class TableModel:
         scale_spread: Prior standard deviation of the factors' logarithms [-]; 0 for a table that is exact.
         constant: False.
     """
+
+    law: ClassVar[str] = "a table over speed"
 
     coefficients: tuple[str, ...]
     columns: tuple[tuple[float, ...], ...]
@@ -128,20 +131,6 @@ class TableModel:
         # Rounding must not make anything of a column that spans many decades negative.
         return TableCurves(np.clip(found, columns.min(axis=1), columns.max(axis=1)), self._power)
 
-    def level(self, fitted: Floats) -> NoReturn:  # noqa: ARG002 - whatever they are
-        """Return no factors: a table's coefficients are not the same at every speed.
-
-        Args:
-            fitted: Fitted numbers (C,) of the constant coefficients [-].
-
-        Returns:
-            Nothing, ever.
-
-        Raises:
-            ValueError: Always.
-        """
-        raise ValueError(f"{', '.join(self.coefficients)} follow a table over speed and cannot be constant")
-
     @cached_property
     def _interpolant(self) -> MonotoneCubic:
         return MonotoneCubic(np.array(self.speed), np.array(self.columns).T)
@@ -159,7 +148,7 @@ class TableModel:
         return power
 
 
-class Table(Part):
+class Table(FormDefaults, Part):
     """Dependence of an element's coefficients on the speed: a table, as from its maker's calculation.
 
     The coefficients that have a column follow it, between its speeds by shape-preserving cubics and level beyond its ends; the

@@ -7,6 +7,7 @@ from tests.imports import imported_by, imported_directly_by
 STATES_AND_COUNTS = {
     "arrays",
     "bearings.constant",
+    "bearings.defaults",
     "bearings.journal",
     "bearings.knots",
     "bearings.mixed_coefficient",
