@@ -94,21 +94,21 @@ class SolvedFilms:
         """Compute the films' own coefficients.
 
         Args:
-            fitted: Fitted numbers (P,), the 4n own ones first [-].
+            fitted: Fitted numbers (...), the own ones first [-].
 
         Returns:
             Coefficients (G, 8n) [SI]; NaN where a film is too thin.
         """
         found = self.equilibria(fitted)
         if found is None:
-            return np.full((self.nominal.speed.size, 2 * self._own.count), np.nan)
+            return np.full((self.nominal.speed.size, 8 * len(self._own.forms)), np.nan)
         return np.stack([_row(one.stiffness, one.damping) for one in found])
 
     def equilibria(self, fitted: Floats) -> tuple[FilmEquilibrium, ...] | None:
         """Return the equilibria at these speeds.
 
         Args:
-            fitted: Fitted numbers (P,), the 4n own ones first [-].
+            fitted: Fitted numbers (...), the own ones first [-].
 
         Returns:
             The equilibria; None where a film is too thin.
@@ -140,7 +140,7 @@ class SolvedFilms:
         """Compute the derivatives of the equilibria at these speeds.
 
         Args:
-            fitted: Fitted numbers (P,), the 4n own ones first [-].
+            fitted: Fitted numbers (...), the own ones first [-].
 
         Returns:
             The derivatives by the parameters, not their fitted numbers; None where a film is too thin.
@@ -155,10 +155,10 @@ class SolvedFilms:
         """Compute the derivatives of the films' own coefficients by their own fitted numbers.
 
         Args:
-            fitted: Fitted numbers (P,), the 4n own ones first [-].
+            fitted: Fitted numbers (...), the own ones first [-].
 
         Returns:
-            Derivatives (G, 8n, 4n) [SI].
+            Derivatives (G, 8n, P) by the P own ones [SI].
         """
         key, known = self._own.of(fitted).tobytes(), self._slopes
         if known[0] != key:
@@ -166,11 +166,13 @@ class SolvedFilms:
         return known[1]
 
     def _differentiated(self, fitted: Floats) -> Floats:
-        each, count = self.sensitivities(fitted), self._own.count
+        each = self.sensitivities(fitted)
         if each is None:
-            return np.full((self.nominal.speed.size, 2 * count, count), np.nan)
+            return np.full((self.nominal.speed.size, 8 * len(self._own.forms), self._own.count), np.nan)
         rows = [np.stack([_row(k, c) for k, c in zip(one.stiffness, one.damping, strict=True)], axis=-1) for one in each]
-        return np.stack(rows) * self._own.unit
+        return np.stack(
+            [self._own.by_fitted(row, speed=speed) for row, speed in zip(rows, self.nominal.speed.tolist(), strict=True)]
+        )
 
 
 def _row(stiffness: Floats, damping: Floats) -> Floats:
