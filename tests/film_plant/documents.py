@@ -23,6 +23,12 @@ PERTURBATION = 0.15
 """Standard deviation by which nominal coefficients are off: of the logarithm, or part of the value [-]."""
 FILM_DISCREPANCY = 0.05
 """Rms of the films' deviations that documents state: some 4 % are drawn, and solvers differ by 1 or 2 % [-]."""
+BORES: dict[str, dict[str, Any]] = {
+    "plain": {"profile": "plain"},
+    "grooved": {"profile": "two_axial_grooves", "groove_deg": 20.0},
+    "elliptical": {"profile": "elliptical", "groove_deg": 20.0, "preload": 0.5},
+}
+"""Bores of the plant as documents describe them."""
 SLOPE_SPREAD = 0.15
 """Prior standard deviation of the slope of viscosity over speed that documents of warmed oil state [-]."""
 RIGID = 1e8
@@ -89,6 +95,7 @@ def film_document(plant: Plant, *, priors: Priors = PRIORS, discrepancy: float =
             "length": one.length,
             "radial_clearance": one.clearance,
             "oil": _oil(one),
+            **BORES[one.profile],
         }
         bearing["speed_dependence"] = {
             "form": "journal",
