@@ -1,4 +1,7 @@
-"""Viscosity of the oil in a film over the spin speed: as much as the oil warms, or as a power of the speed."""
+"""Viscosity of the oil in a film over the spin speed: as much as the oil warms, or as a power of the speed.
+
+Splines: de Boor, A Practical Guide to Splines, Springer 1978.
+"""
 
 from dataclasses import dataclass, replace
 from functools import cached_property

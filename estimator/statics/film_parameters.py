@@ -13,7 +13,10 @@ import numpy as np
 from estimator.arrays import Floats
 from estimator.bearings.journal import JournalForm
 from estimator.bearings.model import ModelParameter
-from estimator.quantities import UNITS, Quantity
+from estimator.bearings.registry import OWN_PARAMETERS
+from estimator.machine.film_parameter_names import film_parameter_names
+from estimator.machine.parameter_description import describe
+from estimator.quantities import UNITS
 from estimator.statics.equilibrium import FilmTrain
 from estimator.statics.film_sensitivity import PARAMETERS
 from estimator.statics.journal_bearing import JournalBearing
@@ -48,7 +51,7 @@ class FilmParameters:
 
     @cached_property
     def mixing(self) -> Floats:
-        """Return the films' numbers (5n, P) per unit of each fitted number, film by film in the order of `NUMBERS`."""
+        """Return the films' numbers (5n, P) per unit of each fitted number, in the order of `NUMBERS` [1 of logarithms, m]."""
         found = np.zeros((len(NUMBERS) * len(self.forms), self.count))
         for column, (one, places) in enumerate(self._acting):
             found[list(places), column] = one.step
@@ -105,43 +108,41 @@ class FilmParameters:
         said = np.array([(one.said.elevation_x, one.said.elevation_y) for one in self.train.bearings])
         return FilmTrain(self.train.statics, bearings, self.train.elevation - said + numbers[:, 2:4])
 
-    def by_fitted(self, slopes: Floats, *, speed: float) -> Floats:
+    def by_fitted(self, slopes: Floats, *, speed: Floats) -> Floats:
         """Convert derivatives by `film_sensitivity.PARAMETERS` to those by the own fitted numbers.
 
         Args:
-            slopes: Derivatives (..., 4n) at a speed [any unit, per 1 or m].
-            speed: That spin speed [rad/s].
+            slopes: Derivatives (G, ..., 4n) at some speeds [any unit, per 1 or m].
+            speed: The spin speeds (G,) [rad/s].
 
         Returns:
-            Derivatives (..., P) [any unit].
+            Derivatives (G, ..., P) [any unit].
         """
         each = slopes.reshape(*slopes.shape[:-1], -1, len(PARAMETERS))
-        fall = np.array([float(one.oil.by_slope(speed)) for one in self.train.bearings])
-        by_slope = each[..., PARAMETERS.index("viscosity")] * fall
+        fall = np.stack([one.oil.by_slope(speed) for one in self.train.bearings], axis=-1)
+        along = fall.reshape(speed.size, *(1 for _ in slopes.shape[1:-1]), -1)
+        by_slope = each[..., PARAMETERS.index("viscosity")] * along
         whole = np.concatenate([each, by_slope[..., None]], axis=-1)
         return np.asarray(whole.reshape(*slopes.shape[:-1], -1) @ self.mixing)
 
 
 def _of_film(bearing: JournalBearing, form: JournalForm) -> Iterator[tuple[str, ModelParameter]]:
     """Yield the numbers of a film that are fitted, with the parameters that give them."""
-    element, said, supply = f"bearing.{bearing.name}", bearing.said, bearing.said.oil.supply
-    oil = element if supply is None else f"oil.{supply}"
-    yield "clearance", _logarithmic(f"{element}.clearance", "clearance", said.radial_clearance, form.clearance_spread)
-    if supply is None:
-        yield "viscosity", _logarithmic(f"{oil}.viscosity", "viscosity", bearing.oil.value, form.viscosity_spread)
-    else:
-        yield "viscosity", _logarithmic(f"{oil}.viscosity_factor", "scale factor", 1.0, form.viscosity_spread)
+    said, names = bearing.said, film_parameter_names(bearing.name, bearing.said, form)
+    yield "clearance", _logarithmic(names["clearance"], said.radial_clearance, form.clearance_spread)
+    thick = bearing.oil.value if said.oil.supply is None else 1.0
+    yield "viscosity", _logarithmic(names["viscosity"], thick, form.viscosity_spread)
     step = form.elevation_spread or 1e-9
-    for axis, raised in (("x", said.elevation_x), ("y", said.elevation_y)):
-        name = f"elevation_{axis}"
-        yield name, ModelParameter(f"{element}.{name}", "elevation", UNITS["elevation"], False, raised, step, 1.0)
-    if form.viscosity_slope_spread > 0.0:
+    for what, raised in (("elevation_x", said.elevation_x), ("elevation_y", said.elevation_y)):
+        yield what, ModelParameter(names[what], "elevation", UNITS["elevation"], False, raised, step, 1.0)
+    if "viscosity_slope" in names:
         spread = form.viscosity_slope_spread
-        yield "viscosity_slope", ModelParameter(f"{oil}.viscosity_slope", "slope", UNITS["slope"], False, 0.0, 1.0, spread)
+        yield "viscosity_slope", ModelParameter(names["viscosity_slope"], "slope", UNITS["slope"], False, 0.0, 1.0, spread)
 
 
-def _logarithmic(name: str, quantity: Quantity, value: float, spread: float) -> ModelParameter:
-    return ModelParameter(name, quantity, UNITS[quantity], True, value, value, spread or HELD)
+def _logarithmic(name: str, value: float, spread: float) -> ModelParameter:
+    own = OWN_PARAMETERS[describe(name).quantity]
+    return ModelParameter(name, own.quantity, own.unit, True, value, value, spread or HELD)
 
 
 def _changed(bearing: JournalBearing, wider: float, thicker: float, slope: float) -> JournalBearing:

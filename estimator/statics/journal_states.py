@@ -44,17 +44,16 @@ def journal_states(model: FilmModel, fitted: Floats, *, speed: Floats) -> Journa
         return None
     weight = model.nominal.spline(np.log(np.clip(speed, model.nominal.slowest, model.nominal.fastest)))
 
-    def over_speed(rows: list[Floats]) -> Floats:
-        return np.tensordot(weight, np.stack(rows), 1)
+    def over_speed(rows: Floats) -> Floats:
+        return np.tensordot(weight, rows, 1)
 
-    def by_fitted(rows: list[Floats]) -> list[Floats]:
-        solved = model.nominal.speed.tolist()
-        return [model.own.by_fitted(np.moveaxis(one, 0, -1), speed=at) for one, at in zip(rows, solved, strict=True)]
+    def by_fitted(rows: list[Floats]) -> Floats:
+        return model.own.by_fitted(np.moveaxis(np.stack(rows), 1, -1), speed=model.nominal.speed)
 
     return JournalStates(
         clearance=np.array([one.clearance for one in model.own.changed(fitted).bearings]),
-        position=over_speed([one.position for one in found]),
-        force=over_speed([one.force for one in found]),
+        position=over_speed(np.stack([one.position for one in found])),
+        force=over_speed(np.stack([one.force for one in found])),
         position_slope=over_speed(by_fitted([one.position for one in slopes])),
         force_slope=over_speed(by_fitted([one.force for one in slopes])),
     )

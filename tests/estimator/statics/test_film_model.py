@@ -81,6 +81,33 @@ def test_derivatives_of_warmed_oils_and_of_one_supply_are_those_of_differences()
         assert thick.bearings[number].oil.value == pytest.approx(factor * model.own.train.bearings[number].oil.value)
 
 
+@pytest.mark.parametrize("discrepancy", [0.0, 0.05])
+def test_outputs_are_chained_to_the_numbers_as_by_all_derivatives(discrepancy: float) -> None:
+    model = film_model(parse_machine(document(discrepancy=discrepancy)))
+    curves, fitted, block = model.at(SPEED), drawn(model, 3), slice(5, 20)
+    parts = np.random.default_rng(1).standard_normal((2, 32, 15, 3)) / np.abs(curves.values(fitted)[block]).T[:, :, None]
+    by_coefficient = parts[0] + 1j * parts[1]
+    expected = np.einsum("scp,csm->psm", curves.derivatives(fitted, block), by_coefficient)
+    found = curves.chained(fitted, block, by_coefficient)
+    np.testing.assert_allclose(found, expected, atol=1e-12 * np.abs(expected).max())
+
+
+def test_what_was_solved_before_changes_nothing() -> None:
+    machine = parse_machine(document())
+    first, second = film_model(machine), film_model(machine)
+    for seed in range(4):
+        first.at(SPEED).derivatives(drawn(first, seed), slice(None))
+    fitted = drawn(second, 5)
+    np.testing.assert_allclose(first.at(SPEED).values(fitted), second.at(SPEED).values(fitted), rtol=1e-7)
+
+
+def test_the_documents_films_are_those_followed_speed_by_speed() -> None:
+    nominal = film_model(parse_machine(document())).nominal
+    for one, other in zip(nominal.equilibria, nominal.train.over(nominal.speed), strict=True):
+        assert other is not None
+        np.testing.assert_allclose(one.position, other.position, atol=1e-12)
+
+
 def test_deviations_have_the_size_that_the_document_states() -> None:
     model = film_model(parse_machine(document(discrepancy=0.05)))
     curves = model.at(SPEED)
