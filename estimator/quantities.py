@@ -19,6 +19,7 @@ Quantity = Literal[
     "clearance",
     "viscosity",
     "elevation",
+    "slope",
 ]
 """Physical quantity of a parameter."""
 
@@ -39,6 +40,7 @@ UNITS: dict[Quantity, str] = {
     "clearance": "m",
     "viscosity": "Pa s",
     "elevation": "m",
+    "slope": "1",
 }
 """SI unit of each quantity."""
 ORDER: dict[Quantity, int] = {"damping": 1, "angular damping": 1, "inertia": 2}

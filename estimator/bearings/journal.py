@@ -24,12 +24,15 @@ DEVIATING = ("kxx", "kxy", "kyx", "kyy", "cxx", "cxy", "cyy")
 class JournalForm(FormDefaults, Part):
     """Coefficients that follow from the oil film: the bearing's `film` gives geometry, oil and elevation.
 
-    Clearance, viscosity and elevation of each bearing are determined, with what the document says of them as a prior.
+    Clearance, viscosity and elevation of each bearing are determined, and how viscosity falls with speed, with what the
+    document says of them as a prior.
     """
 
     own_parameters: ClassVar[tuple[OwnParameter, ...]] = (
         OwnParameter("clearance", "clearance", UNITS["clearance"], positive=True),
         OwnParameter("viscosity", "viscosity", UNITS["viscosity"], positive=True),
+        OwnParameter("viscosity_factor", "scale factor", UNITS["scale factor"], positive=True),
+        OwnParameter("viscosity_slope", "slope", UNITS["slope"], positive=False),
         OwnParameter("elevation_x", "elevation", UNITS["elevation"], positive=False),
         OwnParameter("elevation_y", "elevation", UNITS["elevation"], positive=False),
     )
@@ -37,6 +40,10 @@ class JournalForm(FormDefaults, Part):
     form: Literal["journal"]
     clearance_spread: Spread = Field(default=0.15, description="how far the radial clearance may be off, relative rms [-]")
     viscosity_spread: Spread = Field(default=0.15, description="how far the film's viscosity may be off, relative rms [-]")
+    viscosity_slope_spread: Spread = Field(
+        default=0.0,
+        description="how far the slope of ln viscosity over ln speed may be off, rms [-]; 0: as the oil says",
+    )
     elevation_spread: Annotated[float, Field(ge=0, le=LARGEST_ELEVATION_SPREAD)] = Field(
         default=3e-5, description="how far the bearing's centre may be from its elevation, rms, in each direction [m]"
     )
@@ -69,7 +76,7 @@ class JournalForm(FormDefaults, Part):
         Returns:
             The number.
         """
-        return len(self.own_parameters) if terms else 0
+        return 4 + (self.viscosity_slope_spread > 0.0) if terms else 0
 
     def models(self, coefficients: Sequence[ModelParameter]) -> Sequence[CoefficientModel]:  # noqa: ARG002
         """Return no models: the films of a train have one together.

@@ -9,11 +9,11 @@ forms.
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from typing import ClassVar, Protocol, runtime_checkable
 
 import numpy as np
 
-from estimator.arrays import Floats
+from estimator.arrays import Complexes, Floats
 
 
 @dataclass(frozen=True)
@@ -140,6 +140,23 @@ class CoefficientCurves(Protocol):
 
         Returns:
             Derivatives (s, C, P) [SI].
+        """
+
+
+@runtime_checkable
+class ChainedCurves(CoefficientCurves, Protocol):
+    """Curves of many parameters, each of which changes few coefficients, that know a shorter way than all derivatives."""
+
+    def chained(self, fitted: Floats, block: slice, by_coefficient: Complexes) -> Complexes:
+        """Compute the derivatives of outputs by the fitted numbers from those by the coefficients, at some of the speeds.
+
+        Args:
+            fitted: Fitted numbers (P,) [-].
+            block: The s speeds.
+            by_coefficient: Derivatives (C, s, m) of m outputs by the coefficients [any unit].
+
+        Returns:
+            Derivatives (P, s, m) [that unit].
         """
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
-from estimator.bearings.model import CoefficientCurves, CoefficientModel, ModelParameter
+from estimator.bearings.model import ChainedCurves, CoefficientCurves, CoefficientModel, ModelParameter
 from estimator.fit.channel_coordinates import ChannelCoordinates
 from estimator.fit.train_models import train_models
 from estimator.quantities import Quantity
@@ -43,6 +43,12 @@ class PlacedModel:
     columns: tuple[int, ...]
     first: int
     curves: CoefficientCurves
+
+    @cached_property
+    def _shorter(self) -> ChainedCurves | None:
+        """Return the curves where they know a shorter way than all derivatives, and all their coefficients count."""
+        whole = self.columns == tuple(range(len(self.model.coefficients)))
+        return self.curves if whole and isinstance(self.curves, ChainedCurves) else None
 
     @cached_property
     def places(self) -> range:
@@ -82,6 +88,22 @@ class PlacedModel:
             Derivatives (s, c, P) [SI].
         """
         return self.curves.derivatives(self.own(theta), block)[:, self.columns]
+
+    def chained(self, theta: Floats, block: slice, by_coefficient: Complexes) -> Complexes:
+        """Compute the derivatives of outputs by the coordinates from those by the coefficients, at some of the speeds.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+            block: The s speeds.
+            by_coefficient: Derivatives (c, s, m) of m outputs by the coefficients [any unit].
+
+        Returns:
+            Derivatives (P, s, m) [that unit].
+        """
+        if self._shorter is not None:
+            return self._shorter.chained(self.own(theta), block, by_coefficient)
+        along = self.derivatives(theta, block).swapaxes(1, 2) @ by_coefficient.swapaxes(0, 1)
+        return np.asarray(along.swapaxes(0, 1))
 
 
 @dataclass(frozen=True)

@@ -115,6 +115,8 @@ def descend(problem: FitProblem, theta: Floats, weight: Floats, limit: int) -> t
     damping, growth = 1e-3, 2.0
     data, gradient, curvature = problem.linearised(theta, weight)
     cost = penalised(data, theta)
+    if not np.isfinite(cost):
+        return theta, False, 0  # a start in which a film is too thin has no slope to follow
     costs = [cost]
     for step_number in range(limit):
         slope = gradient - precision * (theta - centre)

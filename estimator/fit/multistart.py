@@ -101,7 +101,8 @@ def _start(problem: FitProblem, rng: np.random.Generator, *, first: bool) -> Flo
         problem.best_excitations(_candidate(coordinates, rng), weight)
         for _ in range(GUESSED_CANDIDATES if coordinates.guessed.any() else CANDIDATES)
     ]
-    return min(candidates, key=lambda theta: problem.chi_square(theta, weight))
+    misfits = np.array([problem.chi_square(theta, weight) for theta in candidates])
+    return candidates[int(np.argmin(np.where(np.isfinite(misfits), misfits, np.inf)))]
 
 
 def _candidate(coordinates: Coordinates, rng: np.random.Generator) -> Floats:

@@ -43,6 +43,5 @@ def _add_coefficients(
     for k in np.flatnonzero(coordinates.place >= 0).tolist():
         whole[coordinates.place[k]] += by_coefficient[k]  # tied coefficients share a coordinate
     for one in coordinates.models:
-        slopes = one.derivatives(theta, block).swapaxes(1, 2)
-        along = slopes @ found.by_coefficient[list(one.coefficients)].swapaxes(0, 1)
-        whole[one.places.start : one.places.stop] += along.swapaxes(0, 1)
+        along = one.chained(theta, block, found.by_coefficient[list(one.coefficients)])
+        whole[one.places.start : one.places.stop] += along

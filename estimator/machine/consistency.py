@@ -202,6 +202,7 @@ def _film_problems(train: Train) -> Iterator[InitErrorDetails]:
         if any(fnmatchcase(name, rule.names) for name in named):
             message = "coefficients of films follow from form 'journal': its own spreads say how well they are known"
             yield _problem(("parameters", i), rule.names, message)
+    yield from _supply_problems(train)
     for i, bearing in enumerate(train.bearings):
         if any(on_films) and not on_films[i]:
             message = "needs the form 'journal', as the other bearings: loads on films follow from the whole train's statics"
@@ -209,6 +210,19 @@ def _film_problems(train: Train) -> Iterator[InitErrorDetails]:
         elif on_films[i] and bearing.film is None:
             message = "form 'journal' needs the bearing's film: diameter, length, radial_clearance [m] and oil"
             yield _problem(("bearings", i, "film"), None, message)
+
+
+def _supply_problems(train: Train) -> Iterator[InitErrorDetails]:
+    """Find films of one oil supply of whose viscosities different things are believed: they have one factor."""
+    first: dict[str, JournalForm] = {}
+    for i, bearing in enumerate(train.bearings):
+        form, supply = bearing.speed_dependence, bearing.film and bearing.film.oil.supply
+        if isinstance(form, JournalForm) and supply:
+            known = first.setdefault(supply, form)
+            for name in ("viscosity_spread", "viscosity_slope_spread"):
+                if getattr(form, name) != getattr(known, name):
+                    message = f"is another one than that of the first bearing of supply '{supply}', {getattr(known, name):g}"
+                    yield _problem(("bearings", i, "speed_dependence", name), getattr(form, name), message)
 
 
 def _matching(pattern: str, names: Iterable[str]) -> list[str]:

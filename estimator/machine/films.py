@@ -19,22 +19,32 @@ Profile = Literal["plain", "two_axial_grooves", "elliptical", "three_lobe", "fou
 
 
 class Oil(Part):
-    """An oil in a film: its viscosity, or the grade and the temperature that give it."""
+    """An oil in a film: its viscosity, or its grade with the film's temperature or with that at which the oil comes."""
 
     viscosity: Positive | None = Field(default=None, description="dynamic viscosity [Pa s], such as 0.02")
     iso_vg: Literal[10, 15, 22, 32, 46, 68, 100, 150, 220, 320, 460, 680] | None = Field(
         default=None, description="ISO VG grade (ISO 3448)"
     )
     temperature_c: Annotated[float, Field(ge=-20, le=180)] | None = Field(default=None, description="of the film [°C]")
+    inlet_c: Annotated[float, Field(ge=0, le=120)] | None = Field(
+        default=None, description="at which the oil comes [°C]: the film is warmer by a heat balance, more so at high speed"
+    )
+    carried: Annotated[float, Field(gt=0, le=1)] = Field(
+        default=0.8, description="part of the friction's heat that the oil carries off, where inlet_c is given [-]"
+    )
+    supply: Identifier | None = Field(
+        default=None, description="films that name the same one have viscosities that are off by one factor"
+    )
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
         if (self.viscosity is None) == (self.iso_vg is None):
-            raise ValueError("an oil needs either viscosity [Pa s] or iso_vg with temperature_c [°C]")
+            raise ValueError("an oil needs either viscosity [Pa s] or iso_vg with temperature_c or inlet_c [°C]")
         if self.viscosity is not None and self.viscosity > LARGEST_VISCOSITY:
             raise ValueError(f"viscosity {self.viscosity} Pa s: turbine oil has 0.005 to 0.1 Pa s; were mPa s meant?")
-        if (self.iso_vg is None) != (self.temperature_c is None):
-            raise ValueError("iso_vg needs temperature_c [°C], the film's mean temperature, and goes with nothing else")
+        warmed = (self.temperature_c is not None) + (self.inlet_c is not None)
+        if warmed != (self.iso_vg is not None):
+            raise ValueError("iso_vg needs either temperature_c, of the film, or inlet_c [°C], and goes with nothing else")
         return self
 
 

@@ -7,8 +7,10 @@ import re
 from collections.abc import Mapping, Sequence
 
 from estimator.bearings.journal import JournalForm
+from estimator.bearings.registry import OWN_PARAMETERS
 from estimator.bearings.terms import LATERAL
 from estimator.machine.document import Machine
+from estimator.machine.film_parameter_names import film_parameter_names
 from estimator.machine.film_speeds import follows_films, told_rpm
 from estimator.machine.parameter_description import describe
 from estimator.quantities import UNITS
@@ -38,7 +40,8 @@ def parameter_units(machine: Machine) -> dict[str, str]:
     """
     rotor = assemble_rotor(machine)
     unknown = unknowns(machine, rotor)
-    found = _coefficient_units(unknown.coefficients)
+    found = _coefficient_units([one for one in unknown.coefficients if not isinstance(one.form, JournalForm)])
+    found |= _film_parameter_units(machine)
     found |= {one.name: one.unit for one in unknown.excitations}
     found |= dict.fromkeys((one.name for one in scale_factors(machine, rotor)), UNITS["scale factor"])
     for probe in machine.probes:
@@ -82,6 +85,16 @@ def derived_units(machine: Machine) -> dict[str, str]:
     for channel in machine.channels:
         found |= {f"probe.{channel}.amplification_factor.N": "1", f"probe.{channel}.second_over_first": "1"}
     return found | _film_units(machine)
+
+
+def _film_parameter_units(machine: Machine) -> dict[str, str]:
+    """Return the SI unit by name of the parameters of films that coefficients follow from."""
+    found: dict[str, str] = {}
+    for one in machine.bearings:
+        if one.film is not None and isinstance(one.speed_dependence, JournalForm):
+            names = film_parameter_names(one.id, one.film, one.speed_dependence).values()
+            found |= {name: OWN_PARAMETERS[describe(name).quantity].unit for name in names}
+    return found
 
 
 def _film_units(machine: Machine) -> dict[str, str]:
@@ -148,8 +161,6 @@ def _coefficient_units(coefficients: Sequence[Coefficient]) -> dict[str, str]:
             found[one.name] = one.unit
         elif k in models and not models[k].parameters:
             found |= {coefficients[index[name]].name: coefficients[index[name]].unit for name in models[k].coefficients}
-        elif isinstance(one.form, JournalForm):
-            found |= {f"{one.element}.{own.name}": own.unit for own in one.form.own_parameters}
         elif k in models:
             found |= {parameter.name: parameter.unit for parameter in models[k].parameters}
     return found

@@ -12,8 +12,10 @@ import numpy as np
 from estimator.arrays import Floats
 from estimator.films.film import FilmCoefficients
 from estimator.machine.document import Machine
+from estimator.machine.film_speeds import slowest_rpm, told_rpm
 from estimator.statics.journal_bearing import JournalBearing, journal_bearing
 from estimator.statics.train_statics import MissingFilm, TrainStatics, train_statics
+from estimator.units import rpm_to_rad_per_s
 
 LARGEST_STEP = 0.2
 """Largest change of a journal's position in one step of Newton's method, in clearances [-]."""
@@ -202,6 +204,12 @@ def film_train(machine: Machine) -> FilmTrain:
         raise MissingFilm(f"static loads need the film of each bearing: {', '.join(lacking)} have none in the document")
     statics = train_statics(machine)
     films = [(one.id, one.film) for one in machine.bearings if one.film is not None]
-    bearings = tuple(journal_bearing(name, said, direction=machine.direction) for name, said in films)
+    at_rest = statics.film_force(statics.aligned)
+    low, high = slowest_rpm(machine), machine.speed_range.maximum_rpm
+    speeds = rpm_to_rad_per_s(low), rpm_to_rad_per_s(high), rpm_to_rad_per_s(told_rpm(machine)[-1])
+    bearings = tuple(
+        journal_bearing(name, said, direction=machine.direction, load=-force, speeds=speeds)
+        for (name, said), force in zip(films, at_rest, strict=True)
+    )
     raised = np.array([(said.elevation_x, said.elevation_y) for _, said in films])
     return FilmTrain(statics, bearings, statics.aligned + raised)

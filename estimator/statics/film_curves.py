@@ -4,7 +4,7 @@ from functools import cached_property
 
 import numpy as np
 
-from estimator.arrays import Floats
+from estimator.arrays import Complexes, Floats
 from estimator.bearings.terms import LATERAL
 from estimator.statics.film_deviations import TERMS, FilmDeviations
 from estimator.statics.solved_films import SolvedFilms
@@ -22,9 +22,8 @@ class FilmCurves:
             speed: Spin speeds (S,) within the model's range [rad/s].
         """
         self._films = films
-        self._deviating = bool(deviations.parameters)
         self._weight = np.asarray(films.nominal.spline(np.log(speed)))
-        self._by_number = deviations.per_number(speed)
+        self._deviations = deviations.at(speed)
 
     def values(self, fitted: Floats) -> Floats:
         """Compute the coefficients.
@@ -36,7 +35,7 @@ class FilmCurves:
             Coefficients (S, 8n) [SI]; NaN where a film is too thin.
         """
         base = self._base(fitted)
-        if self._deviating:
+        if self._deviations.count:
             base = base + self._sizes(base) * self._relative(fitted)
         return base
 
@@ -50,17 +49,36 @@ class FilmCurves:
         Returns:
             Derivatives (s, 8n, P) [SI].
         """
+        own, sizes = self._own_derivatives(fitted, block)
+        return np.concatenate([own, sizes[..., None] * self._deviations.per_number[block]], axis=2)
+
+    def chained(self, fitted: Floats, block: slice, by_coefficient: Complexes) -> Complexes:
+        """Compute the derivatives of outputs by the fitted numbers from those by the coefficients.
+
+        As the product with `derivatives`, which are zero but for each deviation's own coefficient.
+
+        Args:
+            fitted: Fitted numbers (P,) [-].
+            block: The s speeds.
+            by_coefficient: Derivatives (8n, s, m) of m outputs by the coefficients [any unit].
+
+        Returns:
+            Derivatives (P, s, m) [that unit].
+        """
+        own, sizes = self._own_derivatives(fitted, block)
+        along = (own.swapaxes(1, 2) @ by_coefficient.swapaxes(0, 1)).swapaxes(0, 1)
+        return np.concatenate([along, self._deviations.chained(by_coefficient * sizes.T[:, :, None], block)])
+
+    def _own_derivatives(self, fitted: Floats, block: slice) -> tuple[Floats, Floats]:
+        """Return the derivatives (s, 8n, 4n) by the films' own numbers, and what deviations are a part of (s, 8n)."""
         base = self._base(fitted)[block]
-        own = np.einsum("sg,gcp->scp", self._weight[block], self._films.slopes(fitted))
-        if not self._deviating:
-            return np.asarray(own)
-        sizes, relative = self._sizes(base), self._relative(fitted)[block]
-        first, second = self._beside
-        growth = 0.5 * (own[:, first] / base[:, first, None] + own[:, second] / base[:, second, None])
-        found = np.zeros((*base.shape, fitted.size))
-        found[..., : own.shape[2]] = own + (sizes * relative)[..., None] * growth
-        found[..., own.shape[2] :] = sizes[..., None] * self._by_number[block]
-        return found
+        own = np.tensordot(self._weight[block], self._films.slopes(fitted), 1)
+        sizes = self._sizes(base)
+        if self._deviations.count:
+            first, second = self._beside
+            growth = 0.5 * (own[:, first] / base[:, first, None] + own[:, second] / base[:, second, None])
+            own = own + (sizes * self._relative(fitted)[block])[..., None] * growth
+        return own, sizes
 
     def _base(self, fitted: Floats) -> Floats:
         """Return the films' own coefficients (S, 8n)."""
@@ -75,11 +93,11 @@ class FilmCurves:
     def _beside(self) -> tuple[list[int], list[int]]:
         pairs = [
             tuple(first + TERMS.index(name) for name in term.beside)
-            for first in range(0, self._by_number.shape[1], len(TERMS))
+            for first in range(0, self._deviations.per_number.shape[1], len(TERMS))
             for term in LATERAL
         ]
         return [one[0] for one in pairs], [one[1] for one in pairs]
 
     def _relative(self, fitted: Floats) -> Floats:
         """Return the relative deviations (S, 8n) [-]."""
-        return np.asarray(self._by_number @ fitted[fitted.size - self._by_number.shape[2] :])
+        return self._deviations.relative(fitted[fitted.size - self._deviations.count :])

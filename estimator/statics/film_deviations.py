@@ -4,18 +4,19 @@ Kennedy and O'Hagan, J. R. Stat. Soc. B 63 (2001) 425, doi:10.1111/1467-9868.002
 and told to nobody.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 
-from estimator.arrays import Floats
+from estimator.arrays import Complexes, Floats
 from estimator.bearings.deviation_shapes import DeviationShapes
 from estimator.bearings.journal import DEVIATING, JournalForm
 from estimator.bearings.model import ModelParameter
 from estimator.bearings.terms import LATERAL
 
+Outputs = TypeVar("Outputs", Floats, Complexes)
 TERMS = tuple(term.name for term in LATERAL)
 """Terms of a bearing in the order of a film's matrices: stiffness by rows, then damping."""
 LEVELS = ("all.stiffness_deviation", "all.damping_deviation")
@@ -61,36 +62,73 @@ class FilmDeviations:
     def _shapes(self) -> DeviationShapes:
         return DeviationShapes(self.slowest, self.fastest, left_out=LEFT_OUT)
 
-    def per_number(self, speed: Floats) -> Floats:
-        """Compute the relative deviations per unit of each number.
+    def at(self, speed: Floats) -> "DeviationCurves":
+        """Return the deviations at some speeds.
 
         Args:
             speed: Spin speeds (S,) between the lowest and the highest [rad/s].
 
         Returns:
-            Relative deviations (S, 8n, D) [-].
+            The deviations there.
         """
-        shapes, forms = self._shapes.at(speed), self.forms
-        count = shapes.shape[1]
-        columns = [np.zeros((speed.size, 8 * len(forms), 0))]
-        for number, form in enumerate(forms):
-            if form.discrepancy == 0.0:
-                continue
-            part = np.zeros((speed.size, 8 * len(forms), count * len(DEVIATING)))
-            for term, name in enumerate(TERMS):
-                first = count * DEVIATING.index("cxy" if name == "cyx" else name)
-                part[:, 8 * number + term, first : first + count] = form.discrepancy * np.sqrt(1.0 - SHARED) * shapes
-            columns.append(part)
-        if len(columns) > 1:
-            columns.append(np.broadcast_to(_levels(forms), (speed.size, 8 * len(forms), len(LEVELS))))
-        return np.concatenate(columns, axis=2)
+        return DeviationCurves(np.array([one.discrepancy for one in self.forms]), self._shapes.at(speed))
 
 
-def _levels(forms: Sequence[JournalForm]) -> Floats:
-    """Return the relative deviations (8n, 2) per unit of each level."""
-    levels = np.zeros((8 * len(forms), len(LEVELS)))
-    for number, form in enumerate(forms):
-        for term, one in enumerate(LATERAL):
-            if one.direct:
-                levels[8 * number + term, one.order] = form.discrepancy * np.sqrt(SHARED)
-    return levels
+class DeviationCurves:
+    """Relative deviations of the 8n coefficients of n films at S speeds, of D numbers.
+
+    Attributes:
+        count: Number of numbers D.
+        per_number: Relative deviations (S, 8n, D) per unit of each number [-].
+    """
+
+    def __init__(self, size: Floats, shapes: Floats) -> None:
+        """Prepare the deviations.
+
+        Args:
+            size: Size of each film's deviations (n,) [-].
+            shapes: Shapes of a term's deviation (S, B) [-].
+        """
+        self._size = size
+        self._deviating = np.flatnonzero(size > 0.0)
+        self._shapes = shapes
+        self._levels = size * np.sqrt(SHARED)
+        each = np.eye(8 * size.size)[:, None, :] * np.ones((len(shapes), 1))
+        self.per_number = np.ascontiguousarray(np.moveaxis(self.chained(each, slice(None)), 0, 2))
+        self.count = int(self.per_number.shape[2])
+
+    def relative(self, numbers: Floats) -> Floats:
+        """Compute the relative deviations.
+
+        Args:
+            numbers: The numbers (D,) [-].
+
+        Returns:
+            Relative deviations (S, 8n) [-].
+        """
+        return np.asarray(self.per_number @ numbers)
+
+    def chained(self, by_relative: Outputs, block: slice) -> Outputs:
+        """Compute derivatives by the numbers from those by the relative deviations, at some of the speeds.
+
+        Args:
+            by_relative: Derivatives (8n, s, m) of m outputs by the relative deviation of each coefficient there [any unit].
+            block: The s speeds.
+
+        Returns:
+            Derivatives (D, s, m) [that unit].
+        """
+        if not self._deviating.size:
+            return by_relative[:0]
+        films = by_relative.reshape(self._size.size, len(TERMS), *by_relative.shape[1:])
+        own = films[self._deviating][:, _FIRST]
+        own[:, _SHARED_CROSS] += films[self._deviating][:, TERMS.index("cyx")]
+        own *= (self._size[self._deviating] * np.sqrt(1.0 - SHARED))[:, None, None, None]
+        shaped = own[:, :, None] * self._shapes[block].T[:, :, None]
+        levels = [np.tensordot(self._levels, films[:, _DIRECT[order]].sum(axis=1), 1) for order in range(len(LEVELS))]
+        return np.concatenate([shaped.reshape(-1, *by_relative.shape[1:]), np.stack(levels)])
+
+
+_FIRST = [TERMS.index(name) for name in DEVIATING]
+_SHARED_CROSS = DEVIATING.index("cxy")
+_DIRECT = [[place for place, one in enumerate(LATERAL) if one.direct and one.order == order] for order in range(len(LEVELS))]

@@ -1,6 +1,10 @@
-"""Clearance, viscosity and elevation of each film of a train as parameters of a fit, and the train that they make."""
+"""Clearance, viscosity and elevation of each film of a train as parameters of a fit, and the train that they make.
 
-from collections.abc import Sequence
+Each film has a few numbers of its own; a parameter of the fit is one of them, or one that several films share, as those do
+whose oil comes from one supply.
+"""
+
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -9,19 +13,23 @@ import numpy as np
 from estimator.arrays import Floats
 from estimator.bearings.journal import JournalForm
 from estimator.bearings.model import ModelParameter
+from estimator.bearings.registry import OWN_PARAMETERS
+from estimator.machine.film_parameter_names import film_parameter_names
+from estimator.machine.parameter_description import describe
 from estimator.quantities import UNITS
 from estimator.statics.equilibrium import FilmTrain
 from estimator.statics.film_sensitivity import PARAMETERS
+from estimator.statics.journal_bearing import JournalBearing
 
-OWN = len(PARAMETERS)
-"""Number of a film's own parameters."""
+NUMBERS = (*PARAMETERS, "viscosity_slope")
+"""Numbers of each film: logarithms of clearance and viscosity over the document's, elevations [m], slope of the viscosity."""
 HELD = 1e-6
 """Spread of the logarithm of what is said to be exact [-]."""
 
 
 @dataclass(frozen=True)
 class FilmParameters:
-    """The 4n own parameters of n films.
+    """The P own parameters of n films.
 
     Attributes:
         train: The train on its films as the document gives them.
@@ -33,49 +41,54 @@ class FilmParameters:
 
     @property
     def count(self) -> int:
-        """Return the number of parameters, 4n."""
-        return OWN * len(self.forms)
+        """Return the number of parameters P."""
+        return len(self.parameters)
 
     @cached_property
     def parameters(self) -> tuple[ModelParameter, ...]:
-        """Return the parameters, film by film in the order of `film_sensitivity.PARAMETERS`."""
-        return tuple(parameter for number in range(len(self.forms)) for parameter in self._of_film(number))
+        """Return the parameters, film by film; one that films share stands with the first of them."""
+        return tuple(one for one, _ in self._acting)
 
-    def _of_film(self, number: int) -> Sequence[ModelParameter]:
-        bearing, form = self.train.bearings[number], self.forms[number]
-        element, said = f"bearing.{bearing.name}", bearing.said
-        step = form.elevation_spread or 1e-9
-        return (
-            ModelParameter(
-                f"{element}.clearance",
-                "clearance",
-                UNITS["clearance"],
-                True,
-                said.radial_clearance,
-                said.radial_clearance,
-                form.clearance_spread or HELD,
-            ),
-            ModelParameter(
-                f"{element}.viscosity",
-                "viscosity",
-                UNITS["viscosity"],
-                True,
-                bearing.viscosity,
-                bearing.viscosity,
-                form.viscosity_spread or HELD,
-            ),
-            ModelParameter(f"{element}.elevation_x", "elevation", UNITS["elevation"], False, said.elevation_x, step, 1.0),
-            ModelParameter(f"{element}.elevation_y", "elevation", UNITS["elevation"], False, said.elevation_y, step, 1.0),
-        )
+    @cached_property
+    def mixing(self) -> Floats:
+        """Return the films' numbers (5n, P) per unit of each fitted number, in the order of `NUMBERS` [1 of logarithms, m]."""
+        found = np.zeros((len(NUMBERS) * len(self.forms), self.count))
+        for column, (one, places) in enumerate(self._acting):
+            found[list(places), column] = one.step
+        return found
+
+    @cached_property
+    def _acting(self) -> tuple[tuple[ModelParameter, tuple[int, ...]], ...]:
+        """Return each parameter with the places of the numbers that it gives."""
+        found: dict[str, tuple[ModelParameter, tuple[int, ...]]] = {}
+        for number, (bearing, form) in enumerate(zip(self.train.bearings, self.forms, strict=True)):
+            for what, one in _of_film(bearing, form):
+                place = len(NUMBERS) * number + NUMBERS.index(what)
+                known, places = found.get(one.name, (one, ()))
+                found[one.name] = known, (*places, place)
+        return tuple(found.values())
+
+    def place(self, number: int, what: str) -> int:
+        """Return the place of the parameter that gives a number of a film.
+
+        Args:
+            number: Number of the film.
+            what: Name of the number, one of `NUMBERS`.
+
+        Returns:
+            Its place among the parameters.
+        """
+        wanted = len(NUMBERS) * number + NUMBERS.index(what)
+        return next(place for place, (_, places) in enumerate(self._acting) if wanted in places)
 
     def of(self, fitted: Floats) -> Floats:
         """Return the films' own fitted numbers among all of a model.
 
         Args:
-            fitted: Fitted numbers (P,), the own ones first [-].
+            fitted: Fitted numbers, the own ones first (...) [-].
 
         Returns:
-            Fitted numbers (4n,) [-].
+            Fitted numbers (P,) [-].
         """
         return fitted[: self.count]
 
@@ -83,25 +96,56 @@ class FilmParameters:
         """Return the train with other films.
 
         Args:
-            fitted: Fitted numbers (P,), the 4n own ones first [-].
+            fitted: Fitted numbers, the own ones first (...) [-].
 
         Returns:
             The train.
         """
-        own = self.of(fitted).reshape(-1, OWN)
+        numbers = (self.mixing @ self.of(fitted)).reshape(-1, len(NUMBERS))
         bearings = tuple(
-            replace(
-                one,
-                said=one.said.model_copy(update={"radial_clearance": one.said.radial_clearance * float(np.exp(theta[0]))}),
-                viscosity=one.viscosity * float(np.exp(theta[1])),
-            )
-            for one, theta in zip(self.train.bearings, own, strict=True)
+            _changed(one, *row) for one, row in zip(self.train.bearings, numbers[:, [0, 1, 4]].tolist(), strict=True)
         )
         said = np.array([(one.said.elevation_x, one.said.elevation_y) for one in self.train.bearings])
-        units = self.unit.reshape(-1, OWN)[:, 2:]
-        return FilmTrain(self.train.statics, bearings, self.train.elevation - said + own[:, 2:] * units)
+        return FilmTrain(self.train.statics, bearings, self.train.elevation - said + numbers[:, 2:4])
 
-    @cached_property
-    def unit(self) -> Floats:
-        """Return the units of the fitted numbers (4n,) [1 of logarithms, m]."""
-        return np.array([one.step for one in self.parameters])
+    def by_fitted(self, slopes: Floats, *, speed: Floats) -> Floats:
+        """Convert derivatives by `film_sensitivity.PARAMETERS` to those by the own fitted numbers.
+
+        Args:
+            slopes: Derivatives (G, ..., 4n) at some speeds [any unit, per 1 or m].
+            speed: The spin speeds (G,) [rad/s].
+
+        Returns:
+            Derivatives (G, ..., P) [any unit].
+        """
+        each = slopes.reshape(*slopes.shape[:-1], -1, len(PARAMETERS))
+        fall = np.stack([one.oil.by_slope(speed) for one in self.train.bearings], axis=-1)
+        along = fall.reshape(speed.size, *(1 for _ in slopes.shape[1:-1]), -1)
+        by_slope = each[..., PARAMETERS.index("viscosity")] * along
+        whole = np.concatenate([each, by_slope[..., None]], axis=-1)
+        return np.asarray(whole.reshape(*slopes.shape[:-1], -1) @ self.mixing)
+
+
+def _of_film(bearing: JournalBearing, form: JournalForm) -> Iterator[tuple[str, ModelParameter]]:
+    """Yield the numbers of a film that are fitted, with the parameters that give them."""
+    said, names = bearing.said, film_parameter_names(bearing.name, bearing.said, form)
+    yield "clearance", _logarithmic(names["clearance"], said.radial_clearance, form.clearance_spread)
+    thick = bearing.oil.value if said.oil.supply is None else 1.0
+    yield "viscosity", _logarithmic(names["viscosity"], thick, form.viscosity_spread)
+    step = form.elevation_spread or 1e-9
+    for what, raised in (("elevation_x", said.elevation_x), ("elevation_y", said.elevation_y)):
+        yield what, ModelParameter(names[what], "elevation", UNITS["elevation"], False, raised, step, 1.0)
+    if "viscosity_slope" in names:
+        spread = form.viscosity_slope_spread
+        yield "viscosity_slope", ModelParameter(names["viscosity_slope"], "slope", UNITS["slope"], False, 0.0, 1.0, spread)
+
+
+def _logarithmic(name: str, value: float, spread: float) -> ModelParameter:
+    own = OWN_PARAMETERS[describe(name).quantity]
+    return ModelParameter(name, own.quantity, own.unit, True, value, value, spread or HELD)
+
+
+def _changed(bearing: JournalBearing, wider: float, thicker: float, slope: float) -> JournalBearing:
+    """Return a bearing with other logarithms of clearance and viscosity, and another slope of this."""
+    said = bearing.said.model_copy(update={"radial_clearance": bearing.said.radial_clearance * float(np.exp(wider))})
+    return replace(bearing, said=said, oil=bearing.oil.changed(factor=float(np.exp(thicker)), slope=slope))

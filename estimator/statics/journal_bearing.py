@@ -1,19 +1,24 @@
 """Film of one bearing of a machine document, in the machine's axes and SI units."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from estimator.arrays import Floats
 from estimator.films.dimensional_film import dimensional_film
 from estimator.films.film import Film, FilmCoefficients, FilmOverPosition
+from estimator.films.heat_balance import film_temperature
 from estimator.films.oil import grade_oil
 from estimator.films.pad_table import MOST_CONTINUOUS
 from estimator.films.profiles import BearingProfile, elliptical, four_lobe, plain, three_lobe, two_axial_grooves
 from estimator.films.reynolds import Bools
 from estimator.films.tilting_film import TiltingFilm, TiltingProfile
-from estimator.machine.films import JournalFilm, Oil, TiltingPads
+from estimator.films.viscosity_over_speed import ViscosityOverSpeed
+from estimator.machine.films import JournalFilm, TiltingPads
+
+HEATED_SPEEDS = 12
+"""Number of speeds at which a heat balance gives the temperature of a film."""
 
 
 @dataclass(frozen=True)
@@ -24,14 +29,14 @@ class JournalBearing:
         name: Id of the bearing.
         film: Its film, of a journal that turns from +x to +y.
         said: What the document says of it.
-        viscosity: Dynamic viscosity [Pa s].
+        oil: Viscosity of its oil over speed.
         direction: Sense of rotation, +1 or -1 [-].
     """
 
     name: str
     film: FilmOverPosition
     said: JournalFilm
-    viscosity: float
+    oil: ViscosityOverSpeed
     direction: int
 
     @property
@@ -96,7 +101,7 @@ class JournalBearing:
             radius=self.radius,
             length=self.said.length,
             clearance=self.clearance,
-            viscosity=self.viscosity,
+            viscosity=self.oil.at(speed),
             speed=speed,
         )
         sign = self._sign
@@ -119,13 +124,17 @@ class JournalBearing:
         return np.asarray(np.asarray(position) * self._sign)
 
 
-def journal_bearing(name: str, said: JournalFilm, *, direction: int) -> JournalBearing:
+def journal_bearing(
+    name: str, said: JournalFilm, *, direction: int, load: Floats, speeds: tuple[float, float, float]
+) -> JournalBearing:
     """Make a bearing's film; the first of a geometry takes seconds, the next are taken from a cache.
 
     Args:
         name: Id of the bearing.
         said: What the document says of its film.
         direction: Sense of rotation, +1 or -1 [-].
+        load: Load (2,) on the journal at rest, by which an oil that comes at some temperature is warmed; shape (axis,) [N].
+        speeds: Lowest and highest speed of the machine, and that at which viscosity is told [rad/s].
 
     Returns:
         The bearing.
@@ -139,26 +148,34 @@ def journal_bearing(name: str, said: JournalFilm, *, direction: int) -> JournalB
         film = Film(_profile(said, direction), slenderness)
     else:
         film = TiltingFilm(_tilting(said, said.pads, direction), slenderness)
-    return JournalBearing(name, film, said, oil_viscosity(said.oil), direction)
+    return JournalBearing(name, film, said, _oil(said, film, load * (float(direction), 1.0), speeds), direction)
 
 
-def oil_viscosity(oil: Oil) -> float:
-    """Return the dynamic viscosity of an oil (ASTM D341).
-
-    Args:
-        oil: What the document says of it.
-
-    Returns:
-        Dynamic viscosity [Pa s].
-
-    Raises:
-        ValueError: The oil gives neither, which no document's oil does.
-    """
+def _oil(said: JournalFilm, film: FilmOverPosition, load: Floats, speeds: tuple[float, float, float]) -> ViscosityOverSpeed:
+    """Return the viscosity over speed (ASTM D341); the load is in the film's axes."""
+    lowest, highest, told = speeds
+    oil = said.oil
     if oil.viscosity is not None:
-        return oil.viscosity
-    if oil.iso_vg is None or oil.temperature_c is None:
-        raise ValueError("an oil needs its viscosity, or its grade and temperature")
-    return float(grade_oil(oil.iso_vg).viscosity(oil.temperature_c))
+        return ViscosityOverSpeed(oil.viscosity, told)
+    assert oil.iso_vg is not None  # as the document's checks say
+    grade = grade_oil(oil.iso_vg)
+    if oil.temperature_c is not None:
+        return ViscosityOverSpeed(float(grade.viscosity(oil.temperature_c)), told)
+    assert oil.inlet_c is not None
+    speed = np.geomspace(lowest, highest, HEATED_SPEEDS)
+    warm = film_temperature(
+        film,
+        oil=grade,
+        inlet=oil.inlet_c,
+        carried=oil.carried,
+        load=load,
+        radius=said.diameter / 2,
+        length=said.length,
+        clearance=said.radial_clearance,
+        speed=speed,
+    )
+    course = ViscosityOverSpeed(1.0, told, course=(speed, grade.viscosity(warm)))
+    return replace(course, value=float(np.exp(np.interp(np.log(told), np.log(speed), np.log(grade.viscosity(warm))))))
 
 
 def _tilting(said: JournalFilm, pads: TiltingPads, direction: int) -> TiltingProfile:

@@ -10,14 +10,14 @@ from estimator.statics.film_model import FilmModel
 
 @dataclass(frozen=True)
 class JournalStates:
-    """States of n journals at S speeds, with derivatives by the 4n own fitted numbers of their films.
+    """States of n journals at S speeds, with derivatives by the P own fitted numbers of their films.
 
     Attributes:
         clearance: Radial clearances (n,) [m].
         position: Positions (S, n, 2) relative to the bearings' centres, x and y [m].
         force: Forces (S, n, 2) of the films on the journals, x and y: what the bearings carry [N].
-        position_slope: Derivatives (S, n, 2, 4n) of the positions [m].
-        force_slope: Derivatives (S, n, 2, 4n) of the forces [N].
+        position_slope: Derivatives (S, n, 2, P) of the positions [m].
+        force_slope: Derivatives (S, n, 2, P) of the forces [N].
     """
 
     clearance: Floats
@@ -38,19 +38,22 @@ def journal_states(model: FilmModel, fitted: Floats, *, speed: Floats) -> Journa
     Returns:
         The states; None where a film is too thin.
     """
-    films, unit = model.films, model.own.unit
+    films = model.films
     found, slopes = films.equilibria(fitted), films.sensitivities(fitted)
     if found is None or slopes is None:
         return None
     weight = model.nominal.spline(np.log(np.clip(speed, model.nominal.slowest, model.nominal.fastest)))
 
-    def over_speed(rows: list[Floats]) -> Floats:
-        return np.tensordot(weight, np.stack(rows), 1)
+    def over_speed(rows: Floats) -> Floats:
+        return np.tensordot(weight, rows, 1)
+
+    def by_fitted(rows: list[Floats]) -> Floats:
+        return model.own.by_fitted(np.moveaxis(np.stack(rows), 1, -1), speed=model.nominal.speed)
 
     return JournalStates(
         clearance=np.array([one.clearance for one in model.own.changed(fitted).bearings]),
-        position=over_speed([one.position for one in found]),
-        force=over_speed([one.force for one in found]),
-        position_slope=np.moveaxis(over_speed([one.position for one in slopes]), 1, -1) * unit,
-        force_slope=np.moveaxis(over_speed([one.force for one in slopes]), 1, -1) * unit,
+        position=over_speed(np.stack([one.position for one in found])),
+        force=over_speed(np.stack([one.force for one in found])),
+        position_slope=over_speed(by_fitted([one.position for one in slopes])),
+        force_slope=over_speed(by_fitted([one.force for one in slopes])),
     )

@@ -3,11 +3,12 @@
 Splines between them: de Boor, A Practical Guide to Splines, Springer 1978.
 """
 
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from estimator.arrays import Floats
 from estimator.errors import Invalid
@@ -19,6 +20,10 @@ from estimator.units import rad_per_s_to_rpm
 
 SPEEDS = 12
 """Number of speeds at which equilibria are solved."""
+
+
+FOLLOWED = 4
+"""Number of these speeds over which the equilibria of the document's films are followed one by one."""
 
 
 class FilmTooThin(Invalid):
@@ -57,7 +62,7 @@ class NominalFilms:
             FilmTooThin: There is none at a speed.
         """
         found = []
-        for speed, one in zip(self.speed.tolist(), self.train.over(self.speed), strict=True):
+        for speed, one in zip(self.speed.tolist(), self._followed(), strict=True):
             if one is None:
                 raise FilmTooThin(
                     f"at {rad_per_s_to_rpm(speed):.0f} r/min a journal would be within a twentieth of the clearance of its "
@@ -65,6 +70,43 @@ class NominalFilms:
                 )
             found.append(one)
         return tuple(found)
+
+    def _followed(self) -> Sequence[FilmEquilibrium | None]:
+        """Return the equilibria followed from the highest speed down, those between a few speeds all at once."""
+        few = np.linspace(0, SPEEDS - 1, FOLLOWED).round().astype(int)
+        met = [one for one in self.train.over(self.speed[few]) if one is not None]
+        if len(met) == few.size:
+            path = PchipInterpolator(np.log(self.speed[few]), np.stack([one.position for one in met]))
+            found = equilibria_near(self.train, self.speed, path(np.log(self.speed)))
+            if found is not None:
+                return found
+        return self.train.over(self.speed)
+
+
+@dataclass(frozen=True)
+class _Solution:
+    """Equilibria that were found last, from which others are sought.
+
+    Attributes:
+        own: The films' own fitted numbers (P,) [-]; none of the document's films.
+        train: The train on its films.
+        found: Its equilibria.
+        slopes: Derivatives (G, n, 2, P) of the positions by the own fitted numbers [m]; None where they are not known.
+    """
+
+    own: Floats
+    train: FilmTrain
+    found: tuple[FilmEquilibrium, ...]
+    slopes: Floats | None = None
+
+    def starts(self, own: Floats, train: FilmTrain) -> Iterator[Floats]:
+        """Yield positions (G, n, 2) near which equilibria of other films may be: along the derivatives, else in proportion to
+        the clearances."""
+        position = np.stack([one.position for one in self.found])
+        if self.slopes is not None:
+            yield position + self.slopes @ (own - self.own)
+        pairs = zip(train.bearings, self.train.bearings, strict=True)
+        yield position * np.array([[new.clearance / old.clearance] for new, old in pairs])
 
 
 class SolvedFilms:
@@ -85,7 +127,7 @@ class SolvedFilms:
         """
         self._own = own
         self.nominal = nominal
-        self._last = nominal.train, nominal.equilibria
+        self._last = _Solution(np.zeros(0), nominal.train, nominal.equilibria)
         # Each is one object, so that a thread that reads it while another replaces it gets a pair that belongs together.
         self._solved: tuple[bytes, tuple[FilmEquilibrium, ...] | None] = (b"", None)
         self._slopes: tuple[bytes, Floats] = (b"", np.zeros(0))
@@ -94,21 +136,21 @@ class SolvedFilms:
         """Compute the films' own coefficients.
 
         Args:
-            fitted: Fitted numbers (P,), the 4n own ones first [-].
+            fitted: Fitted numbers (...), the own ones first [-].
 
         Returns:
             Coefficients (G, 8n) [SI]; NaN where a film is too thin.
         """
         found = self.equilibria(fitted)
         if found is None:
-            return np.full((self.nominal.speed.size, 2 * self._own.count), np.nan)
+            return np.full((self.nominal.speed.size, 8 * len(self._own.forms)), np.nan)
         return np.stack([_row(one.stiffness, one.damping) for one in found])
 
     def equilibria(self, fitted: Floats) -> tuple[FilmEquilibrium, ...] | None:
         """Return the equilibria at these speeds.
 
         Args:
-            fitted: Fitted numbers (P,), the 4n own ones first [-].
+            fitted: Fitted numbers (...), the own ones first [-].
 
         Returns:
             The equilibria; None where a film is too thin.
@@ -120,27 +162,27 @@ class SolvedFilms:
 
     def _solve(self, fitted: Floats) -> tuple[FilmEquilibrium, ...] | None:
         train, speed = self._own.changed(fitted), self.nominal.speed
-        found = self._near(train)
+        found = self._near(fitted, train)
         if found is None:
             one_by_one = tuple(one for one in train.over(speed) if one is not None)
             found = one_by_one if len(one_by_one) == speed.size else None
         if found is not None:
-            self._last = train, found
+            self._last = _Solution(self._own.of(fitted).copy(), train, found)
         return found
 
-    def _near(self, train: FilmTrain) -> tuple[FilmEquilibrium, ...] | None:
-        """Return the equilibria near the last ones, at the same parts of the clearances; None where there are none."""
-        before, found = self._last
-        start = np.stack([one.position for one in found])
-        pairs = zip(train.bearings, before.bearings, strict=True)
-        grown = np.array([[new.clearance / old.clearance] for new, old in pairs])
-        return equilibria_near(train, self.nominal.speed, start * grown)
+    def _near(self, fitted: Floats, train: FilmTrain) -> tuple[FilmEquilibrium, ...] | None:
+        """Return the equilibria near the last ones; None where there are none."""
+        for start in self._last.starts(self._own.of(fitted), train):
+            found = equilibria_near(train, self.nominal.speed, start)
+            if found is not None:
+                return found
+        return None
 
     def sensitivities(self, fitted: Floats) -> tuple[FilmSensitivity, ...] | None:
         """Compute the derivatives of the equilibria at these speeds.
 
         Args:
-            fitted: Fitted numbers (P,), the 4n own ones first [-].
+            fitted: Fitted numbers (...), the own ones first [-].
 
         Returns:
             The derivatives by the parameters, not their fitted numbers; None where a film is too thin.
@@ -155,10 +197,10 @@ class SolvedFilms:
         """Compute the derivatives of the films' own coefficients by their own fitted numbers.
 
         Args:
-            fitted: Fitted numbers (P,), the 4n own ones first [-].
+            fitted: Fitted numbers (...), the own ones first [-].
 
         Returns:
-            Derivatives (G, 8n, 4n) [SI].
+            Derivatives (G, 8n, P) by the P own ones [SI].
         """
         key, known = self._own.of(fitted).tobytes(), self._slopes
         if known[0] != key:
@@ -166,11 +208,13 @@ class SolvedFilms:
         return known[1]
 
     def _differentiated(self, fitted: Floats) -> Floats:
-        each, count = self.sensitivities(fitted), self._own.count
+        each = self.sensitivities(fitted)
         if each is None:
-            return np.full((self.nominal.speed.size, 2 * count, count), np.nan)
+            return np.full((self.nominal.speed.size, 8 * len(self._own.forms), self._own.count), np.nan)
+        positions = np.moveaxis(np.stack([one.position for one in each]), 1, -1)
+        self._last = replace(self._last, slopes=self._own.by_fitted(positions, speed=self.nominal.speed))
         rows = [np.stack([_row(k, c) for k, c in zip(one.stiffness, one.damping, strict=True)], axis=-1) for one in each]
-        return np.stack(rows) * self._own.unit
+        return self._own.by_fitted(np.stack(rows), speed=self.nominal.speed)
 
 
 def _row(stiffness: Floats, damping: Floats) -> Floats:

@@ -15,7 +15,6 @@ from estimator.fit.coordinates import PlacedModel
 from estimator.machine.film_speeds import told_rpm
 from estimator.quantities import UNITS
 from estimator.statics.film_model import FilmModel
-from estimator.statics.film_parameters import OWN
 from estimator.statics.journal_states import JournalStates, journal_states
 from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model.model import UpdatedModel
@@ -69,7 +68,10 @@ def film_results(model: UpdatedModel) -> tuple[FilmResult, ...]:
     return tuple(
         one
         for number, bearing in enumerate(model.machine.bearings)
-        for one in (*coefficients[each * number : each * (number + 1)], *_state(f"bearing.{bearing.id}", states, number, own))
+        for one in (
+            *coefficients[each * number : each * (number + 1)],
+            *_state(f"bearing.{bearing.id}", states, number, placed.model.own.place(number, "clearance"), own),
+        )
     )
 
 
@@ -93,8 +95,9 @@ def _coefficients(model: UpdatedModel, placed: PlacedModel, theta: Floats, covar
                 )
 
 
-def _state(element: str, states: JournalStates, number: int, covariance: Floats) -> Iterator[FilmResult]:
-    """Yield load, position and eccentricity of one journal at the last speed."""
+def _state(element: str, states: JournalStates, number: int, clearance: int, covariance: Floats) -> Iterator[FilmResult]:
+    """Yield load, position and eccentricity of one journal at the last speed; clearance: place of its own among the
+    parameters."""
     force, position = states.force[-1, number], states.position[-1, number]
     force_slope, position_slope = states.force_slope[-1, number], states.position_slope[-1, number]
     rows = [
@@ -107,7 +110,7 @@ def _state(element: str, states: JournalStates, number: int, covariance: Floats)
     if way > 0.0:
         part = way / states.clearance[number]
         slope = part * (position @ position_slope) / way**2
-        slope[OWN * number] -= part  # by the logarithm of its own clearance
+        slope[clearance] -= part  # by the logarithm of its own clearance
         rows.append(("eccentricity_ratio", "1", part, slope))
     for name, unit, value, slope in rows:
         yield FilmResult(f"{element}.{name}", unit, float(value), float(standard_errors(slope, covariance)))

@@ -53,9 +53,8 @@ def _bearings(machine: Machine, train: FilmTrain, found: FilmEquilibrium) -> Ite
         load = float(np.hypot(*force))
         pressure = load / (journal.said.diameter * journal.said.length)
         turns = found.speed / (2 * math.pi)
-        number = (
-            journal.viscosity * turns * (journal.radius / journal.clearance) ** 2 / pressure if pressure > 0.0 else math.inf
-        )
+        viscous = float(journal.oil.at(found.speed)) * turns * (journal.radius / journal.clearance) ** 2
+        number = viscous / pressure if pressure > 0.0 else math.inf
         yield (
             f"    {bearing.id:<10} {force[0]:9.0f} {force[1]:9.0f} {pressure / MEGAPASCAL:7.3f} "
             f"{float(np.hypot(*place)) / journal.clearance:6.3f} {1e6 * place[0]:8.1f} {1e6 * place[1]:8.1f} "

@@ -8,9 +8,10 @@ import numpy as np
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.measurement import Measurement
 from tests.film_plant.arrays import Complexes, Floats
+from tests.film_plant.oil import HeatedOil
 from tests.film_plant.plant import NOISE_FLOOR, NOISE_PART, RPM, Plant, noisy
 from tests.film_plant.plants import PRIORS, Priors
-from tests.film_plant.train import Pedestal
+from tests.film_plant.train import Bearing, Pedestal
 
 Form = Literal["constant", "polynomial", "piecewise"]
 
@@ -22,6 +23,14 @@ PERTURBATION = 0.15
 """Standard deviation by which nominal coefficients are off: of the logarithm, or part of the value [-]."""
 FILM_DISCREPANCY = 0.05
 """Rms of the films' deviations that documents state: some 4 % are drawn, and solvers differ by 1 or 2 % [-]."""
+BORES: dict[str, dict[str, Any]] = {
+    "plain": {"profile": "plain"},
+    "grooved": {"profile": "two_axial_grooves", "groove_deg": 20.0},
+    "elliptical": {"profile": "elliptical", "groove_deg": 20.0, "preload": 0.5},
+}
+"""Bores of the plant as documents describe them."""
+SLOPE_SPREAD = 0.15
+"""Prior standard deviation of the slope of viscosity over speed that documents of warmed oil state [-]."""
 RIGID = 1e8
 """Lateral stiffness from which on a coupling is a rigid one [N/m]."""
 SPEED_MARGIN = 0.02
@@ -81,12 +90,12 @@ def film_document(plant: Plant, *, priors: Priors = PRIORS, discrepancy: float =
     said = geometry(plant)
     rigid = said["couplings"][0]["kxx"] > RIGID
     for bearing, one in zip(said["bearings"], plant.believed.bearings, strict=True):
-        viscosity = one.oil.viscosity(one, speed=0.0, eccentricity=0.0)
         bearing["film"] = {
             "diameter": one.diameter,
             "length": one.length,
             "radial_clearance": one.clearance,
-            "oil": {"viscosity": float(viscosity)},
+            "oil": _oil(one),
+            **BORES[one.profile],
         }
         bearing["speed_dependence"] = {
             "form": "journal",
@@ -95,7 +104,16 @@ def film_document(plant: Plant, *, priors: Priors = PRIORS, discrepancy: float =
             "elevation_spread": priors.rigid_elevation if rigid else priors.elevation,
             "discrepancy": discrepancy,
         }
+        if isinstance(one.oil, HeatedOil):
+            bearing["speed_dependence"]["viscosity_slope_spread"] = SLOPE_SPREAD
     return said
+
+
+def _oil(bearing: Bearing) -> dict[str, Any]:
+    """A bearing's oil as it is believed: of one viscosity, or warmed from the temperature at which it comes."""
+    if isinstance(bearing.oil, HeatedOil):
+        return {"iso_vg": bearing.oil.grade, "inlet_c": bearing.oil.inlet}
+    return {"viscosity": float(bearing.oil.viscosity(bearing, speed=0.0, eccentricity=0.0))}
 
 
 def with_pedestals(said: dict[str, Any], plant: Plant, *, spread: float, seed: int = 0) -> dict[str, Any]:

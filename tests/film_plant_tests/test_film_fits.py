@@ -67,6 +67,17 @@ def test_films_that_are_said_to_be_exact_and_are_not_are_refused() -> None:
     assert not found.accepted
 
 
+def test_a_start_in_which_a_film_is_too_thin_leads_nowhere_and_says_so() -> None:
+    plant = random_plant(0, discrepancy=DiscrepancySize())
+    machine, data = parse_machine(film_document(plant)), measured(plant, seed=0)
+    good = identify(machine, data, OPTIONS)
+    thin = good.point.copy()
+    thin[good.coordinates.index("bearing.B1.viscosity")] -= 9.0
+    again = identify(machine, data, OPTIONS, beginning=thin)
+    assert again.accepted
+    assert again.starts > 1
+
+
 def test_what_a_job_does_behind_an_identification_works_with_films() -> None:
     plant = random_plant(0, discrepancy=DiscrepancySize())
     machine = parse_machine(film_document(plant))

@@ -57,6 +57,57 @@ def test_derivatives_are_those_of_differences(discrepancy: float) -> None:
         np.testing.assert_allclose(found[:, :, place] / size, difference / size, atol=2e-4)
 
 
+def test_derivatives_of_warmed_oils_and_of_one_supply_are_those_of_differences() -> None:
+    said = document(discrepancy=0.0, viscosity_slope_spread=0.2)
+    for bearing in said["bearings"]:
+        bearing["film"]["oil"] = {"iso_vg": 46, "inlet_c": 45.0}
+    for bearing in said["bearings"][:2]:
+        bearing["film"]["oil"]["supply"] = "motor"
+    model = film_model(parse_machine(said))
+    names = [one.name for one in model.parameters]
+    shared = ["oil.motor.viscosity_factor", "oil.motor.viscosity_slope"]
+    assert [name for name in names if "viscosity" in name] == [
+        *shared, "bearing.B3.viscosity", "bearing.B3.viscosity_slope", "bearing.B4.viscosity", "bearing.B4.viscosity_slope",
+    ]  # fmt: skip
+    curves, fitted = model.at(SPEED), drawn(model, 2)
+    found, size = curves.derivatives(fitted, slice(None)), np.abs(curves.values(fitted)).max(axis=0)
+    for place in range(len(names)):
+        step = np.zeros(fitted.size)
+        step[place] = 1e-3
+        difference = (curves.values(fitted + step) - curves.values(fitted - step)) / 2e-3
+        np.testing.assert_allclose(found[:, :, place] / size, difference / size, atol=2e-4)
+    thick = model.own.changed(np.where(np.array(names) == shared[0], 0.1, [one.centre for one in model.parameters]))
+    for number, factor in enumerate((np.exp(0.1), np.exp(0.1), 1.0, 1.0)):
+        assert thick.bearings[number].oil.value == pytest.approx(factor * model.own.train.bearings[number].oil.value)
+
+
+@pytest.mark.parametrize("discrepancy", [0.0, 0.05])
+def test_outputs_are_chained_to_the_numbers_as_by_all_derivatives(discrepancy: float) -> None:
+    model = film_model(parse_machine(document(discrepancy=discrepancy)))
+    curves, fitted, block = model.at(SPEED), drawn(model, 3), slice(5, 20)
+    parts = np.random.default_rng(1).standard_normal((2, 32, 15, 3)) / np.abs(curves.values(fitted)[block]).T[:, :, None]
+    by_coefficient = parts[0] + 1j * parts[1]
+    expected = np.einsum("scp,csm->psm", curves.derivatives(fitted, block), by_coefficient)
+    found = curves.chained(fitted, block, by_coefficient)
+    np.testing.assert_allclose(found, expected, atol=1e-12 * np.abs(expected).max())
+
+
+def test_what_was_solved_before_changes_nothing() -> None:
+    machine = parse_machine(document())
+    first, second = film_model(machine), film_model(machine)
+    for seed in range(4):
+        first.at(SPEED).derivatives(drawn(first, seed), slice(None))
+    fitted = drawn(second, 5)
+    np.testing.assert_allclose(first.at(SPEED).values(fitted), second.at(SPEED).values(fitted), rtol=1e-7)
+
+
+def test_the_documents_films_are_those_followed_speed_by_speed() -> None:
+    nominal = film_model(parse_machine(document())).nominal
+    for one, other in zip(nominal.equilibria, nominal.train.over(nominal.speed), strict=True):
+        assert other is not None
+        np.testing.assert_allclose(one.position, other.position, atol=1e-12)
+
+
 def test_deviations_have_the_size_that_the_document_states() -> None:
     model = film_model(parse_machine(document(discrepancy=0.05)))
     curves = model.at(SPEED)
@@ -84,6 +135,13 @@ def test_a_film_that_is_too_thin_has_no_coefficients() -> None:
         (lambda said: said["bearings"][2].pop("film"), "needs the bearing's film"),
         (lambda said: said["couplings"][0].update(speed_dependence={"form": "journal"}), "of bearings with a film only"),
         (lambda said: said["bearings"][0]["speed_dependence"].update(elevation_spread=30.0), "elevation_spread"),
+        (
+            lambda said: [
+                one["film"]["oil"].update(supply="main") or one["speed_dependence"].update(viscosity_spread=0.1 + 0.1 * k)
+                for k, one in enumerate(said["bearings"][:2])
+            ],
+            "another one than that of the first bearing of supply 'main'",
+        ),
         (
             lambda said: said.update(parameters=[{"names": "bearing.B1.kxx", "fixed": True}]),
             "films follow from form 'journal'",

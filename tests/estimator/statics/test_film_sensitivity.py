@@ -23,7 +23,7 @@ def changed(train: FilmTrain, number: int, name: str, step: float) -> FilmTrain:
     bearings = list(train.bearings)
     one = bearings[number]
     if name == "viscosity":
-        bearings[number] = replace(one, viscosity=one.viscosity * np.exp(step))
+        bearings[number] = replace(one, oil=one.oil.changed(factor=float(np.exp(step)), slope=0.0))
     else:
         said = one.said.model_copy(update={"radial_clearance": one.said.radial_clearance * float(np.exp(step))})
         bearings[number] = replace(one, said=said)

@@ -1,0 +1,94 @@
+"""Identification by films of other kinds of trains: on unknown pedestals, with oil that warms, in bores that are not round."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from benchmarks.fluid_film.figure import Figure
+from benchmarks.fluid_film.film_trials import FilmTrial, coverage_by_kind, mean_coverage, trials_of
+from tests.film_plant.discrepancy import DiscrepancySize
+from tests.film_plant.documents import film_document, with_pedestals
+from tests.film_plant.oil import HeatedOil
+from tests.film_plant.plant import Plant
+from tests.film_plant.plants import random_plant
+from tests.film_plant.proportions import OTHER_SLENDERNESS, Design
+from tests.film_plant.train import Bearing, Train
+
+LEAST_ACCEPTED, LEAST_COVERAGE = 0.9, 0.92
+MOST_PLANTS = 20
+FIRST_SEED = 100
+PEDESTAL_SPREAD = 0.2
+"""Prior standard deviation of the logarithm of each of a pedestal's numbers, by which documents are off [-]."""
+CARRIED, FED = (0.6, 1.0), (0.05, 0.25)
+"""Between which the true heat balance draws the part of the heat carried off, and the oil fed besides [-]; 0.8 and 0.1 are
+believed.
+"""
+
+
+def pedestals(plants: int) -> list[Figure]:
+    """Return how often trains on unknown pedestals with resonances in the range are accepted, and the intervals that hold."""
+
+    def document(plant: Plant, seed: int) -> dict[str, Any]:
+        return with_pedestals(film_document(plant), plant, spread=PEDESTAL_SPREAD, seed=seed)
+
+    design, seeds = Design(pedestals=True), _seeds(plants)
+    trials = trials_of(lambda seed: random_plant(seed, design=design, discrepancy=DiscrepancySize()), seeds, document=document)
+    return _figures("unknown pedestals, resonances in the range", trials)
+
+
+def warming_oils(plants: int) -> list[Figure]:
+    """Return the same of trains whose oil warms by another heat balance than the document's."""
+    design, seeds = Design(heated=True), _seeds(plants)
+    trials = trials_of(
+        lambda seed: random_plant(seed, design=design, discrepancy=DiscrepancySize(), alter=_other_balance), seeds
+    )
+    return _figures("oil that warms by another balance", trials)
+
+
+def lobes(plants: int) -> list[Figure]:
+    """Return the same of trains in elliptical bores and in such with two grooves."""
+    rows = []
+    for profile in ("elliptical", "grooved"):
+        design = Design(profile=profile, slenderness=OTHER_SLENDERNESS)
+        trials = trials_of(
+            lambda seed, design=design: random_plant(seed, design=design, discrepancy=DiscrepancySize()),  # type: ignore[misc]
+            _seeds(plants),
+        )
+        rows += _figures(f"{profile} bores", trials)
+    return rows
+
+
+def _seeds(plants: int) -> range:
+    return range(FIRST_SEED, FIRST_SEED + min(plants, MOST_PLANTS))
+
+
+def _other_balance(train: Train, rng: np.random.Generator, _: float) -> Train:
+    carried, feed = rng.uniform(*CARRIED), rng.uniform(*FED)
+
+    def warmed(one: Bearing) -> Bearing:
+        assert isinstance(one.oil, HeatedOil)
+        return replace(one, oil=replace(one.oil, carried=carried, feed=feed))
+
+    return replace(train, bearings=tuple(warmed(one) for one in train.bearings))
+
+
+def _figures(what: str, trials: list[FilmTrial]) -> list[Figure]:
+    taken = [one for one in trials if one.accepted]
+    accepted, coverage = len(taken) / len(trials), mean_coverage(taken)
+    kinds = ", ".join(f"{kind} {part:.0%}" for kind, (part, count) in coverage_by_kind(taken).items() if count)
+    median = float(np.median([one.took for one in trials]))
+    slowest = max(one.took for one in trials)
+    return [
+        Figure(
+            f"{what}, {len(trials)} plants: accepted",
+            f">= {LEAST_ACCEPTED:.0%}",
+            f"{accepted:.0%}",
+            accepted >= LEAST_ACCEPTED,
+        ),
+        Figure(
+            "    95 % intervals hold, mean of kinds", f">= {LEAST_COVERAGE:.0%}", f"{coverage:.1%}", coverage >= LEAST_COVERAGE
+        ),
+        Figure(f"        {kinds}", "", "", True),
+        Figure("    time of one identification, median and slowest [s]", "", f"{median:.1f}, {slowest:.1f}", True),
+    ]

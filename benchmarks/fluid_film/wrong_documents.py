@@ -1,0 +1,55 @@
+"""Documents of films with one thing wrong: refused, or intervals that hold; right ones are accepted and not much wider."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from benchmarks.fluid_film.figure import Figure
+from benchmarks.fluid_film.film_trials import FilmTrial, coverage_by_kind, mean_coverage, trials_of
+from tests.film_plant.discrepancy import DiscrepancySize
+from tests.film_plant.plant import Plant
+from tests.film_plant.plants import PRIORS, Alteration, random_plant
+from tests.film_plant.proportions import OTHER_SLENDERNESS, Design
+from tests.film_plant.wrong_documents import elliptical, far_clearance, soft_pedestal, warming_oil
+
+LEAST_COVERAGE = 0.9
+LEAST_RIGHT = 0.8
+"""Least part of right documents that must be accepted with direct stiffness told nearly as well as it can be [-]."""
+WIDEST = 1.3
+"""Largest half width of direct stiffness, median of a plant, over its bound [-]."""
+FIRST_SEED = 3000
+WRONG: dict[str, tuple[Alteration, Design]] = {
+    "an elliptical bore said to be plain": (elliptical, Design(slenderness=OTHER_SLENDERNESS)),
+    "one pedestal soft, said to be rigid": (soft_pedestal, Design()),
+    "one clearance off by two priors": (far_clearance(PRIORS.clearance), Design()),
+    "oil that warms, said to be of one viscosity": (warming_oil, Design()),
+}
+
+
+def wrong_documents(plants: int) -> list[Figure]:
+    """Return what becomes of documents with one thing wrong, and of right ones."""
+    seeds = range(FIRST_SEED, FIRST_SEED + plants)
+    rows = [_wrong(name, trials_of(_altered(alteration, design), seeds)) for name, (alteration, design) in WRONG.items()]
+    right = trials_of(lambda seed: random_plant(seed, discrepancy=DiscrepancySize()), seeds, bounded=True)
+    good = float(np.mean([one.accepted and np.median(one.widths) <= WIDEST for one in right]))
+    widths = [float(np.median(one.widths)) for one in right if one.accepted]
+    told = f"{good:.0%}, {np.median(widths):.2f}"
+    return [
+        *rows,
+        Figure(
+            f"right ones: accepted, half width of K direct <= {WIDEST} bounds; median", ">= 80 %", told, good >= LEAST_RIGHT
+        ),
+    ]
+
+
+def _altered(alteration: Alteration, design: Design) -> Callable[[int], Plant]:
+    return lambda seed: random_plant(seed, design=design, alter=alteration, discrepancy=DiscrepancySize())
+
+
+def _wrong(name: str, trials: list[FilmTrial]) -> Figure:
+    taken = [one for one in trials if one.accepted]
+    coverage = mean_coverage(taken)
+    worst = min(coverage_by_kind(taken).items(), key=lambda one: one[1][0])
+    told = f"{len(trials) - len(taken)}/{len(trials)}; {coverage:.0%}"
+    what = f"{name}: refused; coverage (least {worst[0]} {worst[1][0]:.0%})"
+    return Figure(what, ">= 90 %", told, coverage >= LEAST_COVERAGE)
