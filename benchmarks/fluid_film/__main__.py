@@ -17,9 +17,11 @@ from benchmarks.fluid_film.films import films
 from benchmarks.fluid_film.linear_forms import own_forms, wrong_forms
 from benchmarks.fluid_film.reference_arrays import reference_response, reference_statics
 from benchmarks.fluid_film.sweep import sweep
+from benchmarks.fluid_film.tilting_pads import tilting_pads
 
 PARTS: dict[str, Callable[[int], list[Figure]]] = {
     "films": films,
+    "tilting-pads": tilting_pads,
     "reference": reference_response,
     "statics": reference_statics,
     "sweep": sweep,
