@@ -19,10 +19,12 @@ from benchmarks.fluid_film.kinds_of_trains import lobes, pedestals, warming_oils
 from benchmarks.fluid_film.linear_forms import own_forms, wrong_forms
 from benchmarks.fluid_film.reference_arrays import reference_response, reference_statics
 from benchmarks.fluid_film.sweep import sweep
+from benchmarks.fluid_film.tilting_pads import tilting_pads
 from benchmarks.fluid_film.wrong_documents import wrong_documents
 
 PARTS: dict[str, Callable[[int], list[Figure]]] = {
     "films": films,
+    "tilting-pads": tilting_pads,
     "reference": reference_response,
     "statics": reference_statics,
     "sweep": sweep,

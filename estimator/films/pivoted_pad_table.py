@@ -2,7 +2,7 @@
 
 Near its end (`PivotedPadSolver.unloading`) a pad's load goes with the root of the distance from there, and grows without bound
 where the film closes: nodes are even in p with e = e₀ + (1 - e₀)(1 - exp(-p²)), in which both are smooth. Beyond the end a pad
-has no film that holds it: it flutters and carries nothing. There its film fades within a fifth of the clearance, twice
+has no film that holds it: it flutters and carries nothing. There its film fades within a tenth of the clearance, twice
 differentiable, so that equilibria are found across it.
 """
 
@@ -22,7 +22,7 @@ TABLES = 32
 """Number of tables kept; each takes some kB."""
 NODES = 120
 """Number of nodes of a table, some more or less: between them all is within 0.5 % of a solution's."""
-FADING = 0.2
+FADING = 0.1
 """Distance within which a film fades beyond the pad's end [c]."""
 ROUNDING = 2e-3
 """Distance over which the root of the distance from a pad's end is rounded off [c]."""

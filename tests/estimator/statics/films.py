@@ -48,3 +48,15 @@ def between_two_bearings(**changed: Any) -> Machine:
         "probes": [{"id": "X", "shaft": "S", "station": 0.1, "angle_deg": 0}],
     }
     return parse_machine(document)
+
+
+PADS: dict[str, Any] = {"number": 5, "arc_deg": 60.0, "pivot": 0.6, "load": "between_pads"}
+"""Five offset pads, loaded between two."""
+
+
+def on_tilting_pads(document: dict[str, Any], **changed: Any) -> dict[str, Any]:
+    """A document whose films are those of tilting pads; what is changed is of the films."""
+    said = copy.deepcopy(document)
+    for bearing in said["bearings"]:
+        bearing["film"] |= {"profile": "tilting_pad", "preload": 0.3, "pads": PADS} | changed
+    return said

@@ -125,6 +125,15 @@ def test_the_static_state_of_films_needs_no_run() -> None:
     assert "The train would whirl from 509" in text
 
 
+def test_tilting_pads_are_reported_as_other_films() -> None:
+    text = run("model", "examples/turbine-on-tilting-pads.yaml", "--service-rpm", "6000")
+    rows = [line.split() for line in text.splitlines() if line.split()[:1] in (["B1"], ["B2"], ["B3"], ["B4"])]
+    assert sum(float(row[2]) for row in rows[:4]) == pytest.approx(8697, abs=3)
+    assert all(abs(float(row[5])) < 0.1 for row in rows)  # the journals move straight down
+    assert "Stability at 6000 r/min: least damped mode 32" in text
+    assert "would not whirl" in text
+
+
 def test_without_runs_and_films_there_is_nothing_to_compute() -> None:
     assert "a bearing says nothing of its film" in run("model", DOCUMENT, status=1)
 
