@@ -17,7 +17,7 @@ from sqlalchemy.orm import Session
 
 from service.alerts import transitions
 from service.alerts.lifecycle import Forbidden, Severity, Suppression
-from service.alerts.transitions import AlertFinding, Person
+from service.alerts.transitions import AlertFinding, MomentRefused, Person
 from storage.alerts import alerts, deliveries, suppressions
 from storage.database.engine import Database
 from storage.machines import machines
@@ -51,7 +51,7 @@ LEGAL: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
 
 
 def step(session: Session, identification_id: int, rng: random.Random) -> None:
-    """Apply an event to an alert. Raises Forbidden."""
+    """Apply an event to an alert. Raises Forbidden, and MomentRefused where the end of a shelving has passed meanwhile."""
     element = rng.choice(ELEMENTS)
     row = alerts.open_alert(session, MACHINE, rule=RULE, element=element)
 
@@ -115,6 +115,8 @@ def live(database: Database, *, steps: int, seed: int) -> Counter[str]:
                     raise InterruptedError
         except Forbidden:
             happened["refused"] += 1
+        except MomentRefused:
+            happened["too late"] += 1
         except InterruptedError:
             happened["kills"] += 1
     return happened

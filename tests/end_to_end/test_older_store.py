@@ -5,6 +5,8 @@ import json
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 from tests.end_to_end.processes import DATA, EXAMPLES, Service, process, until
 
 MACHINE = "thesis-chapter-3"
@@ -19,6 +21,15 @@ def without_age(value: Any) -> Any:
     return [without_age(one) for one in value] if isinstance(value, list) else value
 
 
+def nearly(value: Any) -> Any:
+    """Return what equals an answer though another processor rounds the last digit otherwise."""
+    if isinstance(value, dict):
+        return {name: nearly(one) for name, one in value.items()}
+    if isinstance(value, list):
+        return [nearly(one) for one in value]
+    return pytest.approx(value, rel=1e-12, abs=0.0) if isinstance(value, float) else value
+
+
 def test_it_is_answered_as_before_and_gone_on_with(tmp_path: Path) -> None:
     (tmp_path / "rundown.db").write_bytes(gzip.decompress((DATA / "store-before-rooms.db.gz").read_bytes()))
     before: dict[str, Any] = json.loads(gzip.decompress((DATA / "store-before-rooms.json.gz").read_bytes()))
@@ -30,7 +41,7 @@ def test_it_is_answered_as_before_and_gone_on_with(tmp_path: Path) -> None:
             if path.endswith(("/runs", "/identifications")):
                 now = [one for one in now if one["id"] in {old["id"] for old in answer}]
             if path not in ("/machines", f"/machines/{MACHINE}", f"/machines/{MACHINE}/deviations"):
-                assert without_age(now) == without_age(answer), path
+                assert without_age(now) == nearly(without_age(answer)), path
         # What comes now is numbered, collected and identified behind what was there.
         truth = tmp_path / "truth.jsonl"
         flags = ["--cycles", "1", "--samples", "40", "--rate", "120", "--seed", "5", "--truth", str(truth)]
