@@ -22,7 +22,7 @@ estimator/runs: estimator estimator/machine estimator/phasors
 estimator/thesis: estimator estimator/bearings estimator/machine estimator/modes estimator/phasors estimator/rotor
 estimator/diagnosis: estimator estimator/fit estimator/machine estimator/rotor estimator/trends
 estimator/simulation: estimator estimator/bearings estimator/machine estimator/phasors estimator/rotor estimator/runs
-    estimator/trends
+    estimator/statics estimator/trends
 estimator/updated_model: estimator estimator/bearings estimator/fit estimator/machine estimator/modes estimator/phasors
     estimator/rotor estimator/statics
 estimator/identification: estimator estimator/fit estimator/machine estimator/modes estimator/phasors estimator/rotor

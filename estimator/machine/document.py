@@ -120,6 +120,17 @@ class Machine(Part):
         if bearing is None:
             own = [one for one in self.bearings if one.shaft == probe.shaft]
             bearing = min(own, key=lambda one: abs(one.station - probe.station)).id if own else None
+        return None if bearing is None else self.pedestal_of(bearing)
+
+    def pedestal_of(self, bearing: str) -> Pedestal | None:
+        """Return the pedestal that a bearing stands on.
+
+        Args:
+            bearing: Id of the bearing.
+
+        Returns:
+            The pedestal; None for a bearing on rigid ground.
+        """
         return next((one for one in self.pedestals if one.bearing == bearing), None)
 
     @property

@@ -254,8 +254,9 @@ def dense(vectors: list[Vector], size: int) -> NDArray[np.float64]:
 
 def _to_ground(machine: Machine, rotor: Rotor, part: Bearing | Seal) -> list[Coefficient]:
     nodes = {rotor.node(part.shaft, part.station): 1.0}
-    if isinstance(part, Bearing):
-        nodes |= {rotor.pedestal_node[one.id]: -1.0 for one in machine.pedestals if one.bearing == part.id}
+    pedestal = machine.pedestal_of(part.id) if isinstance(part, Bearing) else None
+    if pedestal is not None:
+        nodes[rotor.pedestal_node[pedestal.id]] = -1.0
     scales = _scales(machine, machine.shaft(part.shaft), part)
     rpm = machine.speed_range.middle_rpm
     element = f"seal.{part.id}" if isinstance(part, Seal) else f"bearing.{part.id}"

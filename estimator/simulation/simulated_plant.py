@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
+from estimator.bearings.journal import JournalForm
 from estimator.bearings.model import ModelParameter
 from estimator.machine.coupling_neighbours import neighbouring_bearings
 from estimator.machine.document import Machine
@@ -19,6 +20,7 @@ from estimator.rotor.condensation import condense
 from estimator.rotor.parameters import Unknowns, unknowns
 from estimator.rotor.response import response
 from estimator.runs.segmentation import RunKind
+from estimator.simulation.simulated_films import SimulatedFilms, draw_films
 from estimator.trends.covariates import usual_change
 from estimator.units import rpm_to_rad_per_s
 
@@ -56,12 +58,23 @@ class Truth:
             [SI].
         unbalances: Complex unbalances (P,) [kg m].
         factors: Factors by name on E and density of the materials that the document does not take as known [-].
+        films: Oil films that the bearings' coefficients follow from, in place of those in `coefficients`; None where they
+            follow from none.
     """
 
     unknowns: Unknowns
     coefficients: Floats
     unbalances: Complexes
     factors: dict[str, float]
+    films: SimulatedFilms | None = None
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Return the true values by name: coefficients but for those that follow from films, films, factors [SI]."""
+        of_films = () if self.films is None else self.films.coefficients
+        named = zip((one.name for one in self.unknowns.coefficients), self.coefficients.tolist(), strict=True)
+        own = {} if self.films is None else self.films.parameters
+        return {name: value for name, value in named if name not in of_films} | dict(own) | self.factors
 
 
 def draw_truth(machine: Machine, rng: np.random.Generator) -> Truth:
@@ -78,7 +91,7 @@ def draw_truth(machine: Machine, rng: np.random.Generator) -> Truth:
         ValueError: The document leaves a direct term or a disc's unbalance without a nominal value.
     """
     unknown = unknowns(machine, assemble_rotor(machine))
-    missing = [c.name for c in unknown.coefficients if c.direct and c.nominal is None]
+    missing = [c.name for c in unknown.coefficients if c.direct and c.nominal is None and not isinstance(c.form, JournalForm)]
     missing += [p.name for p in unknown.unbalances if p.nominal is None]
     if missing:
         raise ValueError(f"to simulate '{machine.id}' its document must give nominal values of {', '.join(missing)}")
@@ -90,7 +103,8 @@ def draw_truth(machine: Machine, rng: np.random.Generator) -> Truth:
     drawn = np.exp(train.scale_spread * rng.standard_normal(train.scale_spread.size)).tolist()
     for where, off in _factors_of_laws(unknown, rng, lambda one: one.spread):
         factor[where] = off
-    return Truth(unknown, expected * factor, turned, dict(zip(train.scale_names, drawn, strict=True)))
+    factors = dict(zip(train.scale_names, drawn, strict=True))
+    return Truth(unknown, expected * factor, turned, factors, draw_films(machine, rng))
 
 
 def truth_at_progress(truth: Truth, machine: Machine, story: Story, progress: float) -> Truth:
@@ -118,10 +132,13 @@ def truth_at_progress(truth: Truth, machine: Machine, story: Story, progress: fl
 
 
 def _misaligned(truth: Truth, machine: Machine, progress: float) -> Truth:
-    """Make the first coupling and the bearings beside it stiffer and more damped, cross-coupled terms too (thesis §5.7)."""
+    """Make the first coupling and the bearings beside it stiffer and more damped, cross-coupled terms too (thesis §5.7); on
+    oil films, lower the bearings behind it."""
     if not machine.couplings:
         raise ValueError(f"'{machine.id}' has no coupling that could be misaligned")
     coupling = machine.couplings[0]
+    if truth.films is not None:
+        return replace(truth, films=truth.films.settled(machine, coupling, progress))
     growth = {f"coupling.{coupling.id}": COUPLING_STIFFENING}
     growth |= {f"bearing.{bearing}": BEARING_STIFFENING for bearing in neighbouring_bearings(machine, coupling)}
     factor = np.array([1.0 + progress * growth.get(c.element, 0.0) for c in truth.unknowns.coefficients])
@@ -145,7 +162,8 @@ def truth_of_run(truth: Truth, rng: np.random.Generator) -> Truth:
     for where, off in _factors_of_laws(truth.unknowns, rng, lambda one: scatter[describe(one.name).coefficient]):
         factor[where] = off
     unbalances = truth.unbalances * (1 + RUN_SCATTER["unbalance"] * turn)
-    return replace(truth, coefficients=truth.coefficients * factor, unbalances=unbalances)
+    films = None if truth.films is None else truth.films.of_run(rng)
+    return replace(truth, coefficients=truth.coefficients * factor, unbalances=unbalances, films=films)
 
 
 def _factors_of_laws(
@@ -193,6 +211,8 @@ def truth_under_conditions(truth: Truth, machine: Machine, conditions: Floats) -
     """
     size = np.array([usual_change(condition) or 1.0 for condition in machine.conditions])
     change = float(np.sum(conditions / size - CONDITION_LEVEL))
+    if truth.films is not None:
+        return replace(truth, films=truth.films.under_conditions(change))
     of_bearing = np.array([describe(c.name).element_kind == "bearing" for c in truth.unknowns.coefficients])
     return replace(truth, coefficients=truth.coefficients * np.where(of_bearing, np.exp(CONDITION_EFFECT * change), 1.0))
 
@@ -259,8 +279,14 @@ def true_phasors(machine: Machine, truth: Truth, speed: Floats) -> Complexes:
 
 
 def _over_speed(truth: Truth, speed: Floats) -> Floats:
-    """Return the true coefficients, (K,) or where some follow a table (S, K) [SI]: off by the same factor at every speed."""
+    """Return the true coefficients, (K,) or where some follow films or a table (S, K) [SI]; those of a table are off by the
+    same factor at every speed."""
     listed = truth.unknowns.coefficients
+    if truth.films is not None:
+        place = {one.name: k for k, one in enumerate(listed)}
+        found = np.repeat(truth.coefficients[None], speed.size, axis=0)
+        found[:, [place[name] for name in truth.films.coefficients]] = truth.films.over_speed(speed)
+        return found
     over = expected_coefficients(listed, speed)
     middle = np.array([one.expected for one in listed])
     if np.all(over == middle):

@@ -61,5 +61,9 @@ def _axes(machine: Machine, equilibrium: FilmEquilibrium, basis: Basis) -> Float
             first = NODE_DOFS * rotor.node(bearing.shaft, bearing.station)
             part = np.zeros((rotor.size, len(film.pads.axis)))
             part[first : first + 2] = film.pads.axis.T
+            pedestal = machine.pedestal_of(bearing.id)
+            if pedestal is not None:
+                below = NODE_DOFS * rotor.pedestal_node[pedestal.id]
+                part[below : below + 2] = -film.pads.axis.T
             columns.append(part)
     return np.asarray(basis.onto(np.concatenate(columns, axis=1)))

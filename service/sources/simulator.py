@@ -70,15 +70,13 @@ class TruthFile:
         """Write one run, identified by its machine and the time of its last sample."""
         if self._file is None:
             return
-        names = [c.name for c in truth.unknowns.coefficients]
-        parameters = dict(zip(names, truth.coefficients.tolist(), strict=True)) | truth.factors
         unbalances = {
             plane.name: [value.real, value.imag]
             for plane, value in zip(truth.unknowns.unbalances, truth.unbalances.tolist(), strict=True)
         }
         line = {"machine": machine.id, "kind": kind, "last_time": last_time}
         with self._lock:
-            self._file.write(json.dumps(line | {"parameters": parameters, "unbalances": unbalances}) + "\n")
+            self._file.write(json.dumps(line | {"parameters": truth.parameters, "unbalances": unbalances}) + "\n")
             self._file.flush()
 
 

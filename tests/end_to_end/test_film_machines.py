@@ -1,0 +1,54 @@
+"""Machines on oil films through the whole service: simulated, identified, trended with units, no job failing."""
+
+import json
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.end_to_end.processes import EXAMPLES, Service, process, until
+
+CYCLES = 2
+
+
+def all_identified(service: Service, machine: str) -> bool:
+    """Whether all runs are closed and everything is identified."""
+    closed = [run for run in service.get(f"/machines/{machine}/runs") if run["state"] == "closed"]
+    return len(closed) == 2 * CYCLES and service.idle()
+
+
+@pytest.mark.parametrize("machine", ["motor-compressor", pytest.param("turbine-on-tilting-pads", marks=pytest.mark.long)])
+def test_films_are_identified_and_trended(service: Service, tmp_path: Path, machine: str) -> None:
+    truth = tmp_path / "truth.jsonl"
+    options = {"cycles": CYCLES, "samples": 120, "rate": 250, "seed": 3, "truth": truth, "connect": service.endpoint}
+    flags = [str(part) for name, value in options.items() for part in (f"--{name}", value)]
+    with service.running():
+        service.create(machine)
+        with process(tmp_path / "simulate.log", "simulate", f"{EXAMPLES / machine}.yaml", *flags) as simulator:
+            assert simulator.wait(120) == 0
+        until(partial(all_identified, service, machine), within_s=150, what="everything identified")
+        assert service.get("/health")["jobs"].get("failed", 0) == 0
+        found = service.get(f"/machines/{machine}/identifications")
+        assert [one["accepted"] for one in found] == [True] * 2 * CYCLES, [one["verdict"] for one in found]
+        true = [json.loads(line)["parameters"]["bearing.B2.clearance"] for line in truth.read_text().splitlines()]
+        check_trend(service, machine, true)
+        load = trend(service, machine, "bearing.B2.load_vertical")
+        assert load["unit"] == "N"
+        assert min(load["value"]) > 500.0
+
+
+def check_trend(service: Service, machine: str, true: list[float]) -> None:
+    """The history of a clearance is the simulated one, within its errors."""
+    series = trend(service, machine, "bearing.B2.clearance")
+    assert series["unit"] == "m"
+    away = (np.array(series["value"]) - true) / np.array(series["standard_error"])
+    assert np.abs(away).max() < 4.0
+    gap = trend(service, machine, "bearing.B2.eccentricity_ratio")["value"]
+    assert all(0.05 < one < 0.95 for one in gap)
+
+
+def trend(service: Service, machine: str, parameter: str) -> dict[str, list[float]]:
+    """The series of one parameter or derived quantity."""
+    (series,) = service.get(f"/machines/{machine}/trends", parameter=parameter)["series"]
+    return dict(series)
