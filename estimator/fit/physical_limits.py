@@ -42,8 +42,6 @@ SETTLED = 0.05
 """Change of the merit function in a step up to which the steps have ended [-]."""
 PENALTY = 300.0
 """Weight of lacking damping in the merit function [-]: a damping ratio of -0.01 counts as much as three units of χ²."""
-DIFFERENCE = 1e-6
-"""Change of a coordinate by which coefficients are differentiated [-]."""
 
 
 @dataclass(frozen=True)
@@ -153,10 +151,11 @@ class PhysicalLimits:
         other = other / np.conj(np.vdot(other, momentum))
         by_coefficient = eigenvalue_slopes(machine, Modes(np.array([root]), shape, other), basis)[0].real
         found = np.zeros(theta.size)
-        for coordinate in range(len(at.parameters)):
-            moved = theta.copy()
-            moved[coordinate] += DIFFERENCE
-            found[coordinate] = by_coefficient @ (at.coefficients(moved).reshape(-1) - base) / DIFFERENCE
+        slope = np.where(at.logarithmic, base, at.scale) * by_coefficient
+        np.add.at(found, at.place[at.place >= 0], slope[at.place >= 0])
+        for one in at.models:
+            along = one.chained(theta, slice(None), by_coefficient[list(one.coefficients), None, None].astype(complex))
+            found[one.first : one.places.stop] += along.real.reshape(-1)
         return found
 
     def _scaled(self, theta: Floats) -> Machine:
