@@ -3,6 +3,7 @@
 import json
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -48,7 +49,7 @@ def check_trend(service: Service, machine: str, true: list[float]) -> None:
     assert all(0.05 < one < 0.95 for one in gap)
 
 
-def trend(service: Service, machine: str, parameter: str) -> dict[str, list[float]]:
+def trend(service: Service, machine: str, parameter: str) -> dict[str, Any]:
     """The series of one parameter or derived quantity."""
     (series,) = service.get(f"/machines/{machine}/trends", parameter=parameter)["series"]
     return dict(series)

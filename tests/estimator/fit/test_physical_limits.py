@@ -10,6 +10,7 @@ from estimator.machine.document import Machine, parse_machine
 from estimator.modes.eigenmodes import eigenvalues
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.condensation import condense
+from tests.estimator.statics.test_film_model import document
 from tests.estimator.trains import Floats, chapter_3_document, dense_response, noisy
 
 SPEED: Floats = np.arange(4.0, 300.0, 4.0)
@@ -50,6 +51,24 @@ def test_slopes_are_those_of_differences() -> None:
             moved[place] += change
             values.append(limits.least_damped(moved)[0].eigenvalue.real)
         assert slopes[place] == pytest.approx((values[1] - values[0]) / 2e-5, rel=1e-4)
+
+
+def test_slopes_by_the_numbers_of_films_are_those_of_differences() -> None:
+    machine = parse_machine(document(discrepancy=0.05))
+    speed = np.linspace(80.0, 450.0, 20)
+    train = condense(machine, speed=speed, direction=np.ones(speed.size))
+    coordinates = Coordinates.of(train, unbalance_scale=1.0)
+    limits, theta = PhysicalLimits(machine, speed, coordinates, ()), coordinates.centre
+    modes = limits.least_damped(theta)
+    number = int(np.argmin([one.damping_ratio for one in modes]))
+    slopes = limits.slopes(theta, modes[number])
+    for place in np.argsort(np.abs(slopes))[-12:]:
+        values = []
+        for change in (-1e-4, 1e-4):
+            moved = theta.copy()
+            moved[place] += change
+            values.append(limits.least_damped(moved)[number].eigenvalue.real)
+        assert slopes[place] == pytest.approx((values[1] - values[0]) / 2e-4, rel=1e-3)
 
 
 def test_data_of_a_train_that_whirls_are_refused_with_speed_and_frequency() -> None:
