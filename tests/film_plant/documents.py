@@ -10,6 +10,7 @@ from estimator.phasors.measurement import Measurement
 from tests.film_plant.arrays import Complexes, Floats
 from tests.film_plant.plant import NOISE_FLOOR, NOISE_PART, RPM, Plant, noisy
 from tests.film_plant.plants import PRIORS, Priors
+from tests.film_plant.tilting import TILTING
 
 Form = Literal["constant", "polynomial", "piecewise"]
 
@@ -86,7 +87,7 @@ def film_document(plant: Plant, *, priors: Priors = PRIORS, discrepancy: float =
             "length": one.length,
             "radial_clearance": one.clearance,
             "oil": {"viscosity": float(viscosity)},
-        }
+        } | _pads(one.profile)
         bearing["speed_dependence"] = {
             "form": "journal",
             "clearance_spread": priors.clearance,
@@ -95,6 +96,15 @@ def film_document(plant: Plant, *, priors: Priors = PRIORS, discrepancy: float =
             "discrepancy": discrepancy,
         }
     return said
+
+
+def _pads(profile: str) -> dict[str, Any]:
+    """What a document says of tilting pads; nothing of other bores, which documents believe to be plain."""
+    pads = TILTING.get(profile)
+    if pads is None:
+        return {}
+    said = {"number": pads.count, "arc_deg": float(np.degrees(pads.arc)), "pivot": pads.pivot, "load": "between_pads"}
+    return {"profile": "tilting_pad", "preload": pads.preload, "pads": said}
 
 
 def geometry(plant: Plant) -> dict[str, Any]:
