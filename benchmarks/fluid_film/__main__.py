@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from threadpoolctl import threadpool_limits
 
 from benchmarks.fluid_film.figure import Figure
-from benchmarks.fluid_film.film_fits import film_fits
+from benchmarks.fluid_film.film_fits import film_fits, pad_fits
 from benchmarks.fluid_film.films import films
 from benchmarks.fluid_film.linear_forms import own_forms, wrong_forms
 from benchmarks.fluid_film.reference_arrays import reference_response, reference_statics
@@ -26,6 +26,7 @@ PARTS: dict[str, Callable[[int], list[Figure]]] = {
     "statics": reference_statics,
     "sweep": sweep,
     "film-fits": film_fits,
+    "pad-fits": pad_fits,
     "wrong-forms": wrong_forms,
     "own-forms": own_forms,
 }

@@ -9,10 +9,13 @@ from estimator.fit.identify import Identification, Options, identify
 from estimator.machine.document import parse_machine
 from tests.film_plant.discrepancy import DiscrepancySize
 from tests.film_plant.documents import film_document, measured
-from tests.film_plant.plants import random_plant
+from tests.film_plant.plants import PLAIN_DESIGN, random_plant
+from tests.film_plant.proportions import Design
 from tests.film_plant.scores import Score, film_truths, score
 
 OPTIONS = Options(starts=3)
+ON_PADS = Design(profile="five_pads", slenderness=(0.5,))
+"""Trains on tilting pads."""
 _KINDS = ("clearance", "viscosity", "unbalance", "elevation")
 LEAST_OF_A_KIND = 0.86
 """Least part of the intervals of one kind that must hold the truth [-]."""
@@ -20,13 +23,22 @@ LEAST_OF_A_KIND = 0.86
 
 def film_fits(plants: int) -> list[Figure]:
     """Return how often right documents are accepted, how many intervals hold the truth by kind, and the time of a fit."""
-    found = [_fitted(seed) for seed in range(plants)]
+    return _rows(f"films of {plants} foreign plants, deviating", [_fitted(seed) for seed in range(plants)])
+
+
+def pad_fits(plants: int) -> list[Figure]:
+    """Return the same of trains on tilting pads: five offset pads in each bearing, loaded between two."""
+    found = [_fitted(seed, ON_PADS) for seed in range(plants)]
+    return _rows(f"tilting pads of {plants} foreign plants, deviating", found)
+
+
+def _rows(what: str, found: list["_Fitted"]) -> list[Figure]:
     taken = [one for one, _, _ in found if one.accepted]
     times = [took for _, took, _ in found]
     inside = [held for one in taken for held in one.inside]
     accepted, coverage = len(taken) / len(found), float(np.mean(inside))
     rows = [
-        Figure(f"films of {plants} foreign plants, deviating: accepted", ">= 95 %", f"{accepted:.0%}", accepted >= 0.95),
+        Figure(f"{what}: accepted", ">= 95 %", f"{accepted:.0%}", accepted >= 0.95),
         Figure("    95 % intervals hold, of the accepted", "93-97 %", f"{coverage:.1%}", 0.93 <= coverage <= 0.97),
     ]
     for kind in _KINDS:
@@ -38,9 +50,12 @@ def film_fits(plants: int) -> list[Figure]:
     return rows
 
 
-def _fitted(seed: int) -> tuple[Score, float, dict[str, Score]]:
+_Fitted = tuple[Score, float, dict[str, Score]]
+
+
+def _fitted(seed: int, design: Design = PLAIN_DESIGN) -> _Fitted:
     """Return the score of one plant, the time of its identification [s] and the scores by kind of parameter."""
-    plant = random_plant(seed, discrepancy=DiscrepancySize())
+    plant = random_plant(seed, design=design, discrepancy=DiscrepancySize())
     machine, data = parse_machine(film_document(plant)), measured(plant, seed=seed)
     began = time.perf_counter()
     found = identify(machine, data, OPTIONS)

@@ -42,8 +42,6 @@ SETTLED = 0.05
 """Change of the merit function in a step up to which the steps have ended [-]."""
 PENALTY = 300.0
 """Weight of lacking damping in the merit function [-]: a damping ratio of -0.01 counts as much as three units of χ²."""
-DIFFERENCE = 1e-6
-"""Change of a coordinate by which coefficients are differentiated [-]."""
 
 
 @dataclass(frozen=True)
@@ -153,10 +151,12 @@ class PhysicalLimits:
         other = other / np.conj(np.vdot(other, momentum))
         by_coefficient = eigenvalue_slopes(machine, Modes(np.array([root]), shape, other), basis)[0].real
         found = np.zeros(theta.size)
-        for coordinate in range(len(at.parameters)):
-            moved = theta.copy()
-            moved[coordinate] += DIFFERENCE
-            found[coordinate] = by_coefficient @ (at.coefficients(moved).reshape(-1) - base) / DIFFERENCE
+        free = at.place >= 0
+        by_constant = by_coefficient * np.where(at.logarithmic, base, at.scale)
+        np.add.at(found, at.place[free], by_constant[free])  # tied ones share a coordinate
+        for one in at.models:
+            own = by_coefficient[list(one.coefficients)]
+            found[one.first : one.places.stop] += own @ one.derivatives(theta, slice(None))[0]
         return found
 
     def _scaled(self, theta: Floats) -> Machine:
