@@ -15,7 +15,7 @@ from threadpoolctl import threadpool_limits
 from benchmarks.fluid_film.figure import Figure
 from benchmarks.fluid_film.film_fits import film_fits
 from benchmarks.fluid_film.films import films
-from benchmarks.fluid_film.kinds_of_trains import lobes, pedestals, warming_oils
+from benchmarks.fluid_film.kinds_of_trains import lobes, pads, pedestals, warming_oils
 from benchmarks.fluid_film.linear_forms import own_forms, wrong_forms
 from benchmarks.fluid_film.reference_arrays import reference_response, reference_statics
 from benchmarks.fluid_film.sweep import sweep
@@ -32,12 +32,13 @@ PARTS: dict[str, Callable[[int], list[Figure]]] = {
     "pedestals": pedestals,
     "warming-oil": warming_oils,
     "lobes": lobes,
+    "pads": pads,
     "wrong-documents": wrong_documents,
     "wrong-forms": wrong_forms,
     "own-forms": own_forms,
 }
 SHORT_PLANTS = 1
-LONG_PARTS = ("sweep", "pedestals", "lobes", "wrong-documents", "wrong-forms")
+LONG_PARTS = ("sweep", "pedestals", "lobes", "pads", "wrong-documents", "wrong-forms")
 """Parts that are left out where few plants are asked for, unless they are named."""
 
 

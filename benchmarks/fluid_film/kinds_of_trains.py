@@ -1,4 +1,4 @@
-"""Identification by films of other kinds of trains: on unknown pedestals, with oil that warms, in bores that are not round."""
+"""Identification by films of other kinds of trains: on unknown pedestals, with warming oil, in other bores."""
 
 from dataclasses import replace
 from typing import Any
@@ -57,6 +57,13 @@ def lobes(plants: int) -> list[Figure]:
         )
         rows += _figures(f"{profile} bores", trials)
     return rows
+
+
+def pads(plants: int) -> list[Figure]:
+    """Return the same of trains on tilting pads: five offset pads in each bearing, loaded between two."""
+    design = Design(profile="five_pads", slenderness=(0.5,))
+    trials = trials_of(lambda seed: random_plant(seed, design=design, discrepancy=DiscrepancySize()), _seeds(plants))
+    return _figures("tilting pads", trials)
 
 
 def _seeds(plants: int) -> range:

@@ -11,6 +11,7 @@ from tests.film_plant.arrays import Complexes, Floats
 from tests.film_plant.oil import HeatedOil
 from tests.film_plant.plant import NOISE_FLOOR, NOISE_PART, RPM, Plant, noisy
 from tests.film_plant.plants import PRIORS, Priors
+from tests.film_plant.tilting import TILTING
 from tests.film_plant.train import Bearing, Pedestal
 
 Form = Literal["constant", "polynomial", "piecewise"]
@@ -95,7 +96,7 @@ def film_document(plant: Plant, *, priors: Priors = PRIORS, discrepancy: float =
             "length": one.length,
             "radial_clearance": one.clearance,
             "oil": _oil(one),
-            **BORES[one.profile],
+            **_bore(one.profile),
         }
         bearing["speed_dependence"] = {
             "form": "journal",
@@ -114,6 +115,15 @@ def _oil(bearing: Bearing) -> dict[str, Any]:
     if isinstance(bearing.oil, HeatedOil):
         return {"iso_vg": bearing.oil.grade, "inlet_c": bearing.oil.inlet}
     return {"viscosity": float(bearing.oil.viscosity(bearing, speed=0.0, eccentricity=0.0))}
+
+
+def _bore(profile: str) -> dict[str, Any]:
+    """A bore of the plant, or tilting pads, as documents describe them."""
+    pads = TILTING.get(profile)
+    if pads is None:
+        return BORES[profile]
+    said = {"number": pads.count, "arc_deg": float(np.degrees(pads.arc)), "pivot": pads.pivot, "load": "between_pads"}
+    return {"profile": "tilting_pad", "preload": pads.preload, "pads": said}
 
 
 def with_pedestals(said: dict[str, Any], plant: Plant, *, spread: float, seed: int = 0) -> dict[str, Any]:

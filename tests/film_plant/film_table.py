@@ -42,11 +42,15 @@ class OutsideTable(ValueError):
 
 @dataclass(frozen=True)
 class FilmValues:
-    """Force on the journal (2,), stiffness and damping (2, 2) at one position, in the units of `reynolds.Film`."""
+    """Force on the journal (2,), stiffness and damping (2, 2) at one position, in the units of `reynolds.Film`.
+
+    `slow` is the stiffness (2, 2) against slow motions where that is another, as of pads that tilt.
+    """
 
     force: Floats
     stiffness: Floats
     damping: Floats
+    slow: Floats | None = None
 
 
 class FilmTable(Protocol):

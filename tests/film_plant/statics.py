@@ -11,7 +11,8 @@ import numpy as np
 
 from tests.film_plant.arrays import Floats, Indices
 from tests.film_plant.assembly import DOFS, Matrices, assemble, node_stations
-from tests.film_plant.film_table import FilmTable, OutsideTable, table
+from tests.film_plant.film_table import FilmTable, OutsideTable
+from tests.film_plant.tilting_table import bearing_table
 from tests.film_plant.train import Train
 
 EASY_SPEED = 10.0
@@ -57,9 +58,10 @@ class Equilibrium:
 
 @dataclass(frozen=True)
 class _Films:
-    """Films of all bearings at one moment: force (2n,), stiffness (2n, 2n), damping blocks (n, 2, 2)."""
+    """Films of all bearings at one moment: force (2n,), stiffness of slow motions (2n, 2n), blocks (n, 2, 2) at the 1×."""
 
     force: Floats
+    slow: Floats
     stiffness: Floats
     damping: Floats
 
@@ -69,7 +71,7 @@ class Statics:
 
     def __init__(self, train: Train, matrices: Matrices | None = None) -> None:
         self.train = train
-        self._tables: list[FilmTable] = [table(one.profile, round(one.slenderness, 6)) for one in train.bearings]
+        self._tables: list[FilmTable] = [bearing_table(one.profile, round(one.slenderness, 6)) for one in train.bearings]
         whole = assemble(train) if matrices is None else matrices
         self._stiffness, self._carried = condensed(whole)
         self._soft = np.array(
@@ -142,15 +144,17 @@ class Statics:
     def _films(self, speed: float, viscosity: Floats, position: Floats) -> _Films:
         """The films with the journals at positions (2n,) [m]."""
         size = position.size
-        force, stiffness, damping = np.zeros(size), np.zeros((size, size)), np.zeros((size // 2, 2, 2))
+        force, slow = np.zeros(size), np.zeros((size, size))
+        stiffness, damping = np.zeros((size // 2, 2, 2)), np.zeros((size // 2, 2, 2))
         for k, (bearing, place) in enumerate(zip(self.train.bearings, self._places(position), strict=True)):
             film = self._tables[k].at(place)
             unit = bearing.force_unit(viscosity=float(viscosity[k]), speed=speed)
             here = slice(2 * k, 2 * k + 2)
             force[here] = unit * film.force
-            stiffness[here, here] = unit / bearing.clearance * film.stiffness
+            slow[here, here] = unit / bearing.clearance * (film.stiffness if film.slow is None else film.slow)
+            stiffness[k] = unit / bearing.clearance * film.stiffness
             damping[k] = unit / bearing.clearance / speed * film.damping
-        return _Films(force, stiffness, damping)
+        return _Films(force, slow, stiffness, damping)
 
     def _residual(self, films: _Films, position: Floats) -> Floats:
         """Force (2n,) that is missing for equilibrium [N]."""
@@ -162,7 +166,7 @@ class Statics:
         films = self._films(speed, viscosity, position)
         for _ in range(MOST_STEPS):
             residual = self._residual(films, position)
-            jacobian = self._stiffness @ (np.eye(position.size) + self._soft[:, None] * films.stiffness) + films.stiffness
+            jacobian = self._stiffness @ (np.eye(position.size) + self._soft[:, None] * films.slow) + films.slow
             step = np.asarray(np.linalg.solve(jacobian, -residual), dtype=float)
             position, films = self._stepped(speed, viscosity, position, step)
             if np.max(np.abs(step / self._clearance)) < TOLERANCE:
@@ -188,9 +192,7 @@ class Statics:
             speed=np.asarray(speed, dtype=float),
             position=position,
             load=np.array([films.force for _, _, films in states]).reshape(-1, n, 2),
-            stiffness=np.array(
-                [[films.stiffness[2 * k : 2 * k + 2, 2 * k : 2 * k + 2] for k in range(n)] for _, _, films in states]
-            ),
+            stiffness=np.array([films.stiffness for _, _, films in states]),
             damping=np.array([films.damping for _, _, films in states]),
             viscosity=np.array([one for _, one, _ in states]),
             way=np.array(

@@ -4,12 +4,9 @@ The pads' films come from finite volumes (`reynolds`). Angles, axes and units as
 moves the pad's surface across the line through its pivot, in clearances.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
 from tests.film_plant.arrays import Complexes, Floats
@@ -20,8 +17,6 @@ SCANNED = 40
 """Number of tilts tried for the place where a pad's moment changes its sign."""
 CLOSEST = 0.03
 """Thinnest film of a pad whose tilt is tried [-]."""
-NEAREST, FARTHEST_OFF, PLACES = 0.93, -1.2, 60
-"""Distances of the journal towards a pad's pivot between which its film is tabulated [clearances], and their number."""
 
 
 @dataclass(frozen=True)
@@ -105,42 +100,34 @@ def _balance(solver: FilmSolver, position: Floats, across: Floats) -> tuple[floa
     return None
 
 
+def balanced(pads: RockerPads, slenderness: float, place: float, tilt: float) -> tuple[float, Film] | None:
+    """Tilt and film of one pad with the journal towards its pivot, along x; None where the pad carries nothing.
+
+    Tilts are tried downwards from a little above the one that is given.
+    """
+    across = np.array([0.0, 1.0])
+    pad = Pad(-pads.pivot * pads.arc, (1.0 - pads.pivot) * pads.arc)
+    solver = FilmSolver(Profile("pad", (pad,)), slenderness, around=160, along=12)
+    position = np.array([place, 0.0])
+
+    def moment(one: float) -> float:
+        return float(solver.solve(position + one * across).force @ across)
+
+    high = 1.3 * tilt
+    while not _open(solver, position + high * across):
+        high *= 0.97
+    low = 0.9 * high
+    while moment(low) <= 0.0:
+        high, low = low, 0.9 * low
+        if low < 0.01:
+            return None
+    found = float(brentq(moment, low, high, xtol=1e-7))
+    return found, solver.solve(position + found * across)
+
+
 def _open(solver: FilmSolver, position: Floats) -> bool:
     """Whether the film is nowhere too thin."""
     (pad,) = solver.profile.pads
     angle = np.linspace(pad.start, pad.end, 200)
     gap = 1.0 - pad.preload * np.cos(angle - pad.direction) - position[0] * np.cos(angle) - position[1] * np.sin(angle)
     return bool(gap.min() > CLOSEST)
-
-
-class PadRow:
-    """Push, slow stiffness, stiffness and damping at the spin speed of one pad over the distance towards its pivot."""
-
-    def __init__(self, pads: RockerPads, slenderness: float) -> None:
-        one = RockerPads(1, pads.arc, 0.0, pads.pivot, 0.0)
-        share = np.linspace(0.0, 1.0, PLACES)
-        places, rows = [], []
-        for place in NEAREST + (FARTHEST_OFF - NEAREST) * share * (0.25 + 0.75 * share):
-            film = tilted(one, slenderness, np.array([place, 0.0]), around=160, along=12)
-            if not film.tilt.size:
-                break
-            z = film.reduced(1.0)[0, 0]
-            places.append(float(place))
-            rows.append([-film.force[0], film.reduced(0.0)[0, 0].real, z.real, z.imag])
-        self.last = places[-1]
-        powers = (1.0 - np.array(places[::-1]))[:, None] ** _POWERS
-        self._spline = CubicSpline(places[::-1], powers * np.array(rows[::-1]))
-
-    def at(self, place: Floats) -> Floats:
-        """Values (..., 4) at distances (...) [clearances]; zero where the pad carries nothing."""
-        found = self._spline(np.maximum(place, self.last)) / (1.0 - place[..., None]) ** _POWERS
-        return np.asarray(np.where(place[..., None] >= self.last, found, 0.0))
-
-
-_POWERS: Sequence[int] = np.array([2, 3, 3, 3])  # type: ignore[assignment]
-
-
-@cache
-def pad_row(pads: RockerPads, slenderness: float) -> PadRow:
-    """The values of one pad, computed when they are first asked for, in a minute."""
-    return PadRow(pads, slenderness)
