@@ -2,6 +2,7 @@
 
 import math
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -39,9 +40,10 @@ class _BruteForce:
     damping: float
 
 
-def tilting_pads(_: int) -> list[Figure]:
-    """Return the rows on tilting pads."""
-    brute = [_brute_force(profile, place) for profile in TILTING.values() for place in _settled(profile)]
+def tilting_pads(plants: int) -> list[Figure]:
+    """Return the rows on tilting pads; with few plants fewer are solved by brute force."""
+    places = BRUTE if plants > 1 else BRUTE[:1]
+    brute = [_brute_force(profile, place) for profile in TILTING.values() for place in _settled(profile, places)]
     what = f"tilting pads against brute force, {len(brute)} cases"
     return [
         _small("load between four tilting pads: kxx = kyy and kxy = 0, part of kxx", 1e-6, _symmetry()),
@@ -72,17 +74,17 @@ def _symmetry() -> float:
     return worst
 
 
-def _settled(profile: TiltingProfile) -> list[Floats]:
-    """Return the positions at which the film is known and every pad is either loaded or not."""
+def _settled(profile: TiltingProfile, places: Sequence[tuple[float, float]]) -> list[Floats]:
+    """Return those of the positions at which the film is known and every pad is either loaded or not."""
     film = TiltingFilm(profile, SLENDERNESS)
-    known = [place for place in np.array(BRUTE) if film.covers(place)]
+    known = [place for place in np.array(places) if film.covers(place)]
     pads = [film.at(place).pads for place in known]
     return [place for place, one in zip(known, pads, strict=True) if one is not None and np.all(one.weight % 1.0 == 0.0)]
 
 
 def _brute_force(profile: TiltingProfile, position: Floats) -> _BruteForce:
     pads = RockerPads(profile.count, profile.arc, profile.preload, profile.pivot, profile.first)
-    due = tilted(pads, SLENDERNESS, position)
+    due = tilted(pads, SLENDERNESS, position, around=180)
     found, reduced = TiltingFilm(profile, SLENDERNESS).at(position), due.reduced(1.0)
     return _BruteForce(
         float(np.abs(found.force - due.force).max() / np.hypot(*due.force)),

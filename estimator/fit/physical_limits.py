@@ -112,7 +112,8 @@ class PhysicalLimits:
         for spin, row in zip(self.speeds.tolist(), self._coefficients(theta), strict=True):
             matrices = system_matrices(machine, coefficients=row, basis=basis)
             roots = np.linalg.eigvals(matrices.state_matrix(spin=self.machine.direction * spin))
-            slow = roots[(roots.imag >= 0.0) & (roots.imag <= self.highest) & (np.abs(roots) > SMALLEST_ROOT * self.highest)]
+            size = np.abs(roots)
+            slow = roots[(roots.imag >= 0.0) & (size <= self.highest) & (size > SMALLEST_ROOT * self.highest)]
             if slow.size:
                 found.append(LeastDampedMode(spin, complex(slow[np.argmin(damping_ratio(slow))])))
         return tuple(found)

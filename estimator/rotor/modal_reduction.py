@@ -163,6 +163,10 @@ def reduced_basis(machine: Machine, highest: float) -> Basis:
 def _shapes(machine: Machine, rotor: Rotor, highest: float) -> Floats:
     """Compute independent shapes (N/2, k), orthogonal with the masses."""
     mass = rotor.discs.mass + sum(part.mass for part in rotor.materials.values())
+    for pedestal in machine.pedestals:
+        # Nearly all of its mass is a coefficient: shapes scaled by the rest would be too large to be told apart.
+        place = PLANE_DOFS * rotor.pedestal_node[pedestal.id]
+        mass[place, place] += (pedestal.mxx + pedestal.myy) / 2
     stiffness = rotor.discs.stiffness + sum(part.stiffness for part in rotor.materials.values())
     loads = _unit_loads(machine, rotor)
     squares, free = scipy.linalg.eigh(stiffness, mass, subset_by_value=(-np.inf, (HIGHEST_MODE * highest) ** 2))
