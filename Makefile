@@ -5,6 +5,10 @@ BIN := $(VENV)/bin
 DEMO_ARGS ?=
 # Tests wait for services more than they compute: three at once keep two cores busy. The long ones need a core each.
 PROCESSES ?= 3
+# A file of tests stays in one process; files begin in the order of tests/conftest.py, not the one with most tests first.
+IN_PARALLEL := --dist loadfile --no-loadscope-reorder
+# Wherever Python may: else every process of every run would work out the tests' assertions anew, 10 s each.
+export PYTHONDONTWRITEBYTECODE =
 # Small matrices: more BLAS threads only get in each other's way.
 export OPENBLAS_NUM_THREADS = 1
 
@@ -28,14 +32,14 @@ compiled: $(VENV)/.installed
 	$(BIN)/python -m compileall -q estimator service storage tests benchmarks
 
 test: lint compiled
-	$(BIN)/pytest -n $(PROCESSES) --dist loadfile -m 'not long'
+	$(BIN)/pytest -n $(PROCESSES) $(IN_PARALLEL) -m 'not long'
 
 test-long: compiled ## what takes minutes: real processes killed, parted and fed with rubbish
-	$(BIN)/pytest -n 2 --dist loadfile -m long
+	$(BIN)/pytest -n 2 $(IN_PARALLEL) -m long
 
 # tests/storage is run on both kinds of database by `make test` already.
 test-postgresql: compiled ## what uses a database once more, on a PostgreSQL server that the tests start
-	RUNDOWN_TEST_DATABASE=postgresql $(BIN)/pytest -n $(PROCESSES) --dist loadfile -m 'not long' tests/storage tests/service tests/end_to_end/test_main_job.py
+	RUNDOWN_TEST_DATABASE=postgresql $(BIN)/pytest -n $(PROCESSES) $(IN_PARALLEL) -m 'not long' tests/storage tests/service tests/end_to_end/test_main_job.py
 
 audit: $(VENV)/.installed ## known vulnerabilities of what is installed; says so where the advisories cannot be had
 	$(BIN)/python -m benchmarks.dependency_audit

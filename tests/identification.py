@@ -1,5 +1,7 @@
 """Closed runs of the train of the thesis's Chapter 3, with their jobs, as the collector leaves them."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +10,11 @@ from estimator.machine.document import Machine
 from estimator.phasors.channel_status import ChannelStatus
 from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law
 from service.configuration.document_files import read_machine
+from service.configuration.settings import Settings
+from service.identification.scheduler import JobScheduler
+from service.identification.worker_tasks import TASKS
+from service.workers.executor import Executor
+from service.workers.executors import LocalExecutor
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples
 from storage.findings import jobs
@@ -39,6 +46,27 @@ def close_run(database: Database, train: Machine, *, seed: int, start_s: int, as
         if ask:
             jobs.enqueue(session, train.id, scope=jobs.RUN, run_ids=[row.id])
         return row.id
+
+
+@contextmanager
+def working(workers: int) -> Iterator[LocalExecutor]:
+    """Worker processes for several schedulers, one after the other."""
+    executor = LocalExecutor(workers, memory_bytes=Settings().identification_memory_mb * 2**20, tasks=TASKS)
+    try:
+        yield executor
+    finally:
+        executor.close()
+
+
+@contextmanager
+def identifying(database: Database, executor: Executor | None = None, **changes: object) -> Iterator[JobScheduler]:
+    """The identification thread at work. executor: one that others use too; by default processes of its own."""
+    work = JobScheduler(database, Settings(workers=1).model_copy(update=changes), executor=executor)
+    work.start()
+    try:
+        yield work
+    finally:
+        work.stop()
 
 
 def counts(database: Database) -> dict[str, int]:

@@ -270,8 +270,8 @@ def listened_to(publisher: zenoh.Publisher) -> bool:
     return bool(publisher.matching_status.matching)  # type: ignore[attr-defined]  # zenoh's stub says that it is a bool
 
 
-def wait_until(holds: Callable[[], bool], *, seconds: float = 30.0) -> None:
-    """Wait until something holds; fails when it still does not after so long."""
+def wait_until(holds: Callable[[], bool], *, seconds: float = 60.0) -> None:
+    """Wait until something holds; fails when it still does not after so long: with patience, as cores may be busy."""
     deadline = time.monotonic() + seconds
     while not holds():
         assert time.monotonic() < deadline, f"still not so after {seconds} s"

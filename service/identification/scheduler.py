@@ -15,7 +15,7 @@ from service.monitoring.assessment_queue import AssessmentQueue
 from service.replication.held_jobs import HeldJobs
 from service.replication.work_share import GATHERING, Share, WholeShare
 from service.resilience.supervised_thread import SupervisedThread
-from service.workers.executor import ExecutorUnavailable
+from service.workers.executor import Executor, ExecutorUnavailable
 from service.workers.executors import executor_of
 from storage.database.engine import Database
 
@@ -28,13 +28,20 @@ RETRY_S = 1.0
 class JobScheduler(SupervisedThread):
     """Scheduler that takes queued jobs, has them computed, files the results and has these assessed."""
 
-    def __init__(self, database: Database, settings: Settings, share: Share | None = None) -> None:
-        """Set up without starting. share: this replica's share of the work; all of it by default."""
+    def __init__(
+        self, database: Database, settings: Settings, share: Share | None = None, *, executor: Executor | None = None
+    ) -> None:
+        """Set up without starting.
+
+        share: this replica's share of the work; all of it by default. executor: one that others use too and that outlives
+        this; by default the one that the settings ask for, which ends with this.
+        """
         super().__init__("identifying", failure="identification jobs cannot be read or filed", retry_s=RETRY_S)
         self._database = database
         self._settings = settings
         self._share = share or WholeShare()
-        self._executor = executor_of(settings, TASKS)
+        self._executor = executor or executor_of(settings, TASKS)
+        self._owns_executor = executor is None
         self._held = HeldJobs(database, self._share)
         self._computing: ComputingJobs = {}
         self._news = threading.Event()  # a result is there, or the service stops
@@ -65,7 +72,8 @@ class JobScheduler(SupervisedThread):
         self._stop.set()
         self._news.set()
         super().stop()
-        self._executor.close()
+        if self._owns_executor:
+            self._executor.close()
 
     @property
     def warnings(self) -> list[str]:

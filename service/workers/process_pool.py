@@ -62,6 +62,7 @@ class _Setup:
     """The setup sent to each process at its start; unpickling its tasks there imports their modules."""
 
     memory_bytes: int
+    niceness: int
     tasks: tuple[Callable[..., object], ...]
 
 
@@ -79,7 +80,7 @@ class ProcessPool:
         process imports at its start, so that this does not count towards its first task's time.
         """
         self._workers = workers
-        self._setup = _Setup(memory_bytes, tuple(tasks))
+        self._setup = _Setup(memory_bytes, process_setup.NICENESS, tuple(tasks))
         self._waiting: SimpleQueue[_WorkItem | None] = SimpleQueue()
         self._lock = threading.Lock()
         self._slots: list[_Slot] = []
@@ -250,7 +251,7 @@ class _Slot:
 
 def _serve(pipe: Connection, setup: _Setup) -> None:
     """Compute one task after the other in the process, until the parent closes the pipe."""
-    process_setup.set_up(setup.memory_bytes)
+    process_setup.set_up(setup.memory_bytes, setup.niceness)
     pipe.send_bytes(HERE)
     while True:
         try:

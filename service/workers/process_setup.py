@@ -13,13 +13,13 @@ NICENESS = 10
 """Niceness of workers: storing and answering take precedence over identifying when cores are scarce."""
 
 
-def set_up(memory_bytes: int) -> None:
+def set_up(memory_bytes: int, niceness: int) -> None:
     """Prepare this process for tasks; called once, before the first.
 
-    It computes with one BLAS thread, within the memory limit, at low priority. It ignores the terminal's Ctrl-C, and ends when
-    its parent does.
+    It computes with one BLAS thread, within the memory limit, and gives way to its parent by `niceness`. It ignores the
+    terminal's Ctrl-C, and ends when its parent does.
     """
-    os.nice(NICENESS)
+    os.nice(niceness)
     resource.setrlimit(resource.RLIMIT_DATA, (memory_bytes, memory_bytes))
     threadpoolctl.threadpool_limits(1)
     signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -1,5 +1,7 @@
 """A real service with real data, and a real headless Chromium that looks at its page."""
 
+import contextlib
+import fcntl
 import os
 import re
 import shutil
@@ -52,12 +54,28 @@ class Seen:
 
 @pytest.fixture(scope="session")
 def recorded(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The store of a service that has watched a coupling go out of alignment for some weeks."""
-    one = Service(tmp_path_factory.mktemp("story"), RUNDOWN_BASELINE_RUNS=str(BASELINE_RUNS))
-    with one.running():
-        run_story(one)
-    one.client.close()
-    return one.folder / "rundown.db"
+    """The store of a service that has watched a coupling go out of alignment for weeks; one for all processes of tests."""
+    base = tmp_path_factory.getbasetemp()
+    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "story"
+    told = folder / "told"
+    with locked(folder.with_suffix(".lock")):
+        if not told.exists():
+            shutil.rmtree(folder, ignore_errors=True)  # of a process that failed
+            folder.mkdir()
+            one = Service(folder, RUNDOWN_BASELINE_RUNS=str(BASELINE_RUNS))
+            with one.running():
+                run_story(one)
+            one.client.close()
+            told.touch()
+    return folder / "rundown.db"
+
+
+@contextlib.contextmanager
+def locked(path: Path) -> Iterator[None]:
+    """Alone among the processes of this run of tests."""
+    with path.open("w") as held:
+        fcntl.flock(held, fcntl.LOCK_EX)
+        yield
 
 
 @pytest.fixture(scope="module")

@@ -12,9 +12,16 @@ from estimator.machine.document import parse_machine
 from estimator.rotor.condensation import condense
 from estimator.rotor.response import response as estimated_response
 from tests.film_plant.documents import DIRECT, Form, linear_document, linear_machine, measured
+from tests.film_plant.plant import Plant
 from tests.film_plant.plants import motor_compressor_plant, random_plant
 from tests.film_plant.response import response
 from tests.paths import ROOT
+
+
+@pytest.fixture(scope="module")
+def plant() -> Plant:
+    """A random one, of which several are drawn until one is stable."""
+    return random_plant(3)
 
 
 def test_a_document_without_errors_answers_as_the_plant_with_constant_films() -> None:
@@ -34,8 +41,7 @@ def test_a_document_without_errors_answers_as_the_plant_with_constant_films() ->
 
 
 @pytest.mark.parametrize("form", get_args(Form)[1:])
-def test_forms_are_written_as_they_are_asked_for(form: Form) -> None:
-    plant = random_plant(3)
+def test_forms_are_written_as_they_are_asked_for(plant: Plant, form: Form) -> None:
     some = linear_machine(plant, form=form, knots_rpm=(1000, 2000, 3000))
     every = linear_machine(plant, form=form, knots_rpm=(1000, 2000), terms="all")
     for bearing in some.bearings:
@@ -47,8 +53,7 @@ def test_forms_are_written_as_they_are_asked_for(form: Form) -> None:
         assert bearing.speed_dependence.coefficients is None
 
 
-def test_nominal_values_are_off_by_what_is_asked_for() -> None:
-    plant = random_plant(3)
+def test_nominal_values_are_off_by_what_is_asked_for(plant: Plant) -> None:
     exact, *off = (
         linear_document(plant, perturbation=size, seed=seed) for size, seed in [(0.0, 0), *((0.1, k) for k in range(20))]
     )
@@ -58,8 +63,7 @@ def test_nominal_values_are_off_by_what_is_asked_for() -> None:
     parse_machine(linear_document(plant, unbalances_given=False))
 
 
-def test_measurements_are_noisy_and_begin_at_the_highest_speed() -> None:
-    plant = random_plant(3)
+def test_measurements_are_noisy_and_begin_at_the_highest_speed(plant: Plant) -> None:
     one, other = measured(plant, samples=10, seed=0), measured(plant, samples=10, seed=1)
     assert one.speed[0] == plant.fastest
     clean = plant.phasors(plant.films(one.speed))

@@ -1,9 +1,11 @@
 """Identification by films on plants of other make: it is accepted, its intervals hold, a wrong bore is refused."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
-from estimator.fit.identify import Options, identify
+from estimator.fit.identify import Identification, Options, identify
 from estimator.identification.pooling import combine
 from estimator.identification.sweep_correction import sweep_transient
 from estimator.machine.document import parse_machine
@@ -13,19 +15,26 @@ from estimator.updated_model.derived_quantities import derived_quantities
 from estimator.updated_model.model import updated_model
 from tests.film_plant.discrepancy import DiscrepancySize
 from tests.film_plant.documents import film_document, measured
+from tests.film_plant.plant import Plant
 from tests.film_plant.plants import random_plant
 from tests.film_plant.scores import film_result_truths, film_truths, score, score_derived
 
 OPTIONS = Options(starts=2)
 
 
+@cache
+def fitted(seed: int) -> tuple[Plant, Identification]:
+    """A plant and what its right document finds of it."""
+    plant = random_plant(seed, discrepancy=DiscrepancySize())
+    return plant, identify(parse_machine(film_document(plant)), measured(plant, seed=seed), OPTIONS)
+
+
 def test_right_documents_are_accepted_and_most_intervals_hold() -> None:
     inside: list[bool] = []
     of_films: list[bool] = []
     for seed in range(3):
-        plant = random_plant(seed, discrepancy=DiscrepancySize())
+        plant, found = fitted(seed)
         machine = parse_machine(film_document(plant))
-        found = identify(machine, measured(plant, seed=seed), OPTIONS)
         assert found.accepted, found.verdict
         told = score(found, film_truths(plant))
         assert len(told.inside) >= 16
@@ -38,8 +47,7 @@ def test_right_documents_are_accepted_and_most_intervals_hold() -> None:
 
 
 def test_what_is_told_has_names_elements_and_units() -> None:
-    plant = random_plant(3)
-    found = identify(parse_machine(film_document(plant)), measured(plant, seed=3), OPTIONS)
+    plant, found = fitted(2)
     clearance = found.estimate("bearing.B2.clearance")
     assert (clearance.element, clearance.unit, clearance.quantity) == ("bearing.B2", "m", "clearance")
     assert clearance.value == pytest.approx(plant.train.clearances[1], rel=0.3)
@@ -48,9 +56,8 @@ def test_what_is_told_has_names_elements_and_units() -> None:
 
 
 def test_by_the_document_alone_names_and_units_are_those_that_are_told() -> None:
-    plant = random_plant(0, discrepancy=DiscrepancySize())
+    plant, found = fitted(0)
     machine = parse_machine(film_document(plant))
-    found = identify(machine, measured(plant, seed=0), OPTIONS)
     assert parameter_units(machine) == {one.name: one.unit for one in found.estimates}
     derived = {one.name: one for one in derived_quantities(machine, found)}
     assert {name: derived_unit(machine, name) for name in derived} == {name: one.unit for name, one in derived.items()}
@@ -63,14 +70,13 @@ def test_by_the_document_alone_names_and_units_are_those_that_are_told() -> None
 
 def test_films_that_are_said_to_be_exact_and_are_not_are_refused() -> None:
     plant = random_plant(1, discrepancy=DiscrepancySize(spread=0.08))
-    found = identify(parse_machine(film_document(plant, discrepancy=0.002)), measured(plant, seed=1), OPTIONS)
+    found = identify(parse_machine(film_document(plant, discrepancy=0.002)), measured(plant, seed=1), Options(starts=1))
     assert not found.accepted
 
 
 def test_a_start_in_which_a_film_is_too_thin_leads_nowhere_and_says_so() -> None:
-    plant = random_plant(0, discrepancy=DiscrepancySize())
+    plant, good = fitted(0)
     machine, data = parse_machine(film_document(plant)), measured(plant, seed=0)
-    good = identify(machine, data, OPTIONS)
     thin = good.point.copy()
     thin[good.coordinates.index("bearing.B1.viscosity")] -= 9.0
     again = identify(machine, data, OPTIONS, beginning=thin)
@@ -79,14 +85,13 @@ def test_a_start_in_which_a_film_is_too_thin_leads_nowhere_and_says_so() -> None
 
 
 def test_what_a_job_does_behind_an_identification_works_with_films() -> None:
-    plant = random_plant(0, discrepancy=DiscrepancySize())
+    plant, found = fitted(0)
     machine = parse_machine(film_document(plant))
-    data = measured(plant, seed=0)
-    found = identify(machine, data, OPTIONS)
     derived = {one.name: one for one in derived_quantities(machine, found, (), direction=1)}
     assert derived["critical_speed.1"].value is not None
     model = updated_model(machine, found)
-    swept = sweep_transient(model, time=np.linspace(0.0, 120.0, data.speed.size), speed=data.speed)
+    speed = measured(plant, seed=0).speed
+    swept = sweep_transient(model, time=np.linspace(0.0, 120.0, speed.size), speed=speed)
     assert np.isfinite(swept.averaged).all()
     again = identify(machine, measured(plant, seed=1), OPTIONS, beginning=found.point)
     assert again.accepted

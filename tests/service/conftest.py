@@ -11,11 +11,20 @@ from service.messaging.session import connected, session
 from service.recovery import gap_recovery
 from service.runs.collector import Collector
 from service.sources.publisher import Source
+from service.workers import process_setup
 from storage.database.engine import Database
 from tests.plant import KEY, wait_until
 from tests.ports import free_endpoint
 from tests.prompt_journal import PromptJournal
 from tests.service.ingest.plant_network import DroppedOnTheWay, Edge, ingesting
+
+
+@pytest.fixture(scope="session", autouse=True)
+def urgent() -> Iterator[None]:
+    """Worker processes are as urgent as the tests that wait for them: else they would starve beside other tests."""
+    with pytest.MonkeyPatch.context() as changed:
+        changed.setattr(process_setup, "NICENESS", 0)
+        yield
 
 
 @pytest.fixture

@@ -13,7 +13,8 @@ import psutil
 import pytest
 
 from service.identification.computation import compute
-from service.workers import process_pool
+from service.workers import process_pool, process_setup
+from service.workers.executors import LocalExecutor
 from service.workers.process_pool import Interrupted, ProcessPool, WorkerStuck
 from tests.plant import wait_until
 
@@ -67,6 +68,12 @@ def test_work_is_done_in_two_processes_and_errors_are_told(two: ProcessPool) -> 
     with pytest.raises(BrokenProcessPool):
         two.submit(10.0, os._exit, 1).result(SOON_S)
     assert two.submit(10.0, abs, -1).result(SOON_S) == 1
+
+
+def test_what_is_worked_on_is_less_urgent_than_what_asks_for_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(process_setup, "NICENESS", 3)
+    with contextlib.closing(LocalExecutor(1, memory_bytes=MEMORY, tasks=[])) as executor:
+        assert executor.submit(10.0, os.nice, 0).result(SOON_S) == min(19, os.nice(0) + 3)
 
 
 def test_that_no_process_can_be_begun_is_not_held_against_the_work(two: ProcessPool, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,5 +1,6 @@
 """What follows from an identification, through the API: against the estimator itself, closed forms and simulated runs."""
 
+import json
 import math
 from collections.abc import Iterator
 from typing import Any
@@ -17,7 +18,6 @@ from estimator.updated_model.coupling_loads import coupling_forces
 from estimator.updated_model.fitted_response import fitted_response
 from estimator.updated_model.model import model_at
 from service.api.cache.computed_cache import ComputedCache
-from service.commands import openapi
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples
 from storage.machines import machines
@@ -27,6 +27,7 @@ from storage.measurements.samples import SourceKey
 from storage.tables import EstimateRow
 from tests.api_in_process import PREFIX, Api, fields, problem
 from tests.databases import Databases, opened
+from tests.paths import ROOT
 from tests.plant import KEY, SECOND, START, identification, machine, store_identification
 
 MICROMETRE_PP = 5e-7
@@ -226,7 +227,7 @@ ASKED = {"parameter": "coupling.C1.kxx", "rpm": 1000}
 def takes_units() -> dict[str, tuple[str, dict[str, Any]]]:
     """Every path whose answer is declared to come in units that are asked for, such units, and what else is asked."""
     found = {}
-    for path, item in openapi.document()["paths"].items():
+    for path, item in json.loads((ROOT / "docs" / "openapi.json").read_text())["paths"].items():
         takes = {one["name"]: one for one in item.get("get", {}).get("parameters", [])}
         if "units" in takes:
             units = "n_um" if "n_um" in takes["units"]["description"] else "hz,mil_p,rad_lead"
