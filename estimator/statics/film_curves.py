@@ -7,6 +7,7 @@ import numpy as np
 from estimator.arrays import Complexes, Floats
 from estimator.bearings.terms import LATERAL
 from estimator.statics.film_deviations import TERMS, FilmDeviations
+from estimator.statics.film_sensitivity import PARAMETERS
 from estimator.statics.solved_films import SolvedFilms
 
 
@@ -68,6 +69,19 @@ class FilmCurves:
         own, sizes = self._own_derivatives(fitted, block)
         along = (own.swapaxes(1, 2) @ by_coefficient.swapaxes(0, 1)).swapaxes(0, 1)
         return np.concatenate([along, self._deviations.chained(by_coefficient * sizes.T[:, :, None], block)])
+
+    def viscosity_trend(self, fitted: Floats) -> Floats:
+        """Compute the derivatives of the coefficients by an exponent t of all viscosities: in proportion to (speed)⁻ᵗ.
+
+        Args:
+            fitted: Fitted numbers (P,) [-].
+
+        Returns:
+            Derivatives (S, 8n) [SI], at t = 0; the viscosity stays at the geometric mean of the lowest and the highest speed.
+        """
+        place = np.log(self._films.nominal.speed)
+        by_viscosity = self._films.slopes(fitted)[:, :, PARAMETERS.index("viscosity") :: len(PARAMETERS)].sum(axis=2)
+        return np.asarray(self._weight @ ((place.mean() - place)[:, None] * by_viscosity))
 
     def _own_derivatives(self, fitted: Floats, block: slice) -> tuple[Floats, Floats]:
         """Return the derivatives (s, 8n, 4n) by the films' own numbers, and what deviations are a part of (s, 8n)."""

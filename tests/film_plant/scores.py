@@ -17,6 +17,7 @@ from estimator.updated_model.derived_quantities import Derived
 from tests.film_plant.arrays import Floats
 from tests.film_plant.documents import DAMPING, STIFFNESS, measured
 from tests.film_plant.plant import RPM, Plant
+from tests.film_plant.train import ConstantOil
 
 Truths = dict[str, complex]
 """True value by the name of an estimate [SI]."""
@@ -95,12 +96,13 @@ def true_values(plant: Plant, machine: Machine) -> Truths:
 
 
 def film_truths(plant: Plant) -> Truths:
-    """The plant's unbalances, clearances, viscosities, and elevations over those of the aligned train."""
+    """The plant's unbalances, clearances, viscosities of constant oils, and elevations over those of the aligned train."""
     found = _unbalances(plant)
     for number, (true, believed) in enumerate(zip(plant.train.bearings, plant.believed.bearings, strict=True), start=1):
         name = f"bearing.B{number}"
         found[f"{name}.clearance"] = complex(true.clearance)
-        found[f"{name}.viscosity"] = complex(true.oil.viscosity(true, speed=0.0, eccentricity=0.0))
+        if isinstance(true.oil, ConstantOil):
+            found[f"{name}.viscosity"] = complex(true.oil.value)
         for axis, place in (("x", 0), ("y", 1)):
             found[f"{name}.elevation_{axis}"] = complex(true.elevation[place] - believed.elevation[place])
     return found

@@ -68,6 +68,18 @@ def test_outputs_are_chained_to_the_numbers_as_by_all_derivatives(discrepancy: f
     np.testing.assert_allclose(found, expected, atol=1e-12 * np.abs(expected).max())
 
 
+def test_the_trend_of_viscosity_is_that_of_differences_at_the_speeds_that_are_solved() -> None:
+    model = film_model(parse_machine(document(discrepancy=0.0)))
+    speed, fitted = model.nominal.speed, drawn(model, 6)
+    found = model.at(speed).viscosity_trend(fitted)
+    viscosity = np.array([one.quantity == "viscosity" for one in model.parameters])
+    for place in (0, 5, 11):
+        away, curves = np.log(speed[place]) - np.log(speed).mean(), model.at(speed[place : place + 1])
+        rows = [curves.values(fitted - sign * 1e-4 * away * viscosity)[0] for sign in (1.0, -1.0)]
+        difference = (rows[0] - rows[1]) / 2e-4
+        np.testing.assert_allclose(found[place], difference, atol=1e-5 * np.abs(rows[0]).max())
+
+
 def test_what_was_solved_before_changes_nothing() -> None:
     machine = parse_machine(document())
     first, second = film_model(machine), film_model(machine)
