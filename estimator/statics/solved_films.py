@@ -22,6 +22,8 @@ SPEEDS = 12
 """Number of speeds at which equilibria are solved."""
 
 
+WAYPOINTS = 6
+"""Number of steps from the document's films to others that are too far for one."""
 FOLLOWED = 4
 """Number of these speeds over which the equilibria of the document's films are followed one by one."""
 
@@ -99,6 +101,14 @@ class _Solution:
     found: tuple[FilmEquilibrium, ...]
     slopes: Floats | None = None
 
+    def led_to(self, own: Floats, train: FilmTrain, speed: Floats) -> tuple[FilmEquilibrium, ...] | None:
+        """Return the equilibria of other films near these; None where there are none."""
+        for start in self.starts(own, train):
+            found = equilibria_near(train, speed, start)
+            if found is not None:
+                return found
+        return None
+
     def starts(self, own: Floats, train: FilmTrain) -> Iterator[Floats]:
         """Yield positions (G, n, 2) near which equilibria of other films may be: along the derivatives, else in proportion to
         the clearances."""
@@ -161,22 +171,26 @@ class SolvedFilms:
         return solved[1]
 
     def _solve(self, fitted: Floats) -> tuple[FilmEquilibrium, ...] | None:
-        train, speed = self._own.changed(fitted), self.nominal.speed
-        found = self._near(fitted, train)
+        train = self._own.changed(fitted)
+        found = self._last.led_to(self._own.of(fitted), train, self.nominal.speed)
         if found is None:
-            one_by_one = tuple(one for one in train.over(speed) if one is not None)
-            found = one_by_one if len(one_by_one) == speed.size else None
+            found = self._from_nominal(fitted)
         if found is not None:
             self._last = _Solution(self._own.of(fitted).copy(), train, found)
         return found
 
-    def _near(self, fitted: Floats, train: FilmTrain) -> tuple[FilmEquilibrium, ...] | None:
-        """Return the equilibria near the last ones; None where there are none."""
-        for start in self._last.starts(self._own.of(fitted), train):
-            found = equilibria_near(train, self.nominal.speed, start)
-            if found is not None:
-                return found
-        return None
+    def _from_nominal(self, fitted: Floats) -> tuple[FilmEquilibrium, ...] | None:
+        """Return the equilibria that the document's lead to through films between its own and these; None where that ends."""
+        centre, own = np.array([one.centre for one in self._own.parameters]), self._own.of(fitted)
+        solution = _Solution(centre, self.nominal.train, self.nominal.equilibria)
+        for part in np.linspace(0.0, 1.0, WAYPOINTS + 1)[1:]:
+            between = centre + part * (own - centre)
+            train = self._own.changed(between)
+            found = solution.led_to(between, train, self.nominal.speed)
+            if found is None:
+                return None
+            solution = _Solution(between, train, found)
+        return solution.found
 
     def sensitivities(self, fitted: Floats) -> tuple[FilmSensitivity, ...] | None:
         """Compute the derivatives of the equilibria at these speeds.
