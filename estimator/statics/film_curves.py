@@ -107,7 +107,7 @@ class FilmCurves:
     def _beside(self) -> tuple[list[int], list[int]]:
         pairs = [
             tuple(first + TERMS.index(name) for name in term.beside)
-            for first in range(0, self._deviations.per_number.shape[1], len(TERMS))
+            for first in range(0, self._films.count, len(TERMS))
             for term in LATERAL
         ]
         return [one[0] for one in pairs], [one[1] for one in pairs]

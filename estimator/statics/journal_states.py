@@ -39,18 +39,18 @@ def journal_states(model: FilmModel, fitted: Floats, *, speed: Floats) -> Journa
         The states; None where a film is too thin.
     """
     films, unit = model.films, model.own.unit
-    found, slopes = films.equilibria(fitted), films.sensitivities(fitted)
+    found, slopes = films.equilibria(fitted), films.sensitivity(fitted)
     if found is None or slopes is None:
         return None
     weight = model.nominal.spline(np.log(np.clip(speed, model.nominal.slowest, model.nominal.fastest)))
 
-    def over_speed(rows: list[Floats]) -> Floats:
-        return np.tensordot(weight, np.stack(rows), 1)
+    def over_speed(rows: Floats) -> Floats:
+        return np.tensordot(weight, rows, 1)
 
     return JournalStates(
         clearance=np.array([one.clearance for one in model.own.changed(fitted).bearings]),
-        position=over_speed([one.position for one in found]),
-        force=over_speed([one.force for one in found]),
-        position_slope=np.moveaxis(over_speed([one.position for one in slopes]), 1, -1) * unit,
-        force_slope=np.moveaxis(over_speed([one.force for one in slopes]), 1, -1) * unit,
+        position=over_speed(np.stack([one.position for one in found])),
+        force=over_speed(np.stack([one.force for one in found])),
+        position_slope=np.moveaxis(over_speed(slopes.position), 1, -1) * unit,
+        force_slope=np.moveaxis(over_speed(slopes.force), 1, -1) * unit,
     )

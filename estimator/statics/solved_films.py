@@ -142,6 +142,11 @@ class SolvedFilms:
         self._solved: tuple[bytes, tuple[FilmEquilibrium, ...] | None] = (b"", None)
         self._slopes: tuple[bytes, Floats] = (b"", np.zeros(0))
 
+    @property
+    def count(self) -> int:
+        """Return the number of coefficients, 8n."""
+        return 2 * self._own.count
+
     def coefficients(self, fitted: Floats) -> Floats:
         """Compute the films' own coefficients.
 
@@ -153,8 +158,8 @@ class SolvedFilms:
         """
         found = self.equilibria(fitted)
         if found is None:
-            return np.full((self.nominal.speed.size, 2 * self._own.count), np.nan)
-        return np.stack([_row(one.stiffness, one.damping) for one in found])
+            return np.full((self.nominal.speed.size, self.count), np.nan)
+        return _rows(np.stack([one.stiffness for one in found]), np.stack([one.damping for one in found]))
 
     def equilibria(self, fitted: Floats) -> tuple[FilmEquilibrium, ...] | None:
         """Return the equilibria at these speeds.
@@ -192,7 +197,7 @@ class SolvedFilms:
             solution = _Solution(between, train, found)
         return solution.found
 
-    def sensitivities(self, fitted: Floats) -> tuple[FilmSensitivity, ...] | None:
+    def sensitivity(self, fitted: Floats) -> FilmSensitivity | None:
         """Compute the derivatives of the equilibria at these speeds.
 
         Args:
@@ -204,8 +209,7 @@ class SolvedFilms:
         found = self.equilibria(fitted)
         if found is None:
             return None
-        train = self._own.changed(fitted)
-        return tuple(film_sensitivity(train, one) for one in found)
+        return film_sensitivity(self._own.changed(fitted), found)
 
     def slopes(self, fitted: Floats) -> Floats:
         """Compute the derivatives of the films' own coefficients by their own fitted numbers.
@@ -222,15 +226,15 @@ class SolvedFilms:
         return known[1]
 
     def _differentiated(self, fitted: Floats) -> Floats:
-        each, count = self.sensitivities(fitted), self._own.count
-        if each is None:
+        found, count = self.sensitivity(fitted), self._own.count
+        if found is None:
             return np.full((self.nominal.speed.size, 2 * count, count), np.nan)
-        slopes = np.stack([one.position for one in each])
-        self._last = replace(self._last, slopes=np.moveaxis(slopes, 1, -1) * self._own.unit)
-        rows = [np.stack([_row(k, c) for k, c in zip(one.stiffness, one.damping, strict=True)], axis=-1) for one in each]
-        return np.stack(rows) * self._own.unit
+        self._last = replace(self._last, slopes=np.moveaxis(found.position, 1, -1) * self._own.unit)
+        return np.moveaxis(_rows(found.stiffness, found.damping), 1, -1) * self._own.unit
 
 
-def _row(stiffness: Floats, damping: Floats) -> Floats:
-    """Return matrices (n, 2, 2) of n films as one row (8n,)."""
-    return np.concatenate([stiffness.reshape(-1, 4), damping.reshape(-1, 4)], axis=1).reshape(-1)
+def _rows(stiffness: Floats, damping: Floats) -> Floats:
+    """Return matrices (..., n, 2, 2) of n films as rows (..., 8n)."""
+    each = [one.reshape(*one.shape[:-2], 4) for one in (stiffness, damping)]
+    whole = np.concatenate(each, axis=-1)
+    return whole.reshape(*whole.shape[:-2], -1)

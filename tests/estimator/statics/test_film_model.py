@@ -65,6 +65,10 @@ def test_outputs_are_chained_to_the_numbers_as_by_all_derivatives(discrepancy: f
     by_coefficient = parts[0] + 1j * parts[1]
     expected = np.einsum("scp,csm->psm", curves.derivatives(fitted, block), by_coefficient)
     found = curves.chained(fitted, block, by_coefficient)
+    nuisance = np.array([one.nuisance for one in model.parameters])
+    step = curves.values(fitted) - curves.values(np.where(nuisance, 0.0, fitted))
+    along = curves.derivatives(fitted, slice(None))[..., nuisance] @ fitted[nuisance]
+    np.testing.assert_allclose(step, along, atol=1e-9 * np.abs(curves.values(fitted)).max())
     np.testing.assert_allclose(found, expected, atol=1e-12 * np.abs(expected).max())
 
 
