@@ -17,6 +17,7 @@ from estimator.fit.identifiability import Reasons, reasons_for
 from estimator.fit.maximum_likelihood import STAGE_MISFITS
 from estimator.fit.multistart import BestFit, best_fit
 from estimator.fit.nuisance_parameters import excessive_deviations
+from estimator.fit.omitted_warming import viscosity_trend
 from estimator.fit.physical_limits import Limits, limits_for, without_growing_modes
 from estimator.fit.profile_likelihood import flat_coordinates
 from estimator.machine.document import Machine
@@ -415,6 +416,9 @@ def _result(problem: FitProblem, best: BestFit, reasons: Reasons | None, limits:
 def _form_verdict(problem: FitProblem, found: FitResult, covariance: Floats, condition: float) -> FormVerdict:
     """Return the verdict on how coefficients follow the speed: by assumed forms, and by films with their deviations."""
     excess = excessive_deviations(problem, found, covariance)
+    trend = None if excess else viscosity_trend(problem, found, covariance)
+    if trend is not None:
+        excess = trend.words
     if excess or not needs_form(problem):
         return FormVerdict(covariance, excess)
     return judge_form(problem, found, covariance, condition)

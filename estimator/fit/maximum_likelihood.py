@@ -29,6 +29,8 @@ STEP_LIMIT = 1.0
 """Largest change of a coordinate in one step [-]: a factor e of a direct term."""
 CONVERGED_DECREASE = 1e-3
 """Decrease of χ² promised by a full Newton step below which a stage ends [-]; a change of 1 is one standard error."""
+LARGEST_DAMPING = 1e10
+"""Damping from which on steps are too short to bring anything [-]."""
 STALLED_STEPS = 12
 """Number of steps over which the decrease of χ² is watched where derivatives promise more than steps bring."""
 STALLED_DECREASE = 0.05
@@ -141,6 +143,8 @@ def descend(problem: FitProblem, theta: Floats, weight: Floats, limit: int) -> t
         else:
             damping, growth = max(damping, 1e-6) * growth, 2.0 * growth
         costs.append(cost)
+        if damping > LARGEST_DAMPING:
+            return theta, False, step_number + 1  # what steps could bring lies where no film carries
     return theta, False, limit
 
 

@@ -69,8 +69,21 @@ class FilmCurves:
         along = (own.swapaxes(1, 2) @ by_coefficient.swapaxes(0, 1)).swapaxes(0, 1)
         return np.concatenate([along, self._deviations.chained(by_coefficient * sizes.T[:, :, None], block)])
 
+    def viscosity_trend(self, fitted: Floats) -> Floats:
+        """Compute the derivatives of the coefficients by an exponent t of all viscosities: in proportion to (speed)⁻ᵗ.
+
+        Args:
+            fitted: Fitted numbers (P,) [-].
+
+        Returns:
+            Derivatives (S, 8n) [SI], at t = 0; the viscosity stays at the geometric mean of the lowest and the highest speed.
+        """
+        place = np.log(self._films.nominal.speed)
+        by_viscosity = self._films.slopes(fitted)[:, :, self._films.viscosities].sum(axis=2)
+        return np.asarray(self._weight @ ((place.mean() - place)[:, None] * by_viscosity))
+
     def _own_derivatives(self, fitted: Floats, block: slice) -> tuple[Floats, Floats]:
-        """Return the derivatives (s, 8n, 4n) by the films' own numbers, and what deviations are a part of (s, 8n)."""
+        """Return the derivatives (s, 8n, P) by the P own parameters, and what deviations are a part of (s, 8n)."""
         base = self._base(fitted)[block]
         own = np.tensordot(self._weight[block], self._films.slopes(fitted), 1)
         sizes = self._sizes(base)
@@ -93,7 +106,7 @@ class FilmCurves:
     def _beside(self) -> tuple[list[int], list[int]]:
         pairs = [
             tuple(first + TERMS.index(name) for name in term.beside)
-            for first in range(0, self._deviations.per_number.shape[1], len(TERMS))
+            for first in range(0, self._films.count, len(TERMS))
             for term in LATERAL
         ]
         return [one[0] for one in pairs], [one[1] for one in pairs]

@@ -79,7 +79,6 @@ class DeviationCurves:
 
     Attributes:
         count: Number of numbers D.
-        per_number: Relative deviations (S, 8n, D) per unit of each number [-].
     """
 
     def __init__(self, size: Floats, shapes: Floats) -> None:
@@ -93,9 +92,15 @@ class DeviationCurves:
         self._deviating = np.flatnonzero(size > 0.0)
         self._shapes = shapes
         self._levels = size * np.sqrt(SHARED)
-        each = np.eye(8 * size.size)[:, None, :] * np.ones((len(shapes), 1))
-        self.per_number = np.ascontiguousarray(np.moveaxis(self.chained(each, slice(None)), 0, 2))
-        self.count = int(self.per_number.shape[2])
+        self._own_size = size[self._deviating] * np.sqrt(1.0 - SHARED)
+        own = self._deviating.size * len(DEVIATING) * shapes.shape[1]
+        self.count = own + len(LEVELS) if own else 0
+
+    @cached_property
+    def per_number(self) -> Floats:
+        """Return the relative deviations (S, 8n, D) per unit of each number [-]."""
+        each = np.eye(8 * self._size.size)[:, None, :] * np.ones((len(self._shapes), 1))
+        return np.ascontiguousarray(np.moveaxis(self.chained(each, slice(None)), 0, 2))
 
     def relative(self, numbers: Floats) -> Floats:
         """Compute the relative deviations.
@@ -106,7 +111,14 @@ class DeviationCurves:
         Returns:
             Relative deviations (S, 8n) [-].
         """
-        return np.asarray(self.per_number @ numbers)
+        found = np.zeros((self._size.size, len(TERMS), len(self._shapes)))
+        if self.count:
+            own, levels = np.split(numbers, [self.count - len(LEVELS)])
+            shaped = own.reshape(self._deviating.size, len(DEVIATING), -1) @ self._shapes.T
+            found[self._deviating] = self._own_size[:, None, None] * shaped[:, _OF_TERM]
+            for order, level in enumerate(levels):
+                found[:, _DIRECT[order]] += (self._levels * level)[:, None, None]
+        return np.asarray(found.reshape(-1, len(self._shapes)).T)
 
     def chained(self, by_relative: Outputs, block: slice) -> Outputs:
         """Compute derivatives by the numbers from those by the relative deviations, at some of the speeds.
@@ -123,12 +135,13 @@ class DeviationCurves:
         films = by_relative.reshape(self._size.size, len(TERMS), *by_relative.shape[1:])
         own = films[self._deviating][:, _FIRST]
         own[:, _SHARED_CROSS] += films[self._deviating][:, TERMS.index("cyx")]
-        own *= (self._size[self._deviating] * np.sqrt(1.0 - SHARED))[:, None, None, None]
+        own *= self._own_size[:, None, None, None]
         shaped = own[:, :, None] * self._shapes[block].T[:, :, None]
         levels = [np.tensordot(self._levels, films[:, _DIRECT[order]].sum(axis=1), 1) for order in range(len(LEVELS))]
         return np.concatenate([shaped.reshape(-1, *by_relative.shape[1:]), np.stack(levels)])
 
 
 _FIRST = [TERMS.index(name) for name in DEVIATING]
+_OF_TERM = [DEVIATING.index("cxy" if name == "cyx" else name) for name in TERMS]
 _SHARED_CROSS = DEVIATING.index("cxy")
 _DIRECT = [[place for place, one in enumerate(LATERAL) if one.direct and one.order == order] for order in range(len(LEVELS))]

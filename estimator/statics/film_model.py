@@ -28,7 +28,7 @@ from estimator.units import rpm_to_rad_per_s
 
 @dataclass(frozen=True)
 class FilmModel:
-    """The 8n coefficients of n films as functions of 4n parameters and of their deviations.
+    """The 8n coefficients of n films as functions of their own parameters and of their deviations.
 
     Attributes:
         own: Clearance, viscosity and elevation of each film.

@@ -39,7 +39,7 @@ def journal_states(model: FilmModel, fitted: Floats, *, speed: Floats) -> Journa
         The states; None where a film is too thin.
     """
     films = model.films
-    found, slopes = films.equilibria(fitted), films.sensitivities(fitted)
+    found, slopes = films.equilibria(fitted), films.sensitivity(fitted)
     if found is None or slopes is None:
         return None
     weight = model.nominal.spline(np.log(np.clip(speed, model.nominal.slowest, model.nominal.fastest)))
@@ -47,13 +47,13 @@ def journal_states(model: FilmModel, fitted: Floats, *, speed: Floats) -> Journa
     def over_speed(rows: Floats) -> Floats:
         return np.tensordot(weight, rows, 1)
 
-    def by_fitted(rows: list[Floats]) -> Floats:
-        return model.own.by_fitted(np.moveaxis(np.stack(rows), 1, -1), speed=model.nominal.speed)
+    def by_fitted(slopes: Floats) -> Floats:
+        return model.own.by_fitted(np.moveaxis(slopes, 1, -1), speed=model.nominal.speed)
 
     return JournalStates(
         clearance=np.array([one.clearance for one in model.own.changed(fitted).bearings]),
         position=over_speed(np.stack([one.position for one in found])),
         force=over_speed(np.stack([one.force for one in found])),
-        position_slope=over_speed(by_fitted([one.position for one in slopes])),
-        force_slope=over_speed(by_fitted([one.force for one in slopes])),
+        position_slope=over_speed(by_fitted(slopes.position)),
+        force_slope=over_speed(by_fitted(slopes.force)),
     )

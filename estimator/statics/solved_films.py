@@ -22,6 +22,8 @@ SPEEDS = 12
 """Number of speeds at which equilibria are solved."""
 
 
+WAYPOINTS = 6
+"""Number of steps from the document's films to others that are too far for one."""
 FOLLOWED = 4
 """Number of these speeds over which the equilibria of the document's films are followed one by one."""
 
@@ -99,6 +101,14 @@ class _Solution:
     found: tuple[FilmEquilibrium, ...]
     slopes: Floats | None = None
 
+    def led_to(self, own: Floats, train: FilmTrain, speed: Floats) -> tuple[FilmEquilibrium, ...] | None:
+        """Return the equilibria of other films near these; None where there are none."""
+        for start in self.starts(own, train):
+            found = equilibria_near(train, speed, start)
+            if found is not None:
+                return found
+        return None
+
     def starts(self, own: Floats, train: FilmTrain) -> Iterator[Floats]:
         """Yield positions (G, n, 2) near which equilibria of other films may be: along the derivatives, else in proportion to
         the clearances."""
@@ -132,6 +142,16 @@ class SolvedFilms:
         self._solved: tuple[bytes, tuple[FilmEquilibrium, ...] | None] = (b"", None)
         self._slopes: tuple[bytes, Floats] = (b"", np.zeros(0))
 
+    @property
+    def viscosities(self) -> list[int]:
+        """Return the places of the own parameters that are viscosities, or factors of several."""
+        return sorted({self._own.place(number, "viscosity") for number in range(len(self._own.forms))})
+
+    @property
+    def count(self) -> int:
+        """Return the number of coefficients, 8n."""
+        return 8 * len(self._own.forms)
+
     def coefficients(self, fitted: Floats) -> Floats:
         """Compute the films' own coefficients.
 
@@ -143,8 +163,8 @@ class SolvedFilms:
         """
         found = self.equilibria(fitted)
         if found is None:
-            return np.full((self.nominal.speed.size, 8 * len(self._own.forms)), np.nan)
-        return np.stack([_row(one.stiffness, one.damping) for one in found])
+            return np.full((self.nominal.speed.size, self.count), np.nan)
+        return _rows(np.stack([one.stiffness for one in found]), np.stack([one.damping for one in found]))
 
     def equilibria(self, fitted: Floats) -> tuple[FilmEquilibrium, ...] | None:
         """Return the equilibria at these speeds.
@@ -161,24 +181,28 @@ class SolvedFilms:
         return solved[1]
 
     def _solve(self, fitted: Floats) -> tuple[FilmEquilibrium, ...] | None:
-        train, speed = self._own.changed(fitted), self.nominal.speed
-        found = self._near(fitted, train)
+        train = self._own.changed(fitted)
+        found = self._last.led_to(self._own.of(fitted), train, self.nominal.speed)
         if found is None:
-            one_by_one = tuple(one for one in train.over(speed) if one is not None)
-            found = one_by_one if len(one_by_one) == speed.size else None
+            found = self._from_nominal(fitted)
         if found is not None:
             self._last = _Solution(self._own.of(fitted).copy(), train, found)
         return found
 
-    def _near(self, fitted: Floats, train: FilmTrain) -> tuple[FilmEquilibrium, ...] | None:
-        """Return the equilibria near the last ones; None where there are none."""
-        for start in self._last.starts(self._own.of(fitted), train):
-            found = equilibria_near(train, self.nominal.speed, start)
-            if found is not None:
-                return found
-        return None
+    def _from_nominal(self, fitted: Floats) -> tuple[FilmEquilibrium, ...] | None:
+        """Return the equilibria that the document's lead to through films between its own and these; None where that ends."""
+        centre, own = np.array([one.centre for one in self._own.parameters]), self._own.of(fitted)
+        solution = _Solution(centre, self.nominal.train, self.nominal.equilibria)
+        for part in np.linspace(0.0, 1.0, WAYPOINTS + 1)[1:]:
+            between = centre + part * (own - centre)
+            train = self._own.changed(between)
+            found = solution.led_to(between, train, self.nominal.speed)
+            if found is None:
+                return None
+            solution = _Solution(between, train, found)
+        return solution.found
 
-    def sensitivities(self, fitted: Floats) -> tuple[FilmSensitivity, ...] | None:
+    def sensitivity(self, fitted: Floats) -> FilmSensitivity | None:
         """Compute the derivatives of the equilibria at these speeds.
 
         Args:
@@ -190,8 +214,7 @@ class SolvedFilms:
         found = self.equilibria(fitted)
         if found is None:
             return None
-        train = self._own.changed(fitted)
-        return tuple(film_sensitivity(train, one) for one in found)
+        return film_sensitivity(self._own.changed(fitted), found)
 
     def slopes(self, fitted: Floats) -> Floats:
         """Compute the derivatives of the films' own coefficients by their own fitted numbers.
@@ -208,15 +231,16 @@ class SolvedFilms:
         return known[1]
 
     def _differentiated(self, fitted: Floats) -> Floats:
-        each = self.sensitivities(fitted)
-        if each is None:
-            return np.full((self.nominal.speed.size, 8 * len(self._own.forms), self._own.count), np.nan)
-        positions = np.moveaxis(np.stack([one.position for one in each]), 1, -1)
-        self._last = replace(self._last, slopes=self._own.by_fitted(positions, speed=self.nominal.speed))
-        rows = [np.stack([_row(k, c) for k, c in zip(one.stiffness, one.damping, strict=True)], axis=-1) for one in each]
-        return self._own.by_fitted(np.stack(rows), speed=self.nominal.speed)
+        found, count = self.sensitivity(fitted), self._own.count
+        if found is None:
+            return np.full((self.nominal.speed.size, self.count, count), np.nan)
+        speed = self.nominal.speed
+        self._last = replace(self._last, slopes=self._own.by_fitted(np.moveaxis(found.position, 1, -1), speed=speed))
+        return self._own.by_fitted(np.moveaxis(_rows(found.stiffness, found.damping), 1, -1), speed=speed)
 
 
-def _row(stiffness: Floats, damping: Floats) -> Floats:
-    """Return matrices (n, 2, 2) of n films as one row (8n,)."""
-    return np.concatenate([stiffness.reshape(-1, 4), damping.reshape(-1, 4)], axis=1).reshape(-1)
+def _rows(stiffness: Floats, damping: Floats) -> Floats:
+    """Return matrices (..., n, 2, 2) of n films as rows (..., 8n)."""
+    each = [one.reshape(*one.shape[:-2], 4) for one in (stiffness, damping)]
+    whole = np.concatenate(each, axis=-1)
+    return whole.reshape(*whole.shape[:-2], -1)

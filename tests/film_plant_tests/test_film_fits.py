@@ -1,5 +1,6 @@
 """Identification by films on plants of other make: it is accepted, its intervals hold, a wrong bore is refused."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -17,7 +18,10 @@ from tests.film_plant.discrepancy import DiscrepancySize
 from tests.film_plant.documents import film_document, measured
 from tests.film_plant.plant import Plant
 from tests.film_plant.plants import random_plant
+from tests.film_plant.proportions import OTHER_SLENDERNESS, Design
 from tests.film_plant.scores import film_result_truths, film_truths, score, score_derived
+from tests.film_plant.train import Train
+from tests.film_plant.wrong_documents import warming_oil
 
 OPTIONS = Options(starts=2)
 
@@ -72,6 +76,24 @@ def test_films_that_are_said_to_be_exact_and_are_not_are_refused() -> None:
     plant = random_plant(1, discrepancy=DiscrepancySize(spread=0.08))
     found = identify(parse_machine(film_document(plant, discrepancy=0.002)), measured(plant, seed=1), Options(starts=1))
     assert not found.accepted
+
+
+def test_an_elliptical_bore_said_to_be_plain_is_refused_and_its_bearing_named() -> None:
+    def bored(train: Train, _: np.random.Generator, __: float) -> Train:
+        chosen = replace(train.bearings[1], profile="elliptical", clearance=1.5 * train.bearings[1].clearance)
+        return replace(train, bearings=(train.bearings[0], chosen, *train.bearings[2:]))
+
+    plant = random_plant(5002, design=Design(slenderness=OTHER_SLENDERNESS), alter=bored, discrepancy=DiscrepancySize())
+    found = identify(parse_machine(film_document(plant)), measured(plant, seed=5002), OPTIONS)
+    assert not found.accepted
+    assert found.verdict.startswith("the oil film of B2 deviates from its model by ")
+
+
+def test_oil_that_warms_and_is_said_to_have_one_viscosity_is_refused() -> None:
+    plant = random_plant(5001, alter=warming_oil, discrepancy=DiscrepancySize())
+    found = identify(parse_machine(film_document(plant)), measured(plant, seed=5001), OPTIONS)
+    assert not found.accepted
+    assert found.verdict.startswith("the oil films' viscosity falls with speed")
 
 
 def test_a_start_in_which_a_film_is_too_thin_leads_nowhere_and_says_so() -> None:

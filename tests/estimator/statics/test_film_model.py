@@ -89,7 +89,23 @@ def test_outputs_are_chained_to_the_numbers_as_by_all_derivatives(discrepancy: f
     by_coefficient = parts[0] + 1j * parts[1]
     expected = np.einsum("scp,csm->psm", curves.derivatives(fitted, block), by_coefficient)
     found = curves.chained(fitted, block, by_coefficient)
+    nuisance = np.array([one.nuisance for one in model.parameters])
+    step = curves.values(fitted) - curves.values(np.where(nuisance, 0.0, fitted))
+    along = curves.derivatives(fitted, slice(None))[..., nuisance] @ fitted[nuisance]
+    np.testing.assert_allclose(step, along, atol=1e-9 * np.abs(curves.values(fitted)).max())
     np.testing.assert_allclose(found, expected, atol=1e-12 * np.abs(expected).max())
+
+
+def test_the_trend_of_viscosity_is_that_of_differences_at_the_speeds_that_are_solved() -> None:
+    model = film_model(parse_machine(document(discrepancy=0.0)))
+    speed, fitted = model.nominal.speed, drawn(model, 6)
+    found = model.at(speed).viscosity_trend(fitted)
+    viscosity = np.array([one.quantity == "viscosity" for one in model.parameters])
+    for place in (0, 5, 11):
+        away, curves = np.log(speed[place]) - np.log(speed).mean(), model.at(speed[place : place + 1])
+        rows = [curves.values(fitted - sign * 1e-4 * away * viscosity)[0] for sign in (1.0, -1.0)]
+        difference = (rows[0] - rows[1]) / 2e-4
+        np.testing.assert_allclose(found[place], difference, atol=1e-5 * np.abs(rows[0]).max())
 
 
 def test_what_was_solved_before_changes_nothing() -> None:

@@ -41,7 +41,7 @@ def test_derivatives_are_those_of_differences(kind: Kind) -> None:
     train = film_train(parse_machine(motor_compressor_document(kind)))
     found = train.equilibrium(rpm_to_rad_per_s(3000.0))
     assert found is not None
-    slopes = film_sensitivity(train, found)
+    slopes = film_sensitivity(train, [found])
     for number in range(4):
         for place, name in enumerate(PARAMETERS):
             step = STEPS[name]
@@ -49,7 +49,7 @@ def test_derivatives_are_those_of_differences(kind: Kind) -> None:
             row = len(PARAMETERS) * number + place
             for what in ("position", "force", "stiffness", "damping"):
                 difference = (getattr(ahead, what) - getattr(behind, what)) / (2 * step)
-                own = getattr(slopes, what)[row]
+                own = getattr(slopes, what)[0, row]
                 assert np.abs(own - difference).max() <= 1e-4 * np.abs(difference).max(), (number, name, what)
 
 
@@ -57,6 +57,6 @@ def test_a_rigid_rise_of_all_bearings_moves_nothing_within_them() -> None:
     train = film_train(parse_machine(motor_compressor_document("rigid")))
     found = train.equilibrium(rpm_to_rad_per_s(3000.0))
     assert found is not None
-    slopes = film_sensitivity(train, found)
-    rise = slopes.position[PARAMETERS.index("elevation_y") :: len(PARAMETERS)].sum(axis=0)
+    slopes = film_sensitivity(train, [found])
+    rise = slopes.position[0][PARAMETERS.index("elevation_y") :: len(PARAMETERS)].sum(axis=0)
     assert np.abs(rise).max() < 1e-6

@@ -1,0 +1,101 @@
+"""Judgement of whether oil films want their viscosity to follow the speed, where the document gives each film one viscosity.
+
+Oil warms with speed. A fit without that bends clearances, elevations and deviations until the data are met. The score shows it
+at the fit's end, without another fit: the derivative of the likelihood by an exponent t, of a viscosity in proportion to
+(speed)⁻ᵗ in all films alike, over its standard deviation (Rao, Proc. Camb. Phil. Soc. 44 (1948) 50,
+doi:10.1017/S0305004100023987).
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.arrays import Complexes, Floats
+from estimator.fit.coordinates import PlacedModel
+from estimator.fit.fit_problem import FitProblem, FitResult
+from estimator.fit.phasor_jacobian import phasor_jacobian
+from estimator.fit.reweighting import with_fitted_noise
+from estimator.rotor.response import Sensitivity, sensitivity
+from estimator.statics.film_curves import FilmCurves
+
+LARGEST_SCORE = 3.3
+"""Largest score in standard deviations [-]: 1 of 1000 is larger where viscosity is the same at every speed."""
+
+
+@dataclass(frozen=True)
+class ViscosityTrend:
+    """Exponent t of a viscosity in proportion to (speed)⁻ᵗ that the residuals of a fit without it ask for.
+
+    Attributes:
+        exponent: The exponent [-].
+        error: Its standard error [-].
+    """
+
+    exponent: float
+    error: float
+
+    @property
+    def words(self) -> str:
+        """Return what is wrong; empty where nothing is."""
+        score = self.exponent / self.error
+        if abs(score) <= LARGEST_SCORE:
+            return ""
+        fall = "falls" if self.exponent > 0.0 else "rises"
+        return (
+            f"the oil films' viscosity {fall} with speed, about as its power {-self.exponent:.2g} ({abs(score):.2g} standard "
+            "errors): the document gives one viscosity for every speed"
+        )
+
+
+def viscosity_trend(problem: FitProblem, found: FitResult, covariance: Floats) -> ViscosityTrend | None:
+    """Estimate the trend of viscosity that the residuals of a fit ask for (Rao 1948, doi:10.1017/S0305004100023987).
+
+    Args:
+        problem: The fit's problem.
+        found: The fit.
+        covariance: Covariance (n, n) of the fit coordinates [-].
+
+    Returns:
+        The trend; None where no coefficients follow from films, or the data say nothing of it.
+    """
+    final = with_fitted_noise(problem, found)
+    placed = next((one for one in final.coordinates.models if isinstance(one.curves, FilmCurves)), None)
+    if placed is None:
+        return None
+    own, mixed, slope = _information(final, found.theta, placed)
+    left = own - float(mixed @ covariance @ mixed)
+    return None if left <= 0.0 else ViscosityTrend(slope / left, 1.0 / math.sqrt(left))
+
+
+def _information(problem: FitProblem, theta: Floats, placed: PlacedModel) -> tuple[float, Floats, float]:
+    """Compute the information of the exponent, that which it shares with the coordinates (n,), and half its score."""
+    coordinates, train = problem.coordinates, problem.scaled_train(theta)
+    coefficients, excitations = coordinates.coefficients(theta), problem.excitations(theta)
+    weight = np.where(problem.used, problem.weight(np.abs(problem.model(theta)), 0.0), 0.0)
+    own, mixed, slope = 0.0, np.zeros(theta.size), 0.0
+    for block in train.blocks():
+        found = sensitivity(
+            train.pick(block),
+            coefficients=coefficients[block],
+            excitations=excitations if excitations.ndim == 1 else excitations[block],
+        )
+        direction = problem.measurement.direction[block]
+        modelled = coordinates.channels.as_measured(theta, found.phasor, direction)
+        residual = ((problem.measurement.phasor[block] - modelled) * weight[block]).reshape(-1).view(float)
+        jacobian = phasor_jacobian(coordinates, theta, found, coefficients=coefficients, direction=direction, block=block)
+        rows = (jacobian * weight[block]).reshape(theta.size, -1).view(float)
+        moved = _moved(placed, theta, found, block) * coordinates.channels.gains(theta) * weight[block]
+        parts = moved.reshape(-1).view(float)
+        own += float(parts @ parts)
+        mixed += rows @ parts
+        slope += float(parts @ residual)
+    return own, mixed, slope
+
+
+def _moved(placed: PlacedModel, theta: Floats, found: Sensitivity, block: slice) -> Complexes:
+    """Return the derivatives (S, m) of phasors by the exponent."""
+    if not isinstance(placed.curves, FilmCurves):
+        raise TypeError("only films have a viscosity")
+    by_exponent = placed.curves.viscosity_trend(placed.own(theta))[block]
+    return np.asarray(np.einsum("sc,csm->sm", by_exponent, found.by_coefficient[list(placed.coefficients)]))
