@@ -1,4 +1,4 @@
-// Predictions of the newest identified model: Campbell diagram, critical speeds, coupling loads, balancing.
+// Predictions of the newest identified model: Campbell diagram, critical speeds, oil films, coupling loads, balancing.
 import { NewestNotice, NoIdentification, PendingPanel } from "../components/newest-identification";
 import { Time } from "../components/time";
 import { useNewestIdentification } from "../data/newest-identification";
@@ -6,6 +6,7 @@ import { BalancingPanel } from "../panels/balancing-panel";
 import { CampbellPanel } from "../panels/campbell-panel";
 import { CouplingLoadsPanel } from "../panels/coupling-loads-panel";
 import { CriticalSpeedsPanel } from "../panels/critical-speeds-panel";
+import { OilFilmsPanel } from "../panels/oil-films-panel";
 import type { Document } from "../schemas/machines";
 
 function pathsOf(id: number) {
@@ -28,6 +29,7 @@ export function ModelTab({ machine }: { machine: Document }) {
         <CampbellPanel machine={machine} path={paths.campbell} />
         <CriticalSpeedsPanel machine={machine} path={paths.criticals} />
       </div>
+      <OilFilmsPanel machine={machine} found={newest} />
       <CouplingLoadsPanel path={paths.forces} />
       <BalancingPanel path={paths.balancing} />
     </>

@@ -10,7 +10,8 @@ export interface Document {
   rotation?: Sense;
   speed_range: { minimum_rpm: number; maximum_rpm: number };
   couplings: { id: string }[];
-  bearings: { id: string }[];
+  /** film: of a journal bearing whose coefficients follow from its oil film. */
+  bearings: { id: string; film?: { profile?: string; preload?: number } | null }[];
   discs: { id: string }[];
   probes: { id: string }[];
 }

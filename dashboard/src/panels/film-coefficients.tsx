@@ -1,0 +1,100 @@
+// The coefficients of an oil film at the speeds that an identification tells them at: stiffness and damping, plots and numbers.
+import { number, rpm, scaleOf, type Scale } from "../format/numbers";
+import { Plot } from "../plots/plot";
+import { missingReasons, type Bounded, type FilmCoefficient, type OilFilm } from "../words/oil-films";
+
+const KINDS = [
+  ["k", "Stiffness"],
+  ["c", "Damping"],
+] as const;
+
+export function FilmCoefficients({ film }: { film: OilFilm }) {
+  const named = film.coefficients.flatMap(({ term, at }) => at.map((one, place): [string, Bounded | undefined] => [`${term} at ${rpm(film.speeds[place])}`, one]));
+  return (
+    <>
+      <div class="film-plots">
+        {KINDS.map(([letter, kind]) => (
+          <Kind key={letter} film={film} kind={kind} coefficients={film.coefficients.filter((one) => one.term.startsWith(letter))} />
+        ))}
+      </div>
+      {missingReasons(named).map(([reason, names]) => (
+        <p key={reason} class="muted">
+          {names.join(", ")}: {reason}
+        </p>
+      ))}
+    </>
+  );
+}
+
+function Kind({ film, kind, coefficients }: { film: OilFilm; kind: string; coefficients: FilmCoefficient[] }) {
+  const all = coefficients.flatMap((one) => one.at);
+  const scale = scaleOf(Math.max(0, ...all.map((one) => Math.abs(one?.value ?? 0))), all[0]?.unit ?? "");
+  const column = (one: FilmCoefficient, of: "value" | "lower" | "upper") => one.at.map((at) => scaled(at?.[of], scale));
+  return (
+    <figure>
+      <figcaption>
+        <strong>{film.bearing}</strong> {kind} [{scale.unit}]
+      </figcaption>
+      <Plot
+        label={`${kind} of the oil film of bearing ${film.bearing} in ${scale.unit} at ${film.speeds.map(rpm).join(", ")}: ${coefficients.map((one) => `${one.term} ${column(one, "value").map((at) => number(at)).join(", ")}`).join("; ")}`}
+        x={film.speeds}
+        xUnit="rpm"
+        yUnit={scale.unit}
+        height={220}
+        syncGroup="films"
+        curves={coefficients.map((one) => ({
+          name: one.term,
+          y: column(one, "value"),
+          lower: column(one, "lower"),
+          upper: column(one, "upper"),
+          points: true,
+          bars: true,
+          spanGaps: true,
+        }))}
+      />
+      <CoefficientTable speeds={film.speeds} coefficients={coefficients} scale={scale} />
+    </figure>
+  );
+}
+
+function CoefficientTable({ speeds, coefficients, scale }: { speeds: number[]; coefficients: FilmCoefficient[]; scale: Scale }) {
+  return (
+    <div class="scroll">
+      <table>
+        <thead>
+          <tr>
+            <th>{scale.unit}</th>
+            {speeds.map((one) => (
+              <th key={one} class="number" scope="col">
+                {rpm(one)}
+              </th>
+            ))}
+          </tr>
+        </thead>
+        <tbody>
+          {coefficients.map((one) => (
+            <tr key={one.term}>
+              <th scope="row">{one.term}</th>
+              {one.at.map((at, place) => (
+                <Cell key={speeds[place]} one={at} scale={scale} />
+              ))}
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
+function Cell({ one, scale }: { one: Bounded | undefined; scale: Scale }) {
+  if (!one || one.value === null) return <td class="number muted">not estimable</td>;
+  return (
+    <td class="number">
+      {number(scaled(one.value, scale))} <small class="muted">{`${number(scaled(one.lower, scale))} … ${number(scaled(one.upper, scale))}`}</small>
+    </td>
+  );
+}
+
+function scaled(value: number | null | undefined, scale: Scale): number | null {
+  return value === null || value === undefined ? null : value * scale.factor;
+}

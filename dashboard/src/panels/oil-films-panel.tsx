@@ -1,0 +1,138 @@
+// The oil films of an identified machine: where the journals rest in their clearances, what they carry, and the coefficients.
+import { replaceQuery, route } from "../browser/router";
+import { useStore } from "../browser/store";
+import { Panel } from "../components/panel";
+import { number, rpm, scaleOf } from "../format/numbers";
+import { ClearanceCircle, type Coordinate } from "../plots/clearance-circle";
+import type { Identification } from "../schemas/identifications";
+import type { Document } from "../schemas/machines";
+import { missingReasons, oilFilms, type Bounded, type OilFilm } from "../words/oil-films";
+import { FilmCoefficients } from "./film-coefficients";
+
+type DocumentFilm = NonNullable<Document["bearings"][number]["film"]>;
+
+/** Nothing where the identification tells of no films. */
+export function OilFilmsPanel({ machine, found }: { machine: Document; found: Identification }) {
+  const { query } = useStore(route);
+  const films = oilFilms(found);
+  if (films.length === 0) return null;
+  const documented = (bearing: string) => machine.bearings.find((one) => one.id === bearing)?.film ?? undefined;
+  const chosen = films.find((one) => one.bearing === query.get("bearing")) ?? films[0]!;
+  const isPreloaded = films.some((one) => (documented(one.bearing)?.preload ?? 0) > 0);
+  return (
+    <Panel title="Oil films" aside={<p class="muted">at {rpm(films[0]!.speeds.at(-1))}, with 95 % intervals</p>}>
+      <p class="muted">
+        Dot: centre of the journal from the bearing's centre, x to the right, y up; cross: the intervals of both. Circle: radial clearance
+        {isPreloaded && "; dashed: what the preload of the pads leaves of it"}. {turning(machine)}
+      </p>
+      <div class="films shapes">
+        {films.map((one) => (
+          <FilmFigure key={one.bearing} film={one} documented={documented(one.bearing)} />
+        ))}
+      </div>
+      {chosen.coefficients.length > 0 && (
+        <>
+          <h3>Coefficients over speed</h3>
+          <div class="choices">
+            <BearingSelect films={films} chosen={chosen.bearing} />
+          </div>
+          <FilmCoefficients film={chosen} />
+        </>
+      )}
+    </Panel>
+  );
+}
+
+function turning({ rotation }: Document): string {
+  return rotation ? `The shaft turns ${rotation === "positive" ? "counter-clockwise" : "clockwise"} in these drawings.` : "";
+}
+
+function BearingSelect({ films, chosen }: { films: OilFilm[]; chosen: string }) {
+  return (
+    <label>
+      Bearing
+      <select value={chosen} onChange={(event) => replaceQuery({ bearing: event.currentTarget.value })}>
+        {films.map((one) => (
+          <option key={one.bearing} value={one.bearing}>
+            {one.bearing}
+          </option>
+        ))}
+      </select>
+    </label>
+  );
+}
+
+function FilmFigure({ film, documented }: { film: OilFilm; documented: DocumentFilm | undefined }) {
+  const preload = documented?.preload ?? 0;
+  const hasPads = documented?.profile !== undefined && !["plain", "two_axial_grooves"].includes(documented.profile);
+  const rows: [string, Bounded | undefined][] = [
+    [hasPads ? "Clearance of the pads" : "Radial clearance", film.clearance],
+    ["Journal x", film.journalX],
+    ["Journal y", film.journalY],
+    ["Eccentricity ratio", film.eccentricity],
+    ["Load, vertical", film.loadVertical],
+    ["Load, horizontal", film.loadHorizontal],
+  ];
+  return (
+    <figure>
+      <figcaption>
+        <strong>{film.bearing}</strong>
+      </figcaption>
+      <div class="film">
+        {film.radius !== null && (
+          <ClearanceCircle
+            label={`Oil film of bearing ${film.bearing}: ${rows.map(([name, one]) => `${name.toLowerCase()} ${spoken(one)}`).join("; ")}`}
+            radius={film.radius}
+            assembled={preload > 0 ? film.radius * (1 - preload) : undefined}
+            position={positionOf(film)}
+          />
+        )}
+        <table>
+          <tbody>
+            {rows.map(([name, one]) => one && <Row key={name} name={name} one={one} />)}
+          </tbody>
+        </table>
+      </div>
+      {missingReasons(rows).map(([reason, names]) => (
+        <p key={reason} class="muted">
+          {names.join(", ")}: {reason}
+        </p>
+      ))}
+    </figure>
+  );
+}
+
+function positionOf({ journalX, journalY }: OilFilm): { x: Coordinate; y: Coordinate } | null {
+  const coordinate = (one: Bounded | undefined): Coordinate | null => (one && one.value !== null ? { ...one, value: one.value } : null);
+  const [x, y] = [coordinate(journalX), coordinate(journalY)];
+  return x && y && { x, y };
+}
+
+function Row({ name, one }: { name: string; one: Bounded }) {
+  const text = textOf(one);
+  return (
+    <tr>
+      <th scope="row">{name}</th>
+      {text === null ? (
+        <td class="number muted">not estimable</td>
+      ) : (
+        <td class="number">
+          {text.value} <small class="muted">{`${text.lower} … ${text.upper}`}</small>
+        </td>
+      )}
+    </tr>
+  );
+}
+
+/** A number with its unit and its bounds in the same; null where it is not known. One near zero has the unit of its interval. */
+function textOf({ value, lower, upper, unit }: Bounded): { value: string; lower: string; upper: string } | null {
+  if (value === null) return null;
+  const scale = scaleOf(Math.max(...[value, lower, upper].map((one) => Math.abs(one ?? 0))), unit);
+  const shown = (one: number | null) => number(one === null ? null : one * scale.factor);
+  return { value: `${shown(value)} ${scale.unit}`.trim(), lower: shown(lower), upper: shown(upper) };
+}
+
+function spoken(one: Bounded | undefined): string {
+  const text = one ? textOf(one) : null;
+  return text ? `${text.value} (${text.lower} to ${text.upper})` : "not estimable";
+}
