@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 
@@ -21,10 +20,9 @@ from estimator.rotor.parameters import Unknowns, unknowns
 from estimator.rotor.response import response
 from estimator.runs.segmentation import RunKind
 from estimator.simulation.simulated_films import SimulatedFilms, draw_films
+from estimator.simulation.stories import Story
 from estimator.trends.covariates import usual_change
 from estimator.units import rpm_to_rad_per_s
-
-Story = Literal["healthy", "misalignment", "unbalance"]
 
 TRUTH_SPREAD = 0.08
 """Standard deviation of the logarithm of each coefficient by which a machine differs from its document [-]."""

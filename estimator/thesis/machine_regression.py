@@ -19,11 +19,11 @@ from estimator.rotor.condensation import condense
 from estimator.rotor.response import response
 from estimator.rotor.shaft_element import NODE_DOFS
 from estimator.thesis.flexible_train import flexible_train
+from estimator.thesis.parameter_rules import Rule
 from estimator.thesis.reduced_model import response_equations
 from estimator.thesis.reduction import high_frequency_condensed
 from estimator.thesis.regression import Scaling, Solution, solve
 from estimator.thesis.response_regression import speed_independent_regression, with_trial_unbalances
-from estimator.thesis.tikhonov import Rule
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,8 @@ from typing import Literal
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.thesis.tikhonov import Rule, SpectralProblem, choose_parameter, filter_factors
+from estimator.thesis.parameter_rules import Rule
+from estimator.thesis.tikhonov import SpectralProblem, choose_parameter, filter_factors
 
 Scaling = Literal["none", "thesis", "norm"]
 Method = Literal["orthogonal", "inverse", "pseudo-inverse"]

@@ -6,14 +6,13 @@ the corner of the L-curve (Hansen and O'Leary 1993, doi:10.1137/0914086).
 """
 
 from dataclasses import dataclass
-from typing import Literal, Self
+from typing import Self
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 
 from estimator.arrays import Floats
-
-Rule = Literal["generalised cross-validation", "L-curve"]
+from estimator.thesis.parameter_rules import Rule
 
 GRID = 200
 """Number of values of λ, evenly spaced in ln λ, that the rules compare before they refine."""

@@ -1,40 +1,24 @@
-"""Commands that identify machines from recorded runs, without a service."""
+"""Commands that identify machines from recorded runs, without a service.
+
+Each imports what it computes with by itself: that takes a second, which other commands should not spend.
+"""
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-import threadpoolctl
 import typer
-from pydantic import ValidationError
 
 from estimator.errors import Invalid
-from estimator.fit.identify import Identification
-from estimator.identification.model_comparison import compare_misalignment
-from estimator.identification.quality_gate import GatedIdentification, identify_gated
-from estimator.machine.document import Machine
-from estimator.machine.rules import QualityRules
-from estimator.phasors.measurement import Measurement, joined
-from estimator.phasors.recorded_run import RecordedRun
-from estimator.thesis.machine_regression import regress
-from estimator.thesis.tikhonov import Rule
-from estimator.updated_model.model import updated_model
-from service.commands.document_warnings import say_warnings
+from estimator.thesis.parameter_rules import Rule
 from service.commands.exit import fail
-from service.commands.film_report import film_text, has_films
-from service.commands.identification_report import (
-    EXPLAINED,
-    advice_text,
-    comparison_text,
-    identification_text,
-    quality_text,
-    regression_text,
-    slow_roll_text,
-)
-from service.commands.model_report import model_text
-from service.commands.offline import captured, read_measurement, read_runs, without_slow_roll
 from service.commands.terminal import say, say_lines
-from service.configuration.document_files import UnreadableFile, read_machine
-from service.wire import Rejected
+
+if TYPE_CHECKING:
+    from estimator.fit.identify import Identification
+    from estimator.identification.quality_gate import GatedIdentification
+    from estimator.machine.document import Machine
+    from estimator.phasors.measurement import Measurement
+    from estimator.phasors.recorded_run import RecordedRun
 
 Method = Literal["likelihood", "regression"]
 MachineFile = Annotated[Path, typer.Argument(help="machine document")]
@@ -62,6 +46,8 @@ def identify_offline(
 
     Ends with status 1 when the fit is not accepted.
     """
+    from service.commands.identification_report import advice_text, identification_text, quality_text
+
     if method == "regression" and advice:
         fail("--advice goes with the likelihood: the regression has no information to read it from")
     if method == "likelihood" and tikhonov is not None:
@@ -103,6 +89,11 @@ def model(
     positions, Sommerfeld numbers and the speed from which on the train would whirl. Ends with status 1 when the fit is not
     accepted.
     """
+    import threadpoolctl
+
+    from estimator.updated_model.model import updated_model
+    from service.commands.model_report import model_text
+
     _print_films(machine, service_rpm, needed=not files)
     if not files:
         return
@@ -120,6 +111,9 @@ def model(
 
 def _print_films(machine: Path, service_rpm: float | None, *, needed: bool) -> None:
     """Print the static state on oil films of a document that describes them; needed: fail for one that does not."""
+    from service.commands.film_report import film_text, has_films
+    from service.configuration.document_files import UnreadableFile, read_machine
+
     try:
         described = read_machine(machine)
         if has_films(described):
@@ -138,6 +132,14 @@ def compare(
     coupling: Annotated[str, typer.Option(help="id of the coupling that may be misaligned")],
 ) -> None:
     """Tell whether later runs show changed coefficients at a coupling, an equivalent load in it, or no change."""
+    import threadpoolctl
+
+    from estimator.identification.model_comparison import compare_misalignment
+    from service.commands.identification_report import comparison_text
+    from service.commands.offline import read_measurement
+    from service.configuration.document_files import UnreadableFile
+    from service.wire import Rejected
+
     described, _, healthy = _identified(machine, [baseline], None)
     if not healthy.accepted:
         fail(f"{baseline}: {healthy.verdict}")
@@ -159,6 +161,12 @@ def show_slow_roll(
     sidecar: OtherSidecar = None,
 ) -> None:
     """Print the slow-roll vectors of a recorded run. Ends with status 1 when no channel shows one."""
+    from estimator.phasors.measurement import joined
+    from service.commands.identification_report import slow_roll_text
+    from service.commands.offline import captured
+    from service.configuration.document_files import UnreadableFile
+    from service.wire import Rejected
+
     try:
         described, runs = _runs(machine, [file], sidecar)
         say_lines(slow_roll_text(described, captured(described, joined([measured for _, measured in runs]), band)))
@@ -167,6 +175,14 @@ def show_slow_roll(
 
 
 def _regress(machine: Path, files: list[Path], sidecar: Path | None, tikhonov: Rule | None, slow_roll: str | None) -> None:
+    import threadpoolctl
+
+    from estimator.phasors.measurement import joined
+    from estimator.thesis.machine_regression import regress
+    from service.commands.identification_report import EXPLAINED, regression_text
+    from service.configuration.document_files import UnreadableFile
+    from service.wire import Rejected
+
     try:
         described, runs = _runs(machine, files, sidecar, slow_roll)
         measurement = joined([measured for _, measured in runs])
@@ -181,8 +197,13 @@ def _regress(machine: Path, files: list[Path], sidecar: Path | None, tikhonov: R
 
 def _runs(
     machine: Path, files: list[Path], sidecar: Path | None, slow_roll: str | None = None
-) -> tuple[Machine, list[tuple[RecordedRun, Measurement]]]:
+) -> "tuple[Machine, list[tuple[RecordedRun, Measurement]]]":
     """Read a document and its recorded runs, without the slow roll of a band where one is given."""
+    from service.commands.document_warnings import say_warnings
+    from service.commands.identification_report import slow_roll_text
+    from service.commands.offline import read_runs, without_slow_roll
+    from service.configuration.document_files import read_machine
+
     described = read_machine(machine)
     say_warnings(described)
     runs, left_out = read_runs(described, files, sidecar)
@@ -195,7 +216,7 @@ def _runs(
     return corrected, rest
 
 
-def _identified(machine: Path, files: list[Path], sidecar: Path | None) -> tuple[Machine, Measurement, Identification]:
+def _identified(machine: Path, files: list[Path], sidecar: Path | None) -> "tuple[Machine, Measurement, Identification]":
     described, measurement, found = _gated(machine, files, sidecar)
     if found.identification is None:
         fail(found.error or "there is nothing to identify from")
@@ -210,7 +231,16 @@ def _gated(
     rules: dict[str, Any] | None = None,
     gate: bool = True,
     slow_roll: str | None = None,
-) -> tuple[Machine, Measurement, GatedIdentification]:
+) -> "tuple[Machine, Measurement, GatedIdentification]":
+    import threadpoolctl
+    from pydantic import ValidationError
+
+    from estimator.identification.quality_gate import identify_gated
+    from estimator.machine.rules import QualityRules
+    from estimator.phasors.measurement import joined
+    from service.configuration.document_files import UnreadableFile
+    from service.wire import Rejected
+
     try:
         described, runs = _runs(machine, files, sidecar, slow_roll)
         recorded, measured = [run for run, _ in runs], [measurement for _, measurement in runs]

@@ -1,4 +1,7 @@
-"""The command `rundown` with its subcommands."""
+"""The command `rundown` with its subcommands.
+
+Each imports what it needs by itself: web server, database and estimator take a second or two, which others should not spend.
+"""
 
 import json
 import logging
@@ -6,41 +9,23 @@ import signal
 import threading
 import time
 from pathlib import Path
-from typing import Annotated, Any, get_args
+from typing import TYPE_CHECKING, Annotated, Any, get_args
 
-import numpy as np
 import typer
 
-from estimator.machine.document import Machine
-from estimator.simulation.simulated_plant import (
-    Story,
-    draw_truth,
-    measured_phasors,
-    speed_law,
-    truth_at_progress,
-    truth_of_run,
-)
-from estimator.units import RAD_PER_S
+from estimator.simulation.stories import Story
 from service.commands.analysis import compare, identify_offline, model, show_slow_roll
-from service.commands.document_warnings import say_warnings
 from service.commands.exit import fail
 from service.commands.keys import audit_app, key_app
 from service.commands.retention import retention_app
 from service.commands.storage import backup, export, move, restore
 from service.commands.terminal import say, say_lines
-from service.configuration.document_files import UnreadableFile, read_machine
 from service.configuration.log_format import log_to_terminal
 from service.configuration.release import VERSION
 from service.configuration.settings import DEFAULT_ZENOH_ENDPOINT, Role, Settings, SettingsWrong, settings_of
-from service.messaging.access_control import AccessUnusable, from_environment
-from service.messaging.session import StreamUnusable, wait_connected
-from service.messaging.session import session as zenoh_session
-from service.sources.publisher import Source
-from service.sources.recording import read_recording, split, write_recording
-from service.sources.replay_log import LogError
-from service.sources.simulator import BATCH_SAMPLES, SimulationPlan
-from service.sources.simulator import simulate as run_simulation
-from service.wire import Key
+
+if TYPE_CHECKING:
+    from estimator.machine.document import Machine
 
 app = typer.Typer(no_args_is_help=True, add_completion=False)
 app.add_typer(key_app, name="key")
@@ -84,12 +69,6 @@ def serve(
     ] = None,
 ) -> None:
     """Run the service. Every setting can also come from the environment as RUNDOWN_<NAME>; see docs/operators.md."""
-    # Imported here: the web server and the database take a second, which other commands should not spend.
-    from service.commands.serve import serve as run_service
-    from service.http.listening_socket import PortUnusable
-    from service.security.exposure import Exposed
-    from storage.database.claim import DatabaseUnusable
-
     given: dict[str, Any] = {
         "database": database,
         "host": host,
@@ -103,6 +82,14 @@ def serve(
     if zenoh_connect and not zenoh_listen:
         given["zenoh_listen"] = []
     settings = _settings({name: value for name, value in given.items() if value is not None})
+    # Only now: wrong settings are told at once.
+    from service.commands.serve import serve as run_service
+    from service.http.listening_socket import PortUnusable
+    from service.messaging.access_control import AccessUnusable
+    from service.messaging.session import StreamUnusable
+    from service.security.exposure import Exposed
+    from storage.database.claim import DatabaseUnusable
+
     log_to_terminal(settings.log_level, settings.log_format)
     try:
         run_service(settings)
@@ -163,6 +150,9 @@ def router(
 
     Beyond loopback it needs certificates and access rules, as `serve` does (RUNDOWN_ZENOH_…; docs/security.md).
     """
+    from service.messaging.access_control import AccessUnusable, from_environment
+    from service.messaging.session import StreamUnusable
+    from service.messaging.session import session as zenoh_session
     from service.security.exposure import Exposed, require_guarded
 
     settings = _log_as_set()
@@ -192,6 +182,13 @@ def simulate(
     truth: Annotated[Path | None, typer.Option(help="file for the true parameters of each run")] = None,
 ) -> None:
     """Simulate machines in a process of their own, publishing over zenoh as real sources do."""
+    from service.configuration.document_files import UnreadableFile
+    from service.messaging.access_control import from_environment
+    from service.messaging.session import StreamUnusable, wait_connected
+    from service.messaging.session import session as zenoh_session
+    from service.sources.simulator import SimulationPlan
+    from service.sources.simulator import simulate as run_simulation
+
     log_to_terminal("INFO")
     plan = SimulationPlan(cycles, interval_days * 86_400.0, samples, rate, seed, LINGER_S)
     stop = _stop_on_signal()
@@ -212,6 +209,15 @@ def replay(
     speedup: Annotated[float, typer.Option(min=0.001, help="how much faster than it was recorded")] = 1.0,
 ) -> None:
     """Publish a recorded run over zenoh, in real or compressed time."""
+    from service.configuration.document_files import UnreadableFile
+    from service.messaging.access_control import AccessUnusable, from_environment
+    from service.messaging.session import StreamUnusable, wait_connected
+    from service.messaging.session import session as zenoh_session
+    from service.sources.publisher import Source
+    from service.sources.recording import read_recording, split
+    from service.sources.simulator import BATCH_SAMPLES
+    from service.wire import Key
+
     log_to_terminal("INFO")
     stop = _stop_on_signal()
     try:
@@ -240,6 +246,10 @@ def edge(
 ) -> None:
     """Run the edge agent: raw probe waveforms with a keyphasor in, samples of phasors out, through a durable log."""
     from service.commands.edge import run_edge
+    from service.configuration.document_files import UnreadableFile
+    from service.messaging.access_control import AccessUnusable
+    from service.messaging.session import StreamUnusable
+    from service.sources.replay_log import LogError
 
     _log_as_set()
     try:
@@ -251,6 +261,9 @@ def edge(
 @app.command()
 def document(machine: Annotated[Path, typer.Argument(help="machine document, YAML or JSON")]) -> None:
     """Check a machine document and print it as JSON, as the REST API takes it."""
+    from service.commands.document_warnings import say_warnings
+    from service.configuration.document_files import UnreadableFile, read_machine
+
     try:
         described = read_machine(machine)
         say_warnings(described)
@@ -269,6 +282,19 @@ def sample(
     run_seed: Annotated[int, typer.Option(min=0, help="of the run: its scatter and noise")] = 1,
 ) -> None:
     """Write one simulated run-down as a recording, to try the commands on."""
+    import numpy as np
+
+    from estimator.simulation.simulated_plant import (
+        draw_truth,
+        measured_phasors,
+        speed_law,
+        truth_at_progress,
+        truth_of_run,
+    )
+    from estimator.units import RAD_PER_S
+    from service.configuration.document_files import UnreadableFile
+    from service.sources.recording import write_recording
+
     try:
         described, story = _machine_and_story(machine)
         true = truth_at_progress(draw_truth(described, np.random.default_rng(seed)), described, story, progress)
@@ -303,7 +329,9 @@ def demo(
         raise typer.Exit(1)
 
 
-def _machine_and_story(text: str) -> tuple[Machine, Story]:
+def _machine_and_story(text: str) -> "tuple[Machine, Story]":
+    from service.configuration.document_files import UnreadableFile, read_machine
+
     name, colon, story = text.rpartition(":")
     if story in get_args(Story):
         return read_machine(Path(name)), story  # type: ignore[return-value]

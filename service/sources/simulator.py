@@ -18,7 +18,6 @@ from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine
 from estimator.runs.segmentation import RunKind
 from estimator.simulation.simulated_plant import (
-    Story,
     Truth,
     draw_truth,
     drawn_conditions,
@@ -28,6 +27,7 @@ from estimator.simulation.simulated_plant import (
     truth_of_run,
     truth_under_conditions,
 )
+from estimator.simulation.stories import Story
 from estimator.units import METRES, PEAK, RADIANS, rad_per_s_to_rpm
 from service.sources.publisher import Source
 from service.sources.recording import split

@@ -13,10 +13,10 @@ from estimator.phasors.measurement import Measurement, joined
 from estimator.rotor.condensation import CondensedTrain
 from estimator.rotor.response import response, sensitivity
 from estimator.thesis.noise import Sharing, multiplicative_noise
+from estimator.thesis.parameter_rules import Rule
 from estimator.thesis.regression import Method, Scaling, Solution, solve
 from estimator.thesis.rigid_regression import rigid_regression
 from estimator.thesis.rigid_train import RigidTrain, condensed, printed_train
-from estimator.thesis.tikhonov import Rule
 
 Floats = NDArray[np.float64]
 Complexes = NDArray[np.complex128]

@@ -6,9 +6,9 @@ import numpy as np
 
 from benchmarks.thesis.chapter_2.experiments import Case, Experiment, Floats, case, regression
 from benchmarks.thesis.tables import decade, median_and_worst, paragraphs, percent, prose, table
+from estimator.thesis.parameter_rules import Rule
 from estimator.thesis.regression import Method, Scaling
 from estimator.thesis.rigid_train import names
-from estimator.thesis.tikhonov import Rule
 
 SCALINGS: tuple[Scaling, ...] = get_args(Scaling)
 

@@ -22,9 +22,9 @@ from benchmarks.thesis.chapter_2.regularisation import SCALINGS, scaling_section
 from benchmarks.thesis.chapter_2.unbalances import unbalances_section
 from benchmarks.thesis.tables import paragraphs, percent, prose, table
 from estimator.thesis.noise import Sharing, multiplicative_rms
+from estimator.thesis.parameter_rules import Rule
 from estimator.thesis.regression import Method
 from estimator.thesis.rigid_train import names
-from estimator.thesis.tikhonov import Rule
 
 
 def section() -> str:

@@ -15,7 +15,6 @@ from estimator.simulation.simulated_plant import (
     RUN_SCATTER,
     TRUTH_SPREAD,
     UNBALANCE_GROWTH,
-    Story,
     Truth,
     draw_truth,
     measured_phasors,
@@ -24,6 +23,7 @@ from estimator.simulation.simulated_plant import (
     truth_at_progress,
     truth_of_run,
 )
+from estimator.simulation.stories import Story
 from estimator.units import rad_per_s_to_rpm
 from tests.estimator.trains import Floats, chapter_3, chapter_3_document, one_disc_document, without
 

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from estimator.thesis.parameter_rules import Rule
 from estimator.thesis.regression import Regression, solve
 from estimator.thesis.tikhonov import (
-    Rule,
     SpectralProblem,
     choose_parameter,
     damped_parts,
