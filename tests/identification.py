@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine
 from estimator.phasors.channel_status import ChannelStatus
 from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law
@@ -19,6 +20,7 @@ from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples
 from storage.findings import jobs
 from storage.measurements import runs
+from tests.plant import SECOND
 
 
 def chapter_3() -> Machine:
@@ -26,13 +28,10 @@ def chapter_3() -> Machine:
     return read_machine(Path(__file__).parents[1] / "examples" / "thesis-chapter-3.yaml")
 
 
-def close_run(database: Database, train: Machine, *, seed: int, start_s: int, ask: bool = True) -> int:
-    """Store a run-down as the collector would, with its job."""
-    rng = np.random.default_rng(seed)
-    seconds, speed = speed_law(train, "run-down", duration=300.0, samples=100)
-    phasor = measured_phasors(train, draw_truth(train, rng), speed, rng)
-    held = Samples(
-        time=(start_s * 1_000_000_000 + seconds * 1e9).astype(np.int64),
+def forward_samples(time_ns: Floats, speed: Floats, phasor: Complexes) -> Samples:
+    """Samples of 1x phasors in the positive direction, good where there is one."""
+    return Samples(
+        time=time_ns.astype(np.int64),
         speed=speed,
         direction=np.ones(speed.size, np.int8),
         phasor=phasor,
@@ -40,6 +39,14 @@ def close_run(database: Database, train: Machine, *, seed: int, start_s: int, as
         scatter=np.full(phasor.shape, np.nan),
         second=np.full(phasor.shape, complex(np.nan, np.nan)),
     )
+
+
+def close_run(database: Database, train: Machine, *, seed: int, start_s: int, ask: bool = True) -> int:
+    """Store a run-down as the collector would, with its job."""
+    rng = np.random.default_rng(seed)
+    seconds, speed = speed_law(train, "run-down", duration=300.0, samples=100)
+    phasor = measured_phasors(train, draw_truth(train, rng), speed, rng)
+    held = forward_samples(start_s * SECOND + seconds * 1e9, speed, phasor)
     with database.transaction() as session:
         row = runs.open_run(session, train.id, revision=1, kind="run-down", direction=1, time_first=int(held.time[0]))
         runs.close(row, samples=held, state=runs.CLOSED, reason="the speed left the speed range")

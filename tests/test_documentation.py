@@ -57,3 +57,16 @@ def test_files_that_a_page_names_exist(page: Path) -> None:
         if name not in invented and name not in names and not any((place / name).exists() for place in (ROOT, ROOT / "docs"))
     ]
     assert missing == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_sections_that_a_page_links_to_exist(page: Path) -> None:
+    links = re.findall(r"\]\(([\w./-]*)#([\w-]+)\)", page.read_text())
+    pages = [(page.parent / name if name else page, anchor) for name, anchor in links]
+    assert [anchor for there, anchor in pages if there.suffix == ".md" and anchor not in sections(there.read_text())] == []
+
+
+def sections(text: str) -> set[str]:
+    """The anchors of a page's headings, as they are made of their words, and those that it sets itself."""
+    headings = [re.sub(r"[^\w\- ]", "", one.lower()).strip().replace(" ", "-") for one in re.findall(r"(?m)^#+ (.*)$", text)]
+    return {*headings, *re.findall(r'<a (?:id|name)="([\w-]+)"', text)}

@@ -9,13 +9,16 @@ import pytest
 from estimator.fit.identify import Options
 from estimator.machine.document import Machine
 from estimator.machine.rules import Noise
-from estimator.phasors.channel_status import ChannelStatus
+from estimator.phasors.slow_roll import SlowRoll
 from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law
 from service.configuration.document_files import read_machine
 from service.identification import computation
 from service.identification.task import IdentificationOutcome, IdentificationTask
-from storage.encoding.sample_blocks import Samples, encode
+from storage.encoding.sample_blocks import encode
+from tests.identification import forward_samples
 from tests.paths import EXAMPLES
+from tests.plant import START
+from tests.slow_roll import RUN_OUT, with_run_out
 
 
 @pytest.fixture(scope="module")
@@ -28,15 +31,7 @@ def computed(train: Machine, *, told: Machine | None = None) -> IdentificationOu
     rng = np.random.default_rng(1)
     seconds, speed = speed_law(train, "run-down", duration=300.0, samples=100)
     phasor = measured_phasors(train, draw_truth(train, rng), speed, rng)
-    held = Samples(
-        time=(seconds * 1e9).astype(np.int64),
-        speed=speed,
-        direction=np.ones(speed.size, np.int8),
-        phasor=phasor,
-        status=np.full(phasor.shape, ChannelStatus.GOOD, np.uint8),
-        scatter=np.full(phasor.shape, np.nan),
-        second=np.full(phasor.shape, complex(np.nan, np.nan)),
-    )
+    held = forward_samples(seconds * 1e9, speed, phasor)
     document = (told or train).model_dump(mode="json")
     return computation.compute(IdentificationTask(document, [encode(held)], Options(starts=1), 60.0))
 
@@ -80,3 +75,14 @@ def test_the_identification_stands_without_them(
     assert outcome.identification is not None
     assert outcome.identification.accepted
     assert (outcome.derived, outcome.underived) == ((), said)
+
+
+def test_the_quality_of_a_run_tells_of_swapped_channels_and_its_fit_is_without_the_slow_roll(train: Machine) -> None:
+    seconds, speed, phasor = with_run_out(train, duration=3000.0, samples=80)
+    held = forward_samples(START + seconds * 1e9, speed, phasor[:, [0, 1, 3, 2, 4, 5, 6, 7]])
+    vectors = SlowRoll(1, RUN_OUT, np.full(8, 1e-6))
+    task = IdentificationTask(train.model_dump(mode="json"), [encode(held)], Options(starts=1), 60.0, slow_roll=vectors)
+    outcome = computation.compute(task)
+    assert any("the orbit at B2X and B2Y turns backward" in words for words in outcome.qualities[0].findings)
+    assert outcome.identification is not None
+    assert "probe.B1X.run_out.real" in outcome.identification.coordinates

@@ -2,7 +2,8 @@
 
 import pytest
 
-from service.monitoring import baseline_changes
+from service.monitoring import assessment_context, baseline_changes
+from service.monitoring.assess import compare
 from service.monitoring.baseline_changes import BaselineRefused
 from storage.alerts import alerts
 from storage.database.engine import Database
@@ -146,3 +147,19 @@ def test_comparable_revisions_are_those_without_a_break_between(plant: Database)
             machines.revise(session, machine(**change))
         found = [machines.comparable_revisions(session, "pump-7", number) for number in range(1, 6)]
         assert found == [[1, 2], [1, 2], [3, 4], [3, 4], [5]]
+
+
+def test_baselines_hold_identifications_of_one_slow_roll_version(plant: Database) -> None:
+    with plant.transaction() as session:
+        for number in range(7):
+            row = store_identification(session, identification(), run_id=number, measured_at=START + number)
+        context = assessment_context.load_context(session, row, baseline_runs=5)
+        assert context is not None
+        found = compare(context)
+        assert found is not None
+        assert len(found.after) == 2
+        row.slow_roll_version = 1
+        session.flush()
+        context = assessment_context.load_context(session, row, baseline_runs=5)
+        assert context is not None
+        assert compare(context) is None
