@@ -20,7 +20,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.chain import create_machines, publishing
+from benchmarks.chain import create_machines, publishing, received
 from benchmarks.closed_loop import latencies
 from service.runs.collection_state import CollectionState
 from storage.alerts import alerts
@@ -169,7 +169,7 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
             quiet.append(one_round(base, options))
             with _ingest(service, names, folder, options):
                 busy.append(one_round(base, options))
-        stored = _received(service)
+        stored = received(service)
     service.client.close()
     print(f"{options.clients} clients at once, {options.requests} requests each figure, seed {options.seed}")
     p99 = show(quiet, options)
@@ -196,15 +196,11 @@ def _ingest(service: Service, names: list[str], folder: Path, options: argparse.
     """Sources that publish until the block ends."""
     arguments = ["-m", "benchmarks.throughput", "--publish", ",".join(names), "--connect", service.endpoint]
     arguments += ["--folder", str(folder), "--rate", str(options.rate), "--channels", "8", "--seconds", "600"]
-    before = _received(service)
+    before = received(service)
     with publishing(*arguments) as sources:
-        until(lambda: _received(service) > before + options.rate, within_s=60, what="samples are stored")
+        until(lambda: received(service) > before + options.rate, within_s=60, what="samples are stored")
         yield
         sources.kill()
-
-
-def _received(service: Service) -> int:
-    return int(sum(one["received"] for one in service.get("/sources", limit=1000)))
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -3,12 +3,14 @@
 The durable moment of a block is when a connection of this process to the service's database first sees it committed.
 """
 
+import argparse
 import contextlib
 import subprocess
 import sys
+import tempfile
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -117,6 +119,11 @@ def create_machines(service: Service, count: int, *, channels: int = 8) -> list[
     return names
 
 
+def received(service: Service) -> int:
+    """Return the number of samples that the service has stored."""
+    return sum(source["received"] for source in service.get("/sources", limit=1000))
+
+
 def further(channel: str) -> str:
     """Return the second probe beside one of the example's."""
     return f"{channel}2"
@@ -169,6 +176,25 @@ class Usage:
 def _processor_s(one: psutil.Process) -> float:
     times = one.cpu_times()
     return float(times.user + times.system)
+
+
+def publish_or_measure(
+    options: argparse.Namespace,
+    publish: Callable[[argparse.Namespace], None],
+    measure: Callable[[Path, argparse.Namespace], bool],
+) -> None:
+    """Publish where `--publish` asks this process to, else measure; status 1 when a figure is not as asked."""
+    if options.publish:
+        publish(options)
+    else:
+        measure_in_a_folder(lambda folder: measure(folder, options))
+
+
+def measure_in_a_folder(measure: Callable[[Path], bool]) -> None:
+    """Measure in a folder that is gone afterwards; status 1 when a figure is not as asked."""
+    with tempfile.TemporaryDirectory() as folder:
+        if not measure(Path(folder)):
+            raise SystemExit(1)
 
 
 def patiently(seconds: float) -> bool:

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import psutil
 
-from benchmarks.chain import Usage, create_machines, publishing
+from benchmarks.chain import Usage, create_machines, publishing, received
 from estimator.fit.identify import Options
 from estimator.identification.quality_gate import identify_gated
 from estimator.updated_model.derived_quantities import derived_quantities
@@ -66,11 +66,6 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
     parts(database)
     database.close()
     return rate >= ASKED
-
-
-def received(service: Service) -> int:
-    """Return the number of samples that the service has stored."""
-    return sum(source["received"] for source in service.get("/sources"))
 
 
 def parts(database: Database, *, most: int = 10) -> None:

@@ -10,7 +10,6 @@ holds its absence.
 import argparse
 import contextlib
 import subprocess
-import tempfile
 import time
 from pathlib import Path
 
@@ -18,7 +17,18 @@ import msgspec
 import numpy as np
 import psutil
 
-from benchmarks.chain import PLANT, Journal, Ledger, Usage, create_machines, patiently, percentiles, publishing
+from benchmarks.chain import (
+    PLANT,
+    Journal,
+    Ledger,
+    Usage,
+    create_machines,
+    patiently,
+    percentiles,
+    publish_or_measure,
+    publishing,
+    received,
+)
 from benchmarks.throughput import template
 from service.messaging.session import session, wait_connected
 from service.sources.publisher import Source
@@ -112,11 +122,6 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
     return lost == twice == wrong == 0
 
 
-def received(service: Service) -> int:
-    """Return the number of samples that the service has stored."""
-    return sum(source["received"] for source in service.get("/sources"))
-
-
 def stretch(service: Service, serving: "subprocess.Popen[bytes]", options: argparse.Namespace) -> None:
     """Let it run for its part of the time and say what it used."""
     usage = Usage({"service": psutil.Process(serving.pid)})
@@ -137,12 +142,7 @@ def main() -> None:
     for name in ("--publish", "--connect", "--truth", "--begin"):
         parser.add_argument(name, help=argparse.SUPPRESS)
     options = parser.parse_args()
-    if options.publish:
-        publishing_process(options)
-        return
-    with tempfile.TemporaryDirectory() as folder:
-        if not measure(Path(folder), options):
-            raise SystemExit(1)
+    publish_or_measure(options, publishing_process, measure)
 
 
 if __name__ == "__main__":

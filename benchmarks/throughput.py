@@ -30,6 +30,7 @@ from benchmarks.chain import (
     patiently,
     percentiles,
     publishing,
+    received,
     router,
 )
 from service.messaging.session import session, wait_connected
@@ -121,12 +122,11 @@ def measure(folder: Path, database: str, options: argparse.Namespace) -> bool:
             usage.begin()
             total = each * options.machines
 
-            def received() -> int:
-                return sum(source["received"] for source in service.get("/sources"))
-
             time.sleep(options.seconds)
             used = usage.text()
-            until(lambda: received() >= total or sources.poll() is not None, within_s=60, what=f"{total} samples stored")
+            until(
+                lambda: received(service) >= total or sources.poll() is not None, within_s=60, what=f"{total} samples stored"
+            )
             time.sleep(0.5)
         told = service.get("/sources")
         rejected = service.get("/quarantine")

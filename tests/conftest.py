@@ -16,7 +16,15 @@ from tests.plant import machine
 from tests.postgresql import FAST, Server, server
 
 TESTS = Path(__file__).parent
-FIRST = ("browser/test_alert_page.py", "distribution", "end_to_end", "faults", "browser", "service/identification")
+FIRST = (
+    "browser/test_alert_page.py",
+    "distribution",
+    "end_to_end",
+    "faults",
+    "browser",
+    "service/identification",
+    "storage/backup",
+)
 """Folders of which a few tests take as long as hundreds of others: last, they would leave one process alone with them.
 
 One file of the browser's makes the store that all of them look at; the others come when it is there.

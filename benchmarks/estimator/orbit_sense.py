@@ -8,7 +8,6 @@ other way than declared.
     python -m benchmarks.estimator.orbit_sense [--runs N]
 """
 
-import argparse
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
@@ -18,6 +17,7 @@ import numpy as np
 import yaml
 from threadpoolctl import threadpool_limits
 
+from benchmarks.estimator.arguments import runs_asked
 from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.measurement import Measurement
@@ -127,13 +127,8 @@ def _shares(counts: Counter[str]) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run and print."""
-    parser = argparse.ArgumentParser(
-        prog="python -m benchmarks.estimator.orbit_sense", description=(__doc__ or "").split("\n")[0]
-    )
-    parser.add_argument("--runs", type=int, default=RUNS, help=f"run-downs of each kind, default {RUNS}")
-    runs = parser.parse_args(arguments).runs
-    if runs < 1:
-        parser.error("--runs must be at least 1")
+    name = "benchmarks.estimator.orbit_sense"
+    runs = runs_asked(arguments, name=name, description=__doc__, default=RUNS, what="run-downs of each kind")
     with threadpool_limits(limits=1):
         print(report(runs))
 

@@ -12,7 +12,6 @@ durable log and a zenoh session, on one core, for 10 s of waveforms.
     python -m benchmarks.estimator.phasors [--runs N]
 """
 
-import argparse
 import cmath
 import math
 import tempfile
@@ -26,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
+from benchmarks.estimator.arguments import runs_asked
 from estimator.signal.keyphasor import ShaftAngle, read_keyphasor
 from estimator.signal.order_tracking import track_orders
 from estimator.thesis.time_history import band_passed, extrema_phasor
@@ -315,11 +315,8 @@ def _figure(what: str, asked: str, measured: str) -> str:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run and print."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.estimator.phasors", description=(__doc__ or "").split("\n")[0])
-    parser.add_argument("--runs", type=int, default=RUNS, help=f"draws of each case, default {RUNS}")
-    runs = parser.parse_args(arguments).runs
-    if runs < 1:
-        parser.error("--runs must be at least 1")
+    name = "benchmarks.estimator.phasors"
+    runs = runs_asked(arguments, name=name, description=__doc__, default=RUNS, what="draws of each case")
     with threadpool_limits(limits=1):
         print(report(runs))
 

@@ -6,7 +6,6 @@ identifies the train and predicts; the truth is the nominal train itself.
     python -m benchmarks.estimator.updated_model [--runs N]
 """
 
-import argparse
 import math
 from collections import defaultdict
 from collections.abc import Sequence
@@ -14,6 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from benchmarks.estimator.arguments import runs_asked
 from benchmarks.estimator.trains import Train, two_shafts
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.fit.identify import identify
@@ -52,13 +52,8 @@ def relative_error(band: PhasorBand) -> float:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run and print."""
-    parser = argparse.ArgumentParser(
-        prog="python -m benchmarks.estimator.updated_model", description=(__doc__ or "").split("\n")[0]
-    )
-    parser.add_argument("--runs", type=int, default=RUNS, help=f"noise draws, default {RUNS}")
-    runs = parser.parse_args(arguments).runs
-    if runs < 1:
-        parser.error("--runs must be at least 1")
+    name = "benchmarks.estimator.updated_model"
+    runs = runs_asked(arguments, name=name, description=__doc__, default=RUNS, what="noise draws")
     with threadpool_limits(limits=1):
         print(report(two_shafts(), runs))
 

@@ -4,14 +4,13 @@ python -m benchmarks.faults.catching_up [--sources 200] [--batches 500] [--size 
 """
 
 import argparse
-import tempfile
 import threading
 import time
 from pathlib import Path
 
 import psutil
 
-from benchmarks.chain import PLANT, Journal, create_machines, patiently, publishing
+from benchmarks.chain import PLANT, Journal, create_machines, patiently, publish_or_measure, publishing, received
 from benchmarks.throughput import template
 from service.messaging.session import session, wait_connected
 from service.sources.publisher import Source
@@ -75,11 +74,6 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
     return lost == twice == 0 and largest[0] < LARGEST_MEMORY_MB
 
 
-def received(service: Service) -> int:
-    """Return the number of samples that the service has stored."""
-    return sum(row["received"] for row in service.get("/sources", limit=1000))
-
-
 def main() -> None:
     """Print the figures; status 1 when one is not as asked."""
     parser = argparse.ArgumentParser()
@@ -90,12 +84,7 @@ def main() -> None:
     for name in ("--publish", "--connect", "--ready"):
         parser.add_argument(name, help=argparse.SUPPRESS)
     options = parser.parse_args()
-    if options.publish:
-        publishing_process(options)
-        return
-    with tempfile.TemporaryDirectory() as folder:
-        if not measure(Path(folder), options):
-            raise SystemExit(1)
+    publish_or_measure(options, publishing_process, measure)
 
 
 if __name__ == "__main__":

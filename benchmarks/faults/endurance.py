@@ -14,7 +14,6 @@ standard error how much of an hour's growth it could see.
 import argparse
 import contextlib
 import itertools
-import tempfile
 import threading
 import time
 from collections.abc import Iterator
@@ -28,7 +27,7 @@ import numpy as np
 import psutil
 import yaml
 
-from benchmarks.chain import MACHINE, create_machines, publishing
+from benchmarks.chain import MACHINE, create_machines, measure_in_a_folder, publishing, received
 from tests.end_to_end.processes import Service, example, until
 
 ASKED_MB_PER_HOUR = 1.0
@@ -190,11 +189,6 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
     return readings.lost == 0 and not grows
 
 
-def received(service: Service) -> int:
-    """Return the number of samples that the service has stored."""
-    return sum(source["received"] for source in service.get("/sources"))
-
-
 def main() -> None:
     """Print the figures; status 1 when something grows."""
     parser = argparse.ArgumentParser()
@@ -205,9 +199,7 @@ def main() -> None:
     parser.add_argument("--samples", type=int, default=5000, help="of each run-up and run-down")
     parser.add_argument("--hours-between", type=float, default=4.0, help="from start to start, in the machines' time")
     options = parser.parse_args()
-    with tempfile.TemporaryDirectory() as folder:
-        if not measure(Path(folder), options):
-            raise SystemExit(1)
+    measure_in_a_folder(lambda folder: measure(folder, options))
 
 
 if __name__ == "__main__":

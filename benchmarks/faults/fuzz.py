@@ -7,12 +7,12 @@ After each part of the cases all that is in the store is looked at: nothing that
 
 import argparse
 import gc
-import tempfile
 import time
 from pathlib import Path
 
 import psutil
 
+from benchmarks.chain import measure_in_a_folder
 from storage.database.engine import Database
 from storage.machines import machines
 from tests.faults.fuzzing import CASES_AT_ONCE, Fuzzed
@@ -60,9 +60,7 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("--cases", type=int, default=1_000_000)
     options = parser.parse_args()
-    with tempfile.TemporaryDirectory() as folder:
-        if not measure(Path(folder), options.cases):
-            raise SystemExit(1)
+    measure_in_a_folder(lambda folder: measure(folder, options.cases))
 
 
 if __name__ == "__main__":

@@ -4,7 +4,6 @@ python -m benchmarks.faults.many_machines [--machines 10000] [--running 200] [--
 """
 
 import argparse
-import tempfile
 import threading
 import time
 from pathlib import Path
@@ -12,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import psutil
 
-from benchmarks.chain import Journal, Ledger, Usage, patiently, percentiles, publishing
+from benchmarks.chain import Journal, Ledger, Usage, patiently, percentiles, publish_or_measure, publishing, received
 from estimator.machine.document import parse_machine
 from service.messaging.session import session, wait_connected
 from service.sources.publisher import Source
@@ -106,11 +105,6 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
     return lost == twice == 0 and largest[0] < LARGEST_MEMORY_MB and most[0] >= options.running
 
 
-def received(service: Service) -> int:
-    """Return the number of samples that the service has stored."""
-    return sum(row["received"] for row in service.get("/sources", limit=1000))
-
-
 def main() -> None:
     """Print the figures; status 1 when one is not as asked."""
     parser = argparse.ArgumentParser()
@@ -121,12 +115,7 @@ def main() -> None:
     parser.add_argument("--publish", action="store_true", help=argparse.SUPPRESS)
     parser.add_argument("--connect", help=argparse.SUPPRESS)
     options = parser.parse_args()
-    if options.publish:
-        publishing_process(options)
-        return
-    with tempfile.TemporaryDirectory() as folder:
-        if not measure(Path(folder), options):
-            raise SystemExit(1)
+    publish_or_measure(options, publishing_process, measure)
 
 
 if __name__ == "__main__":

@@ -26,6 +26,7 @@ from typing import Any
 import httpx
 import numpy as np
 
+from benchmarks.chain import received
 from benchmarks.faults.large_documents import KINDS, largest
 from estimator.machine.document import Machine, parse_machine
 from service.wire import JSON, SampleBatch, encode_body
@@ -151,7 +152,7 @@ def measure(service: Service, options: argparse.Namespace) -> Figures:
             closed_after = time.monotonic() - began
             time.sleep(options.linger)
         watch.stop()
-        stored = sum(row["received"] for row in service.get("/sources", limit=1000))
+        stored = received(service)
         states = service.get("/health")["jobs"]
     alive = np.array(took)
     transaction, cycle = (watch.largest[name] for name in FIGURES)
