@@ -8,11 +8,12 @@ J. R. Stat. Soc. B 63 (2001) 425, doi:10.1111/1467-9868.00294), whose numbers ar
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NoReturn
+from typing import ClassVar
 
 import numpy as np
 
 from estimator.arrays import Floats
+from estimator.bearings.defaults import NeverLevel
 from estimator.bearings.journal import JournalForm
 from estimator.bearings.model import ModelParameter
 from estimator.machine.document import Machine
@@ -27,7 +28,7 @@ from estimator.units import rpm_to_rad_per_s
 
 
 @dataclass(frozen=True)
-class FilmModel:
+class FilmModel(NeverLevel):
     """The 8n coefficients of n films as functions of their own parameters and of their deviations.
 
     Attributes:
@@ -41,6 +42,8 @@ class FilmModel:
     deviations: FilmDeviations
     nominal: NominalFilms
     constant: bool = False
+
+    law: ClassVar[str] = "oil films"
 
     @cached_property
     def coefficients(self) -> tuple[str, ...]:
@@ -71,20 +74,6 @@ class FilmModel:
             The curves.
         """
         return FilmCurves(self.films, self.deviations, np.clip(speed, self.nominal.slowest, self.nominal.fastest))
-
-    def level(self, fitted: Floats) -> NoReturn:  # noqa: ARG002 - whatever they are
-        """Return no parameters: a film's coefficients are not the same at every speed.
-
-        Args:
-            fitted: Fitted numbers (C,) of the constant coefficients [-].
-
-        Returns:
-            Nothing, ever.
-
-        Raises:
-            ValueError: Always.
-        """
-        raise ValueError("coefficients of oil films follow the speed and cannot be constant")
 
 
 def film_model(machine: Machine) -> FilmModel:
