@@ -40,6 +40,8 @@ def test_it_is_answered_as_before_and_gone_on_with(tmp_path: Path) -> None:
             now = service.client.get(path).json()
             if path.endswith(("/runs", "/identifications")):
                 now = [one for one in now if one["id"] in {old["id"] for old in answer}]
+            if path.endswith("/limits"):  # kinds of findings have come since
+                now["limits"] = {rule: now["limits"][rule] for rule in answer["limits"]}
             if path not in ("/machines", f"/machines/{MACHINE}", f"/machines/{MACHINE}/deviations"):
                 assert without_age(now) == nearly(without_age(answer)), path
         # What comes now is numbered, collected and identified behind what was there.
