@@ -72,6 +72,7 @@ def test_by_the_document_alone_names_and_units_are_those_that_are_told() -> None
     assert running == pytest.approx(machine.speed_range.maximum_rpm, abs=0.5)
 
 
+@pytest.mark.long
 def test_films_that_are_said_to_be_exact_and_are_not_are_refused() -> None:
     plant = random_plant(1, discrepancy=DiscrepancySize(spread=0.08))
     found = identify(parse_machine(film_document(plant, discrepancy=0.002)), measured(plant, seed=1), Options(starts=1))

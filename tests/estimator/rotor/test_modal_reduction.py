@@ -86,6 +86,7 @@ def test_the_table_is_that_of_the_whole_mesh(machine: Machine) -> None:
         assert abs(nearest - one.eigenvalue) < SAME * abs(nearest)
 
 
+@pytest.mark.long
 def test_a_large_train_is_searched_for_the_crossings_that_a_small_one_has(machine: Machine) -> None:
     highest = rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
     model = expected_model(machine)
