@@ -48,6 +48,8 @@ def _figures(what: str, trials: list[FilmTrial]) -> list[Figure]:
         Figure("    95 % intervals hold, mean of kinds", "93-97 %", f"{coverage:.1%}", few or low <= coverage <= high),
     ]
     for kind, (part, count) in coverage_by_kind(taken).items():
+        if count == 0:
+            continue
         rows.append(Figure(f"        {kind}, {count} told", ">= 86 %", f"{part:.1%}", few or part >= LEAST_OF_A_KIND))
     return [*rows, _errors_over_bound(taken)]
 
