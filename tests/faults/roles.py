@@ -163,13 +163,20 @@ def _durable(store: Database) -> int:
         return sum(row.received for row in session.query(SourceRow).filter_by(machine_id=KEY.machine))
 
 
+def _disorder(rows: Sequence[SampleBlockRow]) -> list[tuple[int, int, int]]:
+    """Of each block that does not begin where the one before ends: that end, its own beginning, its count."""
+    ends = [0, *(row.first_sequence + row.count for row in rows)]
+    pairs = zip(ends, rows, strict=False)
+    return [(end, row.first_sequence, row.count) for end, row in pairs if row.first_sequence != end]
+
+
 def _check_store(store: Database, samples: dict[str, int]) -> None:
     """Of each machine what was measured, in order, once, and counted so."""
     with store.reading() as session:
         for machine_id, count in samples.items():
             rows = session.query(SampleBlockRow).filter_by(machine_id=machine_id).order_by(SampleBlockRow.first_sequence).all()
             numbers = np.concatenate([np.arange(row.first_sequence, row.first_sequence + row.count) for row in rows])
-            assert numbers.tolist() == list(range(count)), machine_id
+            assert numbers.tolist() == list(range(count)), f"{machine_id}: {_disorder(rows)}"
             held = join([decode(row.data) for row in rows], channels=len(CHANNELS))
             assert ((held.time - START) // STEP).tolist() == list(range(count)), machine_id
             assert_same_samples(held, expected(count))
