@@ -197,17 +197,30 @@ class Film:
             OutsideFilm: The film is not known at one of the positions.
         """
         position = np.asarray(position, dtype=float)
-        covered = self.covers(position)
-        if not covered.all():
-            x, y = position[~covered][0]
-            thin = float(self.thinnest(np.array([x, y])))
-            raise OutsideFilm(
-                f"a journal {np.hypot(x, y):.3f} clearances from the bearing's centre, at "
-                f"{np.degrees(np.arctan2(y, x)):.0f}°: its film is {thin:.3f} clearances thin, and none is known that is "
-                f"thinner than {THINNEST_FILM:g}"
-            )
+        require_covered(self, position)
         parts = [_pad_film(pad, table, position) for pad, table in self._tables]
         return FilmCoefficients(*(np.sum([getattr(one, name) for one in parts], axis=0) for name in _QUANTITIES))
+
+
+def require_covered(film: FilmOverPosition, position: Floats) -> None:
+    """Check that a film is known at positions.
+
+    Args:
+        film: The film.
+        position: Positions (..., 2) [c].
+
+    Raises:
+        OutsideFilm: The film is not known at one of the positions.
+    """
+    covered = film.covers(position)
+    if not covered.all():
+        x, y = position[~covered][0]
+        thin = float(film.thinnest(np.array([x, y])))
+        raise OutsideFilm(
+            f"a journal {np.hypot(x, y):.3f} clearances from the bearing's centre, at "
+            f"{np.degrees(np.arctan2(y, x)):.0f}°: its film is {thin:.3f} clearances thin, and none is known that is "
+            f"thinner than {THINNEST_FILM:g}"
+        )
 
 
 def slenderness_within(slenderness: float) -> float:

@@ -11,9 +11,8 @@ from typing import Protocol
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.films.film import FilmCoefficients, OutsideFilm, slenderness_within
+from estimator.films.film import FilmCoefficients, require_covered, slenderness_within
 from estimator.films.pad import FULL_ARC, InvalidPad
-from estimator.films.pad_table import THINNEST_FILM
 from estimator.films.pivoted_pad_table import PivotedPadTable, pivoted_pad_table
 from estimator.films.reynolds import Bools
 from estimator.films.tilted_pads import TiltedPads
@@ -130,14 +129,7 @@ class TiltingFilm:
             OutsideFilm: The film is not known at one of the positions.
         """
         position = np.asarray(position, dtype=float)
-        covered = self.covers(position)
-        if not covered.all():
-            x, y = position[~covered][0]
-            raise OutsideFilm(
-                f"a journal {np.hypot(x, y):.3f} clearances from the bearing's centre, at "
-                f"{np.degrees(np.arctan2(y, x)):.0f}°: the film on a pad is thinner there than {THINNEST_FILM:g} clearances, "
-                "the thinnest that is known"
-            )
+        require_covered(self, position)
         pads = self._table.at(self._towards(position))
         synchronous, slope = pads.reduced(1j)
         n = self._axes

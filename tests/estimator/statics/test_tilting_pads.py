@@ -13,13 +13,12 @@ from estimator.rotor.parameters import unknowns
 from estimator.rotor.shaft_element import NODE_DOFS
 from estimator.rotor.system_matrices import system_matrices
 from estimator.statics.equilibrium import film_train
-from estimator.statics.film_sensitivity import PARAMETERS, film_sensitivity
 from estimator.statics.film_stability import least_damped_whirl
 from estimator.statics.films_over_speed import equilibria_near
 from estimator.statics.pad_states import state_matrix_with_pads
 from estimator.units import rpm_to_rad_per_s
 from tests.estimator.statics.films import PADS, between_two_bearings, motor_compressor_document, on_tilting_pads
-from tests.estimator.statics.test_film_sensitivity import STEPS, changed, equilibrium
+from tests.estimator.statics.test_film_sensitivity import check_derivatives
 
 SPEED = rpm_to_rad_per_s(3000.0)
 FIVE: dict[str, Any] = {"profile": "tilting_pad", "preload": 0.3, "pads": PADS}
@@ -64,19 +63,7 @@ def test_a_journal_that_turns_the_other_way_rests_in_the_mirror_image() -> None:
 
 
 def test_derivatives_of_equilibria_are_those_of_differences() -> None:
-    train = film_train(parse_machine(on_tilting_pads(motor_compressor_document("flexible"))))
-    found = train.equilibrium(SPEED)
-    assert found is not None
-    slopes = film_sensitivity(train, [found])
-    for number in range(4):
-        for place, name in enumerate(PARAMETERS):
-            step = STEPS[name]
-            ahead, behind = (equilibrium(changed(train, number, name, sign * step), found) for sign in (1, -1))
-            row = len(PARAMETERS) * number + place
-            for what in ("position", "force", "stiffness", "damping"):
-                difference = (getattr(ahead, what) - getattr(behind, what)) / (2 * step)
-                own = getattr(slopes, what)[0, row]
-                assert np.abs(own - difference).max() <= 1e-4 * np.abs(difference).max(), (number, name, what)
+    check_derivatives(film_train(parse_machine(on_tilting_pads(motor_compressor_document("flexible")))), SPEED)
 
 
 def test_equilibria_at_many_speeds_at_once_are_those_one_by_one() -> None:
