@@ -9,6 +9,8 @@ from types import FrameType
 
 GRACE_S = 10.0
 """Time after the limit within which a process must notice that its time is over."""
+REPEAT_S = 1.0
+"""Time after which it is told once more: what is raised within a destructor or a callback of native code gets lost."""
 
 
 class OutOfTime(RuntimeError):
@@ -21,13 +23,15 @@ def limited(seconds: float) -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         raise RuntimeError("a task needs a process of its own to keep to its time")
     signal.signal(signal.SIGALRM, _out_of_time)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    signal.setitimer(signal.ITIMER_REAL, seconds, REPEAT_S)
     faulthandler.dump_traceback_later(seconds + GRACE_S, exit=True)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        faulthandler.cancel_dump_traceback_later()
+        try:
+            signal.setitimer(signal.ITIMER_REAL, 0.0)
+        finally:
+            faulthandler.cancel_dump_traceback_later()
 
 
 def _out_of_time(_number: int, _frame: FrameType | None) -> None:

@@ -11,19 +11,25 @@ from fastapi import HTTPException, status
 T = TypeVar("T")
 
 MAXIMUM_ENTRIES = 256
-MAXIMUM_WAITING = 3
-"""Largest number of waiting computations; further requests get a 503, because each waiting one holds a thread."""
+MAXIMUM_WAITING = 8
+"""Largest number of waiting computations; further requests get a 503, because each waiting one holds a thread.
+
+It is enough for a page of the model that is loaded three times in a row.
+"""
 RETRY_AFTER_S = 5
 
 
 class ComputedCache:
-    """Results by key. The key holds the id of an identification, which never changes."""
+    """Results by key. The key holds the id of an identification, which never changes.
+
+    waiting: number of slow computations asked for and not finished.
+    """
 
     def __init__(self) -> None:
         self._entries: OrderedDict[Hashable, object] = OrderedDict()
         self._lock = threading.Lock()
         self._turn = threading.Lock()
-        self._waiting = 0
+        self.waiting = 0
 
     def quick(self, key: Hashable, compute: Callable[[], T]) -> T:
         """Return the cached result, or compute one that takes no time. Raises what `compute` raises."""
@@ -48,16 +54,16 @@ class ComputedCache:
             if key in self._entries:
                 self._entries.move_to_end(key)
                 return cast(T, self._entries[key])
-            if self._waiting >= MAXIMUM_WAITING:
+            if self.waiting >= MAXIMUM_WAITING:
                 raise HTTPException(
                     status.HTTP_503_SERVICE_UNAVAILABLE,
-                    f"{self._waiting} computations wait already; ask again",
+                    f"{self.waiting} computations wait already; ask again",
                     {"Retry-After": str(RETRY_AFTER_S)},
                 )
-            self._waiting += 1
+            self.waiting += 1
         try:
             with self._turn, threadpoolctl.threadpool_limits(1):
                 return self.quick(key, compute)  # another thread may have computed it meanwhile
         finally:
             with self._lock:
-                self._waiting -= 1
+                self.waiting -= 1

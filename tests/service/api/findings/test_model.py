@@ -2,11 +2,14 @@
 
 import json
 import math
+import threading
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
 import pytest
+from fastapi import HTTPException
 
 from estimator.fit.coordinates import Coordinates
 from estimator.machine.rules import Noise
@@ -17,7 +20,7 @@ from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model.coupling_loads import coupling_forces
 from estimator.updated_model.fitted_response import fitted_response
 from estimator.updated_model.model import model_at
-from service.api.cache.computed_cache import ComputedCache
+from service.api.cache.computed_cache import MAXIMUM_WAITING, ComputedCache
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples
 from storage.machines import machines
@@ -28,7 +31,7 @@ from storage.tables import EstimateRow
 from tests.api_in_process import PREFIX, Api, fields, problem
 from tests.databases import Databases, opened
 from tests.paths import ROOT
-from tests.plant import KEY, SECOND, START, identification, machine, store_identification
+from tests.plant import KEY, SECOND, START, identification, machine, store_identification, wait_until
 
 MICROMETRE_PP = 5e-7
 NOISE = Noise(relative=0.02, floor=2e-7)
@@ -389,6 +392,29 @@ def test_an_answer_is_computed_once_and_only_so_many_are_kept(monkeypatch: pytes
 
     assert [ask(name) for name in ("a", "a", "b", "c", "a")] == ["a", "a", "b", "c", "a"]
     assert made == ["a", "b", "c", "a"]
+
+
+def test_only_so_many_computations_wait() -> None:
+    cache, started, finish = ComputedCache(), threading.Event(), threading.Event()
+
+    def compute() -> str:
+        started.set()
+        assert finish.wait(30)
+        return "computed"
+
+    with ThreadPoolExecutor(MAXIMUM_WAITING) as threads:
+        waiting = [threads.submit(cache.slow, "same", compute) for _ in range(MAXIMUM_WAITING)]
+        try:
+            assert started.wait(30)
+            wait_until(lambda: cache.waiting == MAXIMUM_WAITING)
+            with pytest.raises(HTTPException, match=f"{MAXIMUM_WAITING} computations wait already; ask again") as refused:
+                cache.slow("other", str)
+            assert refused.value.headers == {"Retry-After": "5"}
+        finally:
+            finish.set()
+        assert [one.result() for one in waiting] == ["computed"] * MAXIMUM_WAITING
+    assert cache.waiting == 0
+    assert cache.slow("other", lambda: "later") == "later"
 
 
 @pytest.mark.parametrize("what", [*(f"model/{one}" for one in MODEL), "bode"])
