@@ -12,7 +12,7 @@ export PYTHONDONTWRITEBYTECODE =
 # Small matrices: more BLAS threads only get in each other's way.
 export OPENBLAS_NUM_THREADS = 1
 
-.PHONY: demo compiled test test-long test-postgresql lint audit benchmarks dashboard clean
+.PHONY: demo compiled test test-browser test-long test-postgresql lint audit benchmarks dashboard clean
 
 $(VENV)/.installed: pyproject.toml
 	$(PYTHON) -m venv $(VENV)
@@ -32,10 +32,13 @@ compiled: $(VENV)/.installed
 	$(BIN)/python -m compileall -q estimator service storage tests benchmarks
 
 test: lint compiled
-	$(BIN)/pytest -n $(PROCESSES) $(IN_PARALLEL) -m 'not long'
+	$(BIN)/pytest -n $(PROCESSES) $(IN_PARALLEL) -m 'not long' --ignore tests/browser
+
+test-browser: compiled ## the page in a real browser, which needs chromium
+	$(BIN)/pytest -n $(PROCESSES) $(IN_PARALLEL) tests/browser
 
 test-long: compiled ## what takes minutes: real processes killed, parted and fed with rubbish
-	$(BIN)/pytest -n 2 $(IN_PARALLEL) -m long
+	$(BIN)/pytest -n 2 $(IN_PARALLEL) -m long --ignore tests/browser
 
 # tests/storage is run on both kinds of database by `make test` already.
 test-postgresql: compiled ## what uses a database once more, on a PostgreSQL server that the tests start

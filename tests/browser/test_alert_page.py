@@ -46,7 +46,6 @@ def test_after_a_dialog_one_goes_on_where_one_was(seen: Seen) -> None:
         expect(comment).to_be_focused()
 
 
-@pytest.mark.long
 def test_after_a_dialog_whose_button_is_gone_one_is_still_on_the_page(seen: Seen) -> None:
     gone = False
 

@@ -91,7 +91,6 @@ def test_many_tabs_share_the_connections_of_one_browser(seen: Seen, service: Ser
     expect(tabs[0].locator(".connection-state")).to_have_text("● live")
 
 
-@pytest.mark.long
 def test_what_only_waits_is_not_reported_as_a_service_that_is_gone(seen: Seen) -> None:
     waiting: list[Route] = []
     seen.page.route(

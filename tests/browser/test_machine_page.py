@@ -278,7 +278,6 @@ def test_the_speed_of_the_orbit_laid_over_is_shown(seen: Seen, service: Service)
     assert seen.errors == []
 
 
-@pytest.mark.long
 def test_an_identification_that_is_accepted_later_is_noticed(seen: Seen) -> None:
     answers: list[dict[str, Any]] = [{"status": 503, "json": {"title": "Service Unavailable", "detail": "too much to do"}}]
     seen.page.route(

@@ -29,7 +29,6 @@ def comment(service: Service, words: str) -> int:
     return int(alert["events"]) + 1
 
 
-@pytest.mark.long
 def test_the_page_says_that_the_service_cannot_read_its_data_and_recovers(seen: Seen, service: Service) -> None:
     seen.open(f"machines/{MACHINE}")
     expect(seen.page.locator(".alert-row")).to_be_visible()
@@ -64,7 +63,6 @@ def test_a_page_that_is_opened_meanwhile_says_so_too(seen: Seen) -> None:
     expect(seen.page.locator("table.fleet")).to_contain_text(MACHINE)
 
 
-@pytest.mark.long
 def test_what_one_panel_is_refused_is_said_beside_its_old_data(seen: Seen, service: Service) -> None:
     seen.open(f"machines/{MACHINE}")
     expect(seen.page.locator(".alert-row")).to_be_visible()
@@ -81,7 +79,6 @@ def test_what_one_panel_is_refused_is_said_beside_its_old_data(seen: Seen, servi
     expect(seen.page.locator(".alert-row")).to_contain_text(f"{events} events")
 
 
-@pytest.mark.long
 def test_states_and_what_the_newest_identification_says_do_not_grow_old_unsaid(seen: Seen) -> None:
     seen.page.add_init_script(SEEN)
     seen.open(f"machines/{MACHINE}")
@@ -99,7 +96,6 @@ def test_states_and_what_the_newest_identification_says_do_not_grow_old_unsaid(s
     expect(seen.page.locator(".stale-notice")).to_have_count(0)
 
 
-@pytest.mark.long
 def test_the_points_of_a_run_do_not_grow_old_unsaid(seen: Seen) -> None:
     seen.page.add_init_script(SEEN)
     seen.open(f"machines/{MACHINE}/response")
@@ -137,7 +133,6 @@ def test_a_single_try_that_failed_is_repaired_and_not_reported(seen: Seen, servi
     assert seen.page.evaluate("errors") == 0
 
 
-@pytest.mark.long
 def test_a_database_that_is_gone_is_said_and_its_return_too(browser: Browser, tmp_path: Path) -> None:
     with server(*FAST) as database:
         one = Service(tmp_path, database=database.url)

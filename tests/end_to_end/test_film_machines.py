@@ -19,7 +19,8 @@ def all_identified(service: Service, machine: str) -> bool:
     return len(closed) == 2 * CYCLES and service.idle()
 
 
-@pytest.mark.parametrize("machine", ["motor-compressor", pytest.param("turbine-on-tilting-pads", marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("machine", ["motor-compressor", "turbine-on-tilting-pads"])
 def test_films_are_identified_and_trended(service: Service, tmp_path: Path, machine: str) -> None:
     truth = tmp_path / "truth.jsonl"
     options = {"cycles": CYCLES, "samples": 120, "rate": 250, "seed": 3, "truth": truth, "connect": service.endpoint}
