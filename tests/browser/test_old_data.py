@@ -4,7 +4,6 @@ import contextlib
 import re
 from pathlib import Path
 
-import pytest
 from playwright.sync_api import Browser, Route, expect
 
 from tests.browser.conftest import PATIENCE_MS, Seen
