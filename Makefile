@@ -42,7 +42,7 @@ test-long: compiled ## what takes minutes: real processes killed, parted and fed
 
 # tests/storage is run on both kinds of database by `make test` already.
 test-postgresql: compiled ## what uses a database once more, on a PostgreSQL server that the tests start
-	RUNDOWN_TEST_DATABASE=postgresql $(BIN)/pytest -n $(PROCESSES) $(IN_PARALLEL) -m 'not long' tests/storage tests/service tests/end_to_end/test_main_job.py
+	RUNDOWN_TEST_DATABASE=postgresql $(BIN)/pytest -n $(PROCESSES) $(IN_PARALLEL) -m 'not long' tests/service tests/end_to_end/test_main_job.py
 
 audit: $(VENV)/.installed ## known vulnerabilities of what is installed; says so where the advisories cannot be had
 	$(BIN)/python -m benchmarks.dependency_audit

@@ -4,6 +4,7 @@ import contextlib
 import functools
 import gc
 import itertools
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -11,7 +12,7 @@ import pytest
 
 from storage.database.engine import Database
 from storage.machines import machines
-from tests.databases import Databases, Kind, NewDatabase, PostgresqlDatabases, SqliteDatabases, chosen, opened
+from tests.databases import KIND_ASKED_FOR, Databases, Kind, NewDatabase, PostgresqlDatabases, SqliteDatabases, chosen, opened
 from tests.plant import machine
 from tests.postgresql import FAST, Server, server
 
@@ -31,8 +32,12 @@ One file of the browser's makes the store that all of them look at; the others c
 """
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Begin with what takes longest."""
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Begin with what takes longest; on a kind of database that was asked for only what uses one is run."""
+    if KIND_ASKED_FOR in os.environ:
+        others = [item for item in items if "kind" not in getattr(item, "fixturenames", ())]
+        config.hook.pytest_deselected(items=others)
+        items[:] = [item for item in items if "kind" in getattr(item, "fixturenames", ())]
     items.sort(key=lambda item: turn(item.path))
 
 

@@ -19,6 +19,8 @@ from tests.postgresql import Server
 
 Kind = Literal["sqlite", "postgresql"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
+KIND_ASKED_FOR = "RUNDOWN_TEST_DATABASE"
+"""Environment variable that names a kind; unset, it is SQLite."""
 NUMBERS = itertools.count(1)
 """Of databases: a server outlives those who make them."""
 NewDatabase = Callable[[str], Database]
@@ -26,12 +28,12 @@ NewDatabase = Callable[[str], Database]
 
 
 def chosen() -> Kind:
-    """What RUNDOWN_TEST_DATABASE says."""
-    name = os.environ.get("RUNDOWN_TEST_DATABASE", "sqlite")
+    """Return the kind of database that was asked for."""
+    name = os.environ.get(KIND_ASKED_FOR, "sqlite")
     for kind in KINDS:
         if kind == name:
             return kind
-    raise ValueError(f"RUNDOWN_TEST_DATABASE is '{name}'; it can be {' or '.join(KINDS)}")
+    raise ValueError(f"{KIND_ASKED_FOR} is '{name}'; it can be {' or '.join(KINDS)}")
 
 
 class Databases(Protocol):

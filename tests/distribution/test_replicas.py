@@ -75,6 +75,7 @@ def test_an_owner_that_is_killed_or_freezes_is_replaced_and_nothing_is_lost(layo
     layout.check_exact("api1", samples, within_s=90)
 
 
+@pytest.mark.long
 def test_samples_over_http_reach_the_owner_whichever_replica_is_asked(layout: Layout) -> None:
     layout.start_ready("api1", "ingest1", "ingest2")
     layout.create_machine("api1")

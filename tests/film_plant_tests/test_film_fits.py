@@ -90,6 +90,7 @@ def test_an_elliptical_bore_said_to_be_plain_is_refused_and_its_bearing_named() 
     assert found.verdict.startswith("the oil film of B2 deviates from its model by ")
 
 
+@pytest.mark.long
 def test_oil_that_warms_and_is_said_to_have_one_viscosity_is_refused() -> None:
     plant = random_plant(5001, alter=warming_oil, discrepancy=DiscrepancySize())
     found = identify(parse_machine(film_document(plant)), measured(plant, seed=5001), OPTIONS)

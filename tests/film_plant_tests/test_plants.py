@@ -156,6 +156,7 @@ def test_noise_has_its_size() -> None:
     assert abs(np.mean(error**2)) < 0.05 * np.mean(np.abs(error) ** 2)
 
 
+@pytest.mark.long
 def test_each_wrong_document_differs_in_its_one_thing() -> None:
     right = motor_compressor_plant(2)
     bore, soft, wide, warm = (
