@@ -1,5 +1,6 @@
 """The problem of a fit, which is data, train and coordinates, with its weighted residuals and derivatives; and the result."""
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -31,8 +32,9 @@ class FitResult:
         noise: Noise model used at the end.
         outlier: True for phasors left out (S, m).
         misfit: Measure by which starts are compared [-]: χ² with the cost of the outliers; where the noise is estimated, times
-            the mean size of its variance.
+            the mean size of its variance; infinite where the start was given up.
         channel_noise: Noise of each channel over the noise model's, (m,) or (1,) [-].
+        coarse_misfit: χ²/dof after the stages that allow a relative misfit [-]; NaN where there were none.
     """
 
     theta: Floats
@@ -44,6 +46,7 @@ class FitResult:
     outlier: NDArray[np.bool_]
     misfit: float
     channel_noise: Floats
+    coarse_misfit: float = math.nan
 
 
 @dataclass(frozen=True)

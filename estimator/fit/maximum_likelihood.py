@@ -40,13 +40,14 @@ STALLED_PROMISE = 5.0
 standard errors."""
 
 
-def fit(problem: FitProblem, start: Floats, *, near: bool = False) -> FitResult:
+def fit(problem: FitProblem, start: Floats, *, near: bool = False, give_up_from: float = math.inf) -> FitResult:
     """Fit from one start (Marquardt 1963, doi:10.1137/0111030; method in the module's docstring).
 
     Args:
         problem: Data, train and coordinates.
         start: Fit coordinates θ (n,) to start from [-].
         near: Whether the start is an earlier fit's end, which needs no coarse stages.
+        give_up_from: χ²/dof after the coarse stages from which on the start is given up [-].
 
     Returns:
         End of the fit.
@@ -61,11 +62,18 @@ def fit(problem: FitProblem, start: Floats, *, near: bool = False) -> FitResult:
         measured = np.abs(problem.model(start))
         problem = without_outliers(problem, start, STAGE_MISFITS[-2])
         stages = stages[-2:] if problem.outlier.any() else stages[-1:]
+    coarse_misfit = math.nan
     for misfit, limit in stages:
-        theta, converged, steps = descend(problem, theta, problem.weight(measured, misfit), limit)
-        problem = without_outliers(problem, theta, misfit)
+        weight = problem.weight(measured, misfit)
+        theta, converged, steps = descend(problem, theta, weight, limit)
         iterations += steps
-    for _ in range(FINAL_PASSES):
+        if misfit == STAGE_MISFITS[-2]:
+            coarse_misfit = problem.chi_square(theta, weight) / max(1, 2 * int(np.count_nonzero(problem.used)) - theta.size)
+            if coarse_misfit >= give_up_from:
+                break
+        problem = without_outliers(problem, theta, misfit)
+    given_up = coarse_misfit >= give_up_from
+    for _ in range(0 if given_up else FINAL_PASSES):
         before = problem
         problem = without_outliers(with_estimated_noise(problem, theta), theta, 0.0)
         weight = problem.weight(np.abs(problem.model(theta)), 0.0)
@@ -82,8 +90,9 @@ def fit(problem: FitProblem, start: Floats, *, near: bool = False) -> FitResult:
         iterations=iterations,
         noise=problem.noise,
         outlier=problem.outlier,
-        misfit=_misfit(problem, chi_square, weight),
+        misfit=math.inf if given_up else _misfit(problem, chi_square, weight),
         channel_noise=problem.channel_noise,
+        coarse_misfit=coarse_misfit,
     )
 
 

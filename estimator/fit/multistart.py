@@ -1,5 +1,6 @@
 """Starts of a fit: the nominal values, then the best of random candidates around them, until starts agree."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -20,6 +21,11 @@ SAME_MISFIT = 1.01
 """Factor up to which two misfits are the same [-]."""
 CANDIDATES = 12
 """Number of random candidates from which each start after the first is the best."""
+HOPELESS_MISFIT = 3.0
+"""χ²/dof after the coarse stages that leads nowhere [-]: after one start has failed so, others are given up there.
+
+A model that is right leaves less than 1, since these stages allow five per cent of misfit beside the noise.
+"""
 GUESSED_CANDIDATES = 60
 """Number of random candidates where the document leaves nominal values out."""
 GUESSED_SPREAD = 1.5
@@ -71,12 +77,14 @@ def best_fit(
     rng = np.random.default_rng(seed)
     best: FitResult | None = None
     reached: list[float] = []
+    give_up_from = math.inf
     iterations = 0
     for start_number in range(1, max(1, starts) + 1):
         if start_number == 1 and beginning is not None:
             found = fit(problem, beginning, near=True)
         else:
-            found = fit(problem, _start(problem, rng, first=start_number == 1))
+            start = _start(problem, rng, first=start_number == 1)
+            found = fit(problem, start, give_up_from=give_up_from)
         iterations += found.iterations
         if np.isfinite(found.misfit) and good(found):
             best = found
@@ -84,6 +92,8 @@ def best_fit(
         if np.isfinite(found.misfit) and (best is None or found.misfit < best.misfit):
             best = found
         reached.append(found.misfit)
+        if np.isfinite(found.misfit) and found.coarse_misfit >= HOPELESS_MISFIT and not problem.noise.estimated:
+            give_up_from = HOPELESS_MISFIT
         if best is not None and sum(value < SAME_MISFIT * best.misfit for value in reached) >= AGREEING_STARTS:
             break  # the same misfit from everywhere is the data's or the model's, not the start's
     if best is None:
