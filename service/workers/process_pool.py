@@ -5,6 +5,7 @@ limits: a process that exceeds its time is killed (SIGKILL, which ends stopped p
 a new process takes its slot. Nothing waits for a process that the kernel does not let die, such as one in hanging I/O.
 """
 
+import contextlib
 import logging
 import math
 import multiprocessing
@@ -250,16 +251,14 @@ class _Slot:
 
 
 def _serve(pipe: Connection, setup: _Setup) -> None:
-    """Compute one task after the other in the process, until the parent closes the pipe."""
+    """Compute one task after the other in the process, until the parent closes the pipe or is gone."""
     process_setup.set_up(setup.memory_bytes, setup.niceness)
-    pipe.send_bytes(HERE)
-    while True:
-        try:
-            payload = pipe.recv_bytes()
-        except EOFError:
-            return
+    with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):  # what a task raises is part of its outcome
         pipe.send_bytes(HERE)
-        pipe.send_bytes(_outcome(payload))
+        while True:
+            payload = pipe.recv_bytes()
+            pipe.send_bytes(HERE)
+            pipe.send_bytes(_outcome(payload))
 
 
 def _outcome(payload: bytes) -> bytes:

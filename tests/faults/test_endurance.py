@@ -26,4 +26,4 @@ def test_nothing_grows_at_half_load(tmp_path: Path, starts: bool) -> None:
     assert max(found.memory[half:]) < max(found.memory[:half]) + GROWTH_MB
     assert max(found.files[half:]) <= max(found.files[:half]) + POOLED
     assert max(found.log) < LOG_MB
-    assert not starts or found.happened["identifications"] > options.machines
+    assert not starts or found.happened["identifications"] > options.machines / 2

@@ -1,6 +1,7 @@
 """Worker processes that die, stop or hang: real ones, killed and stopped; those who wait are told, and the others go on."""
 
 import contextlib
+import multiprocessing
 import os
 import signal
 import threading
@@ -32,6 +33,18 @@ def two(monkeypatch: pytest.MonkeyPatch) -> Iterator[ProcessPool]:
         yield made
     finally:
         made.shutdown()
+
+
+def test_a_process_whose_service_is_gone_before_it_was_ready_ends_quietly(capfd: pytest.CaptureFixture[str]) -> None:
+    spawning = multiprocessing.get_context("spawn")
+    ours, theirs = spawning.Pipe()
+    process = spawning.Process(target=process_pool._serve, args=(theirs, process_pool._Setup(MEMORY, 0, ())))
+    process.start()
+    theirs.close()
+    ours.close()
+    process.join(SOON_S)
+    assert process.exitcode == 0
+    assert capfd.readouterr().err == ""
 
 
 class Unreadable(Exception):
