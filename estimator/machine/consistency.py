@@ -10,6 +10,7 @@ from pydantic_core import InitErrorDetails, PydanticCustomError
 
 from estimator.bearings.journal import JournalForm
 from estimator.bearings.terms import TERMS
+from estimator.machine.films import StaticLoad
 from estimator.machine.parameter_description import describe
 from estimator.machine.part_coefficients import (
     ELEMENTS,
@@ -21,6 +22,9 @@ from estimator.machine.part_coefficients import (
 )
 from estimator.machine.parts import STATION_TOLERANCE, Disc, Material, Probe, Shaft
 from estimator.machine.rules import Condition, Operation, ParameterRule, SpeedRange
+
+CELSIUS = "degC"
+"""Unit of an operating condition that an oil's temperature follows."""
 
 
 class Train(Elements, Protocol):
@@ -41,6 +45,10 @@ class Train(Elements, Protocol):
     @property
     def probes(self) -> Sequence[Probe]:
         """Return the probes in the document's order."""
+
+    @property
+    def static_loads(self) -> Sequence[StaticLoad]:
+        """Return the static forces in the document's order."""
 
     @property
     def conditions(self) -> Sequence[Condition]:
@@ -76,6 +84,7 @@ def reference_problems(train: Train) -> Iterator[InitErrorDetails]:
     """
     yield from _material_problems(train)
     yield from _duplicate_problems(train)
+    yield from _condition_problems(train)
     yield from _station_problems(train)
     running, highest = train.operation.running_rpm, train.speed_range.maximum_rpm
     if running is not None and running > highest:
@@ -109,6 +118,26 @@ def _duplicate_problems(train: Train) -> Iterator[InitErrorDetails]:
     for i, name in enumerate(conditions):
         if names[name] > 1:
             yield _problem(("conditions", i, "name"), name, f"'{name}' stands more than once among the conditions")
+
+
+def _condition_problems(train: Train) -> Iterator[InitErrorDetails]:
+    """Find parts that follow an operating condition that is not there, or has another unit than they need."""
+    units = {condition.name: condition.unit for condition in train.conditions}
+    known = ", ".join(units) or "there are none"
+    for i, load in enumerate(train.static_loads):
+        if load.scaled_by is not None and load.scaled_by not in units:
+            message = f"'{load.scaled_by}' is not one of the operating conditions: {known}"
+            yield _problem(("static_loads", i, "scaled_by"), load.scaled_by, message)
+    for i, bearing in enumerate(train.bearings):
+        name = None if bearing.film is None else bearing.film.oil.temperature_from
+        if name is None or units.get(name) == CELSIUS:
+            continue
+        message = (
+            f"'{name}' comes in {units[name]}; the temperature of an oil must come in {CELSIUS}"
+            if name in units
+            else f"'{name}' is not one of the operating conditions: {known}"
+        )
+        yield _problem(("bearings", i, "film", "oil", "temperature_from"), name, message)
 
 
 def _station_problems(train: Train) -> Iterator[InitErrorDetails]:

@@ -32,6 +32,10 @@ class Oil(Part):
     carried: Annotated[float, Field(gt=0, le=1)] = Field(
         default=0.8, description="part of the friction's heat that the oil carries off, where inlet_c is given [-]"
     )
+    temperature_from: Identifier | None = Field(
+        default=None,
+        description="operating condition in degC: of a run its mean takes the place of temperature_c or inlet_c",
+    )
     supply: Identifier | None = Field(
         default=None, description="films that name the same one have viscosities that are off by one factor"
     )
@@ -45,6 +49,8 @@ class Oil(Part):
         warmed = (self.temperature_c is not None) + (self.inlet_c is not None)
         if warmed != (self.iso_vg is not None):
             raise ValueError("iso_vg needs either temperature_c, of the film, or inlet_c [°C], and goes with nothing else")
+        if self.temperature_from is not None and self.iso_vg is None:
+            raise ValueError("temperature_from needs iso_vg: a viscosity that is given follows no temperature")
         return self
 
 
@@ -117,10 +123,22 @@ class JournalFilm(Part):
 
 
 class StaticLoad(Part):
-    """A constant force on a shaft, such as that of a gear, of partial admission or of a magnetic pull."""
+    """A static force on a shaft, such as that of a gear, of partial admission or of a magnetic pull."""
 
     id: Identifier
     shaft: Identifier
     station: NotNegative = Field(description="[m] from the shaft's driver-side end")
     force_x: Real = Field(default=0.0, description="[N], horizontal")
     force_y: Real = Field(default=0.0, description="[N], upwards")
+    scaled_by: Identifier | None = Field(
+        default=None, description="operating condition to which the force is proportional, such as the power; needs stated_at"
+    )
+    stated_at: Real | None = Field(default=None, description="value of that condition at which the force is as stated here")
+
+    @model_validator(mode="after")
+    def _scaled(self) -> Self:
+        if (self.scaled_by is None) != (self.stated_at is None):
+            raise ValueError("scaled_by, an operating condition, and stated_at, its value for this force, go together")
+        if self.stated_at == 0.0:
+            raise ValueError("stated_at must not be 0: the force is proportional to the condition")
+        return self

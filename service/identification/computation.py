@@ -9,6 +9,7 @@ from estimator.fit.identify import Identification
 from estimator.identification.pooling import combine
 from estimator.identification.quality_gate import GatedIdentification, identify_gated
 from estimator.machine.document import Machine, parse_machine
+from estimator.machine.under_conditions import under_conditions
 from estimator.modes.nominal_critical_speeds import crossed_critical_speeds
 from estimator.phasors.harmonic_ratio import Orders
 from estimator.phasors.noise import error_size
@@ -31,7 +32,8 @@ def compute(task: IdentificationTask) -> IdentificationOutcome:
     with limited(task.timeout_s):
         machine = parse_machine(task.document)
         runs = [decode(block) for block in task.runs]
-        gated = [_gated(machine, samples, task) for samples in runs]
+        names = machine.condition_names
+        gated = [_gated(under_conditions(machine, mean_conditions([one], names)), one, task) for one in runs]
         qualities = tuple(one.qualities[0] for one in gated)
         crossed = tuple(_crossed(machine, samples) for samples in runs)
         found = [one.identification for one in gated if one.identification is not None]
@@ -39,9 +41,9 @@ def compute(task: IdentificationTask) -> IdentificationOutcome:
             why = next(one.error for one in gated if one.identification is None)
             return IdentificationOutcome(qualities, None, why, crossed=crossed)
         result = found[0] if len(found) == 1 else combine(found)
-        conditions = mean_conditions(runs, machine.condition_names)
+        conditions = mean_conditions(runs, names)
         beginning = None if task.beginning is None else task.beginning[0]
-        derived, why = _derived(machine, result, runs)
+        derived, why = _derived(under_conditions(machine, conditions), result, runs)
         return IdentificationOutcome(
             qualities,
             result,

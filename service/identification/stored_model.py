@@ -11,6 +11,7 @@ from estimator.arrays import Floats
 from estimator.errors import Conflict
 from estimator.machine.document import Machine
 from estimator.machine.rules import Noise
+from estimator.machine.under_conditions import under_conditions
 from estimator.phasors.measurement import Measurement
 from estimator.phasors.quality import EXCLUDING
 from estimator.phasors.slow_roll import SlowRoll, corrected
@@ -28,8 +29,10 @@ class NoModel(Conflict):
 
 @dataclass(frozen=True)
 class Identified:
-    """A stored identification. machine: the document of its revision. point, covariance: (n,), (n, n) as in `Identification`.
+    """A stored identification.
 
+    machine: the document of its revision, under the conditions of its runs.
+    point, covariance: (n,), (n, n) as in `Identification`.
     direction: sense of rotation of its runs, +1 from +x to +y.
     """
 
@@ -73,7 +76,7 @@ def identified(session: Session, identification_id: int) -> Identified:
         raise NoModel(
             f"identification {identification_id} is of an older release, which kept no model: identify its run again"
         )
-    machine = machines.document(session, row.machine_id, row.revision)
+    machine = under_conditions(machines.document(session, row.machine_id, row.revision), row.conditions or {})
     return Identified(
         id=row.id,
         machine=machine,

@@ -1,0 +1,63 @@
+"""A machine under its operating conditions: temperatures of oil and static forces follow what was measured beside the run."""
+
+from collections.abc import Mapping
+
+from pydantic import ValidationError
+
+from estimator.machine.document import Machine
+from estimator.machine.films import Oil, StaticLoad
+from estimator.machine.parts import Bearing
+
+
+class ConditionImpossible(ValueError):
+    """Raised when an operating condition has a value that no machine has."""
+
+
+def under_conditions(machine: Machine, conditions: Mapping[str, float | None]) -> Machine:
+    """Return a machine as it is under some operating conditions.
+
+    Args:
+        machine: The machine as its document describes it.
+        conditions: Value of each operating condition [unit of the document]; None where it was not measured, which leaves
+            what follows it as the document states it.
+
+    Returns:
+        The machine; the same one where nothing follows a condition that was measured.
+
+    Raises:
+        ConditionImpossible: An oil would be colder or hotter than a document may say.
+    """
+    known = {name: value for name, value in conditions.items() if value is not None}
+    bearings = tuple(_bearing(one, known) for one in machine.bearings)
+    loads = tuple(_load(one, known) for one in machine.static_loads)
+    if bearings == machine.bearings and loads == machine.static_loads:
+        return machine
+    return machine.model_copy(update={"bearings": bearings, "static_loads": loads})
+
+
+def _bearing(bearing: Bearing, known: Mapping[str, float]) -> Bearing:
+    film = bearing.film
+    temperature = None if film is None or film.oil.temperature_from is None else known.get(film.oil.temperature_from)
+    if film is None or temperature is None:
+        return bearing
+    oil = _oil(film.oil, temperature, bearing.id)
+    return bearing.model_copy(update={"film": film.model_copy(update={"oil": oil})})
+
+
+def _oil(oil: Oil, temperature: float, bearing: str) -> Oil:
+    field = "temperature_c" if oil.inlet_c is None else "inlet_c"
+    try:
+        return Oil.model_validate(oil.model_dump() | {field: temperature})
+    except ValidationError as error:
+        raise ConditionImpossible(
+            f"operating condition '{oil.temperature_from}' is {temperature:.4g} °C, from which the oil of bearing {bearing} "
+            f"takes its {field}: {error.errors()[0]['msg']}"
+        ) from error
+
+
+def _load(load: StaticLoad, known: Mapping[str, float]) -> StaticLoad:
+    value = None if load.scaled_by is None else known.get(load.scaled_by)
+    if value is None or load.stated_at is None:
+        return load
+    factor = value / load.stated_at
+    return load.model_copy(update={"force_x": factor * load.force_x, "force_y": factor * load.force_y})
