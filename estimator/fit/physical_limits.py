@@ -4,14 +4,16 @@ A fit may end there all the same, where data are few or the model is wrong; bala
 worthless. Where the data allow a model without growing modes nearly as well, that is the fit's end; else the fit is refused.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.stats import chi2
 
-from estimator.arrays import Floats
+from estimator.arrays import Complexes, Floats
 from estimator.fit.coordinates import Coordinates
 from estimator.fit.fit_problem import FitProblem, FitResult
+from estimator.fit.maximum_likelihood import descend
 from estimator.fit.reweighting import with_fitted_noise
 from estimator.machine.document import Machine
 from estimator.machine.scaled_materials import with_scaled_materials
@@ -32,14 +34,25 @@ MARGIN = 2e-4
 """Damping ratio to which a growing mode is brought [-]."""
 NEAR = 0.02
 """Damping ratio below which a mode is watched in a step [-]."""
-LARGEST_RISE = 4.0
-"""Rise of χ² up to which a model without growing modes agrees with the data as well [-]: two standard errors."""
-LARGEST_STEP_COUNT = 20
+CHANCE = 0.01
+"""Chance at which χ² rises more than is allowed where the true modes decay [-].
+
+The rise has at most as many degrees of freedom as modes grow (Self and Liang 1987, doi:10.1080/01621459.1987.10478472).
+"""
+LARGEST_STEP_COUNT = 12
 """Most steps to such a model."""
 STEP_LIMIT = 0.5
 """Largest change of a coordinate in one step [-]."""
-SETTLED = 0.05
+SETTLED = 0.5
 """Change of the merit function in a step up to which the steps have ended [-]."""
+FIRST_DAMPING = 1e-3
+"""Part of the diagonal of the curvature that is added to it in the first step [-]."""
+MOST_HALVINGS = 6
+"""Most times a step is tried, each time half as long."""
+PRIOR_FACTORS = (2.0, 4.0, 8.0, 16.0)
+"""Factors by which the prior's spread is made smaller, one after the other, to draw what the data leave open [-]."""
+DRAWN_STEP_COUNT = 8
+"""Most steps with each of them."""
 PENALTY = 300.0
 """Weight of lacking damping in the merit function [-]: a damping ratio of -0.01 counts as much as three units of χ²."""
 
@@ -60,6 +73,14 @@ class LeastDampedMode:
     def damping_ratio(self) -> float:
         """Return the damping ratio [-]; negative where the mode grows."""
         return float(damping_ratio(np.array(self.eigenvalue)))
+
+    @property
+    def lacking(self) -> float:
+        """Return how much damping is lacking [-]: the rate of growth over the speed.
+
+        A damping ratio would not do: of every mode that grows without oscillating it is -1, however slowly it grows.
+        """
+        return max(0.0, self.eigenvalue.real + MARGIN / 2 * abs(self.eigenvalue)) / self.speed
 
     @property
     def grows(self) -> bool:
@@ -106,17 +127,26 @@ class PhysicalLimits:
         Returns:
             The modes; none for a speed at which there is none.
         """
-        machine = self._scaled(theta)
-        basis = reduced_basis(machine, self.highest)
-        found = []
-        for spin, row in zip(self.speeds.tolist(), self._coefficients(theta), strict=True):
-            matrices = system_matrices(machine, coefficients=row, basis=basis)
-            roots = np.linalg.eigvals(matrices.state_matrix(spin=self.machine.direction * spin))
-            size = np.abs(roots)
-            slow = roots[(roots.imag >= 0.0) & (size <= self.highest) & (size > SMALLEST_ROOT * self.highest)]
-            if slow.size:
-                found.append(LeastDampedMode(spin, complex(slow[np.argmin(damping_ratio(slow))])))
-        return tuple(found)
+        return tuple(
+            LeastDampedMode(spin, complex(slow[np.argmin(damping_ratio(slow))]))
+            for spin, slow in self._slow_modes(theta)
+            if slow.size
+        )
+
+    def watched(self, theta: Floats) -> tuple[LeastDampedMode, ...]:
+        """Return all modes of little or negative damping at all speeds.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            The modes.
+        """
+        return tuple(
+            LeastDampedMode(spin, complex(root))
+            for spin, slow in self._slow_modes(theta)
+            for root in slow[damping_ratio(slow) < NEAR]
+        )
 
     def growing_mode(self, theta: Floats) -> LeastDampedMode | None:
         """Find a mode that grows.
@@ -160,6 +190,16 @@ class PhysicalLimits:
             )
         return found
 
+    def _slow_modes(self, theta: Floats) -> Iterator[tuple[float, Complexes]]:
+        """Yield each speed with the eigenvalues of its modes up to the highest frequency [rad/s]."""
+        machine = self._scaled(theta)
+        basis = reduced_basis(machine, self.highest)
+        for spin, row in zip(self.speeds.tolist(), self._coefficients(theta), strict=True):
+            matrices = system_matrices(machine, coefficients=row, basis=basis)
+            roots = np.linalg.eigvals(matrices.state_matrix(spin=self.machine.direction * spin))
+            size = np.abs(roots)
+            yield spin, roots[(roots.imag >= 0.0) & (size <= self.highest) & (size > SMALLEST_ROOT * self.highest)]
+
     def _scaled(self, theta: Floats) -> Machine:
         factors = self.coordinates.scales(theta)
         named = dict(zip(self.scale_names, map(float, factors), strict=True))
@@ -193,8 +233,9 @@ def without_growing_modes(
 ) -> tuple[FitResult, LeastDampedMode | None]:
     """Fit a train again so that no mode grows, from a fit in which one does.
 
-    Gauss-Newton steps under the linearised conditions that the least damped modes decay (sequential quadratic programming;
-    Nocedal and Wright, Numerical Optimization, 2006, ch. 18).
+    What the data leave open is drawn to the document's values until no mode grows. From there Gauss-Newton steps lower the
+    misfit under the linearised conditions that modes decay (sequential quadratic programming; Nocedal and Wright, Numerical
+    Optimization, 2006, ch. 18).
 
     Args:
         limits: Limits of the machine.
@@ -210,17 +251,15 @@ def without_growing_modes(
         return found, None
     final = with_fitted_noise(problem, found)
     weight = final.weight(np.abs(final.model(found.theta)), 0.0)
-    highest = _linearised(final, found.theta, weight)[0] + LARGEST_RISE
+    growing = sum(one.grows for one in limits.watched(found.theta))
+    highest = _linearised(final, found.theta, weight)[0] + float(chi2.isf(CHANCE, growing))
     search = _Search(limits, final, weight, highest)
-    kept = search.run(found.theta)
-    if kept is None:
-        # A damping that the fit has brought to nothing has no slope: what was expected is another way in.
-        kept = search.run(final.best_excitations(final.coordinates.centre, weight))
+    kept = search.run(search.nearer_to_document(found.theta))
     return (found, first) if kept is None else (replace(found, theta=kept), None)
 
 
 class _Search:
-    """Search for the best model without growing modes, with steps that are damped until they lower a merit function."""
+    """Search for the best model without growing modes, with steps that are shortened until they lower a merit function."""
 
     def __init__(self, limits: PhysicalLimits, problem: FitProblem, weight: Floats, highest: float) -> None:
         self.limits = limits
@@ -230,30 +269,53 @@ class _Search:
 
     def run(self, theta: Floats) -> Floats | None:
         """Return θ (n,) of such a model that the data allow; None where none is found."""
+        modes = self.limits.watched(theta)
         cost, slope, hessian = _linearised(self.problem, theta, self.weight)
-        modes = self.limits.least_damped(theta)
-        merit, damping, kept = self._merit(cost, modes), 1e-4, None
+        merit, kept = _merit(cost, modes), None
+        if cost <= self.highest and not any(one.grows for one in modes):
+            kept = theta
+        damping = FIRST_DAMPING
         for _ in range(LARGEST_STEP_COUNT):
             damped = hessian + damping * np.diag(np.diag(hessian))
-            trial = theta + _constrained_step(slope, damped, modes, self.limits, theta)
-            trial_cost, trial_slope, trial_hessian = _linearised(self.problem, trial, self.weight)
-            trial_modes = self.limits.least_damped(trial)
-            trial_merit = self._merit(trial_cost, trial_modes)
-            if not trial_merit < merit:
-                damping *= 8.0
-                continue
+            step = _constrained_step(slope, damped, modes, self.limits, theta)
+            for halving in range(MOST_HALVINGS):
+                trial = theta + 0.5**halving * step
+                modes = self.limits.watched(trial)
+                trial_merit = _merit(self._cost(trial), modes)
+                if trial_merit < merit:
+                    break
+                damping *= 2.0
+            else:
+                return kept
+            damping /= 4.0
             settled = merit - trial_merit < SETTLED
-            theta, merit, modes, damping = trial, trial_merit, trial_modes, damping / 4.0
-            slope, hessian = trial_slope, trial_hessian
-            if trial_cost <= self.highest and not any(one.grows for one in modes):
+            theta, merit = trial, trial_merit
+            cost, slope, hessian = _linearised(self.problem, theta, self.weight)
+            if cost <= self.highest and not any(one.grows for one in modes):
                 kept = theta
                 if settled:
                     break
         return kept
 
-    def _merit(self, cost: float, modes: tuple[LeastDampedMode, ...]) -> float:
-        lacking = sum(max(0.0, MARGIN / 2 - one.damping_ratio) for one in modes)
-        return cost + PENALTY * lacking
+    def nearer_to_document(self, theta: Floats) -> Floats:
+        """Return θ (n,) with what the data leave open drawn to the document's values until no mode grows."""
+        coordinates = self.problem.coordinates
+        for factor in PRIOR_FACTORS:
+            held = replace(self.problem, coordinates=replace(coordinates, spread=coordinates.spread / factor))
+            theta, _, _ = descend(held, theta, self.weight, DRAWN_STEP_COUNT)
+            if self.limits.growing_mode(theta) is None:
+                break
+        return theta
+
+    def _cost(self, theta: Floats) -> float:
+        """Return χ² with its prior."""
+        coordinates = self.problem.coordinates
+        away = (theta - coordinates.centre) / coordinates.spread
+        return self.problem.chi_square(theta, self.weight) + float(away @ away)
+
+
+def _merit(cost: float, modes: tuple[LeastDampedMode, ...]) -> float:
+    return cost + PENALTY * sum(one.lacking for one in modes)
 
 
 def _linearised(problem: FitProblem, theta: Floats, weight: Floats) -> tuple[float, Floats, Floats]:
@@ -269,10 +331,9 @@ def _constrained_step(
 ) -> Floats:
     """Return the Gauss-Newton step that brings modes of too little damping to the margin."""
     free = np.linalg.solve(hessian, slope)
-    near = [one for one in modes if one.damping_ratio < NEAR]
-    if near:
-        normals = np.stack([limits.slopes(theta, one) for one in near])
-        allowed = np.array([-one.eigenvalue.real - MARGIN * abs(one.eigenvalue) for one in near])
+    if modes:
+        normals = np.stack([limits.slopes(theta, one) for one in modes])
+        allowed = np.array([-one.eigenvalue.real - MARGIN * abs(one.eigenvalue) for one in modes])
         broken = normals @ free > allowed
         normals, allowed = normals[broken], allowed[broken]
         across = np.linalg.solve(hessian, normals.T)
