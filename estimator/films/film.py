@@ -3,6 +3,7 @@
 Stiffness and damping as J. W. Lund, J. Tribol. 109 (1987) 37 defines them, at any position and not only where a weight rests.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -25,6 +26,7 @@ class TableMaker(Protocol):
 
 
 _TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
+_TO_X = np.array([1.0, 0.0])
 _AT_CENTRE = 1e-14
 """Eccentricity below which a film has no direction [c]."""
 
@@ -150,8 +152,12 @@ class Film:
                 f"length over diameter is {slenderness:g}: films that form again by themselves are known up to "
                 f"{MOST_CONTINUOUS:g}"
             )
+        alike: dict[tuple[float, bool], list[Pad]] = {}
+        for pad in profile.pads:
+            alike.setdefault((pad.arc, pad.continuous), []).append(pad)
         self._tables = tuple(
-            (pad, table(arc=pad.arc, slenderness=slenderness, continuous=pad.continuous)) for pad in profile.pads
+            (_AlikePads(pads), table(arc=arc, slenderness=slenderness, continuous=continuous))
+            for (arc, continuous), pads in alike.items()
         )
 
     def covers(self, position: Floats) -> Bools:
@@ -164,9 +170,9 @@ class Film:
             Whether it is (...).
         """
         covered = np.ones(np.shape(position)[:-1], dtype=bool)
-        for pad, table in self._tables:
-            eccentricity, direction, _ = _polar(pad, position)
-            covered &= table.covers(eccentricity, direction)
+        for pads, table in self._tables:
+            eccentricity, direction, _ = pads.polar(position)
+            covered &= table.covers(eccentricity, direction).all(axis=-1)
         return covered
 
     def thinnest(self, position: Floats) -> Floats:
@@ -179,9 +185,9 @@ class Film:
             Thicknesses (...), negative where the journal would be in the wall [c].
         """
         found = np.full(np.shape(position)[:-1], np.inf)
-        for pad, table in self._tables:
-            eccentricity, direction, _ = _polar(pad, position)
-            found = np.minimum(found, table.thinnest(eccentricity, direction))
+        for pads, table in self._tables:
+            eccentricity, direction, _ = pads.polar(position)
+            found = np.minimum(found, table.thinnest(eccentricity, direction).min(axis=-1))
         return found
 
     def at(self, position: Floats) -> FilmCoefficients:
@@ -198,8 +204,8 @@ class Film:
         """
         position = np.asarray(position, dtype=float)
         require_covered(self, position)
-        parts = [_pad_film(pad, table, position) for pad, table in self._tables]
-        return FilmCoefficients(*(np.sum([getattr(one, name) for one in parts], axis=0) for name in _QUANTITIES))
+        first, *others = [_film_of_pads(pads, table, position) for pads, table in self._tables]
+        return FilmCoefficients(*(sum(parts[1:], parts[0]) for parts in zip(first, *others, strict=True)))
 
 
 def require_covered(film: FilmOverPosition, position: Floats) -> None:
@@ -240,36 +246,46 @@ def slenderness_within(slenderness: float) -> float:
     return round(float(slenderness), 9)
 
 
-_QUANTITIES = ("force", "stiffness", "damping", "stiffness_slope", "damping_slope")
+class _AlikePads:
+    """Pads of one arc, which have one table: P of them are computed at once."""
+
+    def __init__(self, pads: Sequence[Pad]) -> None:
+        self.closing = np.array([one.closing for one in pads])
+        self.middle = np.array([one.middle for one in pads])
+        self.full = pads[0].arc == FULL_ARC
+
+    def polar(self, position: Floats) -> tuple[Floats, Floats, Floats]:
+        """Return ε and φ (..., P) from the middle of each pad, and the axes (..., P, 2, 2), columns radial and tangential."""
+        place = np.asarray(position, dtype=float)[..., None, :] + self.closing
+        eccentricity = np.hypot(place[..., 0], place[..., 1])
+        central = eccentricity < _AT_CENTRE
+        radial = np.where(central[..., None], _TO_X, place / np.where(central, 1.0, eccentricity)[..., None])
+        axes = np.stack([radial, radial @ _TURN.T], axis=-1)
+        if self.full:
+            return eccentricity, np.zeros_like(eccentricity), axes
+        turned = np.arctan2(radial[..., 1], radial[..., 0]) - self.middle
+        return eccentricity, np.asarray((turned + np.pi) % (2.0 * np.pi) - np.pi), axes
 
 
-def _polar(pad: Pad, position: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return ε and φ (...) from the middle of the pad, and the axes (..., 2, 2) whose columns are radial and tangential."""
-    place = np.asarray(position, dtype=float) + np.array(pad.closing)
-    eccentricity = np.hypot(place[..., 0], place[..., 1])
-    central = eccentricity < _AT_CENTRE
-    radial = np.where(central[..., None], np.array([1.0, 0.0]), place / np.where(central, 1.0, eccentricity)[..., None])
-    axes = np.stack([radial, radial @ _TURN.T], axis=-1)
-    if pad.arc == FULL_ARC:
-        return eccentricity, np.zeros_like(eccentricity), axes
-    turned = np.arctan2(radial[..., 1], radial[..., 0]) - pad.middle
-    return eccentricity, np.asarray((turned + np.pi) % (2.0 * np.pi) - np.pi), axes
-
-
-def _pad_film(pad: Pad, table: PadTable, position: Floats) -> FilmCoefficients:
-    """Return the film of one pad."""
-    eccentricity, direction, axes = _polar(pad, position)
+def _film_of_pads(pads: _AlikePads, table: PadTable, position: Floats) -> tuple[Floats, ...]:
+    """Return the sum over pads of forces, stiffness, damping and the derivatives of these two."""
+    eccentricity, direction, axes = pads.polar(position)
     film = table.at(eccentricity, direction)
     stiffness, stiffness_by = _stiffness(film, eccentricity)
     damping, damping_by = _damping(film)
     over = np.where(eccentricity < _AT_CENTRE, 0.0, 1.0 / np.maximum(eccentricity, _AT_CENTRE))
-    return FilmCoefficients(
-        np.einsum("...ia,...a->...i", axes, eccentricity[..., None] * film.force_ratio),
-        np.einsum("...ia,...jb,...ab->...ij", axes, axes, stiffness),
-        np.einsum("...ia,...jb,...ab->...ij", axes, axes, damping),
+    return (
+        np.einsum("...pia,...pa->...i", axes, eccentricity[..., None] * film.force_ratio),
+        _summed(axes, stiffness),
+        _summed(axes, damping),
         _slopes(axes, stiffness, stiffness_by, over),
         _slopes(axes, damping, damping_by, over),
     )
+
+
+def _summed(axes: Floats, value: Floats) -> Floats:
+    """Return the sum over pads (..., 2, 2) of a matrix with components in turning axes."""
+    return np.asarray((axes @ value @ np.swapaxes(axes, -1, -2)).sum(axis=-3))
 
 
 def _matrix(rr: Floats, rt: Floats, tr: Floats, tt: Floats) -> Floats:
@@ -314,7 +330,9 @@ def _damping(film: PolarFilm) -> tuple[Floats, tuple[Floats, Floats]]:
 
 
 def _slopes(axes: Floats, value: Floats, by: tuple[Floats, Floats], over: Floats) -> Floats:
-    """Return the derivatives (..., 2, 2, 2) by the position of a matrix with components in turning axes."""
+    """Return the sum over pads of the derivatives (..., 2, 2, 2) by the position of a matrix in turning axes."""
     turning = _TURN @ value - value @ _TURN + by[1]
-    local = np.stack([by[0], over[..., None, None] * turning], axis=-1)
-    return np.asarray(np.einsum("...ia,...jb,...kc,...abc->...ijk", axes, axes, axes, local))
+    # By each of the two local directions c: axes · local_c · axesᵀ; then the directions are turned too.
+    local = np.stack([by[0], over[..., None, None] * turning], axis=-3)
+    turned = axes[..., None, :, :] @ local @ np.swapaxes(axes, -1, -2)[..., None, :, :]
+    return np.asarray(np.einsum("...pkc,...pcij->...ijk", axes, turned))
