@@ -39,7 +39,7 @@ CHANCE = 0.01
 
 The rise has at most as many degrees of freedom as modes grow (Self and Liang 1987, doi:10.1080/01621459.1987.10478472).
 """
-LARGEST_STEP_COUNT = 12
+LARGEST_STEP_COUNT = 30
 """Most steps to such a model."""
 STEP_LIMIT = 0.5
 """Largest change of a coordinate in one step [-]."""
@@ -49,7 +49,7 @@ FIRST_DAMPING = 1e-3
 """Part of the diagonal of the curvature that is added to it in the first step [-]."""
 MOST_HALVINGS = 6
 """Most times a step is tried, each time half as long."""
-PRIOR_FACTORS = (2.0, 4.0, 8.0, 16.0)
+PRIOR_FACTORS = tuple(1.4**power for power in range(1, 9))
 """Factors by which the prior's spread is made smaller, one after the other, to draw what the data leave open [-]."""
 DRAWN_STEP_COUNT = 8
 """Most steps with each of them."""
