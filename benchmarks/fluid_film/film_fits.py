@@ -26,8 +26,13 @@ def film_fits(plants: int) -> list[Figure]:
     own = trials_of(_random, range(plants), bounded=True)
     others = trials_of(_motor_compressor, range(max(1, plants // MOTOR_COMPRESSORS)), bounded=True)
     rows = _figures(f"films of {len(own)} foreign plants", own) + _figures(f"films of {len(others)} motor-compressors", others)
-    median = float(np.median([one.took for one in own]))
-    return [*rows, Figure("time of one identification by films, median [s]", "<= 1.0", f"{median:.2f}", median <= 1.0)]
+    cold = float(np.median([one.took for one in own]))
+    warm = float(np.median([one.again for one in own if one.accepted] or [np.inf]))
+    return [
+        *rows,
+        Figure("processor time of one identification by films, median [s]", "<= 1.0", f"{cold:.2f}", cold <= 1.0),
+        Figure("    from the machine's last identification, median [s]", "<= 0.3", f"{warm:.2f}", warm <= 0.3),
+    ]
 
 
 def _random(seed: int) -> Plant:

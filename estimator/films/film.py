@@ -289,7 +289,9 @@ def _summed(axes: Floats, value: Floats) -> Floats:
 
 
 def _matrix(rr: Floats, rt: Floats, tr: Floats, tt: Floats) -> Floats:
-    return np.stack([np.stack([rr, rt], axis=-1), np.stack([tr, tt], axis=-1)], axis=-2)
+    found = np.empty((*rr.shape, 2, 2))
+    found[..., 0, 0], found[..., 0, 1], found[..., 1, 0], found[..., 1, 1] = rr, rt, tr, tt
+    return found
 
 
 def _stiffness(film: PolarFilm, eccentricity: Floats) -> tuple[Floats, tuple[Floats, Floats]]:

@@ -63,14 +63,10 @@ class TensorSpline:
             powers_b[..., 0, 0] = 1.0
         else:
             cell_b, powers_b = _powers(self._b, b)
-        over_b = np.einsum("...ijq,...dj->...diq", self._pieces[cell_a, cell_b], powers_b)
-
-        def derivative(of_a: int, of_b: int) -> Floats:
-            return np.asarray(np.einsum("...iq,...i->...q", over_b[..., of_b, :, :], powers_a[..., of_a, :]))
-
-        first = np.stack([derivative(1, 0), derivative(0, 1)], axis=-2)
-        second = np.stack([derivative(2, 0), derivative(1, 1), derivative(0, 2)], axis=-2)
-        return SplineValue(derivative(0, 0), first, second)
+        pieces = self._pieces[cell_a, cell_b]
+        over_a = (powers_a @ pieces.reshape(*a.shape, pieces.shape[-3], -1)).reshape(*a.shape, 3, *pieces.shape[-2:])
+        found = np.einsum("...djq,...ej->...deq", over_a, powers_b)
+        return SplineValue(found[..., 0, 0, :], found[..., [1, 0], [0, 1], :], found[..., [2, 1, 0], [0, 1, 2], :])
 
 
 def _pieces(nodes: Floats, values: Floats, *, periodic: bool) -> tuple[Floats, Floats]:
@@ -83,6 +79,9 @@ def _powers(breaks: Floats, place: Floats) -> tuple[np.ndarray[tuple[int, ...], 
     """Return each place's cell, and the powers of the distance into it with their first two derivatives (..., 3, 4)."""
     cell = np.clip(np.searchsorted(breaks, place, side="right") - 1, 0, breaks.size - 2)
     t = place - breaks[cell]
-    zero, one = np.zeros_like(t), np.ones_like(t)
-    rows = [[t**3, t**2, t, one], [3.0 * t**2, 2.0 * t, one, zero], [6.0 * t, 2.0 * one, zero, zero]]
-    return cell, np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+    powers = np.zeros((*t.shape, 3, 4))
+    powers[..., 0, 3] = powers[..., 1, 2] = 1.0
+    powers[..., 0, 2], powers[..., 1, 1], powers[..., 2, 0] = t, 2.0 * t, 6.0 * t
+    powers[..., 0, 1], powers[..., 2, 1] = t * t, 2.0
+    powers[..., 0, 0], powers[..., 1, 0] = t * powers[..., 0, 1], 3.0 * powers[..., 0, 1]
+    return cell, powers
