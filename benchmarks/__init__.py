@@ -4,3 +4,8 @@ The modules here measure the service and its store; `chain`, `closed_loop` and `
 `estimator` (accuracy, coverage and cost of the science), `faults` (kills, attacks, hours of load), `fleet` (false alarms and
 detection over months), `thesis` (its experiments run again, by chapter).
 """
+
+import os
+
+# As the commands do, before numpy is loaded: the matrices are small, and more threads wait for one another.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
