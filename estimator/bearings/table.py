@@ -1,5 +1,7 @@
 """Coefficients that follow a table over speed, as a maker calculates them, with a scale factor per direct term on request.
 
+Tables for several loads are interpolated to the bearing's own, over the logarithm of the load.
+
 Between the table's speeds they follow the shape-preserving cubics of Fritsch and Carlson (SIAM J. Numer. Anal. 17 (1980) 238,
 doi:10.1137/0717021), which never leave the values beside them: monotone values stay monotone, positive ones positive. Beyond
 its ends the table is held level.
@@ -17,23 +19,27 @@ from estimator.arrays import Floats
 from estimator.bearings.defaults import FormDefaults, NeverLevel
 from estimator.bearings.model import CoefficientModel, ModelParameter, OwnParameter
 from estimator.bearings.monotone_cubic import MonotoneCubic
+from estimator.bearings.table_columns import (
+    COLUMNS,
+    MOST_LOADS,
+    MOST_SPEEDS,
+    ColumnsAtLoad,
+    CrossColumn,
+    DirectColumn,
+    at_load,
+    require_alike,
+)
 from estimator.bearings.terms import LATERAL, TERMS
-from estimator.field_types import Direct, Part, Positive, Real, Spread
+from estimator.field_types import Part, Positive, Spread
 from estimator.quantities import UNITS
 from estimator.units import RAD_PER_S, rpm_to_rad_per_s
 
 FEWEST_SPEEDS = 5
 """Least number of speeds of a table."""
-MOST_SPEEDS = 500
-"""Largest number of speeds of a table."""
-COLUMNS = tuple(term.name for term in LATERAL)
-"""Terms that a table can give."""
 SMALLEST_STIFFNESS = 1e3
 """Direct stiffness of a film below which another unit was probably meant [N/m]."""
 
 Speeds = Annotated[tuple[Positive, ...], Field(max_length=MOST_SPEEDS, json_schema_extra={"minItems": FEWEST_SPEEDS})]
-DirectColumn = Annotated[tuple[Direct, ...], Field(max_length=MOST_SPEEDS)] | None
-CrossColumn = Annotated[tuple[Real, ...], Field(max_length=MOST_SPEEDS)] | None
 
 
 def scale_name(term: str) -> str:
@@ -152,7 +158,8 @@ class Table(FormDefaults, Part):
     """Dependence of an element's coefficients on the speed: a table, as from its maker's calculation.
 
     The coefficients that have a column follow it, between its speeds by shape-preserving cubics and level beyond its ends; the
-    others are constant. Commands that read the document from a file take `csv: FILE` in place of the columns.
+    others are constant. A table for several loads has its columns in `over_load`, and `load` says at which it is taken.
+    Commands that read the document from a file take `csv: FILE` in place of the columns.
     """
 
     own_parameters: ClassVar[tuple[OwnParameter, ...]] = tuple(
@@ -171,6 +178,15 @@ class Table(FormDefaults, Part):
     cxy: CrossColumn = Field(default=None, description="at each speed [N s/m]")
     cyx: CrossColumn = Field(default=None, description="at each speed [N s/m]")
     cyy: DirectColumn = Field(default=None, description="at each speed [N s/m]")
+    over_load: tuple[ColumnsAtLoad, ...] = Field(
+        default=(),
+        max_length=MOST_LOADS,
+        description="columns for several loads, ascending, in place of those above; between them shape-preserving cubics over "
+        "the logarithm of the load",
+    )
+    load: Positive | None = Field(
+        default=None, description="static load on the bearing, at which a table over the load is taken [N]"
+    )
     scale_spread: Spread = Field(
         default=0.0, description="how far the table's direct terms may be off, each by a factor, relative rms [-]; 0: exact"
     )
@@ -203,16 +219,47 @@ class Table(FormDefaults, Part):
             raise ValueError(f"needs one value at each of the {len(speeds)} speeds of speed_rpm, not {len(column)}")
         return column
 
+    @field_validator("over_load")
+    @classmethod
+    def _alike_at_ascending_loads(cls, tables: tuple[ColumnsAtLoad, ...], info: ValidationInfo) -> tuple[ColumnsAtLoad, ...]:
+        if len(tables) == 1:
+            raise ValueError("a table over the load has at least two loads [N]; for one, give its columns without over_load")
+        speeds = info.data.get("speed_rpm")
+        require_alike(tables, speed_count=None if speeds is None else len(speeds))
+        return tables
+
     @model_validator(mode="after")
     def _some_column(self) -> Self:
         if not self.coefficients:
             raise ValueError(f"a table gives at least one of {', '.join(COLUMNS)}")
+        double = [name for name in COLUMNS if self.over_load and getattr(self, name) is not None]
+        if double:
+            raise ValueError(f"{', '.join(double)} beside over_load: give columns for one load, or for several in over_load")
+        if self.over_load and self.load is None:
+            raise ValueError("over_load needs the bearing's own static load [N] as load; a quarter of the train's weight, say")
+        if self.load is not None and not self.over_load:
+            raise ValueError("load is of tables over the load: give the columns for several loads in over_load")
         return self
 
     @property
     def coefficients(self) -> tuple[str, ...]:
         """Return the terms that have a column."""
+        if self.over_load:
+            return self.over_load[0].coefficients
         return tuple(name for name in COLUMNS if getattr(self, name) is not None)
+
+    def column(self, term: str) -> tuple[float, ...]:
+        """Compute a term's values over the table's speeds, at the bearing's load.
+
+        Args:
+            term: The term, such as `kxx`, which has a column.
+
+        Returns:
+            Values (n,) [SI].
+        """
+        if not self.over_load or self.load is None:
+            return tuple(getattr(self, term))
+        return at_load(self.over_load, self.load, term)
 
     def governs(self, term: str) -> bool:
         """Return whether a term has a column.
@@ -266,8 +313,12 @@ class Table(FormDefaults, Part):
             beyond = " and ".join(f"from {low:g} to {high:g}" for low, high in ranges)
             words = f"the table covers {first:g} to {last:g} r/min and is held level beyond its ends, {beyond} r/min"
             yield "speed_rpm", words
+        if self.over_load and self.load is not None:
+            least, most = self.over_load[0].load, self.over_load[-1].load
+            if not least <= self.load <= most:
+                yield "load", f"{self.load:g} N: the table covers loads of {least:g} to {most:g} N and is held at its end"
         for name in ("kxx", "kyy"):
-            column = getattr(self, name)
+            column = self.column(name) if self.governs(name) else None
             if column is not None and min(column) < SMALLEST_STIFFNESS:
                 yield name, f"{min(column):g} N/m: bearings usually have 1e5 to 1e9 N/m; was N/µm meant?"
 
@@ -285,7 +336,7 @@ class Table(FormDefaults, Part):
 
     def _model(self, names: tuple[str, ...], terms: tuple[str, ...]) -> TableModel:
         speed = tuple(rpm * RAD_PER_S["rpm"] for rpm in self.speed_rpm)
-        return TableModel(names, tuple(getattr(self, term) for term in terms), speed, self.scale_spread)
+        return TableModel(names, tuple(self.column(term) for term in terms), speed, self.scale_spread)
 
 
 def _term(name: str) -> str:

@@ -1,6 +1,7 @@
 """Reads tables of coefficients over speed from CSV files beside a machine document, into the document's own columns.
 
 The first line names the columns: `speed_rpm`, and terms such as `kxx` or, with their unit, `kxx_n_per_m` and `cxx_n_s_per_m`.
+A column `load_n` makes it a table over the load as well: lines of one load stand together, all loads at the same speeds.
 Lines that are empty or begin with # do not count.
 """
 
@@ -10,16 +11,23 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from estimator.bearings.table import COLUMNS, MOST_SPEEDS
+from estimator.bearings.table_columns import COLUMNS, MOST_LOADS, MOST_SPEEDS
 from estimator.bearings.terms import TERMS
 from estimator.machine.part_coefficients import ELEMENTS
 
-SPEED = "speed_rpm"
+SPEED, LOAD = "speed_rpm", "load_n"
 UNIT = {"stiffness": "n_per_m", "damping": "n_s_per_m"}
 """End of a column's name by the term's quantity."""
-NAMES = {SPEED: SPEED} | {name: name for name in COLUMNS} | {f"{name}_{UNIT[TERMS[name].quantity]}": name for name in COLUMNS}
+NAMES = (
+    {SPEED: SPEED, LOAD: LOAD}
+    | {name: name for name in COLUMNS}
+    | {f"{name}_{UNIT[TERMS[name].quantity]}": name for name in COLUMNS}
+)
 """Field of the table by the name of a column."""
-WORDS = f"{SPEED}, and terms with or without their unit, such as kxx or kxx_n_per_m, cxx or cxx_n_s_per_m"
+WORDS = (
+    f"{SPEED}, {LOAD} where there are several loads, and terms with or without their unit, such as kxx or kxx_n_per_m, cxx or "
+    "cxx_n_s_per_m"
+)
 
 
 class WrongTableFile(ValueError):
@@ -47,17 +55,40 @@ def _resolved(part: Any, place: str, folder: Path) -> Any:
     where, rest, name = f"{place}.speed_dependence", {key: form[key] for key in form if key != "csv"}, form["csv"]
     if form.get("form") != "table" or not isinstance(name, str) or not name:
         raise WrongTableFile(f"{where}.csv: names a file, such as bearing-B1.csv, of the form 'table' only")
-    double = [key for key in (SPEED, *COLUMNS) if rest.get(key) is not None]
+    double = [key for key in (SPEED, *COLUMNS, "over_load") if rest.get(key) is not None]
     if double:
         raise WrongTableFile(f"{where}: {', '.join(double)} beside csv: give the columns in one of them only")
     try:
-        return {**part, "speed_dependence": {**rest, **read_table(folder / name)}}
+        return {**part, "speed_dependence": {**rest, **_by_load(read_table(folder / name))}}
     except WrongTableFile as error:
         raise WrongTableFile(f"{where}.csv: {error}") from error
 
 
+def _by_load(columns: dict[str, list[float]]) -> dict[str, Any]:
+    """Return the fields of a table: columns as they are, or those of each load. Raises WrongTableFile."""
+    if LOAD not in columns:
+        return dict(columns)
+    loads, terms = columns[LOAD], [name for name in columns if name not in (SPEED, LOAD)]
+    places: dict[float, list[int]] = {}
+    for place, load in enumerate(loads):
+        places.setdefault(load, []).append(place)
+    speeds = [[columns[SPEED][one] for one in lines] for lines in places.values()]
+    for load, found in zip(places, speeds, strict=True):
+        if found != speeds[0]:
+            raise WrongTableFile(
+                f"lines of {load:g} N have other speeds than those of {loads[0]:g} N: all loads need the same"
+            )
+    tables = [
+        {"load": load, **{name: [columns[name][one] for one in lines] for name in terms}} for load, lines in places.items()
+    ]
+    return {SPEED: speeds[0], "over_load": tables}
+
+
 def read_table(path: Path) -> dict[str, list[float]]:
-    """Read the columns of a table: `speed_rpm` and terms, each with its values in the file's order. Raises WrongTableFile."""
+    """Read the columns of a table: `speed_rpm`, `load_n` where it has one, and terms; values are in the file's order.
+
+    Raises WrongTableFile.
+    """
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             lines = _lines(file)
@@ -67,9 +98,11 @@ def read_table(path: Path) -> dict[str, list[float]]:
                 raise WrongTableFile(f"{path} is empty: its first line names the columns: {WORDS}") from None
             fields = _fields(path, header)
             columns: dict[str, list[float]] = {field: [] for field in fields}
+            over_load = LOAD in fields
+            most = MOST_SPEEDS * (MOST_LOADS if over_load else 1)
             for count, (number, cells) in enumerate(lines, start=1):
-                if count > MOST_SPEEDS:
-                    raise WrongTableFile(f"{path}, line {number}: at most {MOST_SPEEDS} speeds")
+                if count > most:
+                    raise WrongTableFile(f"{path}, line {number}: at most {MOST_SPEEDS} speeds{' of each load' * over_load}")
                 _append(columns, cells, header, f"{path}, line {number}")
     except OSError as error:
         raise WrongTableFile(f"{path}: {error.strerror}") from error

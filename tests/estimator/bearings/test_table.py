@@ -323,6 +323,58 @@ def machine_of(table: dict[str, Any]) -> Machine:
     return parse_machine(with_table(table))
 
 
+def over_load(load: float, loads: tuple[float, ...] = (500.0, 1000.0, 2000.0)) -> dict[str, Any]:
+    """A table over the load, in which two terms go with a power of it."""
+    columns = [
+        {"load": one, "kxx": [2e5 * one**0.4 * k for k in range(1, 6)], "kxy": [-1e4 * one**0.4 * k for k in range(1, 6)]}
+        for one in loads
+    ]
+    return {"form": "table", "speed_rpm": [90, 500, 1000, 2000, 6000], "over_load": columns, "load": load}
+
+
+def test_a_table_over_the_load_is_met_at_its_loads_and_taken_between_them() -> None:
+    for load in (500.0, 1000.0, 2000.0):
+        table = Table.model_validate(over_load(load))
+        assert table.column("kxx") == pytest.approx([2e5 * load**0.4 * k for k in range(1, 6)])
+        assert table.nominal("kxy", 1000.0) == pytest.approx(-1e4 * load**0.4 * 3)
+    between = Table.model_validate(over_load(1400.0))
+    assert between.column("kxx") == pytest.approx([2e5 * 1400.0**0.4 * k for k in range(1, 6)], rel=0.01)
+    two = Table.model_validate(over_load(np.sqrt(5e5), loads=(500.0, 1000.0)))
+    assert two.column("kxx")[0] == pytest.approx(2e5 * (500.0**0.4 + 1000.0**0.4) / 2)
+
+
+def test_a_load_beyond_the_table_is_held_at_its_end_and_warned_of() -> None:
+    document = with_table(over_load(3000.0))
+    del document["bearings"][1]["kxy"]
+    (one,) = document_warnings(parse_machine(document))
+    assert str(one) == (
+        "bearings[1].speed_dependence.load: 3000 N: the table covers loads of 500 to 2000 N and is held at its end"
+    )
+    assert Table.model_validate(over_load(3000.0)).column("kxx") == Table.model_validate(over_load(2000.0)).column("kxx")
+
+
+@pytest.mark.parametrize(
+    ("changes", "field", "message"),
+    [
+        ({"load": None}, "", "over_load needs the bearing's own static load [N] as load"),
+        ({"load": -5.0}, ".load", "greater than 0"),
+        ({"kxx": [2e5] * 5}, "", "kxx beside over_load"),
+        ({"over_load": over_load(1.0)["over_load"][:1]}, ".over_load", "at least two loads [N]"),
+        ({"over_load": over_load(1.0)["over_load"][::-1]}, ".over_load", "must ascend: 1000 follows 2000"),
+        ({"over_load": [{"load": 1.0, "kxx": [1e5] * 5}, {"load": 2.0, "kyy": [1e5] * 5}]}, ".over_load", "the same columns"),
+        ({"over_load": [{"load": 1.0, "kxx": [1e5] * 4}, {"load": 2.0, "kxx": [1e5] * 5}]}, ".over_load", "kxx at 1 N needs"),
+        ({"over_load": [{"load": 1.0}, {"load": 2.0}]}, "", "at least one of kxx"),
+        ({"over_load": [], "kxx": [2e5] * 5}, "", "load is of tables over the load"),
+    ],
+)
+def test_a_wrong_table_over_the_load_names_the_field(changes: dict[str, Any], field: str, message: str) -> None:
+    document = with_table(over_load(1000.0) | changes)
+    del document["bearings"][1]["kxy"]
+    place, words = refused(document)
+    assert place == field
+    assert message in words
+
+
 def test_a_speed_range_beyond_the_table_is_warned_of() -> None:
     assert [str(one) for one in document_warnings(machine_of(small()))] == [
         "bearings[1].speed_dependence.speed_rpm: the table covers 100 to 6000 r/min and is held level beyond its ends, "

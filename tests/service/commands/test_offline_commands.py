@@ -178,6 +178,25 @@ def test_bearings_follow_tables_in_files_beside_the_document(tmp_path: Path) -> 
     assert json.loads("{" + run("document", str(path)).partition("{")[2]) == machine.model_dump(mode="json")
 
 
+def test_a_file_may_give_a_table_over_the_load(tmp_path: Path) -> None:
+    document = chapter_3_document()
+    bearing = document["bearings"][0]
+    rows: list[list[float | str]] = [["speed_rpm", "load_n", "kyy_n_per_m"]]
+    del bearing["kyy"]
+    for load in (1000, 2000, 4000):
+        rows += [[rpm, load, 1e4 * load * (1 + rpm / 3000)] for rpm in (90, 300, 1500, 3000, 6000)]
+    file = tmp_path / "B1.csv"
+    file.write_text("\n".join(",".join(map(str, row)) for row in rows))
+    bearing["speed_dependence"] = {"form": "table", "csv": "B1.csv", "load": 2000}
+    path = tmp_path / "document.yaml"
+    path.write_text(yaml.safe_dump(document))
+    form = read_machine(path).bearings[0].speed_dependence
+    assert form is not None
+    assert form.nominal("kyy", 1500.0) == pytest.approx(1e4 * 2000 * 1.5)
+    file.write_text("\n".join(",".join(map(str, row)) for row in rows[:-1]))
+    assert "lines of 4000 N have other speeds than those of 1000 N" in run("document", str(path), status=1)
+
+
 def test_views_of_misalignment_are_compared(healthy: str, tmp_path: Path) -> None:
     document = chapter_3_document()
     for part in (document["couplings"][0], document["bearings"][1], document["bearings"][2]):

@@ -13,6 +13,7 @@ STATES_AND_COUNTS = {
     "bearings.model",
     "bearings.monotone_cubic",
     "bearings.registry",
+    "bearings.table_columns",
     "bearings.terms",
     "errors",
     "field_types",

@@ -1,0 +1,85 @@
+"""Columns of a table of coefficients over speed, for one load on the bearing or for several."""
+
+from collections.abc import Sequence
+from typing import Annotated
+
+import numpy as np
+from pydantic import Field
+
+from estimator.bearings.monotone_cubic import MonotoneCubic
+from estimator.bearings.terms import LATERAL
+from estimator.field_types import Direct, Part, Positive, Real
+
+MOST_SPEEDS = 500
+"""Largest number of speeds of a table."""
+MOST_LOADS = 20
+"""Largest number of loads of a table."""
+COLUMNS = tuple(term.name for term in LATERAL)
+"""Terms that a table can give."""
+DirectColumn = Annotated[tuple[Direct, ...], Field(max_length=MOST_SPEEDS)] | None
+CrossColumn = Annotated[tuple[Real, ...], Field(max_length=MOST_SPEEDS)] | None
+
+
+class ColumnsAtLoad(Part):
+    """Columns of a table for one load on the bearing."""
+
+    load: Positive = Field(description="static load on the bearing [N]")
+    kxx: DirectColumn = Field(default=None, description="at each speed [N/m]")
+    kxy: CrossColumn = Field(default=None, description="at each speed [N/m]")
+    kyx: CrossColumn = Field(default=None, description="at each speed [N/m]")
+    kyy: DirectColumn = Field(default=None, description="at each speed [N/m]")
+    cxx: DirectColumn = Field(default=None, description="at each speed [N s/m]")
+    cxy: CrossColumn = Field(default=None, description="at each speed [N s/m]")
+    cyx: CrossColumn = Field(default=None, description="at each speed [N s/m]")
+    cyy: DirectColumn = Field(default=None, description="at each speed [N s/m]")
+
+    @property
+    def coefficients(self) -> tuple[str, ...]:
+        """Return the terms that have a column."""
+        return tuple(name for name in COLUMNS if getattr(self, name) is not None)
+
+
+def require_alike(tables: Sequence[ColumnsAtLoad], *, speed_count: int | None) -> None:
+    """Check that tables are of ascending loads and have the same columns.
+
+    Args:
+        tables: Columns for each load.
+        speed_count: Number of speeds; None where it is not known [-].
+
+    Raises:
+        ValueError: They do not.
+    """
+    for place, one in enumerate(tables):
+        if place and one.load <= tables[place - 1].load:
+            raise ValueError(f"loads [N] must ascend: {one.load:g} follows {tables[place - 1].load:g}")
+        if one.coefficients != tables[0].coefficients:
+            raise ValueError(
+                f"each load needs the same columns: at {one.load:g} N they are {', '.join(one.coefficients) or 'none'}, "
+                f"at {tables[0].load:g} N {', '.join(tables[0].coefficients) or 'none'}"
+            )
+        for name in one.coefficients:
+            count = len(getattr(one, name))
+            if speed_count not in (None, count):
+                raise ValueError(
+                    f"{name} at {one.load:g} N needs one value at each of the {speed_count} speeds of speed_rpm, not {count}"
+                )
+
+
+def at_load(tables: Sequence[ColumnsAtLoad], load: float, term: str) -> tuple[float, ...]:
+    """Interpolate a term to a load: shape-preserving cubics over its logarithm (doi:10.1137/0717021), level beyond the ends.
+
+    Args:
+        tables: Columns for each of two loads or more, ascending.
+        load: Static load on the bearing [N].
+        term: The term, such as `kxx`.
+
+    Returns:
+        Values (n,) over the table's speeds [SI].
+    """
+    place = np.log([one.load for one in tables])
+    values = np.array([getattr(one, term) for one in tables])
+    at = float(np.clip(np.log(load), place[0], place[-1]))
+    if len(tables) == 2:  # a cubic needs three
+        share = (at - place[0]) / (place[1] - place[0])
+        return tuple(((1.0 - share) * values[0] + share * values[1]).tolist())
+    return tuple(MonotoneCubic(place, values)(np.array([at]))[0].tolist())
