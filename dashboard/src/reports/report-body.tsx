@@ -13,6 +13,7 @@ import { wasOpenAt } from "../words/alert-states";
 import { elementsOfEstimates } from "../words/elements";
 import { ElementHistories } from "../panels/element-histories";
 import { IdentificationPanels } from "../panels/identification-panels";
+import { OilFilmsPanel } from "../panels/oil-films-panel";
 import { AlertsOfPeriod, MarkedTrain, Summary, TimelineOfPeriod } from "./report-panels";
 
 /** The API's limit for a page of any list. */
@@ -46,6 +47,7 @@ export function ReportBody({ machine, from, to }: { machine: Document; from: str
       {newest && <Histories machine={machine} newest={newest} from={from} to={to} alerts={then.data ?? []} during={during} />}
       {isPending && <PendingPanel title="Identification" failure={found.failure ?? identifications.failure} />}
       {newest && <IdentificationPanels machine={machine} found={newest} />}
+      {newest && <OilFilmsPanel machine={machine} found={newest} showsAll />}
     </>
   );
 }

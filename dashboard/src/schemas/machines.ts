@@ -11,7 +11,7 @@ export interface Document {
   speed_range: { minimum_rpm: number; maximum_rpm: number };
   couplings: { id: string }[];
   /** film: of a journal bearing whose coefficients follow from its oil film. */
-  bearings: { id: string; film?: { profile?: string; preload?: number } | null }[];
+  bearings: { id: string; film?: { profile?: string; preload?: number; oil: { supply?: string | null } } | null }[];
   discs: { id: string }[];
   probes: { id: string }[];
 }
