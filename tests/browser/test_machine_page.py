@@ -10,7 +10,7 @@ from playwright.sync_api import Route, expect
 from tests.browser.conftest import Seen
 from tests.browser.drawing import SEEN, SEEN_AGAIN, drawn, wait_drawn
 from tests.browser.story import MACHINE
-from tests.end_to_end.processes import Service, until
+from tests.end_to_end.processes import Service, example, until
 
 
 def test_fleet_shows_the_machine_and_its_alert(seen: Seen) -> None:
@@ -421,3 +421,29 @@ def test_that_identifications_cannot_be_had_is_said_beside_the_baseline(seen: Se
     seen.open(f"machines/{MACHINE}")
     panel = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Deviation from the baseline"))
     expect(panel.get_by_role("alert")).to_have_text("this key may not see identifications")
+
+
+def test_what_is_hardly_meant_in_a_document_is_said_in_words(seen: Seen, service: Service) -> None:
+    document = example(MACHINE) | {"id": "narrow-table"}
+    document["bearings"][1] |= {
+        "speed_dependence": {
+            "form": "table",
+            "speed_rpm": [500, 1500, 2500, 3500, 4600],
+            "kxx": [2.1e5, 2.5e5, 2.9e5, 3.2e5, 3.5e5],
+        }
+    }
+    del document["bearings"][1]["kxx"]
+    answer = service.client.post("/machines", json=document)
+    assert answer.status_code == 201, answer.text
+    seen.open("machines/narrow-table")
+    said = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Warnings of the document"))
+    expect(said).to_contain_text("Revision 1 is used as it stands.")
+    expect(said.get_by_role("listitem")).to_have_count(1)
+    expect(said.get_by_role("listitem")).to_have_text(
+        "bearing B2, speed_dependence.speed_rpm: the table covers 500 to 4600 r/min and is held level beyond its ends, "
+        "from 90 to 500 and from 4600 to 6000 r/min"
+    )
+    assert seen.errors == []
+    seen.open(f"machines/{MACHINE}")
+    expect(seen.page.get_by_role("heading", name="Open alerts")).to_be_visible()
+    expect(said).to_have_count(0)

@@ -7,7 +7,7 @@ from typing import Any, Literal
 import pytest
 from playwright.sync_api import Locator, Route, expect
 
-from tests.browser.conftest import Seen
+from tests.browser.conftest import PICTURES, Seen
 from tests.browser.drawing import COUNT
 from tests.browser.story import MACHINE, simulate
 from tests.end_to_end.processes import Service, until
@@ -18,6 +18,8 @@ MIDDLE = "shape => { const box = shape.getBoundingClientRect(); return [box.x + 
 WIDTH = "shape => shape.getBoundingClientRect().width"
 NEWEST = re.compile(r"/identifications/\d+$")
 REASON = "two bearings share what the data say"
+PAPER = 688
+"""Width of A4 less its margins [px]."""
 
 
 @pytest.fixture(scope="module")
@@ -37,9 +39,9 @@ def told(service: Service) -> dict[str, dict[str, Any]]:
     return {one.get("parameter") or one["name"]: one for one in (*found["estimates"], *found["derived"])}
 
 
-def panel(seen: Seen) -> Locator:
+def panel(seen: Seen, shown_at: str = f"machines/{FILMS}/model") -> Locator:
     """The panel, in sight."""
-    seen.open(f"machines/{FILMS}/model")
+    seen.open(shown_at)
     found = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Oil films"))
     expect(found).to_be_visible()
     return found
@@ -128,6 +130,59 @@ def test_films_fit_on_a_phone(phone: Seen, scheme: Literal["light", "dark"]) -> 
         box = drawing.bounding_box()
         assert box is not None
         assert box["x"] + box["width"] <= 390
+
+
+def test_a_report_prints_the_films_of_all_bearings_uncut(seen: Seen, films: Service) -> None:
+    numbers = told(films)
+    found = panel(seen, f"reports/{FILMS}")
+    expect(found.locator(".plot canvas")).to_have_count(2 * len(BEARINGS))
+    until(lambda: all(one.evaluate(COUNT) > 20 for one in found.locator("canvas").all()), within_s=15, what="all is drawn")
+    seen.page.emulate_media(media="print")
+    seen.page.set_viewport_size({"width": PAPER, "height": 1000})
+    expect(found.get_by_role("combobox")).to_have_count(0)
+    for bearing in BEARINGS:
+        expect(circle(found, bearing).locator("circle.journal")).to_be_visible()
+        viscosity = f"{1e3 * numbers[f'bearing.{bearing}.viscosity']['value']:#.3g} mPa·s"
+        figure = circle(found, bearing).locator("..")
+        for name in ("Radial clearance", "Eccentricity ratio", "Load, vertical", f"Viscosity {viscosity}"):
+            expect(figure.get_by_role("row", name=name)).to_contain_text("…")
+        plotted = found.locator(".film-plots", has_text=f"{bearing} Stiffness").get_by_role(
+            "row", name=re.compile("^[kc][xy]{2} ")
+        )
+        expect(plotted).to_have_count(8)
+    for one in found.locator("svg, table, canvas").all():
+        box = one.bounding_box()
+        assert box is not None
+        assert -0.5 <= box["x"] < box["x"] + box["width"] <= PAPER + 0.5
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    seen.page.pdf(format="A4", path=PICTURES / "report-of-films.pdf")
+    assert seen.errors == []
+
+
+def test_films_of_one_oil_supply_have_its_factor(seen: Seen, films: Service) -> None:
+    """In place of a viscosity each."""
+    del films
+
+    def supplied(route: Route) -> None:
+        found = route.fetch().json()
+        for one in found["document"]["bearings"]:
+            one["film"]["oil"]["supply"] = "main"
+        route.fulfill(json=found)
+
+    def factor(route: Route) -> None:
+        found = route.fetch().json()
+        viscosity = next(one for one in found["estimates"] if one["parameter"] == "bearing.B1.viscosity")
+        shared = {"parameter": "oil.main.viscosity_factor", "element": "oil.main", "quantity": "scale factor", "unit": "1"}
+        found["estimates"] = [one for one in found["estimates"] if not one["parameter"].endswith(".viscosity")]
+        found["estimates"].append(viscosity | shared | {"value": 1.04, "lower": 0.97, "upper": 1.11})
+        route.fulfill(json=found)
+
+    seen.page.route(re.compile(rf"/machines/{FILMS}$"), supplied)
+    seen.page.route(NEWEST, factor)
+    rows = panel(seen).get_by_role("row", name="Viscosity factor of oil main")
+    expect(rows).to_have_count(len(BEARINGS))
+    expect(rows.first).to_contain_text("1.04 0.970 … 1.11")
+    assert seen.errors == []
 
 
 def test_a_machine_without_films_has_no_such_panel(seen: Seen) -> None:

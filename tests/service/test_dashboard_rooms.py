@@ -21,8 +21,12 @@ MAY_IMPORT: dict[str, set[str]] = {
     "plots": {"browser", "format", "schemas"},
     "train": {"format", "schemas", "words"},
     "panels": {"browser", "components", "data", "dialogs", "findings", "format", "plots", "schemas", "words"},
-    "reports": {"components", "data", "format", "panels", "schemas", "train", "words"},
-    "pages": {"browser", "components", "data", "dialogs", "format", "panels", "reports", "schemas", "train", "words"},
+    "identification": {"browser", "components", "data", "format", "plots", "schemas", "words"},
+    "reports": {"components", "data", "format", "identification", "panels", "schemas", "train", "words"},
+    "pages": {
+        *("browser", "components", "data", "dialogs", "format", "identification", "panels", "reports", "schemas"),
+        *("train", "words"),
+    },
     "shell": {"browser", "components", "data", "dialogs", "format", "pages"},
     "styles": set(),
 }

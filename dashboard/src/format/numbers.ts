@@ -9,7 +9,7 @@ const PREFIXES: [number, string][] = [
   [1e-6, "µ"],
   [1e-9, "n"],
 ];
-const SYMBOLS: Record<string, string> = { "kg m": "g·mm", "N/m": "N/m", "N s/m": "N·s/m", "N m/rad": "N·m/rad", "N m s/rad": "N·m·s/rad", "N m": "N·m" };
+const SYMBOLS: Record<string, string> = { "kg m": "g·mm", "N/m": "N/m", "N s/m": "N·s/m", "N m/rad": "N·m/rad", "N m s/rad": "N·m·s/rad", "N m": "N·m", "Pa s": "Pa·s" };
 
 export interface Scale {
   /** The value in SI times this is the number shown. */

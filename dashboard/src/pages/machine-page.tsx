@@ -8,7 +8,7 @@ import { Empty } from "../components/panel";
 import { openAlertsPath } from "../data/open-alerts";
 import { prefetch, useResource } from "../data/resource";
 import { MachineStatus } from "../panels/machine-status";
-import type { Document, MachineRevision } from "../schemas/machines";
+import type { MachineRevision } from "../schemas/machines";
 import { ModelTab } from "./model-tab";
 import { OverviewTab } from "./overview-tab";
 import { ParametersTab } from "./parameters-tab";
@@ -26,9 +26,9 @@ export function MachinePage({ id, tab }: { id: string; tab: string }) {
   const result = useResource<MachineRevision>(`/machines/${id}`);
   return (
     <Loaded result={result} lines={20}>
-      {({ document, revision }) => (
+      {(found) => (
         <>
-          <MachineStatus machine={document} revision={revision} />
+          <MachineStatus machine={found.document} revision={found.revision} />
           <nav class="tabs" aria-label="Views of the machine">
             {TABS.map((one) => (
               <a key={one.id} href={link(["machines", id, one.id])} aria-current={one.id === tab ? "page" : undefined}>
@@ -39,17 +39,18 @@ export function MachinePage({ id, tab }: { id: string; tab: string }) {
               Report
             </a>
           </nav>
-          <ErrorBoundary key={tab}>{tabContent(tab, document)}</ErrorBoundary>
+          <ErrorBoundary key={tab}>{tabContent(tab, found)}</ErrorBoundary>
         </>
       )}
     </Loaded>
   );
 }
 
-function tabContent(tab: string, machine: Document): ComponentChildren {
+function tabContent(tab: string, found: MachineRevision): ComponentChildren {
+  const machine = found.document;
   switch (tab) {
     case "overview":
-      return <OverviewTab machine={machine} />;
+      return <OverviewTab found={found} />;
     case "trends":
       return <TrendsTab machine={machine} />;
     case "response":

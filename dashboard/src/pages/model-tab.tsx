@@ -2,11 +2,11 @@
 import { NewestNotice, NoIdentification, PendingPanel } from "../components/newest-identification";
 import { Time } from "../components/time";
 import { useNewestIdentification } from "../data/newest-identification";
-import { BalancingPanel } from "../panels/balancing-panel";
-import { CampbellPanel } from "../panels/campbell-panel";
-import { CouplingLoadsPanel } from "../panels/coupling-loads-panel";
-import { CriticalSpeedsPanel } from "../panels/critical-speeds-panel";
-import { OilFilmsPanel } from "../panels/oil-films-panel";
+import { BalancingPanel } from "../identification/balancing-panel";
+import { CampbellPanel } from "../identification/campbell-panel";
+import { CouplingLoadsPanel } from "../identification/coupling-loads-panel";
+import { CriticalSpeedsPanel } from "../identification/critical-speeds-panel";
+import { OilFilmsPanel } from "../identification/oil-films-panel";
 import type { Document } from "../schemas/machines";
 
 function pathsOf(id: number) {

@@ -1,4 +1,4 @@
-// A machine at a glance: the train with what has changed, open alerts, deviations, notes, the newest runs.
+// A machine at a glance: the train with what has changed, warnings of its document, open alerts, deviations, notes, the newest runs.
 import { navigate } from "../browser/router";
 import { Loaded } from "../components/loading";
 import { notComparableText } from "../components/newest-identification";
@@ -9,15 +9,17 @@ import { MAX_OPEN_ALERTS, useOpenAlerts } from "../data/open-alerts";
 import { useResource } from "../data/resource";
 import { AlertList } from "../panels/alert-list";
 import { DeviationsPanel } from "../panels/deviations-panel";
+import { DocumentWarningsPanel } from "../panels/document-warnings-panel";
 import { LiveRunPanel } from "../panels/live-run-panel";
 import { NewestRunsPanel } from "../panels/newest-runs-panel";
 import { TimelinePanel } from "../panels/timeline-panel";
-import type { Document, Drawing } from "../schemas/machines";
+import type { Drawing, MachineRevision } from "../schemas/machines";
 import { elementMarks } from "../train/marks";
 import { TrainDrawing } from "../train/train-drawing";
 import { TrainLegend } from "../train/train-legend";
 
-export function OverviewTab({ machine }: { machine: Document }) {
+export function OverviewTab({ found }: { found: MachineRevision }) {
+  const machine = found.document;
   const alerts = useOpenAlerts(machine.id);
   const summary = useNewestSummary(machine.id);
   const { deviations, next } = useDeviations(machine.id, summary);
@@ -26,16 +28,17 @@ export function OverviewTab({ machine }: { machine: Document }) {
     <>
       <Panel title="Train" aside={<TrainLegend />}>
         <Loaded result={drawing} lines={15}>
-          {(found) => (
+          {(train) => (
             <TrainDrawing
               name={machine.name}
-              drawing={found}
+              drawing={train}
               marks={elementMarks(alerts.data ?? [], deviations.data)}
               onChoose={(element) => navigate(["machines", machine.id, "trends"], { element })}
             />
           )}
         </Loaded>
       </Panel>
+      <DocumentWarningsPanel {...found} />
       <div class="columns">
         <div>
           <Panel title="Open alerts">

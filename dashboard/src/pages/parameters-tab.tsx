@@ -8,9 +8,9 @@ import { Empty, Panel, Truncated } from "../components/panel";
 import { isComparable } from "../data/newest-identification";
 import { useResource } from "../data/resource";
 import { when } from "../format/times";
-import { ComparisonPanel } from "../panels/comparison-panel";
-import { CorrelationPanel } from "../panels/correlation-panel";
-import { IdentificationPanels } from "../panels/identification-panels";
+import { ComparisonPanel } from "../identification/comparison-panel";
+import { CorrelationPanel } from "../identification/correlation-panel";
+import { IdentificationPanels } from "../identification/identification-panels";
 import type { Identification, IdentificationSummary } from "../schemas/identifications";
 import type { Document } from "../schemas/machines";
 

@@ -10,7 +10,7 @@ import { useResource, type QueryResult } from "../data/resource";
 import { useRunIdentification } from "../data/run-identification";
 import { useRunSelection } from "../data/run-selection";
 import { speedSweep } from "../data/speed-sweep";
-import { ResponsePanels } from "../panels/response-panels";
+import { ResponsePanels } from "../identification/response-panels";
 import type { Document } from "../schemas/machines";
 import type { Bode } from "../schemas/model";
 import type { Phasors, Run } from "../schemas/runs";

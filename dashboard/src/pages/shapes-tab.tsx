@@ -1,5 +1,5 @@
 // The shaft's motion: orbits of a run, and mode shapes of the newest identified model.
-import { ModeShapesPanel } from "../panels/mode-shapes-panel";
+import { ModeShapesPanel } from "../identification/mode-shapes-panel";
 import { OrbitsPanel } from "../panels/orbits-panel";
 import type { Document } from "../schemas/machines";
 

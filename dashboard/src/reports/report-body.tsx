@@ -5,14 +5,15 @@ import { useAlertsAt } from "../data/alerts-at-time";
 import { queryString } from "../data/http-client";
 import { useNewestOf } from "../data/newest-identification";
 import { useResource } from "../data/resource";
+import { IdentificationPanels } from "../identification/identification-panels";
+import { OilFilmsPanel } from "../identification/oil-films-panel";
+import { ElementHistories } from "../panels/element-histories";
 import type { Alert } from "../schemas/alerts";
 import type { Identification, IdentificationSummary } from "../schemas/identifications";
 import type { Document, TimelineEntry } from "../schemas/machines";
 import type { Run } from "../schemas/runs";
 import { wasOpenAt } from "../words/alert-states";
 import { elementsOfEstimates } from "../words/elements";
-import { ElementHistories } from "../panels/element-histories";
-import { IdentificationPanels } from "../panels/identification-panels";
 import { AlertsOfPeriod, MarkedTrain, Summary, TimelineOfPeriod } from "./report-panels";
 
 /** The API's limit for a page of any list. */
@@ -46,6 +47,7 @@ export function ReportBody({ machine, from, to }: { machine: Document; from: str
       {newest && <Histories machine={machine} newest={newest} from={from} to={to} alerts={then.data ?? []} during={during} />}
       {isPending && <PendingPanel title="Identification" failure={found.failure ?? identifications.failure} />}
       {newest && <IdentificationPanels machine={machine} found={newest} />}
+      {newest && <OilFilmsPanel machine={machine} found={newest} showsAll />}
     </>
   );
 }

@@ -11,7 +11,9 @@ export interface Document {
   speed_range: { minimum_rpm: number; maximum_rpm: number };
   couplings: { id: string }[];
   /** film: of a journal bearing whose coefficients follow from its oil film. */
-  bearings: { id: string; film?: { profile?: string; preload?: number } | null }[];
+  bearings: { id: string; film?: { profile?: string; preload?: number; oil: { supply?: string | null } } | null }[];
+  seals?: { id: string }[];
+  pedestals?: { id: string }[];
   discs: { id: string }[];
   probes: { id: string }[];
 }
@@ -21,6 +23,8 @@ export interface MachineRevision {
   revision: number;
   created_at: string;
   document: Document;
+  /** What is hardly meant in the document, a line each: `bearings[0].speed_dependence.speed_rpm: the table covers …`. */
+  warnings: string[];
 }
 
 export interface OpenRun {

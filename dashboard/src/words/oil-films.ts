@@ -1,6 +1,7 @@
-// The oil films that an identification tells of: states of journals at running speed, coefficients at some speeds.
+// The oil films that an identification tells of: states of journals and oil at running speed, coefficients at some speeds.
 import { termName } from "../format/names";
 import type { Derived, Estimate, Identification } from "../schemas/identifications";
+import type { Document } from "../schemas/machines";
 
 /** A number with its interval, or the reason why it has none. */
 export type Bounded = Pick<Derived, "unit" | "value" | "lower" | "upper" | "reason">;
@@ -23,6 +24,10 @@ export interface OilFilm {
   eccentricity: Bounded | undefined;
   loadVertical: Bounded | undefined;
   loadHorizontal: Bounded | undefined;
+  /** Of its own oil, where that is estimated. */
+  viscosity: Bounded | undefined;
+  /** How far the viscosity of the supply that its oil comes from is off, where that is estimated. */
+  supply: { name: string; factor: Bounded } | undefined;
   /** Ascending; the last is running speed [rpm]. */
   speeds: number[];
   coefficients: FilmCoefficient[];
@@ -32,17 +37,20 @@ const JOURNAL = /^bearing\.([^.]+)\.journal_x$/;
 const COEFFICIENT = /^([kc][xy][xy])@(\d+)rpm$/;
 
 /** The films in the order of the bearings; none where the coefficients do not follow from films. */
-export function oilFilms({ derived, estimates }: Pick<Identification, "derived" | "estimates">): OilFilm[] {
+export function oilFilms({ derived, estimates }: Pick<Identification, "derived" | "estimates">, machine: Document): OilFilm[] {
   return derived.flatMap(({ name }) => {
     const bearing = JOURNAL.exec(name)?.[1];
-    return bearing ? [filmOf(bearing, derived, estimates)] : [];
+    const supply = machine.bearings.find((one) => one.id === bearing)?.film?.oil.supply;
+    return bearing ? [filmOf(bearing, supply ?? undefined, derived, estimates)] : [];
   });
 }
 
-function filmOf(bearing: string, derived: Derived[], estimates: Estimate[]): OilFilm {
+function filmOf(bearing: string, supply: string | undefined, derived: Derived[], estimates: Estimate[]): OilFilm {
   const element = `bearing.${bearing}.`;
   const own = new Map(derived.filter((one) => one.name.startsWith(element)).map((one) => [termName(one.name), one]));
-  const clearance = estimates.find((one) => one.parameter === `${element}clearance`);
+  const estimate = (parameter: string) => estimates.find((one) => one.parameter === parameter);
+  const clearance = estimate(`${element}clearance`);
+  const factor = supply === undefined ? undefined : estimate(`oil.${supply}.viscosity_factor`);
   const [journalX, journalY, eccentricity] = [own.get("journal_x"), own.get("journal_y"), own.get("eccentricity_ratio")];
   return {
     bearing,
@@ -53,6 +61,8 @@ function filmOf(bearing: string, derived: Derived[], estimates: Estimate[]): Oil
     eccentricity,
     loadVertical: own.get("load_vertical"),
     loadHorizontal: own.get("load_horizontal"),
+    viscosity: estimate(`${element}viscosity`),
+    supply: supply !== undefined && factor ? { name: supply, factor } : undefined,
     ...coefficientsOf(own),
   };
 }

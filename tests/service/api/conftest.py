@@ -26,12 +26,25 @@ from tests.plant import (
     sweep_rpm,
 )
 from tests.prompt_journal import PromptJournal
+from tests.slow_roll import slow_roll_and_run_down, train_with_run_out
 
 
 @pytest.fixture
 def api(plant: Database) -> Api:
     """Over a database that knows the machine and nothing else."""
     return Api(plant)
+
+
+@pytest.fixture
+def pump(plant: Database) -> Api:
+    """Over a machine with a slow roll and a run-down."""
+    return slow_roll_and_run_down(plant)
+
+
+@pytest.fixture
+def train(database: Database) -> tuple[Database, int]:
+    """The Chapter 3 train with one run-down whose channels all have a large run-out; the run's number."""
+    return database, train_with_run_out(database)
 
 
 @pytest.fixture

@@ -23,68 +23,56 @@ from tests.plant import (
     samples,
     wait_until,
 )
-from tests.slow_roll import PUMP, RUN_OUT, TRAIN, given, slow_roll_and_run_down, train_with_run_out
+from tests.slow_roll import PUMP, RUN_OUT, TRAIN, given
 
 
-@pytest.fixture
-def api(plant: Database) -> Api:
-    """Over a machine with a slow roll and a run-down."""
-    return slow_roll_and_run_down(plant)
-
-
-@pytest.fixture
-def train(database: Database) -> tuple[Database, int]:
-    """The Chapter 3 train with one run-down whose channels all have a large run-out; the run's number."""
-    return database, train_with_run_out(database)
-
-
-def test_only_closed_runs_are_identified_again(api: Api, plant: Database) -> None:
+def test_only_closed_runs_are_identified_again(pump: Api, plant: Database) -> None:
     with plant.transaction() as session:
         opened = runs.open_run(session, "pump-7", revision=1, kind="run-up", direction=1, time_first=START - SECOND).id
-    assert "is open" in api("POST", f"/runs/{opened}/identifications", 409, json={})["detail"]
-    api("POST", "/runs/99/identifications", 404, json={})
-    (run,) = [one for one in api("GET", "/machines/pump-7/runs") if one["state"] == "closed"]
+    assert "is open" in pump("POST", f"/runs/{opened}/identifications", 409, json={})["detail"]
+    pump("POST", "/runs/99/identifications", 404, json={})
+    (run,) = [one for one in pump("GET", "/machines/pump-7/runs") if one["state"] == "closed"]
     path = f"/runs/{run['id']}/identifications"
-    api("POST", path, 404, json={"slow_roll": 7})
+    pump("POST", path, 404, json={"slow_roll": 7})
     for wrong in ({"slow_roll": "all"}, {"slow_roll": 0}, {"starts": 0}, {"seed": -1}, {"speed": 1}):
-        api("POST", path, 422, json=wrong)
+        pump("POST", path, 422, json=wrong)
 
 
-def test_the_same_is_not_asked_twice_while_it_waits(api: Api, plant: Database) -> None:
-    (run,) = api("GET", "/machines/pump-7/runs")
+def test_the_same_is_not_asked_twice_while_it_waits(pump: Api, plant: Database) -> None:
+    (run,) = pump("GET", "/machines/pump-7/runs")
     path = f"/runs/{run['id']}/identifications"
-    first = api("POST", path, 202, json={})
+    first = pump("POST", path, 202, json={})
     assert (first["scope"], first["state"], first["runs"]) == ("run", "queued", [run["id"]])
     assert first["options"] == {"slow_roll_version": None}
-    assert api("POST", path, 202, json={"slow_roll": "none", "starts": 10})["id"] == first["id"]
-    assert api("POST", path, 202, json={"seed": 4})["id"] != first["id"]
+    assert pump("POST", path, 202, json={"slow_roll": "none", "starts": 10})["id"] == first["id"]
+    assert pump("POST", path, 202, json={"seed": 4})["id"] != first["id"]
     with plant.transaction() as session:
         jobs.finish(jobs.get(session, first["id"]), state=jobs.DONE)
-    again = api("POST", path, 202, json={})
+    again = pump("POST", path, 202, json={})
     assert again["id"] != first["id"]
     assert again["scope"] == "run"
 
 
-def test_options_other_than_the_usual_make_a_variant(api: Api) -> None:
-    api("POST", PUMP, 201, json=given())
-    (run,) = api("GET", "/machines/pump-7/runs")
+def test_options_other_than_the_usual_make_a_variant(pump: Api) -> None:
+    pump("POST", PUMP, 201, json=given())
+    (run,) = pump("GET", "/machines/pump-7/runs")
     path = f"/runs/{run['id']}/identifications"
-    scopes = [api("POST", path, 202, json=body)["scope"] for body in ({}, {"slow_roll": 1}, {"seed": 3})]
+    scopes = [pump("POST", path, 202, json=body)["scope"] for body in ({}, {"slow_roll": 1}, {"seed": 3})]
     assert scopes == ["run", "variant", "variant"]
-    api("PUT", f"{PUMP}/in-force", json={"version": 1})
-    scopes = [api("POST", path, 202, json={"slow_roll": one})["scope"] for one in ("in_force", 1, "none")]
+    pump("PUT", f"{PUMP}/in-force", json={"version": 1})
+    scopes = [pump("POST", path, 202, json={"slow_roll": one})["scope"] for one in ("in_force", 1, "none")]
     assert scopes == ["run", "run", "variant"]
 
 
-def test_the_newest_runs_are_identified_again_when_a_version_is_put_in_force(api: Api) -> None:
-    api("POST", PUMP, 201, json=given())
-    api("PUT", f"{PUMP}/in-force", json={"version": 1, "identify_again": 10})
-    newest = api("GET", "/machines/pump-7/jobs")[0]
+def test_the_newest_runs_are_identified_again_when_a_version_is_put_in_force(pump: Api) -> None:
+    pump("POST", PUMP, 201, json=given())
+    pump("PUT", f"{PUMP}/in-force", json={"version": 1, "identify_again": 10})
+    newest = pump("GET", "/machines/pump-7/jobs")[0]
     assert (newest["scope"], newest["options"]) == ("run", {"slow_roll_version": 1})
 
 
-def test_of_what_people_ask_for_so_many_may_wait_and_the_rest_is_told_when_to_come_back(plant: Database, api: Api) -> None:
-    (run,) = api("GET", "/machines/pump-7/runs")
+def test_of_what_people_ask_for_so_many_may_wait_and_the_rest_is_told_when_to_come_back(plant: Database, pump: Api) -> None:
+    (run,) = pump("GET", "/machines/pump-7/runs")
     path = f"/runs/{run['id']}/identifications"
     for quota, words in ((JobQuota(2, 9), "2 identifications that you asked for wait"), (JobQuota(9, 2), "machine 'pump-7'")):
         asking = Api(plant, job_quota=quota)
@@ -103,9 +91,9 @@ def test_of_what_people_ask_for_so_many_may_wait_and_the_rest_is_told_when_to_co
                 jobs.finish(row, state=jobs.DONE)
 
 
-def test_nothing_is_put_in_force_where_its_identifications_may_not_wait(plant: Database, api: Api) -> None:
-    api("POST", PUMP, 201, json=given())
-    (run,) = api("GET", "/machines/pump-7/runs")
+def test_nothing_is_put_in_force_where_its_identifications_may_not_wait(plant: Database, pump: Api) -> None:
+    pump("POST", PUMP, 201, json=given())
+    (run,) = pump("GET", "/machines/pump-7/runs")
     asking = Api(plant, job_quota=JobQuota(1, 1))
     asking("POST", f"/runs/{run['id']}/identifications", 202, json={"seed": 1})
     again = {"version": 1, "identify_again": 10}
@@ -117,8 +105,8 @@ def test_nothing_is_put_in_force_where_its_identifications_may_not_wait(plant: D
     assert "no more than 1 runs" in asking("PUT", f"{PUMP}/in-force", 422, json=again)["detail"]
 
 
-def test_the_same_is_asked_for_a_hundred_times_in_few_questions_each(plant: Database, api: Api) -> None:
-    (run,) = api("GET", "/machines/pump-7/runs")
+def test_the_same_is_asked_for_a_hundred_times_in_few_questions_each(plant: Database, pump: Api) -> None:
+    (run,) = pump("GET", "/machines/pump-7/runs")
     asker, wanted = job_options.Requester("anna"), job_options.Request(seed=4)
     numbers = []
     for _ in range(100):
@@ -134,8 +122,8 @@ def test_the_same_is_asked_for_a_hundred_times_in_few_questions_each(plant: Data
     assert len(questions) < 40
 
 
-def test_who_sees_one_plant_asks_in_the_same_order_and_quota(plant: Database, api: Api) -> None:
-    (run,) = api("GET", "/machines/pump-7/runs")
+def test_who_sees_one_plant_asks_in_the_same_order_and_quota(plant: Database, pump: Api) -> None:
+    (run,) = pump("GET", "/machines/pump-7/runs")
     with PlantScope(plant, frozenset({KEY.plant})).transaction() as session:
         asker = job_options.Requester("anna", JobQuota(1, 9))
         assert job_options.request_identification(session, run["id"], job_options.Request(seed=4), asker).plant == KEY.plant
@@ -181,15 +169,15 @@ def test_an_old_run_is_identified_again_without_its_slow_roll(train: tuple[Datab
     assert api("GET", f"/runs/{run}/phasors") == raw  # nothing stored has changed
 
 
-def test_other_rules_of_quality_make_a_variant_that_keeps_to_them(api: Api) -> None:
-    (run,) = api("GET", "/machines/pump-7/runs")
+def test_other_rules_of_quality_make_a_variant_that_keeps_to_them(pump: Api) -> None:
+    (run,) = pump("GET", "/machines/pump-7/runs")
     path = f"/runs/{run['id']}/identifications"
-    asked = api("POST", path, 202, json={"accepted_rpm": [600, 2000], "half_power": True})
+    asked = pump("POST", path, 202, json={"accepted_rpm": [600, 2000], "half_power": True})
     assert asked["scope"] == "variant"
-    with api.app.state.database.transaction() as session:
+    with pump.app.state.database.transaction() as session:
         row = jobs.get(session, asked["id"])
         rules = quality_rules(row, QualityRules(sweep_rate=False))
     assert rules == QualityRules(sweep_rate=False, half_power=True, accepted_rpm=(600.0, 2000.0))
-    usual = api("POST", path, 202, json={"half_power": False})
+    usual = pump("POST", path, 202, json={"half_power": False})
     assert usual["scope"] == "run"
-    assert "the lower speed first" in str(api("POST", path, 422, json={"accepted_rpm": [2000, 600]})["errors"])
+    assert "the lower speed first" in str(pump("POST", path, 422, json={"accepted_rpm": [2000, 600]})["errors"])

@@ -10,19 +10,7 @@ from tests.api_in_process import Api
 from tests.plant import (
     CHANNELS,
 )
-from tests.slow_roll import PUMP, given, slow_roll_and_run_down, train_with_run_out
-
-
-@pytest.fixture
-def api(plant: Database) -> Api:
-    """Over a machine with a slow roll and a run-down."""
-    return slow_roll_and_run_down(plant)
-
-
-@pytest.fixture
-def train(database: Database) -> tuple[Database, int]:
-    """The Chapter 3 train with one run-down whose channels all have a large run-out; the run's number."""
-    return database, train_with_run_out(database)
+from tests.slow_roll import PUMP, given
 
 
 def test_orbits_of_a_run_without_its_slow_roll(train: tuple[Database, int]) -> None:
@@ -56,20 +44,20 @@ def test_orbits_show_swapped_channels(train: tuple[Database, int]) -> None:
     assert (finding["code"], finding["channels"]) == ("swapped_channels", ["B2X", "B2Y"])
 
 
-def test_orbits_need_both_axes(api: Api) -> None:
-    (run,) = api("GET", "/machines/pump-7/runs")
-    body = api("GET", f"/runs/{run['id']}/orbits", params={"rpm": 1000})
+def test_orbits_need_both_axes(pump: Api) -> None:
+    (run,) = pump("GET", "/machines/pump-7/runs")
+    body = pump("GET", f"/runs/{run['id']}/orbits", params={"rpm": 1000})
     assert len(body["orbits"]) == 2
     # All channels show the same: a straight line.
     assert {one["sense"] for one in body["orbits"]} == {"undecided"}
     assert {one["code"] for one in body["findings"]} == {"orbit_sense_undetectable"}
 
 
-def test_orbits_name_the_channels_that_they_leave_as_measured(api: Api) -> None:
-    api("POST", PUMP, 201, json=given())
-    (run,) = api("GET", "/machines/pump-7/runs")
+def test_orbits_name_the_channels_that_they_leave_as_measured(pump: Api) -> None:
+    pump("POST", PUMP, 201, json=given())
+    (run,) = pump("GET", "/machines/pump-7/runs")
     raw, without = (
-        api("GET", f"/runs/{run['id']}/orbits", params={"rpm": 900, "slow_roll": choice}) for choice in ("none", "1")
+        pump("GET", f"/runs/{run['id']}/orbits", params={"rpm": 900, "slow_roll": choice}) for choice in ("none", "1")
     )
     assert (raw["slow_roll_version"], raw["slow_roll_left_out"]) == (None, {})
     assert (without["slow_roll_version"], without["slow_roll_left_out"]) == (

@@ -1,4 +1,5 @@
-// The oil films of an identified machine: where the journals rest in their clearances, what they carry, and the coefficients.
+// The oil films of an identified machine: where the journals rest in their clearances, what they carry, and the coefficients
+// of a chosen bearing or, on paper, of all.
 import { replaceQuery, route } from "../browser/router";
 import { useStore } from "../browser/store";
 import { Panel } from "../components/panel";
@@ -11,13 +12,19 @@ import { FilmCoefficients } from "./film-coefficients";
 
 type DocumentFilm = NonNullable<Document["bearings"][number]["film"]>;
 
+interface Props {
+  machine: Document;
+  found: Identification;
+  /** Show the coefficients of all bearings: paper has no choice. */
+  showsAll?: boolean;
+}
+
 /** Nothing where the identification tells of no films. */
-export function OilFilmsPanel({ machine, found }: { machine: Document; found: Identification }) {
-  const { query } = useStore(route);
-  const films = oilFilms(found);
+export function OilFilmsPanel({ machine, found, showsAll = false }: Props) {
+  const films = oilFilms(found, machine);
   if (films.length === 0) return null;
   const documented = (bearing: string) => machine.bearings.find((one) => one.id === bearing)?.film ?? undefined;
-  const chosen = films.find((one) => one.bearing === query.get("bearing")) ?? films[0]!;
+  const withCoefficients = films.filter((one) => one.coefficients.length > 0);
   const isPreloaded = films.some((one) => (documented(one.bearing)?.preload ?? 0) > 0);
   return (
     <Panel title="Oil films" aside={<p class="muted">at {rpm(films[0]!.speeds.at(-1))}, with 95 % intervals</p>}>
@@ -30,21 +37,28 @@ export function OilFilmsPanel({ machine, found }: { machine: Document; found: Id
           <FilmFigure key={one.bearing} film={one} documented={documented(one.bearing)} />
         ))}
       </div>
-      {chosen.coefficients.length > 0 && (
-        <>
-          <h3>Coefficients over speed</h3>
-          <div class="choices">
-            <BearingSelect films={films} chosen={chosen.bearing} />
-          </div>
-          <FilmCoefficients film={chosen} />
-        </>
-      )}
+      {withCoefficients.length > 0 && <h3>Coefficients over speed</h3>}
+      {showsAll ? withCoefficients.map((one) => <FilmCoefficients key={one.bearing} film={one} />) : <ChosenCoefficients films={withCoefficients} />}
     </Panel>
   );
 }
 
 function turning({ rotation }: Document): string {
   return rotation ? `The shaft turns ${rotation === "positive" ? "counter-clockwise" : "clockwise"} in these drawings.` : "";
+}
+
+function ChosenCoefficients({ films }: { films: OilFilm[] }) {
+  const { query } = useStore(route);
+  const chosen = films.find((one) => one.bearing === query.get("bearing")) ?? films[0];
+  if (!chosen) return null;
+  return (
+    <>
+      <div class="choices">
+        <BearingSelect films={films} chosen={chosen.bearing} />
+      </div>
+      <FilmCoefficients film={chosen} />
+    </>
+  );
 }
 
 function BearingSelect({ films, chosen }: { films: OilFilm[]; chosen: string }) {
@@ -65,14 +79,17 @@ function BearingSelect({ films, chosen }: { films: OilFilm[]; chosen: string }) 
 function FilmFigure({ film, documented }: { film: OilFilm; documented: DocumentFilm | undefined }) {
   const preload = documented?.preload ?? 0;
   const hasPads = documented?.profile !== undefined && !["plain", "two_axial_grooves"].includes(documented.profile);
-  const rows: [string, Bounded | undefined][] = [
+  const numbers: [string, Bounded | undefined][] = [
     [hasPads ? "Clearance of the pads" : "Radial clearance", film.clearance],
     ["Journal x", film.journalX],
     ["Journal y", film.journalY],
     ["Eccentricity ratio", film.eccentricity],
     ["Load, vertical", film.loadVertical],
     ["Load, horizontal", film.loadHorizontal],
+    ["Viscosity", film.viscosity],
+    [`Viscosity factor of oil ${film.supply?.name}`, film.supply?.factor],
   ];
+  const rows = numbers.flatMap(([name, one]): [string, Bounded][] => (one ? [[name, one]] : []));
   return (
     <figure>
       <figcaption>
@@ -89,7 +106,9 @@ function FilmFigure({ film, documented }: { film: OilFilm; documented: DocumentF
         )}
         <table>
           <tbody>
-            {rows.map(([name, one]) => one && <Row key={name} name={name} one={one} />)}
+            {rows.map(([name, one]) => (
+              <Row key={name} name={name} one={one} />
+            ))}
           </tbody>
         </table>
       </div>
@@ -132,7 +151,7 @@ function textOf({ value, lower, upper, unit }: Bounded): { value: string; lower:
   return { value: `${shown(value)} ${scale.unit}`.trim(), lower: shown(lower), upper: shown(upper) };
 }
 
-function spoken(one: Bounded | undefined): string {
-  const text = one ? textOf(one) : null;
+function spoken(one: Bounded): string {
+  const text = textOf(one);
   return text ? `${text.value} (${text.lower} to ${text.upper})` : "not estimable";
 }
