@@ -60,15 +60,14 @@ def test_offsets_are_found_with_intervals_that_hold(kind: CouplingKind, widest: 
     plant, found = fitted(kind)
     assert found.accepted, found.verdict
     true, said = true_alignment(plant), told(plant, found)
-    for plane in ("vertical", "horizontal"):
-        one = said[f"coupling.C1.offset_{plane}"]
+    for name in ("coupling.C1.offset_vertical", "coupling.C1.offset_horizontal"):
+        one = said[name]
         assert one.lower is not None
         assert one.upper is not None
-        assert (one.upper - one.lower) / 2 < widest
-        assert one.lower < true[one.name].real < one.upper
-    assert abs(true["coupling.C1.offset_vertical"]) > (one.upper - one.lower) / 2, (
-        "an offset that zero would not have done for"
-    )
+        half = (one.upper - one.lower) / 2
+        assert half < widest
+        assert one.lower < true[name].real < one.upper
+        assert abs(true[name]) > half, "zero would do as well"
 
 
 def test_across_a_flexible_coupling_the_angle_is_not_determined_and_across_a_rigid_one_it_is() -> None:
