@@ -26,6 +26,13 @@ JOURNAL_UNITS = {"load_vertical": "N", "load_horizontal": "N", "journal_x": "m",
 """SI unit of what is told of a journal in its film at running speed."""
 ALIGNMENT_UNITS = {"offset_vertical": "m", "offset_horizontal": "m", "angle_vertical": "rad", "angle_horizontal": "rad"}
 """SI unit of what is told of a coupling's alignment on oil films."""
+STATIC_LOAD_UNITS = {
+    "static_shear_vertical": "N",
+    "static_shear_horizontal": "N",
+    "static_moment_vertical": "N m",
+    "static_moment_horizontal": "N m",
+}
+"""SI unit of what is told of the static load in a coupling on oil films."""
 PLACES = {".N": ".1", ".M-N": ".1-2"}
 """Placeholder for the number of a critical speed, or of two, in names of derived quantities, and the first number it
 can be."""
@@ -111,7 +118,7 @@ def _film_units(machine: Machine) -> dict[str, str]:
         found |= {f"{element}.{one.name}@{rpm:g}rpm": UNITS[one.quantity] for one in LATERAL for rpm in told_rpm(machine)}
         found |= {f"{element}.{name}": unit for name, unit in JOURNAL_UNITS.items()}
     for coupling in machine.couplings:
-        found |= {f"coupling.{coupling.id}.{name}": unit for name, unit in ALIGNMENT_UNITS.items()}
+        found |= {f"coupling.{coupling.id}.{name}": unit for name, unit in (ALIGNMENT_UNITS | STATIC_LOAD_UNITS).items()}
     return found
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.bearings.model import ModelParameter
-from estimator.machine.coupling_neighbours import neighbouring_bearings
+from estimator.machine.coupling_neighbours import neighbouring_bearings, shafts_behind
 from estimator.machine.document import Machine
 from estimator.machine.film_speeds import follows_films
 from estimator.machine.parts import Coupling
@@ -101,7 +101,7 @@ class SimulatedFilms:
         Returns:
             The films.
         """
-        behind = _shafts_behind(machine, coupling)
+        behind = shafts_behind(machine, coupling)
         lower = [f"bearing.{one.id}.elevation_y" for one in machine.bearings if one.shaft in behind]
         places = [place for place, one in enumerate(self.model.parameters) if one.name in lower]
         beside = neighbouring_bearings(machine, coupling)
@@ -161,12 +161,3 @@ def _runs(machine: Machine, films: SimulatedFilms) -> bool:
     found = films.model.films.equilibria(films.fitted)
     mode = None if found is None else least_damped_whirl(machine, found[-1])
     return mode is not None and mode.log_decrement > LEAST_DECREMENT
-
-
-def _shafts_behind(machine: Machine, coupling: Coupling) -> frozenset[str]:
-    """Return the shafts from a coupling on, away from the driver."""
-    onward = {one.driver: one.driven for one in machine.couplings}
-    found = [coupling.driven]
-    while found[-1] in onward:
-        found.append(onward[found[-1]])
-    return frozenset(found)

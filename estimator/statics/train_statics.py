@@ -76,7 +76,7 @@ def train_statics(machine: Machine) -> TrainStatics:
     """
     rotor = assemble_rotor(machine)
     held = np.concatenate([_journal(rotor, bearing.shaft, bearing.station) for bearing in machine.bearings])
-    load = _load(machine, rotor)
+    load = train_load(machine, rotor)
     stiffness, weight = _condensed(_stiffness(machine, couplings=True), load, held)
     aligned = _aligned(machine, rotor, load, held)
     compliance = _compliance(machine)
@@ -102,8 +102,16 @@ def _stiffness(machine: Machine, *, couplings: bool) -> Floats:
     return system_matrices(machine, coefficients=np.array(values)).stiffness
 
 
-def _load(machine: Machine, rotor: Rotor) -> Floats:
-    """Return weight and static loads (N,) on all degrees of freedom [N, N m]."""
+def train_load(machine: Machine, rotor: Rotor) -> Floats:
+    """Assemble weight and static loads of a train, upwards and along +x positive.
+
+    Args:
+        machine: The machine.
+        rotor: Its shafts and discs.
+
+    Returns:
+        Loads (N,) on all degrees of freedom [N, N m].
+    """
     _, y_plane = plane_columns(rotor.size)
     upwards = y_plane @ np.tile([1.0, 0.0], rotor.plane_size // PLANE_DOFS)
     load = np.asarray(-GRAVITY * (rotor.mass @ upwards))

@@ -28,6 +28,7 @@ from estimator.updated_model.critical_speed_tracking import HIGHEST_ABOVE_TRIP, 
 from estimator.updated_model.film_results import FilmResult, film_results
 from estimator.updated_model.modal_uncertainty import crossing_slopes
 from estimator.updated_model.model import UpdatedModel, updated_model
+from estimator.updated_model.static_coupling_loads import static_coupling_loads
 from estimator.updated_model.uncertainty import standard_errors
 
 NEAR_PEAK = 3.0
@@ -93,8 +94,21 @@ def model_quantities(model: UpdatedModel, *, speed: float) -> tuple[Derived, ...
         *_coupling_loads(model, speed),
         *_amplification_factors(model, crossings),
         *map(_of_film, film_results(model)),
-        *map(_of_alignment, alignment_results(model)),
+        *map(_of_film, static_coupling_loads(model)),
+        *alignment_quantities(model),
     )
+
+
+def alignment_quantities(model: UpdatedModel) -> tuple[Derived, ...]:
+    """Derive offset and angle of each coupling in both planes, or the reason why a run does not determine them.
+
+    Args:
+        model: The updated model.
+
+    Returns:
+        Derived quantities [m, rad]; none of a train whose coefficients do not follow from films.
+    """
+    return tuple(map(_of_alignment, alignment_results(model)))
 
 
 def running_speed(machine: Machine, identification: Identification) -> float:
