@@ -37,8 +37,10 @@ def figures(kind: CouplingKind, plants: int) -> Iterator[Figure]:
         ("changes", [each for one in trials for each in one.changes]),
     ):
         yield from _coverage(what, told, judged=plants >= FEWEST)
-    yield _width("vertical offset, one run", [each for one in trials for each in one.absolute], WIDEST[kind])
-    yield _width("its change against six runs", [each for one in trials for each in one.changes], WIDEST_CHANGE[kind])
+    for which, own in (("motor-compressors", trials[::2]), ("random trains", trials[1::2])):
+        if own:
+            yield _width(f"vertical offset, {which}", [each for one in own for each in one.absolute], WIDEST[kind])
+            yield _width("    its change against six runs", [each for one in own for each in one.changes], WIDEST_CHANGE[kind])
     yield _determined(trials)
 
 
