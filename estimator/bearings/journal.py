@@ -45,7 +45,7 @@ class JournalForm(FormDefaults, Part):
         description="how far the slope of ln viscosity over ln speed may be off, rms [-]; 0: as the oil says",
     )
     elevation_spread: Annotated[float, Field(ge=0, le=LARGEST_ELEVATION_SPREAD)] = Field(
-        default=3e-5, description="how far the bearing's centre may be from its elevation, rms, in each direction [m]"
+        default=1.5e-4, description="how far the bearing's centre may be from its elevation, rms, in each direction [m]"
     )
     discrepancy: Spread = Field(
         default=0.05, description="how far the film's coefficients may be from those of its model, relative rms [-]"

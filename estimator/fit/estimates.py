@@ -145,17 +145,43 @@ def _coefficients(
                     why = _reason_text(reason, parameter.name)
                     yield _estimate_without_value(common, f"the data leave it open far beyond its standard error{why}")
                     continue
-                if _is_prior_alone(parameter, float(error[place])):
-                    why = "the data say hardly more of it than what is believed beforehand"
-                    yield _estimate_without_value(common, f"{why}: ± {parameter.step * parameter.spread:.2g} {parameter.unit}")
+                if _is_level(parameter) and prior_alone(float(error[place]), parameter.spread):
+                    why = prior_alone_reason(parameter.step * parameter.spread, parameter.unit)
+                    yield _estimate_without_value(common, why)
                     continue
                 judged_by = parameter.scale if parameter.coefficient is None else comparison_size(coefficient, size)
                 yield _parameter(parameter, common, float(theta[place]), float(error[place]), judged_by, reason)
 
 
-def _is_prior_alone(parameter: ModelParameter, error: float) -> bool:
-    """Return whether the prior alone determines a level, such as an elevation: one that may be zero."""
-    return not parameter.positive and parameter.coefficient is None and error > LARGEST_PRIOR_PART * parameter.spread
+def prior_alone(error: float, believed: float) -> bool:
+    """Return whether the prior alone determines a level, such as an elevation or an offset: one that may be zero.
+
+    Args:
+        error: Its standard error [any unit].
+        believed: Its standard deviation before the fit [that unit].
+
+    Returns:
+        Whether the data say hardly more of it than what was believed.
+    """
+    return error > LARGEST_PRIOR_PART * believed
+
+
+def prior_alone_reason(believed: float, unit: str) -> str:
+    """State that the prior alone determines a level.
+
+    Args:
+        believed: Its standard deviation before the fit [unit].
+        unit: Its SI unit.
+
+    Returns:
+        The reason in words.
+    """
+    return f"the data say hardly more of it than what is believed beforehand: ± {believed:.2g} {unit}"
+
+
+def _is_level(parameter: ModelParameter) -> bool:
+    """Return whether a parameter is a level, such as an elevation: one that may be zero."""
+    return not parameter.positive and parameter.coefficient is None
 
 
 def comparison_size(coefficient: Coefficient, size: dict[str, float]) -> float:

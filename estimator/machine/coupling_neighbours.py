@@ -34,3 +34,20 @@ def _first_with_bearings(machine: Machine, shaft: str | None, onward: dict[str, 
             return found
         shaft = onward.get(shaft)
     return []
+
+
+def shafts_behind(machine: Machine, coupling: Coupling) -> tuple[str, ...]:
+    """List the shafts from a coupling on, away from the driver.
+
+    Args:
+        machine: The machine.
+        coupling: The coupling.
+
+    Returns:
+        Ids of the shafts, from driver to driven.
+    """
+    onward = {one.driver: one.driven for one in machine.couplings}
+    found = [coupling.driven]
+    while found[-1] in onward:
+        found.append(onward[found[-1]])
+    return tuple(found)

@@ -24,6 +24,15 @@ PAIR = re.compile(rf"({NUMBER.pattern})-({NUMBER.pattern})")
 """Pattern of two numbers of critical speeds."""
 JOURNAL_UNITS = {"load_vertical": "N", "load_horizontal": "N", "journal_x": "m", "journal_y": "m", "eccentricity_ratio": "1"}
 """SI unit of what is told of a journal in its film at running speed."""
+ALIGNMENT_UNITS = {"offset_vertical": "m", "offset_horizontal": "m", "angle_vertical": "rad", "angle_horizontal": "rad"}
+"""SI unit of what is told of a coupling's alignment on oil films."""
+STATIC_LOAD_UNITS = {
+    "static_shear_vertical": "N",
+    "static_shear_horizontal": "N",
+    "static_moment_vertical": "N m",
+    "static_moment_horizontal": "N m",
+}
+"""SI unit of what is told of the static load in a coupling on oil films."""
 PLACES = {".N": ".1", ".M-N": ".1-2"}
 """Placeholder for the number of a critical speed, or of two, in names of derived quantities, and the first number it
 can be."""
@@ -98,7 +107,9 @@ def _film_parameter_units(machine: Machine) -> dict[str, str]:
 
 
 def _film_units(machine: Machine) -> dict[str, str]:
-    """Return the SI unit by name of what is told of oil films: coefficients at some speeds, journals at running speed."""
+    """Return the SI unit by name of what is told of oil films: coefficients at some speeds, journals at running speed,
+    alignment.
+    """
     if not follows_films(machine):
         return {}
     found: dict[str, str] = {}
@@ -106,6 +117,8 @@ def _film_units(machine: Machine) -> dict[str, str]:
         element = f"bearing.{bearing.id}"
         found |= {f"{element}.{one.name}@{rpm:g}rpm": UNITS[one.quantity] for one in LATERAL for rpm in told_rpm(machine)}
         found |= {f"{element}.{name}": unit for name, unit in JOURNAL_UNITS.items()}
+    for coupling in machine.couplings:
+        found |= {f"coupling.{coupling.id}.{name}": unit for name, unit in (ALIGNMENT_UNITS | STATIC_LOAD_UNITS).items()}
     return found
 
 

@@ -7,7 +7,8 @@ from functools import cached_property
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.machine.coupling_neighbours import neighbouring_bearings
+from estimator.bearings.model import ModelParameter
+from estimator.machine.coupling_neighbours import neighbouring_bearings, shafts_behind
 from estimator.machine.document import Machine
 from estimator.machine.film_speeds import follows_films
 from estimator.machine.parts import Coupling
@@ -16,6 +17,8 @@ from estimator.statics.film_stability import least_damped_whirl
 
 DRAWN = 0.5
 """Part of its prior standard deviation by which a film's own numbers are drawn: machines at its ends may whirl [-]."""
+DRAWN_ELEVATION = 15e-6
+"""Largest standard deviation by which elevations are drawn: documents allow for far more than machines are left with [m]."""
 LEAST_DECREMENT = 0.02
 """Least logarithmic decrement, at the highest speed, of a machine that is drawn [-]."""
 MOST_DRAWS = 50
@@ -98,7 +101,7 @@ class SimulatedFilms:
         Returns:
             The films.
         """
-        behind = _shafts_behind(machine, coupling)
+        behind = shafts_behind(machine, coupling)
         lower = [f"bearing.{one.id}.elevation_y" for one in machine.bearings if one.shaft in behind]
         places = [place for place, one in enumerate(self.model.parameters) if one.name in lower]
         beside = neighbouring_bearings(machine, coupling)
@@ -138,7 +141,7 @@ def draw_films(machine: Machine, rng: np.random.Generator) -> SimulatedFilms | N
         return None
     model = film_model(machine)
     centre, spread = (np.array([getattr(one, what) for one in model.parameters]) for what in ("centre", "spread"))
-    part = np.array([1.0 if one.nuisance else DRAWN for one in model.parameters])
+    part = np.array([_drawn_part(one) for one in model.parameters])
     for _ in range(MOST_DRAWS):
         found = SimulatedFilms(model, centre + part * spread * rng.standard_normal(centre.size))
         if _runs(machine, found):
@@ -146,17 +149,15 @@ def draw_films(machine: Machine, rng: np.random.Generator) -> SimulatedFilms | N
     raise ValueError(f"to simulate '{machine.id}': of {MOST_DRAWS} draws of its films none runs without whirling")
 
 
+def _drawn_part(parameter: ModelParameter) -> float:
+    """Return the part of its prior standard deviation by which a number is drawn."""
+    if parameter.nuisance:
+        return 1.0
+    return min(DRAWN, DRAWN_ELEVATION / parameter.step) if parameter.quantity == "elevation" else DRAWN
+
+
 def _runs(machine: Machine, films: SimulatedFilms) -> bool:
     """Return whether films carry their journals and damp all modes at the highest speed."""
     found = films.model.films.equilibria(films.fitted)
     mode = None if found is None else least_damped_whirl(machine, found[-1])
     return mode is not None and mode.log_decrement > LEAST_DECREMENT
-
-
-def _shafts_behind(machine: Machine, coupling: Coupling) -> frozenset[str]:
-    """Return the shafts from a coupling on, away from the driver."""
-    onward = {one.driver: one.driven for one in machine.couplings}
-    found = [coupling.driven]
-    while found[-1] in onward:
-        found.append(onward[found[-1]])
-    return frozenset(found)

@@ -76,7 +76,7 @@ def train_statics(machine: Machine) -> TrainStatics:
     """
     rotor = assemble_rotor(machine)
     held = np.concatenate([_journal(rotor, bearing.shaft, bearing.station) for bearing in machine.bearings])
-    load = _load(machine, rotor)
+    load = train_load(machine, rotor)
     stiffness, weight = _condensed(_stiffness(machine, couplings=True), load, held)
     aligned = _aligned(machine, rotor, load, held)
     compliance = _compliance(machine)
@@ -102,8 +102,16 @@ def _stiffness(machine: Machine, *, couplings: bool) -> Floats:
     return system_matrices(machine, coefficients=np.array(values)).stiffness
 
 
-def _load(machine: Machine, rotor: Rotor) -> Floats:
-    """Return weight and static loads (N,) on all degrees of freedom [N, N m]."""
+def train_load(machine: Machine, rotor: Rotor) -> Floats:
+    """Assemble weight and static loads of a train, upwards and along +x positive.
+
+    Args:
+        machine: The machine.
+        rotor: Its shafts and discs.
+
+    Returns:
+        Loads (N,) on all degrees of freedom [N, N m].
+    """
     _, y_plane = plane_columns(rotor.size)
     upwards = y_plane @ np.tile([1.0, 0.0], rotor.plane_size // PLANE_DOFS)
     load = np.asarray(-GRAVITY * (rotor.mass @ upwards))
@@ -120,14 +128,25 @@ def _journal(rotor: Rotor, shaft: str, station: float) -> NDArray[np.intp]:
 
 def _condensed(stiffness: Floats, load: Floats, held: NDArray[np.intp]) -> tuple[Floats, Floats]:
     """Return stiffness and load seen at some degrees of freedom, the others in equilibrium."""
-    deflected, moved = _free_motion(stiffness, load, held)
+    deflected, moved = free_motion(stiffness, load, held)
     seen = stiffness[np.ix_(held, held)] + stiffness[held] @ moved
     return (seen + seen.T) / 2, load[held] - stiffness[held] @ deflected
 
 
-def _free_motion(stiffness: Floats, load: Floats, held: NDArray[np.intp]) -> tuple[Floats, Floats]:
-    """Return the motion (N,) under load with some degrees of freedom held, and that (N, k) per unit of each of these; zero at
-    them."""
+def free_motion(stiffness: Floats, load: Floats, held: NDArray[np.intp]) -> tuple[Floats, Floats]:
+    """Compute the motion of all degrees of freedom while some are held (Guyan, AIAA J. 3 (1965) 380).
+
+    Args:
+        stiffness: Stiffness (N, N) [N/m, N, N m].
+        load: Loads (N,) [N, N m].
+        held: Places (k,) of those that are held.
+
+    Returns:
+        Motion (N,) under the load [m, rad], and motions (N, k) per unit of each that is held; the load moves none of these.
+
+    Raises:
+        UnsupportedShaft: Something would fall although they are held.
+    """
     free = np.setdiff1d(np.arange(load.size), held)
     block = stiffness[np.ix_(free, free)]
     size = np.sqrt(np.abs(np.diag(block)))
@@ -146,7 +165,7 @@ def _aligned(machine: Machine, rotor: Rotor, load: Floats, held: NDArray[np.intp
 
     The first shaft of a train stays; the others are moved as rigid bodies.
     """
-    sag, _ = _free_motion(_stiffness(machine, couplings=False), load, held)
+    sag, _ = free_motion(_stiffness(machine, couplings=False), load, held)
     moved = np.zeros(rotor.size)
     settled = {machine.shafts[0].id}
     waiting = list(machine.couplings)

@@ -10,17 +10,25 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.fit.estimates import CONFIDENCE_95, LARGEST_DIRECT_ERROR, LARGEST_RELATIVE_ERROR
+from estimator.fit.estimates import (
+    CONFIDENCE_95,
+    LARGEST_DIRECT_ERROR,
+    LARGEST_RELATIVE_ERROR,
+    prior_alone,
+    prior_alone_reason,
+)
 from estimator.fit.identify import Identification
 from estimator.machine.document import Machine
 from estimator.phasors.harmonic_ratio import FEWEST, NEAR, Orders, measures_second, second_over_first
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
+from estimator.updated_model.alignment_results import AlignmentResult, alignment_results
 from estimator.updated_model.amplification import UncertainPeak, peaks_with_errors
 from estimator.updated_model.coupling_loads import coupling_forces
 from estimator.updated_model.critical_speed_tracking import HIGHEST_ABOVE_TRIP, FollowedCrossings, followed_crossings
 from estimator.updated_model.film_results import FilmResult, film_results
 from estimator.updated_model.modal_uncertainty import crossing_slopes
 from estimator.updated_model.model import UpdatedModel, updated_model
+from estimator.updated_model.static_coupling_loads import static_coupling_loads
 from estimator.updated_model.uncertainty import standard_errors
 
 NEAR_PEAK = 3.0
@@ -86,7 +94,21 @@ def model_quantities(model: UpdatedModel, *, speed: float) -> tuple[Derived, ...
         *_coupling_loads(model, speed),
         *_amplification_factors(model, crossings),
         *map(_of_film, film_results(model)),
+        *map(_of_film, static_coupling_loads(model)),
+        *alignment_quantities(model),
     )
+
+
+def alignment_quantities(model: UpdatedModel) -> tuple[Derived, ...]:
+    """Derive offset and angle of each coupling in both planes, or the reason why a run does not determine them.
+
+    Args:
+        model: The updated model.
+
+    Returns:
+        Derived quantities [m, rad]; none of a train whose coefficients do not follow from films.
+    """
+    return tuple(map(_of_alignment, alignment_results(model)))
 
 
 def running_speed(machine: Machine, identification: Identification) -> float:
@@ -191,6 +213,15 @@ def _of_film(one: FilmResult) -> Derived:
     if one.positive:
         ratio = math.exp(half / one.value)
         return Derived(one.name, one.unit, one.value, one.value / ratio, one.value * ratio)
+    return Derived(one.name, one.unit, one.value, one.value - half, one.value + half)
+
+
+def _of_alignment(one: AlignmentResult) -> Derived:
+    """State an offset or angle by the rule of levels: not where the run says hardly more than what was believed before."""
+    why = one.undefined or (prior_alone_reason(one.believed, one.unit) if prior_alone(one.error, one.believed) else None)
+    if why is not None:
+        return Derived(one.name, one.unit, None, None, None, why)
+    half = CONFIDENCE_95 * one.error
     return Derived(one.name, one.unit, one.value, one.value - half, one.value + half)
 
 

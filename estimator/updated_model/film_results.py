@@ -11,7 +11,7 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.bearings.terms import LATERAL
-from estimator.fit.coordinates import PlacedModel
+from estimator.fit.coordinates import Coordinates, PlacedModel
 from estimator.machine.film_speeds import told_rpm
 from estimator.quantities import UNITS
 from estimator.statics.film_model import FilmModel
@@ -53,11 +53,12 @@ def film_results(model: UpdatedModel) -> tuple[FilmResult, ...]:
     """
     speed = np.array([rpm_to_rad_per_s(one) for one in told_rpm(model.machine)])
     coordinates = model.coordinates_at(speed)
-    placed = next((one for one in coordinates.models if isinstance(one.model, FilmModel)), None)
-    if placed is None or not isinstance(placed.model, FilmModel):
+    with_films = placed_films(coordinates)
+    if with_films is None:
         return ()
+    placed, films = with_films
     theta = coordinates.theta(model.values)
-    states = journal_states(placed.model, placed.own(theta), speed=speed[-1:])
+    states = journal_states(films, placed.own(theta), speed=speed[-1:])
     if states is None:
         return ()
     unit = coordinates.unit[placed.first : placed.places.stop]
@@ -70,9 +71,21 @@ def film_results(model: UpdatedModel) -> tuple[FilmResult, ...]:
         for number, bearing in enumerate(model.machine.bearings)
         for one in (
             *coefficients[each * number : each * (number + 1)],
-            *_state(f"bearing.{bearing.id}", states, number, placed.model.own.place(number, "clearance"), own),
+            *_state(f"bearing.{bearing.id}", states, number, films.own.place(number, "clearance"), own),
         )
     )
+
+
+def placed_films(coordinates: Coordinates) -> tuple[PlacedModel, FilmModel] | None:
+    """Find the model of the films among those that a fit's coordinates belong to.
+
+    Args:
+        coordinates: Coordinates of the fit.
+
+    Returns:
+        The model with its place, and as what it is; None of a train whose coefficients do not follow from films.
+    """
+    return next(((one, one.model) for one in coordinates.models if isinstance(one.model, FilmModel)), None)
 
 
 def _coefficients(model: UpdatedModel, placed: PlacedModel, theta: Floats, covariance: Floats) -> Iterator[FilmResult]:

@@ -46,6 +46,9 @@ def identify_offline(
 
     Ends with status 1 when the fit is not accepted.
     """
+    from estimator.updated_model.derived_quantities import alignment_quantities
+    from estimator.updated_model.model import updated_model
+    from service.commands.alignment_report import alignment_text
     from service.commands.identification_report import advice_text, identification_text, quality_text
 
     if method == "regression" and advice:
@@ -63,6 +66,9 @@ def identify_offline(
         fail("\n".join([found.error or "", text]).strip())
     result = found.identification
     say_lines(identification_text(result))
+    alignment = alignment_text(alignment_quantities(updated_model(described, result))) if result.accepted else ""
+    if alignment:
+        say_lines(alignment)
     if text:
         say_lines(f"\n{text}")
     if advice:

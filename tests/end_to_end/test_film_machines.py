@@ -38,6 +38,7 @@ def test_films_are_identified_and_trended(service: Service, tmp_path: Path, mach
         load = trend(service, machine, "bearing.B2.load_vertical")
         assert load["unit"] == "N"
         assert min(load["value"]) > 500.0
+        check_alignment(service, machine)
 
 
 def check_trend(service: Service, machine: str, true: list[float]) -> None:
@@ -48,6 +49,17 @@ def check_trend(service: Service, machine: str, true: list[float]) -> None:
     assert np.abs(away).max() < 4.0
     gap = trend(service, machine, "bearing.B2.eccentricity_ratio")["value"]
     assert all(0.05 < one < 0.95 for one in gap)
+
+
+def check_alignment(service: Service, machine: str) -> None:
+    """Offsets are trended in metres with their intervals; simulated machines are left well aligned."""
+    coupling = service.get(f"/machines/{machine}")["document"]["couplings"][0]["id"]
+    for plane in ("vertical", "horizontal"):
+        offset = trend(service, machine, f"coupling.{coupling}.offset_{plane}")
+        assert offset["unit"] == "m"
+        values, lower, upper = (np.array(offset[what]) for what in ("value", "lower", "upper"))
+        assert np.all((lower < values) & (values < upper))
+        assert np.all(np.abs(values) < 120e-6 + (upper - lower))
 
 
 def trend(service: Service, machine: str, parameter: str) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """Discrepancies of real films from any model: some per cent of coefficients, correlated over speed, their mean not zero."""
 
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -29,6 +30,14 @@ class DiscrepancySize:
     damping_mean: float = -0.03
     spread: float = 0.03
     correlation: float = 0.4
+
+
+class FilmChange(Protocol):
+    """What makes the coefficients of films others than those of their model."""
+
+    def applied(self, films: Equilibrium) -> Equilibrium:
+        """Change the coefficients of films."""
+        ...
 
 
 class Discrepancy:

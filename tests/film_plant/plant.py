@@ -8,7 +8,7 @@ import numpy as np
 
 from tests.film_plant.arrays import Complexes, Floats
 from tests.film_plant.assembly import Matrices, assemble
-from tests.film_plant.discrepancy import Discrepancy
+from tests.film_plant.discrepancy import FilmChange
 from tests.film_plant.response import eigenvalues, response, smallest_damping_ratio
 from tests.film_plant.statics import Equilibrium, Statics
 from tests.film_plant.sweep import SweepRecord, sweep
@@ -62,7 +62,7 @@ class Plant:
     believed: Train
     slowest: float
     fastest: float
-    discrepancy: Discrepancy | None = None
+    discrepancy: FilmChange | None = None
     absolute: bool = False
 
     @cached_property
@@ -117,7 +117,7 @@ class Plant:
             ]
         )
 
-    def with_discrepancy(self, discrepancy: Discrepancy) -> "Plant":
+    def with_discrepancy(self, discrepancy: FilmChange) -> "Plant":
         """The same plant with films that differ from their model."""
         return replace(self, discrepancy=discrepancy)
 

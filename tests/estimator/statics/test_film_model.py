@@ -20,7 +20,7 @@ def document(**form: Any) -> dict[str, Any]:
     """The motor and compressor with bearings that follow their films."""
     said: dict[str, Any] = yaml.safe_load((EXAMPLES / "motor-compressor.yaml").read_text(encoding="utf-8"))
     for bearing in said["bearings"]:
-        bearing["speed_dependence"] = {"form": "journal", **form}
+        bearing["speed_dependence"] = {"form": "journal", "elevation_spread": 3e-5, **form}
     return said
 
 

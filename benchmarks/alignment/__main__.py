@@ -1,0 +1,42 @@
+"""Alignment on fluid films: figures asked beside those measured, on misaligned plants of other make than the estimator.
+
+Each plant is identified seven times, six of them as a baseline before its coupling moves; runs differ by 1 % in stiffness, 5 %
+in damping and 5 % in the viscosity of their oil. One half of the plants are motors and compressors around the reference, the
+other half of random proportions. One line a figure; status 1 where one falls short. Coverage is judged from 20 plants on.
+`--short` takes one plant of each kind and less than a minute.
+
+    python -m benchmarks.alignment [--short] [--plants N] [--only flexible|rigid …]
+"""
+
+import argparse
+from collections.abc import Sequence
+
+from threadpoolctl import threadpool_limits
+
+from benchmarks.alignment.alignment_figures import figures
+from tests.film_plant.motor_compressor import CouplingKind
+
+KINDS: tuple[CouplingKind, ...] = ("rigid", "flexible")
+SHORT_PLANTS = 1
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Print a line for each figure; status 1 where one falls short."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.alignment", description=(__doc__ or "").split("\n")[0])
+    parser.add_argument("--short", action="store_true", help="one plant with each kind of coupling")
+    parser.add_argument("--plants", type=int, default=40, help="number of plants with each kind of coupling, seeds 0, 1, …")
+    parser.add_argument("--only", nargs="*", choices=KINDS)
+    chosen = parser.parse_args(arguments)
+    kept = True
+    print(f"  {'alignment':<76}{'asked':>12}{'measured':>24}")
+    with threadpool_limits(limits=1):
+        for kind in chosen.only or KINDS:
+            for figure in figures(kind, SHORT_PLANTS if chosen.short else chosen.plants):
+                print(figure, flush=True)
+                kept &= figure.kept
+    if not kept:
+        raise SystemExit(1)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,139 @@
+"""Trials of alignment: a misaligned plant of other make, a baseline of its runs, and one run after its coupling has moved."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from benchmarks.fluid_film.film_trials import OPTIONS
+from estimator.fit.estimates import CONFIDENCE_95
+from estimator.fit.identify import Identification, identify
+from estimator.machine.document import Machine, parse_machine
+from estimator.machine.film_speeds import told_rpm
+from estimator.updated_model.alignment_change import alignment_changes
+from estimator.updated_model.derived_quantities import Derived, derived_quantities
+from estimator.updated_model.model import updated_model
+from tests.film_plant.discrepancy import DiscrepancySize
+from tests.film_plant.documents import film_document, measured
+from tests.film_plant.misalignment import MOVES, SETTLED, drawn, left_off, true_alignment
+from tests.film_plant.motor_compressor import CouplingKind
+from tests.film_plant.plant import Plant
+from tests.film_plant.plants import Priors, motor_compressor_plant, random_plant
+from tests.film_plant.proportions import Design
+from tests.film_plant.scatter import run_of
+from tests.film_plant.scores import film_result_truths
+
+BASELINE = 6
+"""Runs of a baseline."""
+SPREAD = 150e-6
+"""Spread of the elevations that documents state [m]; the truth is drawn otherwise."""
+PRIOR_PART = 0.8
+"""Largest error of a change that is called determined, as a part of what is believed possible [-]."""
+BELIEVED = Priors(elevation=SPREAD, rigid_elevation=SPREAD)
+
+
+@dataclass(frozen=True)
+class Told:
+    """What was told of one quantity and what is true [SI]: lower and upper end of its 95 % interval."""
+
+    name: str
+    lower: float
+    upper: float
+    true: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether the interval holds the truth."""
+        return self.lower <= self.true <= self.upper
+
+    @property
+    def half(self) -> float:
+        """Half width of the interval."""
+        return (self.upper - self.lower) / 2
+
+
+@dataclass(frozen=True)
+class AlignmentTrial:
+    """One plant.
+
+    Attributes:
+        verdicts: Verdicts of the runs that were refused.
+        runs: Number of runs.
+        absolute: Offsets, angles and loads that one run determines.
+        changes: Changes of offsets and angles against the baseline that are determined, and of loads between two runs.
+        withheld: Offsets and angles that one run does not determine, by name.
+    """
+
+    verdicts: tuple[str, ...]
+    runs: int
+    absolute: tuple[Told, ...] = ()
+    changes: tuple[Told, ...] = ()
+    withheld: tuple[str, ...] = ()
+
+
+def plant_of(seed: int, kind: CouplingKind) -> Plant:
+    """Return a misaligned plant: of even seeds a motor and compressor, of odd ones a train of random proportions."""
+    alter, size = left_off(kind), DiscrepancySize()
+    if seed % 2 == 0:
+        return motor_compressor_plant(seed, kind, priors=SETTLED, discrepancy=size, alter=alter)
+    return random_plant(seed, design=Design(coupling=kind), priors=SETTLED, discrepancy=size, alter=alter)
+
+
+def alignment_trial(seed: int, kind: CouplingKind) -> AlignmentTrial:
+    """Identify a baseline and one later run of a plant and compare what is told of alignment and loads with the truth."""
+    rng = np.random.default_rng([seed, len(kind)])
+    plant = plant_of(seed, kind)
+    machine = parse_machine(film_document(plant, priors=BELIEVED))
+    later = replace(plant, train=drawn(plant.train, MOVES[kind], rng))
+    runs = [run_of(plant, rng) for _ in range(BASELINE)] + [run_of(later, rng)]
+    fits = [identify(machine, measured(one, seed=100 * seed + number), OPTIONS) for number, one in enumerate(runs)]
+    refused = tuple(one.verdict for one in fits if not one.accepted)
+    if not (fits[0].accepted and fits[-1].accepted):
+        return AlignmentTrial(refused, len(runs))
+    first, last = derived_quantities(machine, fits[0]), derived_quantities(machine, fits[-1])
+    truths = [true_alignment(one) | _loads(one, machine) for one in (runs[0], runs[-1])]
+    absolute = tuple(_told(one, truths[0][one.name].real) for one in first if one.name in truths[0] and one.value is not None)
+    alignment = true_alignment(plant)
+    return AlignmentTrial(
+        refused,
+        len(runs),
+        absolute,
+        (*_changes(machine, fits, plant, later), *_load_changes(first, last, truths)),
+        tuple(one.name for one in first if one.name in alignment and one.value is None),
+    )
+
+
+def _told(one: Derived, true: float) -> Told:
+    assert one.lower is not None
+    assert one.upper is not None
+    return Told(one.name, one.lower, one.upper, true)
+
+
+def _loads(plant: Plant, machine: Machine) -> dict[str, complex]:
+    """Return the true loads at running speed by name."""
+    return {name: value for name, value in film_result_truths(plant, told_rpm(machine)).items() if ".load_" in name}
+
+
+def _changes(machine: Machine, fits: Sequence[Identification], plant: Plant, later: Plant) -> list[Told]:
+    """Return the changes of offsets and angles against the baseline's accepted runs that are determined."""
+    models = [updated_model(machine, one) for one in fits if one.accepted]
+    before, after = true_alignment(plant), true_alignment(later)
+    found = []
+    for one in alignment_changes(models[:-1], models[-1]):
+        half = CONFIDENCE_95 * one.error
+        if one.error <= PRIOR_PART * one.believed:
+            found.append(Told(one.name, one.value - half, one.value + half, (after[one.name] - before[one.name]).real))
+    return found
+
+
+def _load_changes(first: Sequence[Derived], last: Sequence[Derived], truths: Sequence[dict[str, complex]]) -> list[Told]:
+    """Return the changes of loads between two runs, with the errors of both as if they were independent."""
+    before, found = {one.name: one for one in first}, []
+    for one in last:
+        other = before.get(one.name)
+        if ".load_" not in one.name or other is None or one.value is None or other.value is None:
+            continue
+        half = float(np.hypot(_told(one, 0.0).half, _told(other, 0.0).half))
+        change, true = one.value - other.value, (truths[1][one.name] - truths[0][one.name]).real
+        found.append(Told(one.name, change - half, change + half, true))
+    return found

@@ -1,0 +1,25 @@
+"""Reports the alignment of couplings on a terminal, in µm and µrad with 95 % intervals."""
+
+from collections.abc import Sequence
+
+from estimator.updated_model.derived_quantities import Derived
+
+MICRO = 1e6
+SIGNS = "driven shaft over the driver's: up and along +x are positive, and faces that open below or on the side of -x"
+
+
+def alignment_text(quantities: Sequence[Derived]) -> str:
+    """Return a line per offset and angle, with the signs; empty where there are none."""
+    if not quantities:
+        return ""
+    width = max(len(one.name) for one in quantities)
+    return "\n".join(
+        ["", f"Alignment, {SIGNS}; 95 % intervals", *(f"{one.name:<{width}}  {_value(one)}" for one in quantities)]
+    )
+
+
+def _value(one: Derived) -> str:
+    if one.value is None or one.lower is None or one.upper is None:
+        return f"not determined: {one.reason}"
+    value, lower, upper = MICRO * one.value, MICRO * one.lower, MICRO * one.upper
+    return f"{value:+.4g} µ{one.unit} ({lower:+.4g} to {upper:+.4g})"

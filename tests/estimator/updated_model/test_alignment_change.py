@@ -1,0 +1,101 @@
+"""Changes of alignment: runs drawn as the linear model says, so that errors must be those that are told."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from estimator.arrays import Floats
+from estimator.fit.coordinates import Coordinates
+from estimator.machine.parameter_description import describe
+from estimator.updated_model.alignment_change import RunVariation, alignment_changes
+from estimator.updated_model.alignment_results import alignment_results
+from estimator.updated_model.model import UpdatedModel, expected_model
+from tests.estimator.models import rich_model
+from tests.estimator.updated_model.test_alignment_results import NAMES, machine_of
+
+MODEL = expected_model(machine_of())
+COORDINATES = MODEL.coordinates_at(np.ones(1))
+VARIATION = RunVariation(elevation=5e-6)
+ROWS = 120
+"""Numbers that each run measures: fewer than there are coordinates."""
+TRIALS = 60
+BASELINE = 3
+OWN_PART = 0.05 * np.sqrt(0.6)
+"""Unit of a film's own deviations: the document's discrepancy but for what all films share [-]."""
+
+
+def drawn_variation(rng: np.random.Generator, coordinates: Coordinates) -> Floats:
+    """By how much one run's coordinates differ from the machine's, by their names."""
+    warmer = VARIATION.oil * rng.standard_normal()
+    found = np.zeros(coordinates.size)
+    for place, name in enumerate(coordinates.names):
+        quantity, number = describe(name).quantity, rng.standard_normal()
+        if quantity == "viscosity":
+            found[place] = warmer + VARIATION.viscosity * number
+        elif quantity.startswith("elevation"):
+            found[place] = VARIATION.elevation * number / coordinates.unit[place]
+        elif quantity[0] in "kc" and "_deviation" in quantity:
+            found[place] = {"k": 0.01, "c": 0.05}[quantity[0]] * number / OWN_PART
+        elif name.startswith("coupling."):
+            found[place] = {"k": 0.01, "c": 0.05}[quantity[0]] * number
+    return found
+
+
+def fitted(theta: Floats, seen: Floats, rng: np.random.Generator) -> UpdatedModel:
+    """The model that a run leads to which measures `seen` @ theta with errors of one."""
+    prior, away = np.diag(COORDINATES.spread**-2), theta - COORDINATES.centre
+    covariance = np.linalg.inv(seen.T @ seen + prior)
+    found = covariance @ seen.T @ (seen @ away + rng.standard_normal(ROWS))
+    unit = COORDINATES.unit
+    return replace(MODEL, values=COORDINATES.point(COORDINATES.centre + found), covariance=covariance * np.outer(unit, unit))
+
+
+def trial(seed: int) -> tuple[Floats, Floats, Floats]:
+    """True changes (4,), told ones with their errors (4, 2), and errors of the alignment of the later run alone (4,)."""
+    rng = np.random.default_rng(seed)
+    unbalances = np.array([describe(name).quantity == "unbalance" for name in COORDINATES.names])
+    scale = np.where(unbalances, 1e-5, COORDINATES.spread)
+    machine = COORDINATES.centre + np.where(unbalances, 0.0, scale * rng.standard_normal(scale.size))
+    moved = np.array([float("elevation" in name) for name in COORDINATES.names]) * rng.standard_normal(scale.size)
+    fits = []
+    for run in range(BASELINE + 1):
+        theta = machine + drawn_variation(rng, COORDINATES) + (moved if run == BASELINE else 0.0)
+        fits.append(fitted(theta, 2.0 * rng.standard_normal((ROWS, scale.size)) / scale, rng))
+    alone = alignment_results(fits[-1])
+    told = alignment_changes(fits[:-1], fits[-1], variation=VARIATION)
+    true = [one.slope @ (COORDINATES.unit * moved) for one in alone]
+    return np.array(true), np.array([[one.value, one.error] for one in told]), np.array([one.error for one in alone])
+
+
+def test_changes_err_by_what_is_told() -> None:
+    trials = [trial(seed) for seed in range(TRIALS)]
+    z = np.array([(told[:, 0] - true) / told[:, 1] for true, told, _ in trials])
+    assert 0.85 < np.sqrt(np.mean(z**2)) < 1.15
+    assert 0.9 < np.mean(np.abs(z) < 1.96) < 0.99
+
+
+def test_what_the_runs_have_in_common_cancels() -> None:
+    """The same fit twice has not changed, and its change is known better than its alignment where runs vary by little."""
+    rng = np.random.default_rng(1)
+    one = fitted(COORDINATES.centre, 2.0 * rng.standard_normal((ROWS, COORDINATES.size)) / COORDINATES.spread, rng)
+    still = RunVariation(stiffness=0.0, damping=0.0, oil=0.0, viscosity=0.0, unbalance=0.0, elevation=0.0)
+    found = alignment_changes([one] * 6, one, variation=still)
+    assert [change.name for change in found] == list(NAMES)
+    for change, alone in zip(found, alignment_results(one), strict=True):
+        assert abs(change.value) < change.error
+        assert change.error < 1.1 * alone.error
+        assert change.unit == alone.unit
+    wide = alignment_changes([one] * 6, one, variation=replace(VARIATION, elevation=50e-6))
+    assert all(more.error > less.error for more, less in zip(wide, found, strict=True))
+
+
+def test_a_baseline_is_needed_and_of_the_same_machine() -> None:
+    with pytest.raises(ValueError, match="baseline of at least one run"):
+        alignment_changes([], MODEL)
+    with pytest.raises(ValueError, match="of the same machine"):
+        alignment_changes([rich_model()], MODEL)
+
+
+def test_trains_without_films_have_none() -> None:
+    assert alignment_changes([rich_model()], rich_model()) == ()

@@ -1,0 +1,68 @@
+"""Misalignment of a plant's second shaft, and what its coupling's offset and angle truly are; levers of its own."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tests.film_plant.arrays import Floats
+from tests.film_plant.motor_compressor import CouplingKind
+from tests.film_plant.plant import Plant
+from tests.film_plant.plants import Alteration, Priors
+from tests.film_plant.train import Train
+
+SETTLED = Priors(elevation=10e-6, rigid_elevation=5e-6)
+"""How far each bearing is off by itself in plants whose second shaft is misaligned."""
+
+
+@dataclass(frozen=True)
+class Misalignment:
+    """How far a second shaft is off in each plane, as standard deviations: offset at the coupling [m], angle [rad]."""
+
+    offset: float
+    angle: float
+
+
+LEFT: dict[CouplingKind, Misalignment] = {"flexible": Misalignment(100e-6, 100e-6), "rigid": Misalignment(40e-6, 50e-6)}
+"""How far couplings of a kind are left off."""
+MOVES: dict[CouplingKind, Misalignment] = {"flexible": Misalignment(50e-6, 25e-6), "rigid": Misalignment(20e-6, 10e-6)}
+"""How far they move later."""
+
+
+def moved(train: Train, *, offset: Floats, angle: Floats) -> Train:
+    """The train with its second shaft's bearings moved along x and y: by offsets (2,) [m] and angles (2,) [rad]."""
+    bearings = tuple(
+        replace(one, elevation=(one.elevation[0] + float(way[0]), one.elevation[1] + float(way[1]))) if one.shaft == 1 else one
+        for one, way in ((one, offset + angle * one.station) for one in train.bearings)
+    )
+    return replace(train, bearings=bearings)
+
+
+def drawn(train: Train, size: Misalignment, rng: np.random.Generator) -> Train:
+    """The train with its second shaft moved by what is drawn."""
+    return moved(train, offset=size.offset * rng.standard_normal(2), angle=size.angle * rng.standard_normal(2))
+
+
+def left_off(kind: CouplingKind) -> Alteration:
+    """The alteration of a plant whose coupling is left off by what is drawn."""
+
+    def alter(train: Train, rng: np.random.Generator, _: float) -> Train:
+        return drawn(train, LEFT[kind], rng)
+
+    return alter
+
+
+def true_alignment(plant: Plant) -> dict[str, complex]:
+    """Offset [m] and angle [rad] of the coupling in each plane by name: of lines through each shaft's two bearings."""
+    off = plant.train.elevations - plant.believed.elevations
+    stations = np.array([one.station for one in plant.train.bearings])
+    ends = {0: plant.train.shafts[0].length, 1: 0.0}
+    found: dict[str, complex] = {}
+    for plane, axis in (("vertical", 1), ("horizontal", 0)):
+        lines = {}
+        for shaft, end in ends.items():
+            own = [k for k, one in enumerate(plant.train.bearings) if one.shaft == shaft]
+            slope, height = np.polyfit(stations[own], off[own, axis], 1)
+            lines[shaft] = height + slope * end, slope
+        found[f"coupling.C1.offset_{plane}"] = complex(lines[1][0] - lines[0][0])
+        found[f"coupling.C1.angle_{plane}"] = complex(lines[1][1] - lines[0][1])
+    return found

@@ -1,0 +1,71 @@
+"""Alignment as the terminal shows it."""
+
+import csv
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import yaml
+from typer.testing import CliRunner
+
+from estimator.updated_model.derived_quantities import Derived
+from service.commands.alignment_report import alignment_text
+from service.commands.app import app
+from tests.film_plant.documents import film_document, measured
+from tests.film_plant.misalignment import moved
+from tests.film_plant.plant import Plant
+from tests.film_plant.plants import Priors, motor_compressor_plant
+
+OFFSET = re.compile(r"coupling\.C1\.offset_vertical +\+[\d.]+ µm \(\+([\d.]+) to \+([\d.]+)\)")
+
+
+def test_offsets_are_told_in_micrometres_with_their_interval_and_reasons_where_there_are_none() -> None:
+    offset = Derived("coupling.C1.offset_vertical", "m", -83.2e-6, -151e-6, -15.4e-6)
+    angle = Derived("coupling.C1.angle_vertical", "rad", None, None, None, "the prior alone")
+    empty, heading, first, second = alignment_text([offset, angle]).split("\n")
+    assert empty == ""
+    assert "up and along +x are positive" in heading
+    assert first == "coupling.C1.offset_vertical  -83.2 µm (-151 to -15.4)"
+    assert second == "coupling.C1.angle_vertical   not determined: the prior alone"
+
+
+def test_machines_without_films_have_no_such_lines() -> None:
+    assert alignment_text([]) == ""
+
+
+def test_an_identification_prints_the_offset_of_a_raised_shaft(tmp_path: Path) -> None:
+    plant = motor_compressor_plant(3, "rigid", priors=Priors(clearance=0.05, viscosity=0.05, rigid_elevation=0.0))
+    plant = replace(plant, train=moved(plant.train, offset=np.array([0.0, 60e-6]), angle=np.zeros(2)))
+    document = film_document(plant, priors=Priors(elevation=150e-6, rigid_elevation=150e-6))
+    (tmp_path / "machine.yaml").write_text(yaml.safe_dump(document))
+    recorded(tmp_path, plant, document["id"], [one["id"] for one in document["probes"]])
+    found = CliRunner().invoke(app, ["identify", str(tmp_path / "machine.yaml"), str(tmp_path / "run.csv"), "--no-gate"])
+    assert found.exit_code == 0, found.output
+    told = OFFSET.search(found.output)
+    assert told is not None, found.output
+    assert float(told[1]) < 60.0 < float(told[2])
+    assert "coupling.C1.angle_horizontal" in found.output
+
+
+def recorded(folder: Path, plant: Plant, machine: str, channels: list[str]) -> None:
+    """Write a run of the plant as CSV with its sidecar."""
+    data = measured(plant, seed=5)
+    with (folder / "run.csv").open("w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["speed", *(f"{channel}_{part}" for channel in channels for part in "ap")])
+        for speed, row in zip(data.speed, data.phasor, strict=True):
+            writer.writerow([speed, *(value for one in row for value in (1e6 * abs(one), np.degrees(np.angle(one))))])
+    said = {
+        "plant": "films",
+        "machine": machine,
+        "interval_s": 10.0,
+        "speed": "speed",
+        "speed_unit": "rad/s",
+        "amplitude_unit": "um",
+        "amplitude_kind": "peak",
+        "phase_convention": "lead",
+        "phase_unit": "deg",
+        "channels": [{"channel": one, "amplitude": f"{one}_a", "phase": f"{one}_p"} for one in channels],
+    }
+    (folder / "run.yaml").write_text(yaml.safe_dump(said))
