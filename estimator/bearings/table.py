@@ -178,8 +178,8 @@ class Table(FormDefaults, Part):
     cxy: CrossColumn = Field(default=None, description="at each speed [N s/m]")
     cyx: CrossColumn = Field(default=None, description="at each speed [N s/m]")
     cyy: DirectColumn = Field(default=None, description="at each speed [N s/m]")
-    over_load: tuple[ColumnsAtLoad, ...] = Field(
-        default=(),
+    over_load: tuple[ColumnsAtLoad, ...] | None = Field(
+        default=None,
         max_length=MOST_LOADS,
         description="columns for several loads, ascending, in place of those above; between them shape-preserving cubics over "
         "the logarithm of the load",
@@ -221,7 +221,11 @@ class Table(FormDefaults, Part):
 
     @field_validator("over_load")
     @classmethod
-    def _alike_at_ascending_loads(cls, tables: tuple[ColumnsAtLoad, ...], info: ValidationInfo) -> tuple[ColumnsAtLoad, ...]:
+    def _alike_at_ascending_loads(
+        cls, tables: tuple[ColumnsAtLoad, ...] | None, info: ValidationInfo
+    ) -> tuple[ColumnsAtLoad, ...] | None:
+        if tables is None:
+            return None
         if len(tables) == 1:
             raise ValueError("a table over the load has at least two loads [N]; for one, give its columns without over_load")
         speeds = info.data.get("speed_rpm")

@@ -64,7 +64,9 @@ class TensorSpline:
         else:
             cell_b, powers_b = _powers(self._b, b)
         pieces = self._pieces[cell_a, cell_b]
-        over_a = (powers_a @ pieces.reshape(*a.shape, pieces.shape[-3], -1)).reshape(*a.shape, 3, *pieces.shape[-2:])
+        over_a = (powers_a @ pieces.reshape(*a.shape, pieces.shape[-3], pieces.shape[-2] * pieces.shape[-1])).reshape(
+            *a.shape, 3, *pieces.shape[-2:]
+        )
         found = np.einsum("...djq,...ej->...deq", over_a, powers_b)
         return SplineValue(found[..., 0, 0, :], found[..., [1, 0], [0, 1], :], found[..., [2, 1, 0], [0, 1, 2], :])
 

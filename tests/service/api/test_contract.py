@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import pytest
+
 from benchmarks.faults.contract import against_service
 from service.commands import openapi
 
@@ -9,6 +11,7 @@ EXAMPLES = 2
 SEQUENCES = 5
 
 
+@pytest.mark.long
 def test_the_api_answers_as_its_document_says(tmp_path: Path) -> None:
     found = against_service(tmp_path, examples=EXAMPLES, sequences=SEQUENCES, seed=1, limits=False)
     assert found.errors == []
