@@ -122,6 +122,11 @@ def coverage_by_kind(trials: Sequence[FilmTrial]) -> dict[str, tuple[float, int]
     return found
 
 
+def told_coverage(trials: Sequence[FilmTrial]) -> dict[str, float]:
+    """Return by kind the part of the intervals that hold the truth, of kinds that are told."""
+    return {kind: part for kind, (part, count) in coverage_by_kind(trials).items() if count}
+
+
 def mean_coverage(trials: Sequence[FilmTrial]) -> float:
     """Return the mean over kinds of the part of the intervals that hold the truth; 1 where nothing is told."""
     each = coverage_by_kind(trials)
