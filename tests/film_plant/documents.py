@@ -28,6 +28,8 @@ BORES: dict[str, dict[str, Any]] = {
     "plain": {"profile": "plain"},
     "grooved": {"profile": "two_axial_grooves", "groove_deg": 20.0},
     "elliptical": {"profile": "elliptical", "groove_deg": 20.0, "preload": 0.5},
+    "three_lobe": {"profile": "three_lobe", "groove_deg": 20.0, "preload": 0.4},
+    "four_lobe": {"profile": "four_lobe", "groove_deg": 20.0, "preload": 0.4},
 }
 """Bores of the plant as documents describe them."""
 SLOPE_SPREAD = 0.15

@@ -53,13 +53,24 @@ def _halves(name: str, *, groove: float, preload: float) -> Profile:
     return Profile(name, (lower, upper))
 
 
+def _lobes(name: str, count: int, *, below: float, groove: float, preload: float) -> Profile:
+    """Equal lobes all around, a groove of an angle [rad] after each; `below`: direction of the first one's middle [rad]."""
+    half = np.pi / count - groove / 2
+    middles = [below + 2 * np.pi * k / count for k in range(count)]
+    return Profile(name, tuple(Pad(middle - half, middle + half, preload, middle) for middle in middles))
+
+
 PLAIN = Profile("plain", (Pad(-np.pi, np.pi),))
 """A full ring without a groove."""
 GROOVED = _halves("grooved", groove=np.radians(20.0), preload=0.0)
 """Two axial grooves of 20° at the sides."""
 ELLIPTICAL = _halves("elliptical", groove=np.radians(20.0), preload=0.5)
 """Two pads with preload 0.5 and grooves of 20° at the sides: Lund and Thomsen's."""
-PROFILES = {one.name: one for one in (PLAIN, GROOVED, ELLIPTICAL)}
+THREE_LOBE = _lobes("three_lobe", 3, below=-np.pi / 2, groove=np.radians(20.0), preload=0.4)
+"""Three lobes with preload 0.4 and grooves of 20°, the middle of one below the journal."""
+FOUR_LOBE = _lobes("four_lobe", 4, below=-np.pi / 4, groove=np.radians(20.0), preload=0.4)
+"""Four lobes with preload 0.4 and grooves of 20°, of which one is below the journal."""
+PROFILES = {one.name: one for one in (PLAIN, GROOVED, ELLIPTICAL, THREE_LOBE, FOUR_LOBE)}
 """Profiles by name."""
 
 

@@ -44,7 +44,7 @@ def test_pressure_is_nowhere_negative_and_the_flow_nowhere_missing() -> None:
     assert 0.3 < film.active.mean() < 0.7
 
 
-@pytest.mark.parametrize("profile", [PLAIN, GROOVED, ELLIPTICAL], ids=lambda one: one.name)
+@pytest.mark.parametrize("profile", PROFILES.values(), ids=lambda one: one.name)
 def test_stiffness_is_the_derivative_of_the_force(profile: Profile) -> None:
     solver, place, step = FilmSolver(profile, 0.5), at(0.4), 1e-6
     film = solver.solve(place)
@@ -103,7 +103,7 @@ def carrying(solver: FilmSolver, load: float, start: tuple[float, float]) -> tup
     return position, film
 
 
-@pytest.mark.parametrize("name", ["plain", "grooved", "elliptical"])
+@pytest.mark.parametrize("name", PROFILES)
 def test_tables_hold_between_their_nodes(name: str) -> None:
     profile, rng = PROFILES[name], np.random.default_rng(0)
     kept, solver = table(name, 0.5), FilmSolver(profile, 0.5, around=720, along=20)
