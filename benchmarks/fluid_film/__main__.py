@@ -2,9 +2,9 @@
 
 The plants are those of `tests/film_plant`: films from finite volumes, truths drawn from priors. One line a figure; status 1
 where one falls short. `--short` takes one plant, only the parts of seconds, and less than a minute; coverage and errors are
-judged from 20 plants on.
+judged from 20 plants on. `--write` writes docs/evidence-films.md from the parts that were run.
 
-    python -m benchmarks.fluid_film [--short] [--plants N] [--only NAME …]
+    python -m benchmarks.fluid_film [--short] [--plants N] [--only NAME …] [--write]
 """
 
 import argparse
@@ -17,6 +17,7 @@ from benchmarks.fluid_film.film_fits import film_fits
 from benchmarks.fluid_film.films import films
 from benchmarks.fluid_film.kinds_of_trains import lobes, pads, pedestals, warming_oils
 from benchmarks.fluid_film.linear_forms import own_forms, wrong_forms
+from benchmarks.fluid_film.page import write_page
 from benchmarks.fluid_film.reference_arrays import reference_response, reference_statics
 from benchmarks.fluid_film.sweep import sweep
 from benchmarks.fluid_film.tilting_pads import tilting_pads
@@ -48,16 +49,20 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--short", action="store_true", help="one plant, without the longest parts")
     parser.add_argument("--plants", type=int, default=100, help="number of random plants, seeds 0, 1, …")
     parser.add_argument("--only", nargs="*", choices=tuple(PARTS))
+    parser.add_argument("--write", action="store_true", help="write docs/evidence-films.md with its figures")
     chosen = parser.parse_args(arguments)
+    plants = SHORT_PLANTS if chosen.short else chosen.plants
     parts = chosen.only or [name for name in PARTS if not (chosen.short and name in LONG_PARTS)]
-    kept = True
+    found: dict[str, list[Figure]] = {}
     print(f"  {'fluid films':<76}{'asked':>12}{'measured':>24}")
     with threadpool_limits(limits=1):
         for name in parts:
-            for figure in PARTS[name](SHORT_PLANTS if chosen.short else chosen.plants):
+            found[name] = PARTS[name](plants)
+            for figure in found[name]:
                 print(figure, flush=True)
-                kept &= figure.kept
-    if not kept:
+        if chosen.write:
+            print(f"written: {write_page(found, plants=plants, left_out=[name for name in PARTS if name not in found])}")
+    if not all(figure.kept for figures in found.values() for figure in figures):
         raise SystemExit(1)
 
 

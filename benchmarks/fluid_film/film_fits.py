@@ -5,7 +5,15 @@ from collections import defaultdict
 import numpy as np
 
 from benchmarks.fluid_film.figure import Figure
-from benchmarks.fluid_film.film_trials import KINDS, FilmTrial, coverage_by_kind, kind_of, mean_coverage, trials_of
+from benchmarks.fluid_film.film_trials import (
+    KINDS,
+    FilmTrial,
+    coverage_by_kind,
+    kind_of,
+    mean_coverage,
+    told_coverage,
+    trials_of,
+)
 from tests.film_plant.discrepancy import DiscrepancySize
 from tests.film_plant.plant import Plant
 from tests.film_plant.plants import motor_compressor_plant, random_plant
@@ -45,7 +53,13 @@ def _figures(what: str, trials: list[FilmTrial]) -> list[Figure]:
     few = len(trials) < FEWEST
     rows = [
         Figure(f"{what}, deviating: accepted", f">= {LEAST_ACCEPTED:.0%}", f"{accepted:.0%}", accepted >= LEAST_ACCEPTED),
-        Figure("    95 % intervals hold, mean of kinds", "93-97 %", f"{coverage:.1%}", few or low <= coverage <= high),
+        Figure(
+            "    95 % intervals hold, mean of kinds",
+            "93-97 %",
+            f"{coverage:.1%}",
+            few or low <= coverage <= high,
+            told_coverage(taken),
+        ),
     ]
     for kind, (part, count) in coverage_by_kind(taken).items():
         if count == 0:

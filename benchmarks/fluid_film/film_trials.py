@@ -37,6 +37,7 @@ class FilmTrial:
         errors: By name, with the place of a speed in its stead, error over the bound; empty where it was refused or no bound
             was asked for.
         widths: Standard errors of direct stiffness terms over their bounds.
+        failed: Whether it ended with an error of the linear algebra in place of a verdict.
     """
 
     accepted: bool
@@ -45,6 +46,7 @@ class FilmTrial:
     inside: dict[str, list[bool]] = field(default_factory=dict)
     errors: dict[str, float] = field(default_factory=dict)
     widths: tuple[float, ...] = ()
+    failed: bool = False
 
 
 Describe = Callable[[Plant, int], dict[str, Any]]
@@ -60,7 +62,10 @@ def film_trial(plant: Plant, *, seed: int, bounded: bool = False, document: Desc
     """Identify a plant by its films and compare what is told with the truth and, where asked for, with the bound."""
     machine, data = parse_machine(document(plant, seed)), measured(plant, seed=seed)
     began = time.perf_counter()
-    found = identify(machine, data, OPTIONS)
+    try:
+        found = identify(machine, data, OPTIONS)
+    except np.linalg.LinAlgError as error:
+        return FilmTrial(False, f"failed: {error}", time.perf_counter() - began, failed=True)
     took = time.perf_counter() - began
     if not found.accepted:
         return FilmTrial(False, found.verdict, took)
@@ -107,6 +112,11 @@ def coverage_by_kind(trials: Sequence[FilmTrial]) -> dict[str, tuple[float, int]
         held = [one for trial in trials for one in trial.inside.get(kind, ())]
         found[kind] = (float(np.mean(held)) if held else 1.0, len(held))
     return found
+
+
+def told_coverage(trials: Sequence[FilmTrial]) -> dict[str, float]:
+    """Return by kind the part of the intervals that hold the truth, of kinds that are told."""
+    return {kind: part for kind, (part, count) in coverage_by_kind(trials).items() if count}
 
 
 def mean_coverage(trials: Sequence[FilmTrial]) -> float:

@@ -15,12 +15,25 @@ COLOURS = ("#1f5fa8", "#c1440e", "#2e7d32", "#6a3d9a", "#8a6d00", "#444444")
 
 @dataclass(frozen=True)
 class Series:
-    """One curve, or single points where `points` is set. Values that cannot be drawn are left out."""
+    """One curve, or single points where `points` is set. Values that cannot be drawn are left out.
+
+    Attributes:
+        name: Its name, beside the chart.
+        x: Places.
+        y: Values.
+        points: Whether single points are drawn.
+        band: Lower and upper ends of a band around the curve.
+        dashed: Whether the curve is dashed.
+        colour: Place of its colour among `COLOURS`; None for that of its own place.
+    """
 
     name: str
     x: Sequence[float]
     y: Sequence[float]
     points: bool = False
+    band: tuple[Sequence[float], Sequence[float]] | None = None
+    dashed: bool = False
+    colour: int | None = None
 
 
 @dataclass(frozen=True)
@@ -41,7 +54,7 @@ def chart(*, title: str, x_label: str, y_label: str, series: Sequence[Series], l
     """Return a chart of curves and points as SVG. logarithmic: of the y axis; values that are not positive are then left
     out."""
     horizontal = _linear_axis([value for one in series for value in one.x])
-    vertical = _axis([value for one in series for value in one.y], logarithmic)
+    vertical = _axis([value for one in series for values in (one.y, *(one.band or ())) for value in values], logarithmic)
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {HEIGHT}" font-family="sans-serif" font-size="12">',
         f'<rect width="{WIDTH}" height="{HEIGHT}" fill="white"/>',
@@ -52,7 +65,7 @@ def chart(*, title: str, x_label: str, y_label: str, series: Sequence[Series], l
         f"{escape(y_label)}</text>",
     ]
     for number, one in enumerate(series):
-        colour = COLOURS[number % len(COLOURS)]
+        colour = COLOURS[(number if one.colour is None else one.colour) % len(COLOURS)]
         parts += _drawn(one, horizontal, vertical, colour)
         y = TOP + 16 + 17 * number
         parts.append(f'<circle cx="{WIDTH - RIGHT + 20}" cy="{y - 4}" r="4" fill="{colour}"/>')
@@ -108,7 +121,20 @@ def _drawn(one: Series, horizontal: _Axis, vertical: _Axis, colour: str) -> list
     if one.points:
         return [f'<circle cx="{x:.1f}" cy="{y:.1f}" r="3.5" fill="{colour}" fill-opacity="0.8"/>' for x, y in shown]
     path = "M" + "L".join(f"{x:.1f} {y:.1f}" for x, y in shown)
-    return [f'<path d="{path}" fill="none" stroke="{colour}" stroke-width="1.6"/>']
+    dashes = ' stroke-dasharray="6 4"' if one.dashed else ""
+    return [
+        *_band(one, horizontal, vertical, colour),
+        f'<path d="{path}" fill="none" stroke="{colour}" stroke-width="1.6"{dashes}/>',
+    ]
+
+
+def _band(one: Series, horizontal: _Axis, vertical: _Axis, colour: str) -> list[str]:
+    if one.band is None:
+        return []
+    lower, upper = one.band
+    around = [*zip(one.x, upper, strict=True), *reversed(list(zip(one.x, lower, strict=True)))]
+    corners = "L".join(f"{_x(horizontal, x):.1f} {_y(vertical, y):.1f}" for x, y in around)
+    return [f'<path d="M{corners}Z" fill="{colour}" fill-opacity="0.18"/>']
 
 
 def _x(axis: _Axis, value: float) -> float:
