@@ -40,6 +40,7 @@ class FilmTrial:
         errors: By name, with the place of a speed in its stead, error over the bound; empty where it was refused or no bound
             was asked for.
         widths: Standard errors of direct stiffness terms over their bounds.
+        failed: Whether it ended with an error of the linear algebra in place of a verdict.
     """
 
     accepted: bool
@@ -49,6 +50,7 @@ class FilmTrial:
     inside: dict[str, list[bool]] = field(default_factory=dict)
     errors: dict[str, float] = field(default_factory=dict)
     widths: tuple[float, ...] = ()
+    failed: bool = False
 
 
 Describe = Callable[[Plant, int], dict[str, Any]]
@@ -64,7 +66,10 @@ def film_trial(plant: Plant, *, seed: int, bounded: bool = False, document: Desc
     """Identify a plant by its films and compare what is told with the truth and, where asked for, with the bound."""
     machine, data = parse_machine(document(plant, seed)), measured(plant, seed=seed)
     began = time.process_time()
-    found = identify(machine, data, OPTIONS)
+    try:
+        found = identify(machine, data, OPTIONS)
+    except np.linalg.LinAlgError as error:
+        return FilmTrial(False, f"failed: {error}", time.process_time() - began, failed=True)
     took = time.process_time() - began
     if not found.accepted:
         return FilmTrial(False, found.verdict, took)

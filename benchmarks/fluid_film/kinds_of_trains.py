@@ -89,6 +89,7 @@ def _figures(what: str, trials: list[FilmTrial]) -> list[Figure]:
     kinds = ", ".join(f"{kind} {part:.0%}" for kind, part in told.items())
     median = float(np.median([one.took for one in trials]))
     slowest = max(one.took for one in trials)
+    failed = sum(one.failed for one in trials)
     return [
         Figure(
             f"{what}, {len(trials)} plants: accepted",
@@ -104,5 +105,6 @@ def _figures(what: str, trials: list[FilmTrial]) -> list[Figure]:
             told,
         ),
         Figure(f"        {kinds}", "", "", True),
+        Figure("    ended with an error in place of a verdict", "0", f"{failed}", failed == 0),
         Figure("    time of one identification, median and slowest [s]", "", f"{median:.1f}, {slowest:.1f}", True),
     ]

@@ -84,10 +84,10 @@ def _span(first: int, count: int) -> str:
 def _run(found: Mapping[str, Sequence[Figure]], plants: int, left_out: Sequence[str]) -> str:
     only = f" --only {' '.join(found)}" if left_out else ""
     short = sum(not one.kept for figures in found.values() for one in figures)
-    asked = sum(bool(one.asked) for figures in found.values() for one in figures)
+    fallen = f"{short} of its figures {'falls' if short == 1 else 'fall'}" if short else "none of its figures falls"
     parts = [
-        f"This page was written by `python -m benchmarks.fluid_film{only} --plants {plants} --write`: {asked - short} of the "
-        f"{asked} figures asked are kept.",
+        f"This page was written by `python -m benchmarks.fluid_film{only} --plants {plants} --write`: {fallen} short of what "
+        "was asked, as far as they are judged.",
     ]
     if plants < FEWEST:
         parts.append(

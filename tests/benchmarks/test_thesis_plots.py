@@ -51,6 +51,18 @@ def test_what_cannot_be_drawn_is_left_out() -> None:
     assert len([one for one in svg.iter(f"{SPACE}circle") if one.get("r") == "3.5"]) == 2
 
 
+def test_a_band_lies_around_its_curve_in_the_curve_s_colour() -> None:
+    svg = drawn(Series("found", [0, 1], [2.0, 4.0], band=([1.0, 3.0], [3.0, 5.0]), colour=1, dashed=True))
+    (line,) = [one for one in svg.iter(f"{SPACE}path") if one.get("fill") == "none"]
+    (band,) = [one for one in svg.iter(f"{SPACE}path") if one.get("fill") == line.get("stroke")]
+    assert line.get("stroke") == plots.COLOURS[1]
+    assert line.get("stroke-dasharray")
+    corners = [[float(number) for number in one.split()] for one in band.get("d", "")[1:-1].split("L")]
+    middle = curve(svg)
+    assert np.mean([corners[0], corners[3]], axis=0) == pytest.approx(middle[0], abs=0.1)
+    assert np.mean([corners[1], corners[2]], axis=0) == pytest.approx(middle[1], abs=0.1)
+
+
 def test_title_axes_and_names_are_written() -> None:
     words = [one.text for one in drawn(Series("F_x & F_y", [0, 1], [2, 3])).iter(f"{SPACE}text")]
     assert {"a < b", "x", "y", "F_x & F_y"} <= set(words)
