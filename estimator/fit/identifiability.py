@@ -74,6 +74,8 @@ class OpenParameters:
         return next((pair for pair in given if pair[1].name == own), given[0] if given else None)
 
     def _no_mode(self, k: int, coefficient: Coefficient) -> str | None:
+        if not np.isfinite(self._values).all():
+            return "where the fit ended a film carries no journal, so that the train has no modes there"
         low, high = self._range
         moved = self._modes.share[:, k] >= SMALLEST_SHARE
         frequency = self._modes.frequency
@@ -102,12 +104,16 @@ class OpenParameters:
         )
 
     @cached_property
-    def _modes(self) -> _Modes:
-        """Compute the modes at the middle of the speed range, with the fitted coefficients."""
+    def _values(self) -> Floats:
+        """Return the fitted coefficients (K,) at the middle of the speed range [SI]; NaN where a film carries nothing."""
         coordinates: Coordinates = self.problem.coordinates
         values = coordinates.coefficients(self.found.theta)
-        if values.ndim > 1:
-            values = values[values.shape[0] // 2]
+        return values if values.ndim == 1 else values[values.shape[0] // 2]
+
+    @cached_property
+    def _modes(self) -> _Modes:
+        """Compute the modes at the middle of the speed range, with the fitted coefficients."""
+        values = self._values
         spin = self.machine.direction * float(np.mean(self._range))
         basis = modal_basis(self.machine, MODES_ABOVE * self._range[1])
         whole = assemble_rotor(self.machine)
