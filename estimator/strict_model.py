@@ -1,16 +1,42 @@
-"""Strict models of documents and requests: an unknown field is refused, and a truth value is no number."""
+"""Strict models of documents and requests: an unknown field is refused, and a truth value is no number.
+
+Each wrong item and each unknown field is an error of its own, and errors cost more than what they are about: a list or an
+object that is too long is refused as a whole, before its items are looked at.
+"""
 
 import functools
+import types
 import typing
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, ValidationInfo, field_validator
+from annotated_types import MaxLen
+from pydantic import BaseModel, ConfigDict, ValidationInfo, field_validator, model_validator
+from pydantic.fields import FieldInfo
+
+MOST_UNKNOWN = 20
+"""Largest number of unknown fields of an object that are named one by one."""
 
 
 class StrictModel(BaseModel):
     """A part of a document or of a request."""
 
     model_config = ConfigDict(extra="forbid")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _reject_many_unknown(cls, value: Any) -> Any:
+        if isinstance(value, dict) and len(value) > len(cls.model_fields) + MOST_UNKNOWN:
+            raise ValueError(f"{len(value)} fields are given; there are {len(cls.model_fields)}")
+        return value
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _reject_too_long(cls, value: Any, info: ValidationInfo) -> Any:
+        if isinstance(value, list | tuple | dict) and info.field_name is not None:
+            longest = _longest(cls, info.field_name)
+            if longest is not None and len(value) > longest:
+                raise ValueError(f"{len(value)} items; at most {longest}")
+        return value
 
     @field_validator("*", mode="before")
     @classmethod
@@ -42,3 +68,23 @@ def _requires_boolean(model: type[BaseModel], field: str) -> bool:
 
 def _mentions_boolean(annotation: Any) -> bool:
     return annotation in (bool, Any) or any(map(_mentions_boolean, typing.get_args(annotation)))
+
+
+@functools.cache
+def _longest(model: type[BaseModel], field: str) -> int | None:
+    """Return the most items of a field that holds several; None where they are not bounded."""
+    said = model.model_fields[field]
+    return _most_items(said.annotation, tuple(said.metadata))
+
+
+def _most_items(annotation: Any, metadata: tuple[Any, ...]) -> int | None:
+    if typing.get_origin(annotation) is typing.Annotated:
+        inner, *more = typing.get_args(annotation)
+        return _most_items(inner, (*metadata, *more))
+    if typing.get_origin(annotation) in (typing.Union, types.UnionType):
+        found = [_most_items(one, metadata) for one in typing.get_args(annotation) if one is not type(None)]
+        return None if None in found else max(typing.cast("list[int]", found))
+    if typing.get_origin(annotation) not in (list, tuple, dict):
+        return None
+    said = [one for item in metadata for one in (item.metadata if isinstance(item, FieldInfo) else [item])]
+    return min((one.max_length for one in said if isinstance(one, MaxLen)), default=None)

@@ -14,6 +14,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
 from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic.config import JsonDict
 
 from estimator.arrays import Floats
 from estimator.bearings.defaults import FormDefaults, NeverLevel
@@ -39,7 +40,8 @@ FEWEST_SPEEDS = 5
 SMALLEST_STIFFNESS = 1e3
 """Direct stiffness of a film below which another unit was probably meant [N/m]."""
 
-Speeds = Annotated[tuple[Positive, ...], Field(max_length=MOST_SPEEDS, json_schema_extra={"minItems": FEWEST_SPEEDS})]
+MIN_ITEMS: JsonDict = {"minItems": FEWEST_SPEEDS}
+Speeds = Annotated[tuple[Positive, ...], Field(max_length=MOST_SPEEDS, fail_fast=True, json_schema_extra=MIN_ITEMS)]
 
 
 def scale_name(term: str) -> str:

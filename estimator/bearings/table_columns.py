@@ -16,8 +16,8 @@ MOST_LOADS = 20
 """Largest number of loads of a table."""
 COLUMNS = tuple(term.name for term in LATERAL)
 """Terms that a table can give."""
-DirectColumn = Annotated[tuple[Direct, ...], Field(max_length=MOST_SPEEDS)] | None
-CrossColumn = Annotated[tuple[Real, ...], Field(max_length=MOST_SPEEDS)] | None
+DirectColumn = Annotated[tuple[Direct, ...], Field(max_length=MOST_SPEEDS, fail_fast=True)] | None
+CrossColumn = Annotated[tuple[Real, ...], Field(max_length=MOST_SPEEDS, fail_fast=True)] | None
 
 
 class ColumnsAtLoad(Part):

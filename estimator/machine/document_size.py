@@ -14,8 +14,10 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+from estimator.bearings.journal import JournalForm
 from estimator.bearings.registry import CONSTANT
 from estimator.machine.document import DocumentError, Machine, parse_machine
+from estimator.machine.films import JournalFilm
 from estimator.machine.mesh import element_count
 from estimator.machine.part_coefficients import ELEMENTS, coefficient_names
 from estimator.machine.parts import Bearing, Probe, Seal
@@ -36,6 +38,8 @@ MODES_UP_TO = 2.5
 """Multiple of the highest speed up to which bending modes are counted [-]."""
 FEW_ELEMENTS = 50
 """Number of elements up to which all modes are cheap."""
+LARGEST_PADS = 16
+"""Most different pads of oil films: each takes up to 13 s before the first fit, of the some minutes that a fit may take."""
 FEWEST_SAMPLES = 500
 """Least number of samples that a fit of a train must manage."""
 MEMORY = 1.5e9
@@ -60,6 +64,7 @@ class DocumentSize:
         unknowns: Number of real unknowns.
         probes: Number of probes.
         places: Number of plane degrees of freedom at which parts sit.
+        pads: Number of different pads of the oil films that coefficients follow from.
     """
 
     sections: int
@@ -69,6 +74,7 @@ class DocumentSize:
     unknowns: int
     probes: int
     places: int
+    pads: int
 
     @property
     def samples(self) -> int:
@@ -136,6 +142,7 @@ def document_size(machine: Machine) -> DocumentSize:
         unknowns=_unknowns(machine),
         probes=len(machine.probes),
         places=_places(machine),
+        pads=_pads(machine),
     )
 
 
@@ -164,6 +171,12 @@ def _problems(machine: Machine, size: DocumentSize) -> list[tuple[str, str]]:
             "those at one station count once, a coupling counts four"
         )
         found.append(("document", words))
+    if size.pads > LARGEST_PADS:
+        words = (
+            f"the oil films have {size.pads} different pads; at most {LARGEST_PADS}: films of one profile, groove, arc, pivot "
+            "and length over diameter count once"
+        )
+        found.append(("bearings", words))
     if not found and size.samples < FEWEST_SAMPLES:
         words = (
             f"{size.unknowns} real unknowns with {size.probes} probes at {size.places} places: only {size.samples} samples "
@@ -218,3 +231,16 @@ def _places(machine: Machine) -> int:
         for shaft, station in ((coupling.driver, round(lengths[coupling.driver], 9)), (coupling.driven, 0.0)):
             sitting |= {(shaft, station, "displacement"), (shaft, station, "slope")}
     return len(sitting)
+
+
+def _pads(machine: Machine) -> int:
+    """Count the pads whose films are tabulated; where bearings are alike but for size, clearance and oil, they have one."""
+    films = [one.film for one in machine.bearings if one.film is not None and isinstance(one.speed_dependence, JournalForm)]
+    return len({(_shape(film), film.length / film.diameter) for film in films})
+
+
+def _shape(film: JournalFilm) -> tuple[str | float, ...]:
+    """Return what a pad's film depends on beside its length over its diameter; a plain bore has no groove."""
+    if film.pads is not None:
+        return film.profile, film.pads.arc_deg, film.pads.pivot
+    return (film.profile,) if film.profile == "plain" else (film.profile, film.groove_deg)

@@ -18,6 +18,7 @@ from service.api.alerts.suppressions import router as suppressions
 from service.api.cache.computed_cache import ComputedCache
 from service.api.cache.response_cache import ResponseCache
 from service.api.conventions.error_handlers import add_handlers
+from service.api.conventions.lent_threads import another_thread
 from service.api.conventions.unknown_parameters import reject_unknown_parameters
 from service.api.findings.bode import router as bode
 from service.api.findings.comparisons import router as comparisons
@@ -116,7 +117,7 @@ def application(
     app.state.gauges = gauges
     app.state.machine_list = MachineList()
     app.state.overview = Overview(database)
-    app.state.computed_cache = ComputedCache()
+    app.state.computed_cache = ComputedCache(another_thread)
     app.state.model_process = ModelProcess()
     app.state.response_cache = ResponseCache(database)
     app.state.histories = HistoryCache(database, baseline_runs=baseline_runs)

@@ -29,15 +29,17 @@ PAGES = frozenset(
 """SQLite's errors of a disk that does not return what was written; all kinds of SQLITE_CORRUPT count besides."""
 SQLSTATES = frozenset({"XX001", "XX002"})
 """PostgreSQL's data_corrupted and index_corrupted."""
+UNREADABLE = ("Could not decode to UTF-8 column", "malformed JSON")
+"""Beginnings of messages about values that are not what was written; SQLite has no code of its own for them."""
 
 
 def is_damage(error: BaseException | None) -> bool:
     """Return whether an error, the driver's or one around it, says that stored data cannot be read."""
     error = error.orig if isinstance(error, DBAPIError) else error
     code = getattr(error, "sqlite_errorcode", None)
-    if code is not None:
-        return code & 0xFF in (sqlite3.SQLITE_CORRUPT, WHOLE_FILE) or code in PAGES
-    return getattr(error, "sqlstate", None) in SQLSTATES or str(error).startswith("Could not decode to UTF-8 column")
+    if code is not None and (code & 0xFF in (sqlite3.SQLITE_CORRUPT, WHOLE_FILE) or code in PAGES):
+        return True
+    return getattr(error, "sqlstate", None) in SQLSTATES or str(error).startswith(UNREADABLE)
 
 
 def is_confined(error: BaseException) -> bool:

@@ -38,6 +38,10 @@ LISTED: Mapping[str, str] = {
 """Hint on where existing objects are listed, by the subject of the missing one."""
 
 
+MOST_PROBLEMS = 200
+"""Most problems of a request that an answer lists."""
+
+
 def add_handlers(app: FastAPI) -> None:
     """Register handlers that answer every error with a problem detail."""
     app.exception_handler(DomainError)(_domain_error)
@@ -63,7 +67,11 @@ async def _wrong_request(request: Request, error: RequestValidationError) -> JSO
         said = request.headers.get("content-type", "nothing")
         detail = f"the body says that it is {said}: send JSON, with Content-Type: application/json"
         return problem_response(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, detail)
-    problems = _field_problems(problems_of(_worded(error)))
+    found = problems_of(_worded(error))
+    problems = _field_problems(found[:MOST_PROBLEMS])
+    if len(found) > MOST_PROBLEMS:
+        words = f"{len(found) - MOST_PROBLEMS} more problems are not listed"
+        problems.append(FieldProblem(field=found[MOST_PROBLEMS][0], message=words))
     return problem_response(HTTPStatus.UNPROCESSABLE_ENTITY, "the request is wrong", errors=problems)
 
 

@@ -169,7 +169,7 @@ def cached_result(
     slow: bool = False,
     given: Callable[[Identified], Any] | None = None,
 ) -> tuple[Identified, T]:
-    """Return a result for an identification, cached or computed now; for a long train in a separate process.
+    """Return a result for an identification, cached or computed now, in its turn; for a long train in a separate process.
 
     compute: function of the identification and, where `given` is set, of the data that it reads; it must be picklable. Raises
     IdentificationUnknown, NoModel, HTTPException 503.
@@ -184,7 +184,7 @@ def cached_result(
         # A copy without cached properties: they need not be sent, and some cannot be pickled.
         return process.compute(compute, replace(one), *read) if apart else compute(one, *read)
 
-    return one, cache.slow(key, work) if slow or apart else cache.quick(key, work)
+    return one, cache.slow(key, work) if slow or apart else cache.short(key, work)
 
 
 def read_identified(request: Request, identification_id: int) -> Identified:

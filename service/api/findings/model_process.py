@@ -1,7 +1,7 @@
-"""Computes models of long trains in a process of their own, within limits of time and memory.
+"""Computes models of long trains, and of trains on oil films, in a process of their own, within limits of time and memory.
 
 LAPACK's eigenvalue solvers hold the interpreter's lock: for a train of 300 sections 0.2 to 0.9 s at a time, in which the
-service's process would answer nobody.
+service's process would answer nobody. Films take seconds for each pad that is not known yet.
 """
 
 import threading
@@ -14,6 +14,7 @@ from fastapi import HTTPException, status
 
 from estimator.machine.document import Machine
 from estimator.machine.document_size import document_size
+from estimator.machine.film_speeds import follows_films
 from service.workers.process_pool import ProcessPool, WorkerStuck
 from service.workers.time_limit import OutOfTime, limited
 
@@ -30,7 +31,7 @@ T = TypeVar("T")
 def is_long(machine: Machine) -> bool:
     """Check whether a machine's model is too long to be computed in this process."""
     size = document_size(machine)
-    return size.elements > LONG_ELEMENTS or size.unknowns > LONG_UNKNOWNS
+    return size.elements > LONG_ELEMENTS or size.unknowns > LONG_UNKNOWNS or follows_films(machine)
 
 
 class ModelProcess:
@@ -55,7 +56,7 @@ class ModelProcess:
             limits = f"{self._time_s:.0f} s and {self._memory / 2**30:.1f} GiB"
             raise HTTPException(
                 status.HTTP_503_SERVICE_UNAVAILABLE,
-                f"this model of a long train could not be computed within {limits}: ask for fewer points",
+                f"this model of a long train or of oil films could not be computed within {limits}: ask for fewer points",
             ) from error
 
     def close(self) -> None:

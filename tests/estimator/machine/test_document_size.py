@@ -12,6 +12,7 @@ from estimator.machine.document import DocumentError, parse_machine
 from estimator.machine.document_size import (
     FEWEST_SAMPLES,
     LARGEST_ELEMENTS,
+    LARGEST_PADS,
     LARGEST_SECTIONS,
     accepted,
     accepted_machine,
@@ -169,3 +170,34 @@ def test_a_file_is_refused_and_what_is_stored_is_read(tmp_path: Path) -> None:
     file.write_text(parse_machine(document).model_dump_json(), encoding="utf-8")
     with pytest.raises(UnreadableFile, match="shafts: 4000 sections in all; at most"):
         read_machine(file)
+
+
+def on_films(count: int, *, differ: str) -> Document:
+    """A shaft on some tilting-pad bearings, which differ in one number of their film."""
+    document = read_machine(EXAMPLES / "turbine-on-tilting-pads.yaml").model_dump(mode="json")
+    shaft, first = document["shafts"][0], document["bearings"][0]
+    bearings = []
+    for number in range(count):
+        film = dict(first["film"])
+        film[differ] = film[differ] * (1.0 + 0.005 * number)
+        bearings.append({**first, "id": f"B{number}", "station": 0.05 + 0.09 * number, "film": film})
+    discs = [one for one in document["discs"] if one["shaft"] == shaft["id"]]
+    probes = [one for one in document["probes"] if one["shaft"] == shaft["id"]]
+    gone: Document = {"couplings": [], "pedestals": [], "parameters": []}
+    return document | gone | {"shafts": [shaft], "bearings": bearings, "discs": discs, "probes": probes}
+
+
+def test_different_pads_are_counted_since_each_takes_seconds() -> None:
+    assert document_size(accepted_machine(on_films(LARGEST_PADS, differ="length"))).pads == LARGEST_PADS
+    assert "17 different pads; at most 16" in refused(on_films(LARGEST_PADS + 1, differ="length"))["bearings"]
+
+
+def test_pads_that_differ_in_clearance_only_are_one() -> None:
+    assert document_size(accepted_machine(on_films(20, differ="radial_clearance"))).pads == 1
+
+
+def test_films_that_no_coefficients_follow_from_are_not_counted() -> None:
+    document = on_films(20, differ="length")
+    for bearing in document["bearings"]:
+        bearing["speed_dependence"] = None
+    assert document_size(accepted_machine(document)).pads == 0

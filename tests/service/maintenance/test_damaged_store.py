@@ -209,6 +209,16 @@ def test_a_text_that_is_none_is_damage_and_not_shown(database: Database) -> None
     assert "secrets" not in detail + words
 
 
+def test_a_document_that_is_none_is_damage(database: Database) -> None:
+    with database.transaction() as session:
+        session.execute(text("UPDATE machine_revisions SET document = 'secrets' WHERE machine_id = 'pump-7'"))
+    api = Api(database)
+    assert "damaged" in problem(api.get("/machines"), 503)["detail"]
+    words = api.get("/health").json()["parts"]["database"]
+    assert "malformed JSON (first met" in words
+    assert "secrets" not in words
+
+
 def test_what_is_no_damage_is_none(database: Database) -> None:
     with pytest.raises(DBAPIError), database.reading() as session:
         session.execute(text("SELECT * FROM nowhere"))

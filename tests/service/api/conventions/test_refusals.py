@@ -5,10 +5,12 @@ import re
 import pytest
 from sqlalchemy import update
 
+from service.api.conventions.error_handlers import MOST_PROBLEMS
 from storage.database.engine import Database
 from storage.tables import RunRow
 from tests.api_in_process import PREFIX, Api, fields, problem
 from tests.databases import Databases
+from tests.plant import machine
 
 
 @pytest.mark.parametrize(
@@ -74,3 +76,12 @@ def test_stored_data_that_cannot_be_read_is_a_problem_too(changing: Api) -> None
         session.execute(update(RunRow).where(RunRow.state == "closed").values(data=b"\0"))
     down = changing.value("/machines/pump-7/runs")[1]
     problem(changing.get(f"/runs/{down['id']}/phasors"), 500)
+
+
+def test_of_very_many_problems_the_first_are_listed(told: Api) -> None:
+    document = machine().model_dump(mode="json")
+    document["shafts"][0]["sections"] = [{}] * 200
+    errors = problem(told.ask("POST", f"{PREFIX}/machines", json=document), 422)["errors"]
+    assert len(errors) == MOST_PROBLEMS + 1
+    assert errors[0] == {"field": "shafts[0].sections[0].length", "message": "Field required"}
+    assert errors[-1]["message"] == f"{3 * 200 - MOST_PROBLEMS} more problems are not listed"

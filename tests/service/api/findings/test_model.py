@@ -1,5 +1,6 @@
 """What follows from an identification, through the API: against the estimator itself, closed forms and simulated runs."""
 
+import asyncio
 import json
 import math
 import threading
@@ -7,8 +8,10 @@ from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
+import httpx
 import numpy as np
 import pytest
+from anyio.to_thread import current_default_thread_limiter
 from fastapi import HTTPException
 
 from estimator.fit.coordinates import Coordinates
@@ -20,7 +23,9 @@ from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model.coupling_loads import coupling_forces
 from estimator.updated_model.fitted_response import fitted_response
 from estimator.updated_model.model import model_at
-from service.api.cache.computed_cache import MAXIMUM_WAITING, ComputedCache
+from service.api.application import THREADS
+from service.api.cache.computed_cache import MAXIMUM_WAITING, MAXIMUM_WAITING_SHORT, ComputedCache
+from service.api.conventions.problems import Unsuitable
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples
 from storage.machines import machines
@@ -415,6 +420,44 @@ def test_only_so_many_computations_wait() -> None:
         assert [one.result() for one in waiting] == ["computed"] * MAXIMUM_WAITING
     assert cache.waiting == 0
     assert cache.slow("other", lambda: "later") == "later"
+
+
+@pytest.mark.parametrize("what", ["campbell", "balancing"])
+def test_whoever_waits_for_a_model_keeps_nobody_from_reading(api: Api, what: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Be it a computation of tenths of a second: each one holds a thread, and there are few."""
+    finish = threading.Event()
+
+    def computed(*_: Any, **__: Any) -> Any:
+        assert finish.wait(60)
+        raise Unsuitable("enough")
+
+    for name in ("_diagram", "_correction"):
+        monkeypatch.setattr(f"service.api.findings.model.{name}", computed)
+    asked = 4 * THREADS
+
+    async def ask() -> list[httpx.Response]:
+        transport = httpx.ASGITransport(api.app)
+        async with (
+            api.app.router.lifespan_context(api.app),
+            httpx.AsyncClient(transport=transport, base_url="http://x") as client,
+        ):
+            url = f"{PREFIX}/identifications/1/model/{what}"
+            waiting = [asyncio.create_task(client.get(url, params={"points": 60 + one})) for one in range(asked)]
+            try:
+                async with asyncio.timeout(30):
+                    while sum(one.done() for one in waiting) < asked - MAXIMUM_WAITING_SHORT:
+                        await asyncio.sleep(0.01)
+                    other = await client.get(f"{PREFIX}/machines/{machine().id}/revisions")
+                assert other.status_code == 200
+            finally:
+                finish.set()
+            answers = await asyncio.gather(*waiting)
+            assert current_default_thread_limiter().total_tokens == THREADS
+            return answers
+
+    answers = asyncio.run(ask())
+    assert {one.status_code for one in answers} == {422, 503}
+    assert {one.headers["Retry-After"] for one in answers if one.status_code == 503} == {"5"}
 
 
 @pytest.mark.parametrize("what", [*(f"model/{one}" for one in MODEL), "bode"])

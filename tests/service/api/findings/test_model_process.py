@@ -14,6 +14,8 @@ from estimator.machine.document import parse_machine
 from estimator.modes.eigenmodes import modes
 from estimator.rotor.system_matrices import system_matrices
 from service.api.findings.model_process import ModelProcess, is_long
+from service.configuration.document_files import read_machine
+from tests.paths import EXAMPLES
 from tests.plant import machine
 
 MEMORY_BYTES = 2**30
@@ -36,6 +38,11 @@ def hasty() -> Iterator[ModelProcess]:
 def test_a_train_of_60_sections_is_long_and_an_ordinary_one_is_not() -> None:
     assert is_long(parse_machine(large_train(60, seed=1)))
     assert not is_long(machine())
+
+
+def test_a_train_on_oil_films_is_long_however_short() -> None:
+    """A pad that is not known yet takes seconds."""
+    assert is_long(read_machine(EXAMPLES / "turbine-on-tilting-pads.yaml"))
 
 
 def test_it_is_another_process_and_the_same_one_each_time(process: ModelProcess) -> None:
