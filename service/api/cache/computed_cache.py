@@ -12,10 +12,10 @@ from fastapi import HTTPException, status
 T = TypeVar("T")
 
 MAXIMUM_ENTRIES = 256
-MAXIMUM_WAITING = 8
-"""Largest number of waiting computations; further requests get a 503, because each waiting one holds a thread.
+MAXIMUM_WAITING = 24
+"""Number of slow computations that may wait: each has one thread, and another is lent to the server for it.
 
-It is enough for a page of the model that is loaded three times in a row.
+It is enough for the model's page of a train on oil films that is loaded three times in a row.
 """
 MAXIMUM_WAITING_SHORT = 16
 """Number of those of ordinary trains that may wait, each of which takes tenths of a second."""

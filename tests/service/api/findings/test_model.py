@@ -433,7 +433,7 @@ def test_whoever_waits_for_a_model_keeps_nobody_from_reading(api: Api, what: str
 
     for name in ("_diagram", "_correction"):
         monkeypatch.setattr(f"service.api.findings.model.{name}", computed)
-    asked = 4 * THREADS
+    asked = 6 * THREADS
 
     async def ask() -> list[httpx.Response]:
         transport = httpx.ASGITransport(api.app)
@@ -445,7 +445,7 @@ def test_whoever_waits_for_a_model_keeps_nobody_from_reading(api: Api, what: str
             waiting = [asyncio.create_task(client.get(url, params={"points": 60 + one})) for one in range(asked)]
             try:
                 async with asyncio.timeout(30):
-                    while sum(one.done() for one in waiting) < asked - MAXIMUM_WAITING_SHORT:
+                    while sum(one.done() for one in waiting) < asked - MAXIMUM_WAITING:
                         await asyncio.sleep(0.01)
                     other = await client.get(f"{PREFIX}/machines/{machine().id}/revisions")
                 assert other.status_code == 200
