@@ -24,7 +24,7 @@ from estimator.updated_model.coupling_loads import coupling_forces
 from estimator.updated_model.fitted_response import fitted_response
 from estimator.updated_model.model import model_at
 from service.api.application import THREADS
-from service.api.cache.computed_cache import MAXIMUM_WAITING, MAXIMUM_WAITING_SHORT, ComputedCache
+from service.api.cache.computed_cache import MAXIMUM_WAITING, ComputedCache
 from service.api.conventions.problems import Unsuitable
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples
