@@ -13,7 +13,7 @@ from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
-from pydantic import Field, ValidationInfo, field_validator, model_validator
+from pydantic import Field, field_validator, model_validator
 from pydantic.config import JsonDict
 
 from estimator.arrays import Floats
@@ -25,13 +25,12 @@ from estimator.bearings.table_columns import (
     MOST_LOADS,
     MOST_SPEEDS,
     ColumnsAtLoad,
-    CrossColumn,
-    DirectColumn,
+    TableColumns,
     at_load,
     require_alike,
 )
 from estimator.bearings.terms import LATERAL, TERMS
-from estimator.field_types import Part, Positive, Spread
+from estimator.field_types import Positive, Spread
 from estimator.quantities import UNITS
 from estimator.units import RAD_PER_S, rpm_to_rad_per_s
 
@@ -156,7 +155,7 @@ class TableModel(NeverLevel):
         return power
 
 
-class Table(FormDefaults, Part):
+class Table(FormDefaults, TableColumns):
     """Dependence of an element's coefficients on the speed: a table, as from its maker's calculation.
 
     The coefficients that have a column follow it, between its speeds by shape-preserving cubics and level beyond its ends; the
@@ -172,14 +171,6 @@ class Table(FormDefaults, Part):
 
     form: Literal["table"]
     speed_rpm: Speeds = Field(description="ascending, at least five [r/min]")
-    kxx: DirectColumn = Field(default=None, description="at each speed [N/m]")
-    kxy: CrossColumn = Field(default=None, description="at each speed [N/m]")
-    kyx: CrossColumn = Field(default=None, description="at each speed [N/m]")
-    kyy: DirectColumn = Field(default=None, description="at each speed [N/m]")
-    cxx: DirectColumn = Field(default=None, description="at each speed [N s/m]")
-    cxy: CrossColumn = Field(default=None, description="at each speed [N s/m]")
-    cyx: CrossColumn = Field(default=None, description="at each speed [N s/m]")
-    cyy: DirectColumn = Field(default=None, description="at each speed [N s/m]")
     over_load: tuple[ColumnsAtLoad, ...] | None = Field(
         default=None,
         max_length=MOST_LOADS,
@@ -213,31 +204,21 @@ class Table(FormDefaults, Part):
                 raise ValueError(f"speeds [r/min] must ascend: {high:g} at place {place + 2} follows {low:g}")
         return speeds
 
-    @field_validator(*COLUMNS)
-    @classmethod
-    def _one_value_a_speed(cls, column: tuple[float, ...] | None, info: ValidationInfo) -> tuple[float, ...] | None:
-        speeds = info.data.get("speed_rpm")  # missing where it is itself wrong
-        if column is not None and speeds is not None and len(column) != len(speeds):
-            raise ValueError(f"needs one value at each of the {len(speeds)} speeds of speed_rpm, not {len(column)}")
-        return column
-
     @field_validator("over_load")
     @classmethod
-    def _alike_at_ascending_loads(
-        cls, tables: tuple[ColumnsAtLoad, ...] | None, info: ValidationInfo
-    ) -> tuple[ColumnsAtLoad, ...] | None:
-        if tables is None:
-            return None
-        if len(tables) == 1:
-            raise ValueError("a table over the load has at least two loads [N]; for one, give its columns without over_load")
-        speeds = info.data.get("speed_rpm")
-        require_alike(tables, speed_count=None if speeds is None else len(speeds))
+    def _alike_at_ascending_loads(cls, tables: tuple[ColumnsAtLoad, ...] | None) -> tuple[ColumnsAtLoad, ...] | None:
+        if tables is not None:
+            if len(tables) == 1:
+                raise ValueError("a table over the load has at least two loads [N]; one needs no over_load")
+            require_alike(tables)
         return tables
 
     @model_validator(mode="after")
     def _some_column(self) -> Self:
         if not self.coefficients:
             raise ValueError(f"a table gives at least one of {', '.join(COLUMNS)}")
+        for one in self.over_load or (self,):
+            one.require_values(len(self.speed_rpm))
         double = [name for name in COLUMNS if self.over_load and getattr(self, name) is not None]
         if double:
             raise ValueError(f"{', '.join(double)} beside over_load: give columns for one load, or for several in over_load")
@@ -250,9 +231,7 @@ class Table(FormDefaults, Part):
     @property
     def coefficients(self) -> tuple[str, ...]:
         """Return the terms that have a column."""
-        if self.over_load:
-            return self.over_load[0].coefficients
-        return tuple(name for name in COLUMNS if getattr(self, name) is not None)
+        return self.over_load[0].coefficients if self.over_load else super().coefficients
 
     def column(self, term: str) -> tuple[float, ...]:
         """Compute a term's values over the table's speeds, at the bearing's load.

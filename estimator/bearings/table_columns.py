@@ -1,5 +1,6 @@
 """Columns of a table of coefficients over speed, for one load on the bearing or for several."""
 
+import itertools
 from collections.abc import Sequence
 from typing import Annotated
 
@@ -20,10 +21,9 @@ DirectColumn = Annotated[tuple[Direct, ...], Field(max_length=MOST_SPEEDS, fail_
 CrossColumn = Annotated[tuple[Real, ...], Field(max_length=MOST_SPEEDS, fail_fast=True)] | None
 
 
-class ColumnsAtLoad(Part):
-    """Columns of a table for one load on the bearing."""
+class TableColumns(Part):
+    """Columns of a table over speed; those that are not given are no columns."""
 
-    load: Positive = Field(description="static load on the bearing [N]")
     kxx: DirectColumn = Field(default=None, description="at each speed [N/m]")
     kxy: CrossColumn = Field(default=None, description="at each speed [N/m]")
     kyx: CrossColumn = Field(default=None, description="at each speed [N/m]")
@@ -38,31 +38,44 @@ class ColumnsAtLoad(Part):
         """Return the terms that have a column."""
         return tuple(name for name in COLUMNS if getattr(self, name) is not None)
 
+    def require_values(self, count: int) -> None:
+        """Check that each column has one value at each speed.
 
-def require_alike(tables: Sequence[ColumnsAtLoad], *, speed_count: int | None) -> None:
+        Args:
+            count: Number of speeds [-].
+
+        Raises:
+            ValueError: A column has more or fewer.
+        """
+        for name in self.coefficients:
+            given = len(getattr(self, name))
+            if given != count:
+                raise ValueError(f"{name} needs one value at each of the {count} speeds of speed_rpm, not {given}")
+
+
+class ColumnsAtLoad(TableColumns):
+    """Columns of a table for one load on the bearing."""
+
+    load: Positive = Field(description="static load on the bearing [N]")
+
+
+def require_alike(tables: Sequence[ColumnsAtLoad]) -> None:
     """Check that tables are of ascending loads and have the same columns.
 
     Args:
         tables: Columns for each load.
-        speed_count: Number of speeds; None where it is not known [-].
 
     Raises:
         ValueError: They do not.
     """
-    for place, one in enumerate(tables):
-        if place and one.load <= tables[place - 1].load:
-            raise ValueError(f"loads [N] must ascend: {one.load:g} follows {tables[place - 1].load:g}")
-        if one.coefficients != tables[0].coefficients:
+    for before, one in itertools.pairwise(tables):
+        if one.load <= before.load:
+            raise ValueError(f"loads [N] must ascend: {one.load:g} follows {before.load:g}")
+        if one.coefficients != before.coefficients:
             raise ValueError(
                 f"each load needs the same columns: at {one.load:g} N they are {', '.join(one.coefficients) or 'none'}, "
-                f"at {tables[0].load:g} N {', '.join(tables[0].coefficients) or 'none'}"
+                f"at {before.load:g} N {', '.join(before.coefficients) or 'none'}"
             )
-        for name in one.coefficients:
-            count = len(getattr(one, name))
-            if speed_count not in (None, count):
-                raise ValueError(
-                    f"{name} at {one.load:g} N needs one value at each of the {speed_count} speeds of speed_rpm, not {count}"
-                )
 
 
 def at_load(tables: Sequence[ColumnsAtLoad], load: float, term: str) -> tuple[float, ...]:
