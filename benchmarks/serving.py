@@ -5,11 +5,12 @@ import socket
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 
 import uvicorn
 from fastapi import FastAPI
 
-from service.api.application import application
+from service.api.application import application, end_waiting
 from service.configuration.settings import DEFAULT_CONNECTIONS_PER_ADDRESS
 from service.delivery.signing_secrets import SigningSecrets
 from service.http.protocol import HttpProtocol
@@ -40,7 +41,7 @@ def serving(
     listener = socket.create_server(("127.0.0.1", port))
     end_stuck_connections(listener, after_s=patience_s)
     configuration = uvicorn.Config(app, http=HttpProtocol, log_config=None, access_log=False, timeout_graceful_shutdown=1)
-    server = Server(configuration, app.state.broadcaster, connections_per_address=connections_per_address)
+    server = Server(configuration, partial(end_waiting, app), connections_per_address=connections_per_address)
     thread = threading.Thread(target=server.run, kwargs={"sockets": [listener]})
     thread.start()
     try:

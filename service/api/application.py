@@ -217,6 +217,13 @@ async def _served(app: FastAPI) -> AsyncIterator[None]:
     app.state.model_process.close()
 
 
+def end_waiting(app: FastAPI) -> None:
+    """End answers that would keep a server from stopping: event streams, and models that wait or are being computed."""
+    app.state.broadcaster.end()
+    app.state.computed_cache.close()
+    app.state.model_process.close()
+
+
 def _guard(app: FastAPI, database: Database, security: Security) -> None:
     """Install the guard in front of all routes. Raises Undeclared for a route without access rules."""
     app.state.security = security

@@ -6,12 +6,13 @@ import signal
 import sys
 import threading
 from contextlib import ExitStack
+from functools import partial
 
 import uvicorn
 import zenoh
 from fastapi import FastAPI
 
-from service.api.application import application
+from service.api.application import application, end_waiting
 from service.commands.service_threads import ServiceThreads
 from service.configuration.settings import Settings
 from service.delivery.secret_upkeep import open_secrets as opened_secrets
@@ -129,7 +130,7 @@ def _server(app: FastAPI, settings: Settings) -> Server:
     )
     return Server(
         config,
-        app.state.broadcaster,
+        partial(end_waiting, app),
         connections_per_address=settings.connections_per_address,
         exempt=proxy_matcher(settings.trusted_proxies),
     )

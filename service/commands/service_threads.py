@@ -103,14 +103,17 @@ class ServiceThreads:
         )
 
     def _parts_of_role(self) -> Iterator[tuple[str, ServicePart]]:
-        """Yield the parts of the role by name, in the order in which they start."""
+        """Yield the parts of the role by name, in the order in which they start; they stop in the reverse order.
+
+        Identifications are given up first: on a busy machine their processes would slow down the storing of what has come.
+        """
         yield "leasing", self.leasing
-        if self._settings.role in ("all", "identify"):
-            yield "identifying", self._scheduler
-            yield "delivery", self.dispatcher
         if self._settings.role in ("all", "ingest"):
             yield "ingest", self._ingest
             yield "closing", self._closing
+        if self._settings.role in ("all", "identify"):
+            yield "delivery", self.dispatcher
+            yield "identifying", self._scheduler
 
 
 def _state(part: ServicePart) -> str:

@@ -3,7 +3,6 @@
 import functools
 import socket
 from collections.abc import Callable
-from typing import Protocol
 
 import uvicorn
 
@@ -16,27 +15,20 @@ def _no_exemption(_address: str) -> bool:
     return False
 
 
-class EndlessAnswers(Protocol):
-    """Answers that never end by themselves."""
-
-    def end(self) -> None:
-        """End all of them."""
-
-
 class Server(uvicorn.Server):
-    """Server that accepts connections itself, and ends endless streams when it stops: it would wait for them."""
+    """Server that accepts connections itself, and ends long answers when it stops: it would wait for them."""
 
     def __init__(
         self,
         config: uvicorn.Config,
-        endless: EndlessAnswers,
+        end_waiting: Callable[[], None],
         *,
         connections_per_address: int = DEFAULT_CONNECTIONS_PER_ADDRESS,
         exempt: Callable[[str], bool] = _no_exemption,
     ) -> None:
-        """Set the streams to end when the server stops. For connections_per_address and exempt see `Acceptor`."""
+        """Set what ends long answers when the server stops. For connections_per_address and exempt see `Acceptor`."""
         super().__init__(config)
-        self._endless = endless
+        self._end_waiting = end_waiting
         self._connections_per_address = connections_per_address
         self._exempt = exempt
         self._acceptors: list[Acceptor] = []
@@ -55,5 +47,5 @@ class Server(uvicorn.Server):
         """Answer pending requests and accept no more."""
         for one in self._acceptors:
             one.close()
-        self._endless.end()
+        self._end_waiting()
         await super().shutdown(sockets)

@@ -100,7 +100,7 @@ class IngestCycle:
         if stopping:
             self.inbox.close()
             self.recovery.cease()
-        hurried = len(self.inbox) >= BACKLOG or self.recovery.is_querying
+        hurried = stopping or len(self.inbox) >= BACKLOG or self.recovery.is_querying
         self._journal.pacing.begin(hurried=hurried)
         # Beside what was left, the few messages that have come since would each cost a transaction: they wait for the others.
         waits = left and not hurried and not stopping and time.monotonic() < self._took + CYCLE_S

@@ -20,7 +20,8 @@ from tests.ports import free_port
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
 DATA = ROOT / "tests" / "data"
-STOP_TIMEOUT_S = 20.0
+STOP_TIMEOUT_S = 60.0
+"""Longest time of a stop [s]: what deploy/systemd grants it, as a machine may be busy while what has come is stored."""
 
 T = TypeVar("T")
 

@@ -10,6 +10,7 @@ from functools import partial
 from typing import Annotated, Any, TypeVar
 
 import numpy as np
+from anyio import from_thread
 from fastapi import APIRouter, Query, Request
 
 from estimator.arrays import Floats
@@ -25,7 +26,7 @@ from estimator.updated_model.coupling_loads import CouplingForce, coupling_force
 from estimator.updated_model.modal_uncertainty import critical_speed_errors, modes_at, natural_frequency_errors
 from estimator.updated_model.uncertainty import PhasorBand
 from service.api.cache.computed_cache import ComputedCache
-from service.api.conventions.dependencies import Number, database
+from service.api.conventions.dependencies import Number, database, principal
 from service.api.conventions.problems import RESPONSES, Unsuitable
 from service.api.conventions.units import UnitChoice, Units, column
 from service.api.conventions.values import direction
@@ -184,7 +185,8 @@ def cached_result(
         # A copy without cached properties: they need not be sent, and some cannot be pickled.
         return process.compute(compute, replace(one), *read) if apart else compute(one, *read)
 
-    return one, cache.slow(key, work) if slow or apart else cache.short(key, work)
+    caller = (principal(request).identity, request.client.host if request.client else None)
+    return one, cache.in_turn(key, work, long=slow or apart, caller=caller, wanted=lambda: not _has_gone(request))
 
 
 def read_identified(request: Request, identification_id: int) -> Identified:
@@ -196,6 +198,11 @@ def read_identified(request: Request, identification_id: int) -> Identified:
             return identified(session, identification_id)
 
     return cache.quick((identification_id,), read)
+
+
+def _has_gone(request: Request) -> bool:
+    """Check whether the client of a request, which is served by a thread, has gone."""
+    return from_thread.run(request.is_disconnected)
 
 
 def head(one: Identified, units: Units) -> dict[str, Any]:

@@ -15,7 +15,7 @@ from fastapi import HTTPException, status
 from estimator.machine.document import Machine
 from estimator.machine.document_size import document_size
 from estimator.machine.film_speeds import follows_films
-from service.workers.process_pool import ProcessPool, WorkerStuck
+from service.workers.process_pool import Interrupted, ProcessPool, WorkerStuck
 from service.workers.time_limit import OutOfTime, limited
 
 LONG_ELEMENTS, LONG_UNKNOWNS = 50, 150
@@ -50,17 +50,20 @@ class ModelProcess:
             if self._processes is None:
                 self._processes = ProcessPool(1, memory_bytes=self._memory, tasks=[_in_time])
             future: Future[T] = self._processes.submit(self._time_s, _in_time, self._time_s, work, *args, **kwargs)
+        limits = f"within {self._time_s:.0f} s and {self._memory / 2**30:.1f} GiB"
         try:
             return future.result()
-        except (MemoryError, OutOfTime, WorkerStuck, BrokenProcessPool) as error:
-            limits = f"{self._time_s:.0f} s and {self._memory / 2**30:.1f} GiB"
-            raise HTTPException(
-                status.HTTP_503_SERVICE_UNAVAILABLE,
-                f"this model of a long train or of oil films could not be computed within {limits}: ask for fewer points",
-            ) from error
+        except (MemoryError, OutOfTime) as error:
+            why = f"this model of a long train or of oil films could not be computed {limits}: ask for fewer points"
+            raise HTTPException(status.HTTP_503_SERVICE_UNAVAILABLE, why) from error
+        except (WorkerStuck, BrokenProcessPool) as error:
+            why = f"the process that computes models ended, or did not answer {limits}: ask again"
+            raise HTTPException(status.HTTP_503_SERVICE_UNAVAILABLE, why) from error
+        except Interrupted as error:
+            raise HTTPException(status.HTTP_503_SERVICE_UNAVAILABLE, "the service stops") from error
 
     def close(self) -> None:
-        """End the process after its current computation."""
+        """Kill the process and give up what it computes."""
         with self._lock:
             if self._processes is not None:
                 self._processes.shutdown()

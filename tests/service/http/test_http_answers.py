@@ -5,12 +5,13 @@ import socket
 import threading
 import time
 from collections.abc import Iterator
+from functools import partial
 
 import httpx
 import pytest
 import uvicorn
 
-from service.api.application import application
+from service.api.application import application, end_waiting
 from service.http.protocol import HttpProtocol
 from service.http.server import Server
 from storage.database.engine import Database
@@ -124,7 +125,7 @@ def served(plant: Database) -> Iterator[tuple[Server, int]]:
     app = application(plant, dict)
     config = uvicorn.Config(app, http=HttpProtocol, log_config=None, timeout_graceful_shutdown=30)
     listener = socket.create_server(("127.0.0.1", 0))
-    server = Server(config, app.state.broadcaster)
+    server = Server(config, partial(end_waiting, app))
     thread = threading.Thread(target=lambda: asyncio.run(server.serve(sockets=[listener])))
     thread.start()
     try:

@@ -3,6 +3,7 @@
 import asyncio
 import json
 import math
+import socket
 import threading
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -12,8 +13,8 @@ import httpx
 import numpy as np
 import pytest
 from anyio.to_thread import current_default_thread_limiter
-from fastapi import HTTPException
 
+from benchmarks.serving import serving
 from estimator.fit.coordinates import Coordinates
 from estimator.machine.rules import Noise
 from estimator.modes.critical_speed import critical_speed_table
@@ -24,7 +25,7 @@ from estimator.updated_model.coupling_loads import coupling_forces
 from estimator.updated_model.fitted_response import fitted_response
 from estimator.updated_model.model import model_at
 from service.api.application import THREADS
-from service.api.cache.computed_cache import MAXIMUM_WAITING, ComputedCache
+from service.api.cache.computation_queue import MAXIMUM_WAITING_PER_CALLER
 from service.api.conventions.problems import Unsuitable
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples
@@ -388,40 +389,6 @@ def test_the_drawing_is_to_scale(api: Api) -> None:
     problem(api.get("/machines/nobody/drawing"), 404)
 
 
-def test_an_answer_is_computed_once_and_only_so_many_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("service.api.cache.computed_cache.MAXIMUM_ENTRIES", 2)
-    cache, made = ComputedCache(), []
-
-    def ask(name: str) -> str:
-        return cache.quick(name, lambda: made.append(name) or name)  # type: ignore[func-returns-value]
-
-    assert [ask(name) for name in ("a", "a", "b", "c", "a")] == ["a", "a", "b", "c", "a"]
-    assert made == ["a", "b", "c", "a"]
-
-
-def test_only_so_many_computations_wait() -> None:
-    cache, started, finish = ComputedCache(), threading.Event(), threading.Event()
-
-    def compute() -> str:
-        started.set()
-        assert finish.wait(30)
-        return "computed"
-
-    with ThreadPoolExecutor(MAXIMUM_WAITING) as threads:
-        waiting = [threads.submit(cache.slow, "same", compute) for _ in range(MAXIMUM_WAITING)]
-        try:
-            assert started.wait(30)
-            wait_until(lambda: cache.waiting == MAXIMUM_WAITING)
-            with pytest.raises(HTTPException, match=f"{MAXIMUM_WAITING} computations wait already; ask again") as refused:
-                cache.slow("other", str)
-            assert refused.value.headers == {"Retry-After": "5"}
-        finally:
-            finish.set()
-        assert [one.result() for one in waiting] == ["computed"] * MAXIMUM_WAITING
-    assert cache.waiting == 0
-    assert cache.slow("other", lambda: "later") == "later"
-
-
 @pytest.mark.parametrize("what", ["campbell", "balancing"])
 def test_whoever_waits_for_a_model_keeps_nobody_from_reading(api: Api, what: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Be it a computation of tenths of a second: each one holds a thread, and there are few."""
@@ -445,7 +412,7 @@ def test_whoever_waits_for_a_model_keeps_nobody_from_reading(api: Api, what: str
             waiting = [asyncio.create_task(client.get(url, params={"points": 60 + one})) for one in range(asked)]
             try:
                 async with asyncio.timeout(30):
-                    while sum(one.done() for one in waiting) < asked - MAXIMUM_WAITING:
+                    while sum(one.done() for one in waiting) < asked - MAXIMUM_WAITING_PER_CALLER:
                         await asyncio.sleep(0.01)
                     other = await client.get(f"{PREFIX}/machines/{machine().id}/revisions")
                 assert other.status_code == 200
@@ -458,6 +425,46 @@ def test_whoever_waits_for_a_model_keeps_nobody_from_reading(api: Api, what: str
     answers = asyncio.run(ask())
     assert {one.status_code for one in answers} == {422, 503}
     assert {one.headers["Retry-After"] for one in answers if one.status_code == 503} == {"5"}
+
+
+def test_computations_whose_clients_have_gone_are_given_up(api: Api, monkeypatch: pytest.MonkeyPatch) -> None:
+    """And neither they nor those whose clients wait keep the server from stopping."""
+    other, finish = Api(api.database), threading.Event()
+    cache = other.app.state.computed_cache
+
+    def computed(*_: Any, **__: Any) -> Any:
+        assert finish.wait(60)
+        raise Unsuitable("enough")
+
+    monkeypatch.setattr("service.api.findings.model._diagram", computed)
+    with ThreadPoolExecutor(1) as threads:
+        with serving(other.app) as url:
+
+            def ask(points: int) -> socket.socket:
+                client = socket.create_connection(("127.0.0.1", int(url.split(":")[2].split("/")[0])))
+                target = f"{PREFIX}/identifications/1/model/campbell?points={points}"
+                client.sendall(f"GET {target} HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n".encode())
+                return client
+
+            def answer(client: socket.socket) -> bytes:
+                try:
+                    return client.recv(65536)
+                finally:
+                    finish.set()
+
+            first = ask(20)
+            wait_until(lambda: cache.waiting == 1)
+            clients = [ask(21 + number) for number in range(4)]
+            wait_until(lambda: cache.waiting == 5)
+            for one in clients:
+                one.close()
+            wait_until(lambda: cache.waiting == 1)
+            again = ask(60)
+            wait_until(lambda: cache.waiting == 2)
+            told = threads.submit(answer, again)
+        assert told.result().startswith(b"HTTP/1.1 503")
+    for one in (first, again):
+        one.close()
 
 
 @pytest.mark.parametrize("what", [*(f"model/{one}" for one in MODEL), "bode"])

@@ -1,0 +1,129 @@
+"""Results that are computed once, in their turn, for whoever still waits, with places for every caller."""
+
+import threading
+from collections.abc import Callable, Hashable, Iterator
+from concurrent.futures import Future, ThreadPoolExecutor
+
+import pytest
+from fastapi import HTTPException
+
+from service.api.cache import computation_queue
+from service.api.cache.computation_queue import MAXIMUM_WAITING, MAXIMUM_WAITING_PER_CALLER
+from service.api.cache.computed_cache import ComputedCache
+from tests.plant import wait_until
+
+
+class Asked:
+    """A cache of which callers ask; its first computation, `first`, runs until `finish` is set."""
+
+    def __init__(self) -> None:
+        self.cache, self.made, self.finish = ComputedCache(), list[Hashable](), threading.Event()
+        self.threads = ThreadPoolExecutor(100)
+        self.first = self("first", caller="somebody")
+        wait_until(lambda: self.made == ["first"])
+
+    def __call__(
+        self, key: Hashable, *, caller: str, wanted: Callable[[], bool] = lambda: True, long: bool = True
+    ) -> "Future[Hashable]":
+        def compute() -> Hashable:
+            self.made.append(key)
+            if key == "wrong":
+                raise ValueError("it is wrong")
+            assert key != "first" or self.finish.wait(60)
+            return key
+
+        return self.threads.submit(self.cache.in_turn, key, compute, long=long, caller=caller, wanted=wanted)
+
+    def refusal(self, key: Hashable, *, caller: str) -> HTTPException:
+        """How a caller is refused at once."""
+        with pytest.raises(HTTPException) as refused:
+            self(key, caller=caller).result(10)
+        assert (refused.value.status_code, refused.value.headers) == (503, {"Retry-After": "5"})
+        return refused.value
+
+
+@pytest.fixture
+def ask() -> Iterator[Asked]:
+    asked = Asked()
+    yield asked
+    asked.finish.set()
+    asked.threads.shutdown()
+    asked.cache.close()
+
+
+def test_an_answer_is_computed_once_and_only_so_many_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("service.api.cache.computed_cache.MAXIMUM_ENTRIES", 2)
+    cache, made = ComputedCache(), []
+
+    def ask(name: str) -> str:
+        return cache.quick(name, lambda: made.append(name) or name)  # type: ignore[func-returns-value]
+
+    assert [ask(name) for name in ("a", "a", "b", "c", "a")] == ["a", "a", "b", "c", "a"]
+    assert made == ["a", "b", "c", "a"]
+
+
+def test_equal_requests_share_one_computation_and_one_place(ask: Asked) -> None:
+    equal = [ask(key, caller="somebody") for key in ("first", "second") for _ in range(30)]
+    wait_until(lambda: ask.cache.waiting == 2)
+    ask.finish.set()
+    assert [one.result(10) for one in equal] == ["first"] * 30 + ["second"] * 30
+    assert ask.made == ["first", "second"]
+    assert ask("second", caller="another").result(10) == "second"
+    assert ask.made == ["first", "second"]
+    assert ask.cache.waiting == 0
+
+
+def test_no_caller_takes_all_places(ask: Asked) -> None:
+    own = [ask(number, caller="somebody") for number in range(MAXIMUM_WAITING_PER_CALLER - 1)]
+    wait_until(lambda: ask.cache.waiting == MAXIMUM_WAITING_PER_CALLER)
+    assert "16 computations that you asked for wait already" in ask.refusal("more", caller="somebody").detail
+    others = [ask(-1 - number, caller="another") for number in range(MAXIMUM_WAITING - MAXIMUM_WAITING_PER_CALLER)]
+    wait_until(lambda: ask.cache.waiting == MAXIMUM_WAITING)
+    assert "32 computations wait already" in ask.refusal("more", caller="a third").detail
+    assert ask("short", caller="somebody", long=False).result(10) == "short"
+    ask.finish.set()
+    assert [one.result(10) for one in (*own, *others)] == [*range(15), *(-1 - number for number in range(16))]
+
+
+def test_only_so_many_requests_wait(ask: Asked, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(computation_queue, "MAXIMUM_REQUESTS", 1)
+    assert "requests wait already" in ask.refusal("first", caller="another").detail
+
+
+def test_what_nobody_waits_for_is_not_computed(ask: Asked) -> None:
+    gone = threading.Event()
+    left = ask("left", caller="somebody", wanted=lambda: not gone.is_set())
+    shared = ask("shared", caller="somebody", wanted=lambda: not gone.is_set())
+    wait_until(lambda: ask.cache.waiting == 3)
+    kept = ask("shared", caller="another")
+    gone.set()
+    for one in (left, shared):
+        with pytest.raises(HTTPException, match="nobody waits"):
+            one.result(10)
+    wait_until(lambda: ask.cache.waiting == 2)
+    ask.finish.set()
+    assert kept.result(10) == "shared"
+    assert ask.made == ["first", "shared"]
+
+
+def test_an_error_is_told_to_all_who_wait_and_not_kept(ask: Asked) -> None:
+    wrong = [ask("wrong", caller="somebody") for _ in range(3)]
+    wait_until(lambda: ask.cache.waiting == 2)
+    ask.finish.set()
+    for one in wrong:
+        with pytest.raises(ValueError, match="it is wrong"):
+            one.result(10)
+    with pytest.raises(ValueError, match="it is wrong"):
+        ask("wrong", caller="somebody").result(10)
+
+
+def test_what_waits_is_given_up_when_the_service_stops(ask: Asked) -> None:
+    waiting = ask("second", caller="somebody")
+    wait_until(lambda: ask.cache.waiting == 2)
+    ask.cache.close()
+    with pytest.raises(HTTPException, match="the service stops"):
+        waiting.result(10)
+    assert "the service stops" in ask.refusal("third", caller="somebody").detail
+    ask.finish.set()
+    assert ask.first.result(10) == "first"
+    assert ask.made == ["first"]
