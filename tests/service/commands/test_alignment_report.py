@@ -1,6 +1,5 @@
 """Alignment as the terminal shows it."""
 
-import csv
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -14,8 +13,8 @@ from service.commands.alignment_report import alignment_text
 from service.commands.app import app
 from tests.film_plant.documents import film_document, measured
 from tests.film_plant.misalignment import moved
-from tests.film_plant.plant import Plant
 from tests.film_plant.plants import Priors, motor_compressor_plant
+from tests.service.commands.recorded_run import write_run
 
 OFFSET = re.compile(r"coupling\.C1\.offset_vertical +\+[\d.]+ µm \(\+([\d.]+) to \+([\d.]+)\)")
 
@@ -39,33 +38,11 @@ def test_an_identification_prints_the_offset_of_a_raised_shaft(tmp_path: Path) -
     plant = replace(plant, train=moved(plant.train, offset=np.array([0.0, 60e-6]), angle=np.zeros(2)))
     document = film_document(plant, priors=Priors(elevation=150e-6, rigid_elevation=150e-6))
     (tmp_path / "machine.yaml").write_text(yaml.safe_dump(document))
-    recorded(tmp_path, plant, document["id"], [one["id"] for one in document["probes"]])
+    data, channels = measured(plant, seed=5), [one["id"] for one in document["probes"]]
+    write_run(tmp_path / "run.csv", data.speed, 1e6 * data.phasor, channels=channels, plant="films", machine=document["id"])
     found = CliRunner().invoke(app, ["identify", str(tmp_path / "machine.yaml"), str(tmp_path / "run.csv"), "--no-gate"])
     assert found.exit_code == 0, found.output
     told = OFFSET.search(found.output)
     assert told is not None, found.output
     assert float(told[1]) < 60.0 < float(told[2])
     assert "coupling.C1.angle_horizontal" in found.output
-
-
-def recorded(folder: Path, plant: Plant, machine: str, channels: list[str]) -> None:
-    """Write a run of the plant as CSV with its sidecar."""
-    data = measured(plant, seed=5)
-    with (folder / "run.csv").open("w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(["speed", *(f"{channel}_{part}" for channel in channels for part in "ap")])
-        for speed, row in zip(data.speed, data.phasor, strict=True):
-            writer.writerow([speed, *(value for one in row for value in (1e6 * abs(one), np.degrees(np.angle(one))))])
-    said = {
-        "plant": "films",
-        "machine": machine,
-        "interval_s": 10.0,
-        "speed": "speed",
-        "speed_unit": "rad/s",
-        "amplitude_unit": "um",
-        "amplitude_kind": "peak",
-        "phase_convention": "lead",
-        "phase_unit": "deg",
-        "channels": [{"channel": one, "amplitude": f"{one}_a", "phase": f"{one}_p"} for one in channels],
-    }
-    (folder / "run.yaml").write_text(yaml.safe_dump(said))

@@ -15,6 +15,7 @@ from estimator.machine.document import parse_machine
 from service.commands.app import app
 from service.configuration.document_files import read_machine
 from tests.estimator.trains import LATERAL, Complexes, Document, chapter_3_document, dense_response, noisy
+from tests.service.commands.recorded_run import write_run
 
 DOCUMENT = "examples/thesis-chapter-3.yaml"
 SPEED = np.arange(300.0, 10.0, -4.0)
@@ -23,26 +24,8 @@ SPEED = np.arange(300.0, 10.0, -4.0)
 def recorded(folder: Path, name: str, phasor: Complexes, **sidecar: Any) -> str:
     """A run as CSV and sidecar; its path."""
     channels = [probe["id"] for probe in chapter_3_document()["probes"]]
-    with (folder / f"{name}.csv").open("w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(["speed", *(f"{channel}_{part}" for channel in channels for part in ("a", "p"))])
-        for speed, row in zip(SPEED, phasor, strict=True):
-            writer.writerow([speed, *(value for one in row for value in (1e6 * abs(one), np.degrees(np.angle(one))))])
-    described = {
-        "plant": "examples",
-        "machine": "thesis-chapter-3",
-        "interval_s": 1.0,
-        "speed": "speed",
-        "speed_unit": "rad/s",
-        "amplitude_unit": "um",
-        "amplitude_kind": "peak",
-        "phase_convention": "lead",
-        "phase_unit": "deg",
-        "channels": [{"channel": c, "amplitude": f"{c}_a", "phase": f"{c}_p"} for c in channels],
-        **sidecar,
-    }
-    (folder / f"{name}.yaml").write_text(yaml.safe_dump(described))
-    return str(folder / f"{name}.csv")
+    said = {"plant": "examples", "machine": "thesis-chapter-3", "interval_s": 1.0} | sidecar
+    return write_run(folder / f"{name}.csv", SPEED, 1e6 * phasor, channels=channels, **said)
 
 
 def of(document: Document, seed: int) -> Complexes:

@@ -1,6 +1,5 @@
 """Slow roll on the command line: vectors of a recording in volts, printed and subtracted."""
 
-import csv
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +11,7 @@ from typer.testing import CliRunner
 from estimator.machine.document import parse_machine
 from service.commands.app import app
 from tests.estimator.trains import Complexes, chapter_3_document, dense_response, noisy
+from tests.service.commands.recorded_run import write_run
 
 SLOW, SWEEP = np.linspace(10.0, 30.0, 40) * np.pi / 30, np.arange(300.0, 10.0, -4.0)
 SPEED = np.concatenate([SWEEP, SLOW[::-1]])
@@ -33,27 +33,9 @@ def in_volts(folder: Path) -> str:
 def recorded(folder: Path, phasor: Complexes, **sidecar: Any) -> str:
     """A run-down to standstill in volts; its path."""
     channels = [probe["id"] for probe in chapter_3_document()["probes"]]
-    volts = phasor * SENSITIVITY
-    with (folder / "run.csv").open("w", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(["speed", *(f"{channel}_{part}" for channel in channels for part in ("a", "p"))])
-        for speed, row in zip(SPEED, volts, strict=True):
-            writer.writerow([speed, *(value for one in row for value in (2 * abs(one), -np.degrees(np.angle(one))))])
-    described = {
-        "plant": "examples",
-        "machine": "thesis-chapter-3",
-        "interval_s": 10.0,
-        "speed": "speed",
-        "speed_unit": "rad/s",
-        "amplitude_unit": "V",
-        "amplitude_kind": "peak-to-peak",
-        "phase_convention": "lag",
-        "phase_unit": "deg",
-        "channels": [{"channel": c, "amplitude": f"{c}_a", "phase": f"{c}_p"} for c in channels],
-        **sidecar,
-    }
-    (folder / "run.yaml").write_text(yaml.safe_dump(described))
-    return str(folder / "run.csv")
+    said = {"plant": "examples", "machine": "thesis-chapter-3", "amplitude_unit": "V"}
+    said |= {"amplitude_kind": "peak-to-peak", "phase_convention": "lag", **sidecar}
+    return write_run(folder / "run.csv", SPEED, phasor * SENSITIVITY, channels=channels, **said)
 
 
 @pytest.fixture
