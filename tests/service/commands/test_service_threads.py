@@ -1,6 +1,7 @@
 """The threads of a service process: what stops before what."""
 
 from contextlib import ExitStack
+from typing import Any
 
 import pytest
 import zenoh
@@ -15,7 +16,13 @@ from service.replication.lease_keeper import Leasing
 from service.runs.closing import Closing
 from storage.database.engine import Database
 
-PARTS = {JobScheduler: "identifying", Dispatcher: "delivery", Closing: "closing", Ingest: "ingest", Leasing: "leasing"}
+PARTS: dict[Any, str] = {
+    JobScheduler: "identifying",
+    Dispatcher: "delivery",
+    Closing: "closing",
+    Ingest: "ingest",
+    Leasing: "leasing",
+}
 
 
 def test_identifications_are_given_up_before_what_has_come_is_stored(
@@ -24,7 +31,7 @@ def test_identifications_are_given_up_before_what_has_come_is_stored(
     """Their processes would slow the storing down; the lease goes last, as storing needs it."""
     stopped = []
 
-    def noting(part: type) -> None:
+    def noting(part: Any) -> None:
         stop = part.stop
 
         def noted(self: object) -> None:
