@@ -98,6 +98,7 @@ class Database:
         making = self._sharing if beside_others else self._writing
         with self.turn(), self.longest_transaction.measured(), making.begin() as session:
             yield session
+            self._turn.require_log()
 
     @contextmanager
     def reading(self) -> Iterator[Session]:
@@ -128,9 +129,9 @@ class Database:
         return self._files is not None and not self._files.look() and self._files.saved
 
     def save_lost_files(self) -> None:
-        """Save data whose file has lost its name.
+        """Save data whose file has lost its name, or was cut off.
 
-        Raises DatabaseUnusable when a file of an SQLite store was deleted or replaced.
+        Raises DatabaseUnusable when a file of an SQLite store was deleted, replaced or cut off.
         """
         files = self._files
         if files is None or files.look():
@@ -177,8 +178,8 @@ class Database:
     def close(self) -> None:
         """Close all connections and release the claim."""
         self._claim.release()
-        if self._files is not None:
-            self._files.look()  # what it says afterwards
+        if self._files is not None and not self._files.look():  # what it says afterwards
+            self._turn.save(self._files)  # no checkpoint may copy what is missing in a log
         self.engine.dispose()
         if self._files is not None:
             self._files.close()
@@ -198,7 +199,7 @@ def _kept_files(engine: Engine) -> SqliteFiles | None:
         return None
     try:
         files = SqliteFiles(path)
-    except sqlite3.Error as error:
+    except (sqlite3.Error, OSError) as error:
         engine.dispose()
         raise DatabaseUnusable(f"database {redacted_url(engine.url)} cannot be used: {error}") from error
 

@@ -47,6 +47,12 @@ def leave(place: Place) -> None:
                 os.close(_descriptors.pop(place))
 
 
+def descriptor(path: Path) -> int:
+    """Return a descriptor of a file that is in use; it stays open until the last user leaves. Raises OSError."""
+    with _guard:
+        return _open_descriptor(path)[1]
+
+
 def take(path: Path) -> Place | None:
     """Lock an existing file; return the handle to release, None when the system or the file system has no such locks.
 

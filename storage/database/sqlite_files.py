@@ -1,7 +1,8 @@
 """The files of an open SQLite store: checking that they are those that were opened, and saving data that only they hold.
 
 SQLite goes on writing to a log that was deleted, and reports nothing. Whoever opens the store meanwhile, or after a kill,
-misses all that is in that log. A checkpoint through an open connection still moves all of it into the main file.
+misses all that is in that log. A checkpoint through an open connection still moves all of it into the main file. Of a log that
+was cut off, see `write_ahead_log`, nothing may be moved but what is left.
 """
 
 import sqlite3
@@ -12,6 +13,7 @@ from pathlib import Path
 from sqlalchemy.exc import OperationalError
 
 from storage.database.claim import DatabaseUnusable, logs_of
+from storage.database.write_ahead_log import WriteAheadLog
 
 SAVING_MS = 1_000
 """Time for which a checkpoint waits for readers."""
@@ -21,7 +23,7 @@ class SqliteFiles:
     """The main file, its log and the log's index, as they were opened. A missing file counts as missing until `close`."""
 
     def __init__(self, path: Path) -> None:
-        """Open a connection that keeps the files open. Raises sqlite3.Error."""
+        """Open a connection that keeps the files open. Raises sqlite3.Error, OSError."""
         self._path = path
         self._keeper = sqlite3.connect(path, isolation_level=None, check_same_thread=False, timeout=SAVING_MS / 1000)
         try:
@@ -30,23 +32,43 @@ class SqliteFiles:
         except sqlite3.Error:
             self._keeper.close()
             raise
-        self._opened = {one: _place(one) for one in (path, *logs_of(path))}
+        log, index = logs_of(path)
+        try:
+            # Of a file that this process has open by another name already, SQLite keeps the index beside that name.
+            self._log = WriteAheadLog(log, index) if index.exists() else None
+        except OSError:
+            self._keeper.close()
+            raise
+        self._opened = {one: _place(one) for one in (path, log, index)}
         self._lock = threading.Lock()
         self._lost_file: Path | None = None
+        self._cut_off: Path | None = None
+        self._lost_frames: int | None = None
         self._closed = False
         self.saved = False
-        """Whether a file is missing and the main file holds all that was stored."""
+        """Whether a file is missing and the main file, or what is left of the log, holds all that can be saved."""
 
     def look(self) -> bool:
-        """Return whether all files still exist; costs microseconds."""
+        """Return whether all files still exist and the log is whole; costs microseconds."""
         if self._lost_file is None:
             # After `close` only the main file remains.
             looked_at = [self._path] if self._closed else list(self._opened)
             self._lost_file = next((one for one in looked_at if _place(one) != self._opened[one]), None)
-        return self._lost_file is None
+        return self._lost_file is None and self.log_is_whole()
+
+    def log_is_whole(self) -> bool:
+        """Return whether nothing was cut off the log."""
+        if self._cut_off is None and not self._closed and self._log is not None and not self._log.is_whole():
+            self._cut_off = logs_of(self._path)[0]
+        return self._cut_off is None
+
+    def require_log(self) -> None:
+        """Raise OperationalError when the log was cut off: a commit would be written behind the hole."""
+        if not self.log_is_whole():
+            self.require()
 
     def require(self) -> None:
-        """Raise OperationalError when a file is missing.
+        """Raise OperationalError when a file is missing or the log was cut off.
 
         Nothing may be written then, and no connection opened, since it would create a second log.
         """
@@ -55,9 +77,15 @@ class SqliteFiles:
 
     @property
     def trouble(self) -> str | None:
-        """Return which file is missing and the remedy; None when none is."""
+        """Return which file is missing or cut off and the remedy; None when none is."""
         if self.look():
             return None
+        if self._cut_off is not None:
+            lost = "being looked for" if self._lost_frames is None else f"{self._lost_frames} pages"
+            return (
+                f"{self._cut_off} was cut off or overwritten while the service had it open; what is lost of what was stored "
+                f"last: {lost}. Nothing more is stored: restart the service, which asks the sources' logs for it again"
+            )
         gone = f"{self._lost_file} was deleted or replaced while the service had it open"
         if self._lost_file == self._path:
             return f"the database file {gone}: restart the service"
@@ -71,10 +99,12 @@ class SqliteFiles:
     def save(self) -> bool:
         """Move all committed data into the main file; return whether they are there.
 
-        The caller must have the writers' turn.
+        Of a log that was cut off, only what is left counts. The caller must have the writers' turn.
         """
         with self._lock:
             if not self.saved and not self._closed:
+                if not self.log_is_whole() and self._lost_frames is None and self._log is not None:
+                    self._lost_frames = self._log.go_back()
                 try:
                     _, logged, done = self._keeper.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()
                 except sqlite3.Error:
@@ -83,10 +113,16 @@ class SqliteFiles:
             return self.saved
 
     def close(self) -> None:
-        """Stop checking the files and close the connection; SQLite makes a checkpoint when it is the last one."""
+        """Stop checking the files and close the connection; SQLite makes a checkpoint when it is the last one.
+
+        All other connections of this process must be closed before.
+        """
         with self._lock:
-            self._closed = True
-            self._keeper.close()
+            if not self._closed:
+                self._closed = True
+                self._keeper.close()
+                if self._log is not None:
+                    self._log.close()
 
 
 def _place(file: Path) -> tuple[int, int] | None:

@@ -1,5 +1,9 @@
-"""The log of an SQLite store is deleted under the service: it says so, takes nothing more, and loses nothing acknowledged."""
+"""The log of an SQLite store is deleted or cut off under the service: it says so and takes nothing more.
 
+Of a deleted log nothing is lost; of one that was cut off, what stood behind the cut, and the store stays whole.
+"""
+
+import os
 import sqlite3
 import subprocess
 from collections.abc import Callable
@@ -100,6 +104,35 @@ def survives(
 
 def test_after_it_was_told_a_kill_loses_nothing(tmp_path: Path) -> None:
     survives(tmp_path, ("-wal",), doctor, killed)
+
+
+@pytest.mark.parametrize("ended", [killed, stopped])
+def test_of_a_log_that_was_cut_off_the_store_stays_whole(
+    tmp_path: Path, ended: Callable[["subprocess.Popen[bytes]"], None]
+) -> None:
+    """Its source sends again what the service says that it lacks."""
+    service = Service(tmp_path)
+    with service.running() as started:
+        assert service.client.post("/machines", json=document()).status_code == 201
+    with service.running() as started:  # the machine is in the main file by now
+        assert acknowledged(service, 0, BEFORE) == BEFORE
+        os.truncate(tmp_path / "rundown.db-wal", (tmp_path / "rundown.db-wal").stat().st_size // 2)
+        until(lambda: service.client.get("/ready").status_code == 503, within_s=TOLD_S, what="it is said")
+        assert "was cut off" in service.client.get("/health").json()["parts"]["database"]
+        until(lambda: service.client.get("/alive").status_code == 503, within_s=TOLD_S, what="only a new start helps")
+        refused = send(service, BEFORE)
+        assert refused.status_code == 503
+        assert "was cut off" in refused.json()["detail"]
+        ended(started)
+    with service.running():
+        (row,) = service.get("/sources")
+        assert 0 < row["received"] < BEFORE * SIZE
+        assert (row["received"] % SIZE, row["lost"]) == (0, 0)
+        assert acknowledged(service, row["received"] // SIZE, BEFORE) == BEFORE
+    service.client.close()
+    numbers, samples = stored(tmp_path / "rundown.db")
+    assert numbers == list(range(BEFORE * SIZE))
+    assert_same_samples(samples, expected(BEFORE * SIZE))
 
 
 @pytest.mark.long

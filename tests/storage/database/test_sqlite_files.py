@@ -1,13 +1,17 @@
-"""A file of an SQLite store is deleted or replaced while it is open: nothing committed is lost, nothing more is taken."""
+"""A file of an SQLite store is deleted, replaced or cut off while it is open: what can be saved is, nothing more is taken."""
 
+import os
 import shutil
 import sqlite3
 import subprocess
 import sys
+import threading
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
+from sqlalchemy import text
 from sqlalchemy.exc import OperationalError
 
 from storage.database.change_counts import WATCHED, Changes
@@ -130,3 +134,129 @@ def test_a_store_that_nobody_touches_is_whole(database: Database) -> None:
     other.close()
     add(database, "third")
     database.check()
+
+
+def cut_to(length: float) -> Callable[[Path], None]:
+    """Cut a file in place to a part of its length."""
+
+    def cut(file: Path) -> None:
+        os.truncate(file, int(length * file.stat().st_size))
+
+    return cut
+
+
+def zeroed(file: Path) -> None:
+    """Overwrite a file in place, at its length: as when what was written beyond the cut has made it long again."""
+    size = file.stat().st_size
+    os.truncate(file, 0)
+    os.truncate(file, size)
+
+
+def names(folder: Path) -> list[str]:
+    """The machines in a store that is whole, as the next start finds them."""
+    again = Database(sqlite_url(folder / "rundown.db"))
+    with closing(again), again.reading() as session:
+        assert session.execute(text("PRAGMA integrity_check")).scalar() == "ok"
+        return list(machines.list_ids(session))
+
+
+@pytest.mark.parametrize("looked", [True, False])
+@pytest.mark.parametrize("befalls", [cut_to(0), cut_to(0.25), cut_to(0.5), zeroed])
+def test_of_a_log_that_was_cut_off_the_rest_is_kept_and_the_file_stays_whole(
+    tmp_path: Path, befalls: Callable[[Path], None], looked: bool
+) -> None:
+    """Whether the service looks before it stops, or stops at once."""
+    database = Database(sqlite_url(tmp_path / "rundown.db"))
+    for number in range(40):
+        add(database, f"machine-{number:02}")
+    with database.engine.connect() as connection:
+        _, logged, done = connection.exec_driver_sql("PRAGMA wal_checkpoint(PASSIVE)").one()
+        assert logged == done > 0
+    for number in range(40, 80):
+        add(database, f"machine-{number:02}")
+    befalls(tmp_path / "rundown.db-wal")
+    if looked:
+        with pytest.raises(DatabaseUnusable, match=r"db-wal was cut off or overwritten .* \d+ pages\. Nothing more is stored"):
+            database.check()
+        assert database.needs_restart
+    with pytest.raises(OperationalError, match="was cut off"):
+        add(database, "later")
+    database.close()
+    found = names(tmp_path)
+    assert found == [f"machine-{number:02}" for number in range(len(found))]
+    assert 40 <= len(found) < 80
+
+
+def test_nothing_is_lost_of_a_log_whose_frames_the_main_file_holds(tmp_path: Path) -> None:
+    database = Database(sqlite_url(tmp_path / "rundown.db"))
+    for number in range(40):
+        add(database, f"machine-{number:02}")
+    with database.engine.connect() as connection:
+        connection.exec_driver_sql("PRAGMA wal_checkpoint(PASSIVE)")
+    cut_to(0.3)(tmp_path / "rundown.db-wal")
+    with pytest.raises(DatabaseUnusable, match="stored last: 0 pages"):
+        database.check()
+    database.close()
+    assert len(names(tmp_path)) == 40
+
+
+def test_a_log_that_is_cut_off_within_a_transaction_takes_no_commit(database: Database, tmp_path: Path) -> None:
+    def interrupted() -> None:
+        with database.transaction() as session:
+            machines.create(session, machine(id="second"))
+            session.flush()
+            cut_to(0)(tmp_path / "rundown.db-wal")
+
+    with pytest.raises(OperationalError, match="was cut off"):
+        interrupted()
+    database.close()
+    assert names(tmp_path) == []
+
+
+def test_a_log_that_is_cut_off_and_then_deleted_damages_nothing(database: Database, tmp_path: Path) -> None:
+    cut_to(0)(tmp_path / "rundown.db-wal")
+    (tmp_path / "rundown.db-wal").unlink()
+    with pytest.raises(DatabaseUnusable, match="was cut off"):
+        database.check()
+    database.close()
+    assert names(tmp_path) == []
+
+
+def test_checkpoints_of_every_kind_are_no_cut(database: Database, tmp_path: Path) -> None:
+    """Whoever makes them: a log that another program has emptied, or begun anew, is whole."""
+    script = (
+        "import sqlite3, sys; print(sqlite3.connect(sys.argv[1]).execute(f'PRAGMA wal_checkpoint({sys.argv[2]})').fetchone())"
+    )
+    for number, kind in enumerate(("PASSIVE", "FULL", "RESTART", "TRUNCATE") * 2):
+        told = subprocess.run(
+            [sys.executable, "-c", script, str(tmp_path / "rundown.db"), kind], capture_output=True, text=True, check=True
+        )
+        assert told.stdout.startswith("(0,")
+        database.check()
+        add(database, f"machine-{number}")
+        database.check()
+
+
+def test_a_log_that_grows_and_is_begun_anew_while_others_look_is_whole(database: Database) -> None:
+    """SQLite makes a checkpoint of its own after a thousand pages."""
+    stop, troubles = threading.Event(), []
+
+    def look() -> None:
+        while not stop.is_set():
+            try:
+                database.check()
+            except DatabaseUnusable as error:
+                troubles.append(error)
+                return
+
+    threads = [threading.Thread(target=look) for _ in range(2)]
+    for one in threads:
+        one.start()
+    try:
+        for number in range(300):
+            add(database, f"machine-{number:03}")
+    finally:
+        stop.set()
+        for one in threads:
+            one.join()
+    assert troubles == []
