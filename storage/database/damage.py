@@ -29,7 +29,8 @@ PAGES = frozenset(
 """SQLite's errors of a disk that does not return what was written; all kinds of SQLITE_CORRUPT count besides."""
 SQLSTATES = frozenset({"XX001", "XX002"})
 """PostgreSQL's data_corrupted and index_corrupted."""
-UNREADABLE = ("Could not decode to UTF-8 column", "malformed JSON")
+MALFORMED_JSON = "malformed JSON"
+UNREADABLE = ("Could not decode to UTF-8 column", MALFORMED_JSON)
 """Beginnings of messages about values that are not what was written; SQLite has no code of its own for them."""
 
 

@@ -4,6 +4,7 @@ For both kinds of database: one transaction writes at a time, and a reading one 
 last.
 """
 
+import json
 import re
 import sqlite3
 from collections.abc import Callable, Iterator
@@ -11,12 +12,12 @@ from contextlib import AbstractContextManager, closing, contextmanager
 from typing import Any
 
 from sqlalchemy import URL, Engine, create_engine, event, make_url, select
-from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError, OperationalError
+from sqlalchemy.exc import ArgumentError, DatabaseError, DBAPIError, NoSuchModuleError, OperationalError
 from sqlalchemy.orm import Session, sessionmaker
 
 from storage.database import file_lock, private_files, versions, writer_turn
 from storage.database.claim import CLAIM_KEY, Claim, DatabaseUnusable, file_of, require_logs, require_own_name
-from storage.database.damage import Damage, marker_of
+from storage.database.damage import MALFORMED_JSON, Damage, marker_of
 from storage.database.file_inspection import damages
 from storage.database.schema_upgrade import bring_up_to_date
 from storage.database.sqlite_files import SqliteFiles
@@ -286,7 +287,11 @@ def _engine(url: str | URL) -> Engine:
             f"database {redacted_url(url)} cannot be used: `uri` is not taken: name the file itself, as in sqlite:////folder/name.db"
         )
     engine = create_engine(
-        url, pool_pre_ping=True, connect_args=_CONNECTION if dialect == "postgresql" else {}, json_serializer=json_text
+        url,
+        pool_pre_ping=True,
+        connect_args=_CONNECTION if dialect == "postgresql" else {},
+        json_serializer=json_text,
+        json_deserializer=_stored_json,
     )
     if dialect == "postgresql":
         event.listen(engine, "begin", _begin_postgresql)
@@ -295,6 +300,14 @@ def _engine(url: str | URL) -> Engine:
         event.listen(engine, "connect", _configure_sqlite)
         event.listen(engine, "begin", _begin_sqlite)
     return engine
+
+
+def _stored_json(text: str | bytes) -> Any:
+    """Return the value of stored JSON. Raises DatabaseError, as the database does, where it is not what was written."""
+    try:
+        return json.loads(text)
+    except ValueError:
+        raise DatabaseError(None, None, sqlite3.DatabaseError(MALFORMED_JSON)) from None  # without any stored text
 
 
 def _prepare_sqlite(engine: Engine) -> None:

@@ -9,6 +9,7 @@ from sqlalchemy import ColumnElement, ScalarSelect, Text, cast, func, select
 from sqlalchemy.orm import Session
 
 from storage.clock import latest
+from storage.database.readable_rows import readable_rows
 from storage.tables import (
     AlertEventRow,
     AlertRow,
@@ -44,15 +45,15 @@ class IdentificationGlance:
 
 @dataclass(frozen=True)
 class ListedMachine:
-    """A machine in a list. minimum_rpm, maximum_rpm: its speed range."""
+    """A machine in a list. minimum_rpm, maximum_rpm: its speed range; None where its document is damaged."""
 
     id: str
     plant: str
     name: str
     revision: int
     created_at: int
-    minimum_rpm: float
-    maximum_rpm: float
+    minimum_rpm: float | None
+    maximum_rpm: float | None
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,10 @@ def stamp(session: Session) -> tuple[int | None, ...]:
 
 
 def list_all(session: Session) -> list[ListedMachine]:
-    """Return all machines by id, reading only the listed parts of their documents."""
+    """Return all machines by id, reading only the listed parts of their documents.
+
+    A machine whose document is damaged is listed without name and speed range.
+    """
     limits = RevisionRow.document["speed_range"]
     query = select(
         MachineRow.id,
@@ -93,7 +97,15 @@ def list_all(session: Session) -> list[ListedMachine]:
         limits["maximum_rpm"].as_float(),
     )
     query = query.join(RevisionRow, _in_force()).order_by(MachineRow.id)
-    return [ListedMachine(*row) for row in session.execute(query)]
+    bare = select(MachineRow.id, MachineRow.plant, MachineRow.revision, MachineRow.created_at).order_by(MachineRow.id)
+    every = session.execute(bare).all()
+    named = {row[0]: row for row in readable_rows(session, query, MachineRow.id, [row.id for row in every])}
+    return [
+        ListedMachine(*named[row.id])
+        if row.id in named
+        else ListedMachine(row.id, row.plant, "", row.revision, row.created_at, None, None)
+        for row in every
+    ]
 
 
 def glances(session: Session, machines: Sequence[ListedMachine], *, since: int) -> list[MachineGlance]:
@@ -116,7 +128,7 @@ def glances(session: Session, machines: Sequence[ListedMachine], *, since: int) 
     identifications = {one[0]: IdentificationGlance(*one) for one in found}
     severities = _open_by_severity(session)
     waiting = _unacknowledged(session)
-    happened = _event_counts_since(session, since)
+    happened = _event_counts_since(session, since, [one.id for one in machines])
     return [
         MachineGlance(
             machine=one,
@@ -132,9 +144,13 @@ def glances(session: Session, machines: Sequence[ListedMachine], *, since: int) 
 
 
 def collectors(session: Session) -> dict[str, str]:
-    """Return the state of each machine's run collection as JSON text; some of a thousand change with every sample block."""
-    rows = session.execute(select(CollectorRow.machine_id, cast(CollectorRow.state, Text)))
-    return {machine_id: state for machine_id, state in rows}  # noqa: C416
+    """Return the state of each machine's run collection as JSON text, without those that are damaged.
+
+    Some of a thousand change with every sample block.
+    """
+    query = select(CollectorRow.machine_id, cast(CollectorRow.state, Text))
+    ids = session.scalars(select(MachineRow.id)).all()
+    return {machine_id: state for machine_id, state in readable_rows(session, query, CollectorRow.machine_id, ids)}  # noqa: C416
 
 
 def _in_force() -> ColumnElement[bool]:
@@ -166,10 +182,11 @@ def _open_by_severity(session: Session) -> dict[str, dict[int, int]]:
 
 def _unacknowledged(session: Session) -> dict[str, int]:
     query = select(AlertRow.machine_id, func.count()).where(AlertRow.closed_at.is_(None), AlertRow.state.in_(UNACKNOWLEDGED))
-    return _counts(session, query.group_by(AlertRow.machine_id))
+    return dict(session.execute(query.group_by(AlertRow.machine_id)).all())
 
 
-def _event_counts_since(session: Session, since: int) -> dict[str, dict[str, int]]:
+def _event_counts_since(session: Session, since: int, ids: Sequence[str]) -> dict[str, dict[str, int]]:
+    """Return counts by kind and machine, without those of machines whose rows are damaged."""
     kinds: dict[str, tuple[Any, Any]] = {
         "runs": (RunRow.machine_id, RunRow.time_first),
         "identifications": (IdentificationRow.machine_id, IdentificationRow.computed_at),
@@ -177,14 +194,13 @@ def _event_counts_since(session: Session, since: int) -> dict[str, dict[str, int
         "revisions": (RevisionRow.machine_id, RevisionRow.created_at),
         "timeline": (TimelineRow.machine_id, TimelineRow.created_at),
     }
-    return {kind: _counts(session, _by_machine(machine_id, time >= since)) for kind, (machine_id, time) in kinds.items()}
+    return {
+        kind: dict(tuple(row) for row in readable_rows(session, _by_machine(machine_id, time >= since), machine_id, ids))
+        for kind, (machine_id, time) in kinds.items()
+    }
 
 
 def _by_machine(machine_id: Any, wanted: ColumnElement[bool]) -> Any:
     # Not grouped by the column itself: SQLite would walk its index, and with it years of wide rows, to count those of a day.
     group = machine_id.concat("")
     return select(group, func.count()).where(wanted).group_by(group)
-
-
-def _counts(session: Session, query: Any) -> dict[str, int]:
-    return dict(session.execute(query).all())

@@ -95,7 +95,10 @@ def _open_run(one: MachineGlance, standing: CollectionState | None) -> Row | Non
     run = one.last_run
     if standing is None or run is None or run.state != OPEN:
         return None
-    part = progress(run.kind, standing, minimum_rpm=one.machine.minimum_rpm, maximum_rpm=one.machine.maximum_rpm)
+    minimum, maximum = one.machine.minimum_rpm, one.machine.maximum_rpm
+    if minimum is None or maximum is None:
+        return None
+    part = progress(run.kind, standing, minimum_rpm=minimum, maximum_rpm=maximum)
     return {"id": run.id, "kind": run.kind, "started_at": to_datetime(run.time_first), "progress": part}
 
 

@@ -213,9 +213,13 @@ def test_a_document_that_is_none_is_damage(database: Database) -> None:
     with database.transaction() as session:
         session.execute(text("UPDATE machine_revisions SET document = 'secrets' WHERE machine_id = 'pump-7'"))
     api = Api(database)
-    assert "damaged" in problem(api.get("/machines"), 503)["detail"]
+    listed = {one["id"]: one["name"] for one in api.value("/machines")}
+    assert listed == {HURT: machine().name, KEY.machine: ""}
     words = api.get("/health").json()["parts"]["database"]
-    assert "malformed JSON (first met" in words
+    assert f"of {KEY.machine}: malformed JSON (first met" in words
+    assert [one["id"] for one in api.value("/fleet")["machines"]] == [HURT, KEY.machine]
+    assert "damaged" in problem(api.get(f"/machines/{KEY.machine}"), 503)["detail"]
+    assert api.value(f"/machines/{HURT}")["id"] == HURT
     assert "secrets" not in words
 
 
