@@ -99,7 +99,7 @@ def list_all(session: Session) -> list[ListedMachine]:
     query = query.join(RevisionRow, _in_force()).order_by(MachineRow.id)
     bare = select(MachineRow.id, MachineRow.plant, MachineRow.revision, MachineRow.created_at).order_by(MachineRow.id)
     every = session.execute(bare).all()
-    named = {row[0]: row for row in readable_rows(session, query, MachineRow.id, [row.id for row in every])}
+    named = {row[0]: row for row in readable_rows(session, query, RevisionRow.machine_id, [row.id for row in every])}
     return [
         ListedMachine(*named[row.id])
         if row.id in named
