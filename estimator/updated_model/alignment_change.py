@@ -62,6 +62,7 @@ class AlignmentChange:
         value: By how much it is larger than in the baseline [unit].
         error: Standard error of that [unit].
         believed: Standard deviation of a change that is believed possible beforehand [unit].
+        undefined: Reason why there is none; None where there is one.
     """
 
     name: str
@@ -69,6 +70,7 @@ class AlignmentChange:
     value: float
     error: float
     believed: float
+    undefined: str | None = None
 
 
 def alignment_changes(
@@ -111,7 +113,8 @@ def alignment_changes(
     for one in alignment_results(later):
         row = (one.slope * coordinates.unit)[moving]
         known = float(np.linalg.norm(row * believed))
-        found.append(AlignmentChange(one.name, one.unit, float(row @ moved), float(standard_errors(row, error)), known))
+        changed, uncertain = float(row @ moved), float(standard_errors(row, error))
+        found.append(AlignmentChange(one.name, one.unit, changed, uncertain, known, one.undefined))
     return tuple(found)
 
 

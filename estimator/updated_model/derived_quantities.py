@@ -21,6 +21,7 @@ from estimator.fit.identify import Identification
 from estimator.machine.document import Machine
 from estimator.phasors.harmonic_ratio import FEWEST, NEAR, Orders, measures_second, second_over_first
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
+from estimator.updated_model.alignment_change import AlignmentChange, alignment_changes
 from estimator.updated_model.alignment_results import AlignmentResult, alignment_results
 from estimator.updated_model.amplification import UncertainPeak, peaks_with_errors
 from estimator.updated_model.coupling_loads import coupling_forces
@@ -109,6 +110,22 @@ def alignment_quantities(model: UpdatedModel) -> tuple[Derived, ...]:
         Derived quantities [m, rad]; none of a train whose coefficients do not follow from films.
     """
     return tuple(map(_of_alignment, alignment_results(model)))
+
+
+def alignment_change_quantities(baseline: Sequence[UpdatedModel], later: UpdatedModel) -> tuple[Derived, ...]:
+    """Derive by how much offset and angle of each coupling have changed against a baseline, or why that is not determined.
+
+    Args:
+        baseline: Models of the baseline's runs, at least one, of the same machine.
+        later: Model of the later run.
+
+    Returns:
+        Changes [m, rad], named as alignment is; none of a train whose coefficients do not follow from films.
+
+    Raises:
+        ValueError: There is no baseline, or it is of another machine.
+    """
+    return tuple(map(_of_alignment, alignment_changes(baseline, later)))
 
 
 def running_speed(machine: Machine, identification: Identification) -> float:
@@ -216,7 +233,7 @@ def _of_film(one: FilmResult) -> Derived:
     return Derived(one.name, one.unit, one.value, one.value - half, one.value + half)
 
 
-def _of_alignment(one: AlignmentResult) -> Derived:
+def _of_alignment(one: AlignmentResult | AlignmentChange) -> Derived:
     """State an offset or angle by the rule of levels: not where the run says hardly more than what was believed before."""
     why = one.undefined or (prior_alone_reason(one.believed, one.unit) if prior_alone(one.error, one.believed) else None)
     if why is not None:

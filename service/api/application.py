@@ -20,6 +20,7 @@ from service.api.cache.response_cache import ResponseCache
 from service.api.conventions.error_handlers import add_handlers
 from service.api.conventions.lent_threads import another_thread
 from service.api.conventions.unknown_parameters import reject_unknown_parameters
+from service.api.findings.alignment import router as alignment
 from service.api.findings.bode import router as bode
 from service.api.findings.comparisons import router as comparisons
 from service.api.findings.deviations import router as deviations
@@ -193,6 +194,7 @@ def _routes() -> list[BaseRoute]:
         timeline,
         baselines,
         deviations,
+        alignment,
         limits,
         subscriptions,
         operations,

@@ -26,7 +26,7 @@ _CHECKPOINTED_AT = 2 * _COPY
 
 @dataclass(frozen=True)
 class _Counted:
-    """What the index says. frames: committed ones; salt: of the log since it was last begun anew."""
+    """Frames that the log's index counts. frames: committed ones; salt: of the log since it was last begun anew."""
 
     frames: int
     page_size: int

@@ -1,3 +1,3 @@
 """Repositories of machine documents, baselines, limits, calibrations, slow-roll vectors, timelines and the fleet. They import
-`tables`; every part of the service reads the document in force from here.
+`database` and `tables`; every part of the service reads the document in force from here.
 """

@@ -1,7 +1,8 @@
-// Predictions of the newest identified model: Campbell diagram, critical speeds, oil films, coupling loads, balancing.
+// Predictions of the newest identified model: Campbell diagram, critical speeds, oil films, alignment, coupling loads, balancing.
 import { NewestNotice, NoIdentification, PendingPanel } from "../components/newest-identification";
 import { Time } from "../components/time";
 import { useNewestIdentification } from "../data/newest-identification";
+import { AlignmentPanel } from "../identification/alignment-panel";
 import { BalancingPanel } from "../identification/balancing-panel";
 import { CampbellPanel } from "../identification/campbell-panel";
 import { CouplingLoadsPanel } from "../identification/coupling-loads-panel";
@@ -30,6 +31,7 @@ export function ModelTab({ machine }: { machine: Document }) {
         <CriticalSpeedsPanel machine={machine} path={paths.criticals} />
       </div>
       <OilFilmsPanel machine={machine} found={newest} />
+      <AlignmentPanel found={newest} />
       <CouplingLoadsPanel path={paths.forces} />
       <BalancingPanel path={paths.balancing} />
     </>

@@ -75,3 +75,26 @@ export interface Balancing {
   after: { channel: string; amplitude: Column; lower: Column; upper: Column }[];
   condition_number: number;
 }
+
+/** A number with its interval in SI units, or the reason why it is not determined. */
+export interface Determined {
+  value: number | null;
+  lower: number | null;
+  upper: number | null;
+  reason: string | null;
+}
+
+export interface AlignmentNumber {
+  name: string;
+  coupling: string;
+  quantity: string;
+  unit: string;
+  absolute: Determined;
+  change: Determined | null;
+}
+
+export interface Alignment {
+  missing: string | null;
+  baseline: { identifications: number[] };
+  numbers: AlignmentNumber[];
+}

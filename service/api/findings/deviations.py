@@ -48,14 +48,14 @@ def _names(words: str) -> Any:
 @router.get("/machines/{machine_id}/deviations", operation_id="read_deviations")
 def read_deviations(request: Request, session: Reading, machine_id: MachineId, which: Which = None) -> schemas.DeviationsOut:
     """Measure the deviation of each parameter and each element from the baseline, in per cent and standard deviations."""
-    found = _compared(request, session, machine_id, which)
+    found = chosen_comparison(request, session, machine_id, which)
     if found.missing is not None:
-        return schemas.DeviationsOut(**_common_fields(session, found, {}), parameters=[], elements=[])
+        return schemas.DeviationsOut(**compared_fields(session, found, {}), parameters=[], elements=[])
     *baseline, now = points(session, found, [*found.baseline, found.identification])
     result = deviations(baseline, now)
     limits = limits_in_force(session, machine_id)
     return schemas.DeviationsOut(
-        **_common_fields(session, found, _left_out(session, found, baseline, now)),
+        **compared_fields(session, found, _left_out(session, found, baseline, now)),
         parameters=[_parameter(one, limits) for one in result.parameters],
         elements=[_element(one) for one in result.elements],
     )
@@ -75,9 +75,9 @@ def read_trend_tests(
     A query for parameters only leaves the elements out, and the reverse. Quantities derived from parameters, such as
     critical_speed.1, have trends but no tests.
     """
-    found = _compared(request, session, machine_id, which)
+    found = chosen_comparison(request, session, machine_id, which)
     if found.missing is not None:
-        return schemas.TrendTestsOut(**_common_fields(session, found, {}), run_length=RUN_LENGTH, tests=[])
+        return schemas.TrendTestsOut(**compared_fields(session, found, {}), run_length=RUN_LENGTH, tests=[])
     baseline, after = points(session, found, found.baseline), readings(session, found)
     limits = limits_in_force(session, machine_id)
     everything = not parameter and not element
@@ -92,7 +92,7 @@ def read_trend_tests(
     told = {name for one in tests for name in (one.name, parameter_of(one.name))}
     machine = machines.document(session, machine_id, found.identification.revision)
     reasons = {name: left_out.get(name) or _reason_not_tested(machine, name) for name in asked if name not in told}
-    return schemas.TrendTestsOut(**_common_fields(session, found, reasons), run_length=RUN_LENGTH, tests=tests)
+    return schemas.TrendTestsOut(**compared_fields(session, found, reasons), run_length=RUN_LENGTH, tests=tests)
 
 
 def _reason_not_tested(machine: Machine, name: str) -> str:
@@ -109,7 +109,11 @@ def _coordinates(point: Point, parameters: list[str] | None) -> list[str] | None
     return [name for name in point.names if name in parameters or parameter_of(name) in parameters]
 
 
-def _compared(request: Request, session: Session, machine_id: str, which: int | None) -> Compared:
+def chosen_comparison(request: Request, session: Session, machine_id: str, which: int | None) -> Compared:
+    """Return an identification, by default the newest accepted one of a single run, with what it is compared with.
+
+    Raises MachineUnknown, IdentificationUnknown, Unsuitable.
+    """
     machines.get(session, machine_id)
     return compared(session, _chosen(session, machine_id, which), baseline_runs=cast(int, request.app.state.baseline_runs))
 
@@ -147,7 +151,8 @@ def _left_out(session: Session, found: Compared, baseline: list[Point], now: Poi
     return reasons
 
 
-def _common_fields(session: Session, found: Compared, left_out: dict[str, str]) -> dict[str, object]:
+def compared_fields(session: Session, found: Compared, left_out: dict[str, str]) -> dict[str, object]:
+    """Return the fields of `ComparedOut`. left_out: what is not compared, with the reason."""
     row, began = found.identification, found.began
     return {
         "machine": row.machine_id,

@@ -1,0 +1,96 @@
+"""Alignment of a machine's couplings, and by how much it has changed against the baseline."""
+
+from collections.abc import Iterator
+
+from fastapi import APIRouter, Request
+from pydantic import BaseModel, Field
+
+from estimator.machine.film_speeds import follows_films
+from estimator.machine.parameter_description import describe
+from estimator.updated_model.derived_quantities import Derived, alignment_change_quantities, alignment_quantities
+from service.api.conventions.dependencies import MachineId, Reading, database
+from service.api.conventions.problems import RESPONSES
+from service.api.findings.deviation_schemas import ComparedOut
+from service.api.findings.deviations import Which, chosen_comparison, compared_fields
+from service.api.findings.model import cached_result, read_identified
+from service.identification.stored_model import Identified, identified
+from service.security.requirement import VIEWER
+
+router = APIRouter(tags=["models"], responses=RESPONSES, dependencies=[VIEWER])
+
+Quantities = tuple[Derived, ...]
+
+
+class Determined(BaseModel):
+    """A number with its 95 % interval, in SI units, or the reason why it is not determined."""
+
+    value: float | None
+    lower: float | None
+    upper: float | None
+    reason: str | None
+
+
+class AlignmentNumber(BaseModel):
+    """Offset [m] or angle [rad] at a coupling, in one plane."""
+
+    name: str = Field(description="such as coupling.C1.offset_vertical, as in trends")
+    coupling: str
+    quantity: str = Field(description="offset or angle, vertical or horizontal: signs and zero in docs/analysts.md")
+    unit: str
+    absolute: Determined = Field(description="of this identification by itself")
+    change: Determined | None = Field(description="against the baseline, with which it is known better; null: none")
+
+
+class AlignmentOut(ComparedOut):
+    """Alignment of all couplings of a train on oil films; no numbers where bearings are not described by their films."""
+
+    numbers: list[AlignmentNumber]
+
+
+@router.get("/machines/{machine_id}/alignment", operation_id="read_alignment")
+def read_alignment(request: Request, session: Reading, machine_id: MachineId, which: Which = None) -> AlignmentOut:
+    """Read offset and angle of each coupling, and by how much they have changed against the baseline.
+
+    A change is known better than either alignment: what is uncertain of the films is the same in all runs.
+    """
+    compared = chosen_comparison(request, session, machine_id, which)
+    fields = compared_fields(session, compared, {})
+    number = compared.identification.id
+    if not follows_films(read_identified(request, number).machine):
+        return AlignmentOut(**fields, numbers=[])
+    baseline = () if compared.missing is not None else tuple(row.id for row in compared.baseline)
+
+    def read_baseline(_: Identified) -> list[Identified]:
+        with database(request).reading() as reading:
+            return [identified(reading, one) for one in baseline]
+
+    _, (absolute, changes) = cached_result(request, number, ("alignment", baseline), _alignment, given=read_baseline)
+    if baseline and not changes:
+        fields["missing"] = "the baseline was identified with other unknowns: identify its runs again"
+    return AlignmentOut(**fields, numbers=list(_numbers(absolute, changes)))
+
+
+def _alignment(one: Identified, baseline: list[Identified]) -> tuple[Quantities, Quantities]:
+    """Return alignment and its changes; no changes without a baseline of the same unknowns."""
+    models = [each.model for each in baseline]
+    comparable = bool(models) and all(each.coordinates == one.model.coordinates for each in models)
+    return alignment_quantities(one.model), alignment_change_quantities(models, one.model) if comparable else ()
+
+
+def _numbers(absolute: Quantities, changes: Quantities) -> Iterator[AlignmentNumber]:
+    by_name = {one.name: one for one in changes}
+    for one in absolute:
+        said = describe(one.name)
+        change = by_name.get(one.name)
+        yield AlignmentNumber(
+            name=one.name,
+            coupling=said.element_id,
+            quantity=said.quantity,
+            unit=one.unit,
+            absolute=_determined(one),
+            change=None if change is None else _determined(change),
+        )
+
+
+def _determined(one: Derived) -> Determined:
+    return Determined(value=one.value, lower=one.lower, upper=one.upper, reason=one.reason)

@@ -1,0 +1,105 @@
+"""Alignment over HTTP: what is told by itself, and its change against the baseline, as the estimator computes them."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from estimator.arrays import Floats
+from estimator.updated_model.derived_quantities import Derived, alignment_change_quantities, alignment_quantities
+from estimator.updated_model.model import UpdatedModel, expected_model
+from service.monitoring.comparison import WEEK
+from storage.database.engine import Database
+from storage.machines import machines
+from tests.api_in_process import Api, problem, value
+from tests.estimator.updated_model.test_alignment_results import NAMES, machine_of, with_known_offset
+from tests.plant import KEY, START, identification, store_identification
+
+MACHINE = machine_of()
+NARROW = with_known_offset(expected_model(MACHINE), error=10e-6)
+MODEL = replace(NARROW, covariance=NARROW.covariance + np.diag(np.where(np.diag(NARROW.covariance) > 0.0, 0.0, 1e-8)))
+BASELINE = 5
+MOVED = 60e-6
+"""Rise of the driven shaft's two bearings [m]."""
+
+
+def raised(by: float) -> Floats:
+    """The point of a machine whose driven shaft has risen [m]."""
+    point = MODEL.values.copy()
+    for bearing in ("B3", "B4"):
+        point[MODEL.coordinates.index(f"bearing.{bearing}.elevation_y")] += by
+    return point
+
+
+def file(database: Database, week: int, point: Floats) -> None:
+    outcome = identification(
+        estimates=(),
+        coordinates=MODEL.coordinates,
+        point=point,
+        covariance=MODEL.covariance,
+        channel_effects=None,
+    )
+    with database.transaction() as session:
+        store_identification(session, outcome, run_id=week, measured_at=START + week * WEEK, machine_id=MACHINE.id)
+
+
+@pytest.fixture
+def api(plant: Database) -> Iterator[Api]:
+    """Over a baseline of aligned runs, and one after it in which the driven shaft has risen."""
+    with plant.transaction() as session:
+        machines.create(session, MACHINE)
+    for week in range(1, BASELINE + 1):
+        file(plant, week, raised(0.0))
+    file(plant, BASELINE + 1, raised(MOVED))
+    one = Api(plant)
+    yield one
+    one.app.state.model_process.close()
+
+
+def by_name(quantities: tuple[Derived, ...]) -> dict[str, Derived]:
+    return {one.name: one for one in quantities}
+
+
+def assert_same(told: dict[str, Any], expected: Derived) -> None:
+    assert told["reason"] == expected.reason
+    for field in ("value", "lower", "upper"):
+        number = getattr(expected, field)
+        assert told[field] == (None if number is None else pytest.approx(number, rel=1e-6))
+
+
+def test_alignment_is_told_with_its_change_against_the_baseline(api: Api) -> None:
+    found = api.value(f"/machines/{MACHINE.id}/alignment")
+    assert (found["identification"], found["missing"]) == (BASELINE + 1, None)
+    assert found["baseline"]["identifications"] == [1, 2, 3, 4, 5]
+    numbers = {one["name"]: one for one in found["numbers"]}
+    assert tuple(numbers) == NAMES
+    later = UpdatedModel(MODEL.machine, MODEL.coordinates, raised(MOVED), MODEL.covariance)
+    alone, changed = by_name(alignment_quantities(later)), by_name(alignment_change_quantities([MODEL] * BASELINE, later))
+    for name, one in numbers.items():
+        assert_same(one["absolute"], alone[name])
+        assert_same(one["change"], changed[name])
+    offset = numbers["coupling.C1.offset_vertical"]
+    assert (offset["coupling"], offset["quantity"], offset["unit"]) == ("C1", "offset_vertical", "m")
+    assert offset["change"]["lower"] < MOVED < offset["change"]["upper"]
+    assert "hardly more" in numbers["coupling.C1.angle_vertical"]["absolute"]["reason"]
+
+
+def test_without_a_baseline_there_is_no_change_and_it_is_said(api: Api) -> None:
+    found = api.value(f"/machines/{MACHINE.id}/alignment", identification=2)
+    assert found["missing"] == "identification 2 is part of the baseline"
+    assert [one["change"] for one in found["numbers"]] == [None] * len(NAMES)
+    assert found["numbers"][0]["absolute"]["value"] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_train_without_films_has_no_numbers(api: Api) -> None:
+    with api.database.transaction() as session:
+        store_identification(session, identification(), run_id=100)
+    assert value(api.get(f"/machines/{KEY.machine}/alignment"))["numbers"] == []
+
+
+def test_what_is_not_there_is_refused(api: Api) -> None:
+    problem(api.get("/machines/none/alignment"), 404)
+    problem(api.get(f"/machines/{KEY.machine}/alignment"), 404)
+    problem(api.get(f"/machines/{MACHINE.id}/alignment?identification=99"), 404)
