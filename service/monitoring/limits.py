@@ -146,7 +146,8 @@ def require_suited(limits: Limits, machine: Machine) -> None:
 
 def _element_problems(limits: Limits, machine: Machine) -> Iterator[tuple[str, str]]:
     concerned = {name: concerned_elements(rule) for name, rule in LIMITED_RULES.items()}
-    kinds = {kind for of_rule in concerned.values() for kind in of_rule}
+    # A rule that concerns the machine as a whole has its own levels: there is no part to have others.
+    kinds = {kind for of_rule in concerned.values() for kind in of_rule} - {"machine"}
     known = [f"{kind}.{part.id}" for kind in sorted(kinds) for part in getattr(machine, _list_name(kind))]
     for element, rules in limits.elements.items():
         if element not in known:

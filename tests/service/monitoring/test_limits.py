@@ -1,12 +1,13 @@
 """Limits: what a level needs, how a level is left, which documents contradict themselves or do not suit a machine."""
 
-from typing import Any
+from typing import Any, get_args
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
+from estimator.diagnosis.finding_kind import ElementKind
 from service.alerts.lifecycle import Severity
 from service.monitoring.limits import DEFAULTS, Limits, LimitsRefused, RuleName, require_suited, severity_of
 from tests.plant import document, few_examples, machine
@@ -94,6 +95,18 @@ def test_what_was_reached_before_is_held_at_least(sigma: float | None, per_cent:
         int(severity_of(of, "bearing", sigma=sigma, per_cent=per_cent, present=present) or 0) for present in (None, *Severity)
     ]
     assert ranks == sorted(ranks)
+
+
+@pytest.mark.parametrize("kind", get_args(ElementKind))
+def test_limits_may_be_of_a_finding_at_any_kind_of_element(kind: ElementKind, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The machine as a whole has no part that could have limits of its own."""
+    monkeypatch.setattr("service.monitoring.limits.concerned_elements", lambda _: (kind,))
+    require_suited(Limits(), machine())
+    if parts := [] if kind == "machine" else getattr(machine(), f"{kind}s"):
+        own = {f"{kind}.{parts[0].id}": {"bearing": {"alert": {"per_cent": 5}, "danger": {"per_cent": 50}}}}
+        require_suited(limits(elements=own), machine())
+    with pytest.raises(LimitsRefused):
+        require_suited(limits(elements={"machine.pump-7": {"bearing": {"alert": {"per_cent": 5}}}}), machine())
 
 
 def test_defaults_name_what_a_person_leaves_out() -> None:
