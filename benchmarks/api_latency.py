@@ -27,7 +27,7 @@ from storage.alerts import alerts
 from storage.database.engine import Database
 from storage.machines import machines
 from storage.measurements import runs
-from storage.tables import CollectorRow
+from storage.tables.measurements import CollectorRow
 from tests.end_to_end.processes import Service, until
 from tests.plant import KEY, SECOND, START, identification, machine, sqlite_url, store_identification
 

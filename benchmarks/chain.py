@@ -20,7 +20,7 @@ from sqlalchemy import bindparam, select
 
 from storage.database.engine import engine_of
 from storage.encoding.sample_blocks import decode
-from storage.tables import SampleBlockRow
+from storage.tables.measurements import SampleBlockRow
 from tests.end_to_end.processes import Service, example, process, until
 
 POLL_S = 0.005

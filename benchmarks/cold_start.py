@@ -21,7 +21,10 @@ from sqlalchemy import event, insert, select
 
 from storage.database.engine import Database
 from storage.machines import machines
-from storage.tables import Base, EstimateRow, IdentificationRow, JobRow, MachineRow, RevisionRow, RunRow
+from storage.tables.base import Base
+from storage.tables.findings import EstimateRow, IdentificationRow, JobRow
+from storage.tables.machines import MachineRow, RevisionRow
+from storage.tables.measurements import RunRow
 from tests.end_to_end.processes import Service
 from tests.faults.storage_faults import own_server
 from tests.plant import KEY, identification, machine, store_identification

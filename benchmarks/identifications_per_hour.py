@@ -23,7 +23,7 @@ from storage.database.engine import Database
 from storage.findings import identifications
 from storage.machines import machines
 from storage.measurements import runs
-from storage.tables import JobRow
+from storage.tables.findings import JobRow
 from tests.end_to_end.processes import Service, until
 from tests.identification import chapter_3, close_run, counts
 

@@ -5,7 +5,7 @@ from sqlalchemy.orm import Session
 from service.monitoring import conclusions
 from service.monitoring.assess import assess
 from service.monitoring.assessment_context import load_context, load_state
-from storage.tables import IdentificationRow
+from storage.tables.findings import IdentificationRow
 
 
 def judge(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> None:

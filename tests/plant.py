@@ -26,7 +26,7 @@ from service.wire import WIRE_SCHEMA, Key, SampleBatch, encode_batch
 from storage.encoding.sample_blocks import Samples
 from storage.findings import identifications, jobs
 from storage.findings.identifications import Origin
-from storage.tables import IdentificationRow
+from storage.tables.findings import IdentificationRow
 
 Document = dict[str, Any]
 

@@ -1,6 +1,6 @@
 """The rooms of the house from the bottom up, and behind each the rooms that it may import; longer lists go on indented.
 
-`python -m tests.rooms_picture` draws the same in docs/developers.md.
+`python -m tests.rooms_picture` draws the same in docs/developers.md and docs/rooms.md.
 """
 
 import re

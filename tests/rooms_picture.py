@@ -1,4 +1,7 @@
-"""The picture of the house in docs/developers.md, drawn from `tests.rooms` by `python -m tests.rooms_picture`."""
+"""The picture of the house in docs/developers.md and the table of its rooms in docs/rooms.md, drawn from `tests.rooms`.
+
+`python -m tests.rooms_picture` draws both.
+"""
 
 import ast
 import re
@@ -8,7 +11,7 @@ from pathlib import Path
 from tests.paths import ROOT
 from tests.rooms import ROOMS
 
-PAGE = ROOT / "docs" / "developers.md"
+PICTURE, TABLE = ROOT / "docs" / "developers.md", ROOT / "docs" / "rooms.md"
 BEGIN, END = "<!-- rooms: drawn by `python -m tests.rooms_picture` -->\n", "<!-- end of rooms -->"
 
 
@@ -18,8 +21,8 @@ def first_sentence(package: Path) -> str:
     return re.split(r"[.;](?=\s)", " ".join(text.split()) + " ", maxsplit=1)[0]
 
 
-def picture() -> str:
-    """Return the table of rooms that docs/developers.md shows: what lives in each, and the rooms that it imports."""
+def table() -> str:
+    """Return the table of docs/rooms.md: what lives in each room, and the rooms that it imports."""
     lines = ["| room | what lives there | imports |", "|---|---|---|"]
     for room, others in ROOMS.items():
         package = room.split("/")[0]
@@ -55,11 +58,12 @@ def drawing() -> str:
     return "\n".join([*lines[:-1], "```"]) + "\n"
 
 
-def drawn(page: str) -> str:
-    """Return a page with the picture between its marks drawn anew."""
-    head, rest = page.split(BEGIN, 1)
-    return head + BEGIN + drawing() + "\n" + picture() + END + rest.split(END, 1)[1]
+def drawn(page: Path) -> str:
+    """Return a page with what stands between its marks drawn anew."""
+    head, rest = page.read_text().split(BEGIN, 1)
+    return head + BEGIN + (drawing() if page == PICTURE else table()) + END + rest.split(END, 1)[1]
 
 
 if __name__ == "__main__":
-    PAGE.write_text(drawn(PAGE.read_text()))
+    for one in (PICTURE, TABLE):
+        one.write_text(drawn(one))

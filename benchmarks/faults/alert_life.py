@@ -21,7 +21,7 @@ from service.alerts.transitions import AlertFinding, MomentRefused, Person
 from storage.alerts import alerts, deliveries, suppressions
 from storage.database.engine import Database
 from storage.machines import machines
-from storage.tables import AlertEventRow, AlertRow, DeliveryRow
+from storage.tables.alerting import AlertEventRow, AlertRow, DeliveryRow
 from tests.plant import START, identification, machine, store_identification
 
 MACHINE, RULE = "pump-7", "misalignment"

@@ -19,7 +19,7 @@ from service.wire import Key
 from storage.database.engine import Database
 from storage.machines import machines
 from storage.measurements import runs
-from storage.tables import RunRow
+from storage.tables.measurements import RunRow
 from tests.end_to_end.processes import Service, example, until
 from tests.end_to_end.test_real_input import ross_batch
 

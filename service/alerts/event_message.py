@@ -6,7 +6,7 @@ from pydantic import BaseModel, Field
 
 from service.alerts.lifecycle import Severity
 from storage.clock import to_datetime
-from storage.tables import AlertEventRow
+from storage.tables.alerting import AlertEventRow
 
 
 class AlertEvent(BaseModel):

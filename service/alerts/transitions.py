@@ -28,7 +28,7 @@ from service.alerts.lifecycle import (
 )
 from storage.alerts import alerts, deliveries, suppressions
 from storage.clock import now
-from storage.tables import AlertRow, SuppressionRow
+from storage.tables.alerting import AlertRow, SuppressionRow
 
 SERVICE = "rundown"
 """Author of events that no person causes."""

@@ -15,7 +15,7 @@ from service.security.principal import Role
 
 if TYPE_CHECKING:
     from storage.database.engine import Database
-    from storage.tables import ApiKeyRow
+    from storage.tables.operation import ApiKeyRow
 
 key_app = typer.Typer(no_args_is_help=True, help="API keys: who may ask the service, and for what.")
 audit_app = typer.Typer(no_args_is_help=True, help="The audit trail.")

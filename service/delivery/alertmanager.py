@@ -13,7 +13,7 @@ from service.delivery.addresses import Network
 from service.delivery.channel import FIRING, DeliveryOutcome, EventMessage
 from service.delivery.channel_kind import ChannelKind, Connections
 from service.delivery.webhook import post
-from storage.tables import SubscriptionRow
+from storage.tables.alerting import SubscriptionRow
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from aiohttp import ClientSession
 from service.configuration.settings import Settings
 from service.delivery.channel import Channel
 from service.delivery.signing_secrets import SigningSecrets
-from storage.tables import SubscriptionRow
+from storage.tables.alerting import SubscriptionRow
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,7 @@ from service.delivery.mail import EMAIL
 from service.delivery.signing_secrets import SecretUnusable
 from service.delivery.webhook import TIMEOUT_S, WEBHOOK
 from service.delivery.zenoh_channel import ZENOH
-from storage.tables import SubscriptionRow
+from storage.tables.alerting import SubscriptionRow
 
 CHANNEL_KINDS: tuple[ChannelKind, ...] = (WEBHOOK, ALERTMANAGER, EMAIL, ZENOH)
 """All kinds, in the order in which people see them."""

@@ -24,7 +24,7 @@ from service.replication.work_share import DELIVERY, Share, WholeShare
 from service.resilience.supervised_thread import SupervisedThread
 from storage.alerts import deliveries
 from storage.database.engine import Database
-from storage.tables import SubscriptionRow
+from storage.tables.alerting import SubscriptionRow
 
 POLL_S = 0.05
 RETRY_S = 1.0

@@ -12,7 +12,7 @@ from service.delivery.channel import DeliveryOutcome, EventMessage
 from service.delivery.channel_kind import ChannelKind, Connections
 from service.delivery.cloud_event import event_id
 from service.delivery.daemon_threads import DaemonThreads
-from storage.tables import SubscriptionRow
+from storage.tables.alerting import SubscriptionRow
 
 TIMEOUT_S = 15.0
 """Time limit of each step of the SMTP dialogue [s]."""

@@ -8,7 +8,7 @@ from service.alerts.lifecycle import Severity
 from service.delivery.channel import EventMessage
 from storage.clock import now, to_datetime
 from storage.machines import machines
-from storage.tables import AlertEventRow
+from storage.tables.alerting import AlertEventRow
 
 
 def message_of(session: Session, event: AlertEventRow) -> EventMessage:

@@ -18,7 +18,7 @@ from storage.clock import now
 from storage.database.damage import is_damage
 from storage.database.engine import Database
 from storage.database.errors import is_database_wide
-from storage.tables import AlertEventRow, DeliveryRow
+from storage.tables.alerting import AlertEventRow, DeliveryRow
 
 logger = logging.getLogger(__name__)
 

@@ -14,7 +14,7 @@ from service.delivery.sending import within_deadline
 from storage.alerts import alerts, deliveries
 from storage.database.engine import Database
 from storage.database.errors import is_database_wide
-from storage.tables import SubscriptionRow
+from storage.tables.alerting import SubscriptionRow
 
 logger = logging.getLogger(__name__)
 

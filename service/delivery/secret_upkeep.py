@@ -14,7 +14,7 @@ from storage.backup import scrubbing
 from storage.backup.scrubbing import ScrubFailed
 from storage.database.engine import Database
 from storage.operation import idempotency
-from storage.tables import SubscriptionRow
+from storage.tables.alerting import SubscriptionRow
 
 logger = logging.getLogger(__name__)
 

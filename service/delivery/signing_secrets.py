@@ -17,7 +17,7 @@ from service.secrets.references import FILE_NAME, VARIABLE, VARIABLE_PREFIX
 from service.secrets.sealing import SEALED, SealBroken, Sealing, make_key
 from storage.database.claim import file_of
 from storage.database.engine import engine_of
-from storage.tables import SubscriptionRow
+from storage.tables.alerting import SubscriptionRow
 
 FILE, ENVIRONMENT = "file:", "env:"
 """Prefixes of references in the database."""

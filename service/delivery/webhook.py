@@ -11,7 +11,7 @@ from service.delivery.channel import DeliveryOutcome, EventMessage
 from service.delivery.channel_kind import ChannelKind, Connections
 from service.delivery.cloud_event import CONTENT_TYPE, cloud_event, event_id
 from service.delivery.signing import signed_headers
-from storage.tables import SubscriptionRow
+from storage.tables.alerting import SubscriptionRow
 
 TIMEOUT_S = 15.0
 """Time limit of an attempt [s]; Standard Webhooks recommends 15 to 30 s."""

@@ -14,7 +14,7 @@ from service.replication.work_share import DELIVERY, Share, WholeShare
 from storage.alerts import alerts
 from storage.database.engine import Database
 from storage.machines import machines
-from storage.tables import SubscriptionRow
+from storage.tables.alerting import SubscriptionRow
 
 logger = logging.getLogger(__name__)
 

@@ -18,25 +18,11 @@ from storage.database.private_files import PRIVATE_FOLDER, prepare
 from storage.encoding.sample_blocks import DamagedBlock, Samples
 from storage.machines.machines import MachineUnknown
 from storage.measurements import runs
-from storage.tables import (
-    AlertEventRow,
-    AlertRow,
-    Base,
-    BaselineRow,
-    CalibrationRow,
-    DerivedRow,
-    DiagnosisRow,
-    EstimateRow,
-    IdentificationRow,
-    LimitsRow,
-    MachineRow,
-    MachineStateRow,
-    RevisionRow,
-    RunRow,
-    SlowRollRow,
-    SuppressionRow,
-    TimelineRow,
-)
+from storage.tables.alerting import AlertEventRow, AlertRow, SuppressionRow
+from storage.tables.base import Base
+from storage.tables.findings import DerivedRow, DiagnosisRow, EstimateRow, IdentificationRow
+from storage.tables.machines import BaselineRow, CalibrationRow, LimitsRow, MachineRow, RevisionRow, SlowRollRow, TimelineRow
+from storage.tables.measurements import MachineStateRow, RunRow
 
 logger = logging.getLogger(__name__)
 

@@ -18,7 +18,7 @@ from storage.findings import jobs
 from storage.findings.job_order import ASKED
 from storage.machines import machines, slow_roll
 from storage.measurements import runs
-from storage.tables import JobRow
+from storage.tables.findings import JobRow
 
 SlowRollChoice = Literal["none", "in_force"] | int
 """Choice of slow-roll vectors: none, those in force, or a version."""

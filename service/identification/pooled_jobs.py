@@ -6,7 +6,7 @@ from storage.database.engine import Database
 from storage.findings import jobs
 from storage.machines import machines
 from storage.measurements import runs
-from storage.tables import MachineRow
+from storage.tables.machines import MachineRow
 
 AT_ONCE = 10
 """Machines whose jobs are queued in one transaction."""

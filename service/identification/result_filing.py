@@ -24,7 +24,7 @@ from storage.database.errors import is_database_wide
 from storage.findings import derived, identifications, jobs
 from storage.machines import machines
 from storage.measurements import runs
-from storage.tables import IdentificationRow, JobRow
+from storage.tables.findings import IdentificationRow, JobRow
 
 logger = logging.getLogger(__name__)
 

@@ -20,7 +20,8 @@ from storage.findings import identifications
 from storage.machines import machines, slow_roll
 from storage.measurements import runs
 from storage.measurements.runs import RunUnknown, SamplesReleased
-from storage.tables import IdentificationRow, RunRow
+from storage.tables.findings import IdentificationRow
+from storage.tables.measurements import RunRow
 
 
 class NoModel(Conflict):

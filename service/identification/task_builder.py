@@ -15,7 +15,7 @@ from storage.findings import identifications, jobs
 from storage.findings.identifications import Origin
 from storage.machines import machines, slow_roll
 from storage.measurements import runs
-from storage.tables import JobRow
+from storage.tables.findings import JobRow
 
 logger = logging.getLogger(__name__)
 

@@ -20,7 +20,7 @@ from storage.encoding.sample_blocks import Samples
 from storage.measurements import samples
 from storage.measurements.quarantine import Rejection
 from storage.measurements.samples import SourceKey
-from storage.tables import SourceRow
+from storage.tables.measurements import SourceRow
 
 
 @dataclass

@@ -16,7 +16,9 @@ from storage.alerts import alerts
 from storage.clock import now
 from storage.findings import identifications, jobs
 from storage.machines import baselines, limits, machines
-from storage.tables import AlertRow, IdentificationRow, LimitsRow
+from storage.tables.alerting import AlertRow
+from storage.tables.findings import IdentificationRow
+from storage.tables.machines import LimitsRow
 
 LOOKED_BACK = 60
 """Newest identifications of single runs that are assessed: enough to find when a change began, and for delays of up to 20."""

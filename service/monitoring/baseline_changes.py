@@ -9,7 +9,7 @@ from storage.alerts import alerts
 from storage.clock import TOLERANCE, now
 from storage.findings import identifications
 from storage.machines import baselines, machines, timeline
-from storage.tables import BaselineRow, RevisionRow, TimelineRow
+from storage.tables.machines import BaselineRow, RevisionRow, TimelineRow
 
 MAINTENANCE = "maintenance"
 FEWEST_NAMED = 3

@@ -9,7 +9,8 @@ from sqlalchemy.orm import Session
 from storage.findings import identifications
 from storage.findings.identifications import ComparisonGroup
 from storage.machines import baselines, machines
-from storage.tables import BaselineRow, IdentificationRow
+from storage.tables.findings import IdentificationRow
+from storage.tables.machines import BaselineRow
 
 ALIKE = 0.5
 """Two runs are comparable when the speeds that both cover are at least this part of those that either covers."""

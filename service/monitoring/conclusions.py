@@ -21,7 +21,8 @@ from service.monitoring.finding_text import Statement
 from service.monitoring.limits import Limits
 from storage.clock import from_datetime
 from storage.findings import derived, diagnoses
-from storage.tables import AlertRow, IdentificationRow
+from storage.tables.alerting import AlertRow
+from storage.tables.findings import IdentificationRow
 
 if TYPE_CHECKING:
     from service.monitoring.rate_of_change import RateFinding

@@ -10,7 +10,7 @@ from estimator.trends.trend_tests import Reading
 from service.monitoring.comparison import WEEK, Compared
 from storage.findings import identifications
 from storage.machines import machines
-from storage.tables import IdentificationRow
+from storage.tables.findings import IdentificationRow
 
 
 def points(session: Session, found: Compared, rows: Sequence[IdentificationRow]) -> list[Point]:

@@ -5,7 +5,7 @@ from sqlalchemy.orm import Session
 from estimator.errors import Outdated
 from service.monitoring.limits import Limits, require_suited
 from storage.machines import limits, machines
-from storage.tables import LimitsRow
+from storage.tables.machines import LimitsRow
 
 
 class LimitsChanged(Outdated):

@@ -14,7 +14,7 @@ from service.monitoring.comparison import baseline_of
 from storage.findings.identifications import ComparisonGroup
 from storage.findings.trends import ParameterHistory
 from storage.machines import baselines, machines
-from storage.tables import BaselineRow
+from storage.tables.machines import BaselineRow
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from service.replication.work_share import Share
 from storage.database.engine import Database
 from storage.findings import jobs
 from storage.operation import replicas
-from storage.tables import JobRow
+from storage.tables.findings import JobRow
 
 logger = logging.getLogger(__name__)
 

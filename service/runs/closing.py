@@ -22,7 +22,7 @@ from storage.database.errors import LeaseLost, is_database_wide
 from storage.findings import jobs
 from storage.machines import machines
 from storage.measurements import quarantine, runs
-from storage.tables import RunRow
+from storage.tables.measurements import RunRow
 
 logger = logging.getLogger(__name__)
 

@@ -24,7 +24,7 @@ from service.runs.run_samples import largest_read
 from storage.clock import now
 from storage.machines import machines
 from storage.measurements import quarantine, runs, samples
-from storage.tables import RunRow
+from storage.tables.measurements import RunRow
 
 logger = logging.getLogger(__name__)
 

@@ -13,7 +13,7 @@ from estimator.units import rpm_to_rad_per_s
 from storage.encoding.sample_blocks import Samples, encode
 from storage.machines import machines
 from storage.measurements import runs, samples
-from storage.tables import RunRow
+from storage.tables.measurements import RunRow
 
 FEWEST_SAMPLES = 20
 """Smallest number of samples of a run that is identified."""

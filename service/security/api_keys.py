@@ -15,7 +15,7 @@ from service.security.principal import Principal, Role
 from storage.clock import now
 from storage.operation import api_keys, audit
 from storage.operation.audit import AuditedOperation
-from storage.tables import ApiKeyRow
+from storage.tables.operation import ApiKeyRow
 
 BEGIN = "rundown_"
 SECRET_BYTES = 32

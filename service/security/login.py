@@ -25,7 +25,7 @@ from storage.clock import now
 from storage.database.engine import Database
 from storage.operation import audit, browser_sessions, logins
 from storage.operation.audit import AuditedOperation
-from storage.tables import LoginRow
+from storage.tables.operation import LoginRow
 
 router = APIRouter(include_in_schema=False, dependencies=[ANYBODY])
 

@@ -7,16 +7,10 @@ from estimator.errors import Missing
 from service.security.principal import Principal
 from storage.database.engine import Database
 from storage.database.plant_scope import PlantScope
-from storage.tables import (
-    AlertRow,
-    DeliveryRow,
-    IdentificationRow,
-    JobRow,
-    MachineRow,
-    RunRow,
-    SubscriptionRow,
-    SuppressionRow,
-)
+from storage.tables.alerting import AlertRow, DeliveryRow, SubscriptionRow, SuppressionRow
+from storage.tables.findings import IdentificationRow, JobRow
+from storage.tables.machines import MachineRow
+from storage.tables.measurements import RunRow
 
 ROWS: Mapping[str, tuple[type[Any], str]] = {
     "machine_id": (MachineRow, "machine"),

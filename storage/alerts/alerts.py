@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 from estimator.errors import Missing
 from storage.clock import now
 from storage.paging import Keys, ordered
-from storage.tables import AlertEventRow, AlertRow
+from storage.tables.alerting import AlertEventRow, AlertRow
 
 
 class AlertUnknown(Missing):

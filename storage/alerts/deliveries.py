@@ -9,7 +9,8 @@ from estimator.errors import Conflict, Missing
 from storage.clock import TOLERANCE, now
 from storage.database.plant_scope import EVERY_PLANT
 from storage.paging import Keys, ordered
-from storage.tables import AlertEventRow, DeliveryRow, MachineRow, SubscriptionPlantRow, SubscriptionRow
+from storage.tables.alerting import AlertEventRow, DeliveryRow, SubscriptionPlantRow, SubscriptionRow
+from storage.tables.machines import MachineRow
 
 ACTIVE, DISABLED = "active", "disabled"
 PENDING, DELIVERED, GIVEN_UP = "pending", "delivered", "given_up"

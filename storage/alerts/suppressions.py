@@ -8,7 +8,7 @@ from sqlalchemy.orm import Session
 from estimator.errors import Missing
 from storage.clock import TOLERANCE, now
 from storage.paging import Keys, ordered
-from storage.tables import SuppressionRow
+from storage.tables.alerting import SuppressionRow
 
 
 class SuppressionUnknown(Missing):

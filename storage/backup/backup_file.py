@@ -13,7 +13,7 @@ from typing import Any
 
 from storage.database.private_files import PRIVATE
 from storage.database.schema import KEPT_BY_ITSELF
-from storage.tables import Base
+from storage.tables.base import Base
 
 FORMAT = 1
 

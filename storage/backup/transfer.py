@@ -17,7 +17,7 @@ from storage.database.claim import file_of
 from storage.database.engine import Database, redacted_url, require_file, temporary_engine
 from storage.database.schema import KEPT_BY_ITSELF, require_known, revision_of, row_counts
 from storage.encoding.text import finite, nul_escaped
-from storage.tables import Base
+from storage.tables.base import Base
 
 AT_ONCE = 200
 """Rows transferred per batch."""

@@ -13,14 +13,9 @@ from sqlalchemy import ColumnElement, Select, event, false, select
 from sqlalchemy.orm import ORMExecuteState, Session, sessionmaker, with_loader_criteria
 
 from storage.database.engine import Database
-from storage.tables import (
-    AlertRow,
-    Base,
-    DeliveryRow,
-    MachineRow,
-    SubscriptionPlantRow,
-    SubscriptionRow,
-)
+from storage.tables.alerting import AlertRow, DeliveryRow, SubscriptionPlantRow, SubscriptionRow
+from storage.tables.base import Base
+from storage.tables.machines import MachineRow
 
 Plants = frozenset[str]
 PLANTS = "plants"

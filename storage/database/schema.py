@@ -6,7 +6,8 @@ from pathlib import Path
 from sqlalchemy import Connection, func, inspect, select, text
 
 from storage.database.claim import DatabaseUnusable
-from storage.tables import Base, ChangeCountRow
+from storage.tables.base import Base
+from storage.tables.operation import ChangeCountRow
 
 MIGRATIONS = Path(str(resources.files("storage"))) / "migrations"
 """Folder of the migrations; each file name begins with the revision it leads to, in ascending order."""

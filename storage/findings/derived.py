@@ -6,7 +6,7 @@ from sqlalchemy import insert, select
 from sqlalchemy.orm import Session
 
 from estimator.updated_model.derived_quantities import Derived
-from storage.tables import DerivedRow, IdentificationRow
+from storage.tables.findings import DerivedRow, IdentificationRow
 
 
 def add(session: Session, identification: IdentificationRow, quantities: Sequence[Derived]) -> None:

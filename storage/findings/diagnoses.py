@@ -8,7 +8,7 @@ from sqlalchemy import select
 from sqlalchemy.orm import Session
 
 from storage.clock import now
-from storage.tables import DiagnosisRow, IdentificationRow
+from storage.tables.findings import DiagnosisRow, IdentificationRow
 
 
 def add(

@@ -19,7 +19,8 @@ from storage.encoding import channel_effects
 from storage.findings.jobs import GATHERED, RUN
 from storage.measurements.runs import DISCARDED
 from storage.paging import Keys, between, ordered
-from storage.tables import EstimateRow, IdentificationRow, RunRow
+from storage.tables.findings import EstimateRow, IdentificationRow
+from storage.tables.measurements import RunRow
 
 
 class IdentificationUnknown(Missing):

@@ -26,7 +26,7 @@ from sqlalchemy.orm import Session
 
 from storage.clock import now
 from storage.database.plant_scope import EVERY_PLANT
-from storage.tables import JobRow
+from storage.tables.findings import JobRow
 
 QUEUED, RUNNING = "queued", "running"
 AUTOMATIC, ASKED, RECOMPUTED, TRIED = range(4)

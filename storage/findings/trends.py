@@ -13,7 +13,9 @@ from sqlalchemy.orm import Session
 from estimator.arrays import Floats
 from storage.findings.identifications import counted_ids
 from storage.measurements.runs import DISCARDED
-from storage.tables import BaselineRow, DerivedRow, EstimateRow, IdentificationRow, MachineRow, RunRow
+from storage.tables.findings import DerivedRow, EstimateRow, IdentificationRow
+from storage.tables.machines import BaselineRow, MachineRow
+from storage.tables.measurements import RunRow
 
 Integers = NDArray[np.int64]
 Texts = NDArray[np.object_]

@@ -7,7 +7,7 @@ from sqlalchemy.orm import Session
 
 from storage.clock import now
 from storage.paging import Keys, ordered
-from storage.tables import BaselineRow
+from storage.tables.machines import BaselineRow
 
 
 def begin(

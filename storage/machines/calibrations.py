@@ -7,7 +7,7 @@ from sqlalchemy.orm import Session
 
 from storage.clock import now
 from storage.paging import Keys, between, ordered
-from storage.tables import CalibrationRow
+from storage.tables.machines import CalibrationRow
 
 
 def add(session: Session, machine_id: str, *, channel: str, at: int, certificate: str, by: str) -> CalibrationRow:

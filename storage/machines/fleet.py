@@ -10,16 +10,10 @@ from sqlalchemy.orm import Session
 
 from storage.clock import latest
 from storage.database.readable_rows import readable_rows
-from storage.tables import (
-    AlertEventRow,
-    AlertRow,
-    CollectorRow,
-    IdentificationRow,
-    MachineRow,
-    RevisionRow,
-    RunRow,
-    TimelineRow,
-)
+from storage.tables.alerting import AlertEventRow, AlertRow
+from storage.tables.findings import IdentificationRow
+from storage.tables.machines import MachineRow, RevisionRow, TimelineRow
+from storage.tables.measurements import CollectorRow, RunRow
 
 
 @dataclass(frozen=True)

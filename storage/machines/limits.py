@@ -8,7 +8,7 @@ from sqlalchemy.orm import Session
 
 from storage.clock import now
 from storage.paging import Keys, ordered
-from storage.tables import LimitsRow
+from storage.tables.machines import LimitsRow
 
 
 def add(session: Session, machine_id: str, *, document: dict[str, Any], by: str, comment: str) -> LimitsRow:

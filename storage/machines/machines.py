@@ -11,7 +11,7 @@ from estimator.errors import Conflict, Missing
 from estimator.machine.document import Machine, parse_machine
 from storage.clock import now
 from storage.paging import Keys, ordered
-from storage.tables import MachineRow, RevisionRow
+from storage.tables.machines import MachineRow, RevisionRow
 
 
 class MachineExists(Conflict):

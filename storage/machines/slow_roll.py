@@ -19,7 +19,7 @@ from estimator.phasors.slow_roll import SlowRoll
 from storage.clock import now
 from storage.machines import machines
 from storage.paging import Keys, ordered
-from storage.tables import SlowRollRow
+from storage.tables.machines import SlowRollRow
 
 GIVEN, CAPTURED = "given", "captured"
 """Origin of vectors: entered by a person, or captured from stored samples."""

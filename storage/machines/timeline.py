@@ -7,7 +7,7 @@ from sqlalchemy.orm import Session
 
 from storage.clock import now
 from storage.paging import Keys, between, ordered
-from storage.tables import TimelineRow
+from storage.tables.machines import TimelineRow
 
 
 def add(session: Session, machine_id: str, *, at: int, kind: str, text: str, by: str) -> TimelineRow:

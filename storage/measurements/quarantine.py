@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 
 from storage.encoding.text import plain_text
 from storage.paging import Keys, ordered
-from storage.tables import QuarantineCountRow, QuarantineRow
+from storage.tables.measurements import QuarantineCountRow, QuarantineRow
 
 KEPT_ROWS = 10_000
 KEPT_BYTES = 4096

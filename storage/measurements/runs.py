@@ -17,7 +17,7 @@ from estimator.runs.speed_bins import ROLLING
 from storage.clock import latest, to_datetime
 from storage.encoding.sample_blocks import DamagedBlock, Samples, decode, encode
 from storage.paging import Keys, between, ordered
-from storage.tables import CollectorRow, MachineStateRow, RunRow
+from storage.tables.measurements import CollectorRow, MachineStateRow, RunRow
 
 if TYPE_CHECKING:
     from estimator.phasors.quality import Quality

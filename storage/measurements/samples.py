@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 from storage.clock import latest as latest_time
 from storage.encoding.sample_blocks import DamagedBlock, Samples, decode, encode, join
 from storage.paging import Keys, ordered
-from storage.tables import SampleBlockRow, SourceRow
+from storage.tables.measurements import SampleBlockRow, SourceRow
 
 logger = logging.getLogger(__name__)
 

@@ -6,7 +6,7 @@ from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from storage.clock import now
-from storage.tables import ApiKeyRow
+from storage.tables.operation import ApiKeyRow
 
 USE_INTERVAL_NS = 600 * 1_000_000_000
 """Shortest interval at which the last use of a key is stored [ns]: reading must not become writing."""

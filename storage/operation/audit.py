@@ -18,7 +18,7 @@ from sqlalchemy.orm import Session
 from storage.clock import now
 from storage.encoding.text import nul_unescaped, plain_text
 from storage.paging import Keys, ordered
-from storage.tables import AuditHeadRow, AuditRow
+from storage.tables.operation import AuditHeadRow, AuditRow
 
 BEGINNING = "0" * 64
 """The hash that the first entry is chained to."""

@@ -6,7 +6,7 @@ from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
 
 from storage.clock import now
-from storage.tables import BrowserSessionRow
+from storage.tables.operation import BrowserSessionRow
 
 MOST = 50
 """Largest number of sessions of one principal; further logins end the oldest ones."""

@@ -6,7 +6,7 @@ from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
 
 from storage.clock import now
-from storage.tables import IdempotencyKeyRow
+from storage.tables.operation import IdempotencyKeyRow
 
 RETENTION_NS = 24 * 3600 * 1_000_000_000
 """Time for which a key is kept [ns]: one day."""

@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session
 
 from storage.database.errors import LeaseLost
 from storage.operation.replicas import clock
-from storage.tables import LeaseRow
+from storage.tables.operation import LeaseRow
 
 
 def ensure(session: Session, names: Collection[str]) -> None:

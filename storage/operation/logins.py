@@ -4,7 +4,7 @@ from sqlalchemy import delete, select
 from sqlalchemy.orm import Session
 
 from storage.clock import now
-from storage.tables import LoginRow
+from storage.tables.operation import LoginRow
 
 MOST = 1000
 """Largest number of logins in progress, since anybody may begin one; beyond it the oldest are deleted."""

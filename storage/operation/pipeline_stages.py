@@ -9,17 +9,10 @@ from sqlalchemy.orm import Session
 from storage.alerts.deliveries import GIVEN_UP, PENDING
 from storage.clock import latest
 from storage.findings import jobs
-from storage.tables import (
-    AlertRow,
-    DeliveryRow,
-    DiagnosisRow,
-    IdentificationRow,
-    JobRow,
-    MachineRow,
-    QuarantineRow,
-    RunRow,
-    SourceRow,
-)
+from storage.tables.alerting import AlertRow, DeliveryRow
+from storage.tables.findings import DiagnosisRow, IdentificationRow, JobRow
+from storage.tables.machines import MachineRow
+from storage.tables.measurements import QuarantineRow, RunRow, SourceRow
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from sqlalchemy import BigInteger, cast, column, delete, func, select, table
 from sqlalchemy.orm import Session
 
 from storage.clock import now
-from storage.tables import ReplicaRow
+from storage.tables.operation import ReplicaRow
 
 LEASE_S = 15.0
 """Time without a heartbeat after which a replica counts as gone."""

@@ -12,7 +12,10 @@ from sqlalchemy.orm import Session
 from storage.clock import now
 from storage.findings.jobs import QUEUED, RUNNING
 from storage.machines import machines
-from storage.tables import BaselineRow, IdentificationRow, JobRow, RetentionRow, RunRow, SampleBlockRow
+from storage.tables.findings import IdentificationRow, JobRow
+from storage.tables.machines import BaselineRow
+from storage.tables.measurements import RunRow, SampleBlockRow
+from storage.tables.operation import RetentionRow
 
 KEPT_RUNS = 20
 """Number of a machine's newest runs that always keep their samples: they may still be identified together."""

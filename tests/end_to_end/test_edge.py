@@ -13,7 +13,7 @@ from sqlalchemy import select
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples
 from storage.measurements import samples
-from storage.tables import SampleBlockRow
+from storage.tables.measurements import SampleBlockRow
 from tests.end_to_end.processes import Service, process, until
 from tests.plant import KEY, assert_same_samples, document
 from tests.waveforms import edge_document, recorded

@@ -24,7 +24,7 @@ from service.messaging.session import open_session
 from storage.alerts import alerts, deliveries, suppressions
 from storage.database.engine import Database
 from storage.machines import machines
-from storage.tables import AlertEventRow, AlertRow, DeliveryRow
+from storage.tables.alerting import AlertEventRow, AlertRow, DeliveryRow
 from tests.end_to_end.processes import Service, until
 from tests.plant import KEY, START, identification, machine, sqlite_url, store_identification
 from tests.service.delivery.receivers import LOOPBACK, Received, receiver

@@ -9,7 +9,7 @@ from storage.database.engine import Database
 from storage.encoding.sample_blocks import decode
 from storage.measurements import quarantine, samples
 from storage.measurements.samples import SourceKey
-from storage.tables import SampleBlockRow, SourceRow
+from storage.tables.measurements import SampleBlockRow, SourceRow
 from tests.plant import KEY, SECOND, START, arrived, batch
 from tests.prompt_journal import PromptJournal
 

@@ -22,7 +22,7 @@ from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples, encode
 from storage.machines import machines
 from storage.measurements import runs, samples
-from storage.tables import RunRow, SourceRow
+from storage.tables.measurements import RunRow, SourceRow
 from tests.identification import chapter_3
 from tests.plant import SECOND, START, Document, assert_same_samples, batch
 from tests.prompt_journal import PromptJournal

@@ -32,7 +32,7 @@ from storage.database.engine import Database
 from storage.encoding.sample_blocks import decode
 from storage.measurements import quarantine
 from storage.measurements.quarantine import Rejection
-from storage.tables import SampleBlockRow
+from storage.tables.measurements import SampleBlockRow
 from tests.plant import CHANNELS, KEY, START, batch
 
 SIZE = 3

@@ -7,7 +7,7 @@ import numpy as np
 from service.wire import SampleBatch, to_samples
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples, decode, join
-from storage.tables import SampleBlockRow
+from storage.tables.measurements import SampleBlockRow
 from tests.plant import CHANNELS, KEY, START, batch, machine, sqlite_url
 
 STEP = 10_000_000

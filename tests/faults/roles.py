@@ -18,7 +18,8 @@ from storage.database.engine import Database
 from storage.encoding.sample_blocks import decode, join
 from storage.findings import identifications, jobs
 from storage.machines import machines
-from storage.tables import JobRow, SampleBlockRow, SourceRow
+from storage.tables.findings import JobRow
+from storage.tables.measurements import SampleBlockRow, SourceRow
 from tests.distribution.layout import Layout
 from tests.end_to_end.processes import until
 from tests.faults.measured import STEP, expected, measured

@@ -24,7 +24,7 @@ from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples, encode
 from storage.machines import machines
 from storage.measurements import runs
-from storage.tables import RunRow
+from storage.tables.measurements import RunRow
 from tests.databases import NewDatabase
 from tests.end_to_end.processes import Service, until
 from tests.faults import disorder, fuzzing

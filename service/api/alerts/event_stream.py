@@ -22,7 +22,7 @@ from service.security.requirement import VIEWER
 from service.security.scope import Visibility
 from storage.alerts import alerts
 from storage.database.engine import Database
-from storage.tables import AlertEventRow
+from storage.tables.alerting import AlertEventRow
 
 logger = logging.getLogger(__name__)
 router = APIRouter(tags=["alerts"], dependencies=[VIEWER])

@@ -7,7 +7,7 @@ from service.api.alerts import schemas
 from service.api.conventions.values import time_or_none
 from storage.alerts.alerts import ListedAlert
 from storage.clock import to_datetime
-from storage.tables import AlertRow, SuppressionRow
+from storage.tables.alerting import AlertRow, SuppressionRow
 
 
 def alert(row: AlertRow) -> schemas.AlertOut:

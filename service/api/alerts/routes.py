@@ -23,7 +23,7 @@ from storage.alerts.alerts import ListedAlert
 from storage.clock import to_datetime
 from storage.machines import machines
 from storage.paging import Keys
-from storage.tables import AlertRow
+from storage.tables.alerting import AlertRow
 
 router = APIRouter(tags=["alerts"], responses=RESPONSES, dependencies=[VIEWER])
 

@@ -6,7 +6,7 @@ from service.delivery.signing_secrets import SigningSecrets, where_kept
 from storage.alerts import deliveries
 from storage.alerts.deliveries import PENDING
 from storage.clock import to_datetime
-from storage.tables import DeliveryRow, SubscriptionRow
+from storage.tables.alerting import DeliveryRow, SubscriptionRow
 
 
 def subscription(row: SubscriptionRow, secrets: SigningSecrets) -> schemas.SubscriptionOut:

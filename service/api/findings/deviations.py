@@ -30,7 +30,7 @@ from storage.findings import identifications
 from storage.findings.identifications import IdentificationUnknown
 from storage.findings.jobs import RUN
 from storage.machines import machines
-from storage.tables import IdentificationRow
+from storage.tables.findings import IdentificationRow
 
 router = APIRouter(tags=["deviations"], responses=RESPONSES, dependencies=[VIEWER])
 

@@ -15,7 +15,7 @@ from service.security.requirement import VIEWER
 from storage.clock import to_datetime
 from storage.findings import diagnoses, identifications
 from storage.machines import machines
-from storage.tables import DiagnosisRow
+from storage.tables.findings import DiagnosisRow
 
 router = APIRouter(tags=["diagnosis"], responses=RESPONSES, dependencies=[VIEWER])
 

@@ -10,12 +10,7 @@ from service.api.conventions.parameter_units import ParameterUnits, shown_in
 from service.api.conventions.values import time_or_none
 from service.api.findings import schemas
 from storage.clock import to_datetime
-from storage.tables import (
-    DerivedRow,
-    EstimateRow,
-    IdentificationRow,
-    JobRow,
-)
+from storage.tables.findings import DerivedRow, EstimateRow, IdentificationRow, JobRow
 
 
 def identification(row: IdentificationRow) -> schemas.IdentificationSummary:

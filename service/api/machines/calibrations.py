@@ -15,7 +15,7 @@ from service.security.principal import Author
 from service.security.requirement import ANALYST, VIEWER
 from storage.clock import is_ahead, to_datetime
 from storage.machines import calibrations, machines, timeline
-from storage.tables import CalibrationRow
+from storage.tables.machines import CalibrationRow
 
 router = APIRouter(prefix="/machines/{machine_id}/calibrations", tags=["machines"], responses=RESPONSES, dependencies=[VIEWER])
 

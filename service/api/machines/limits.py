@@ -14,7 +14,7 @@ from service.monitoring.limits_in_force import LimitsChanged, set_limits
 from service.security.requirement import OPERATOR, VIEWER
 from storage.clock import to_datetime
 from storage.machines import limits, machines
-from storage.tables import LimitsRow
+from storage.tables.machines import LimitsRow
 
 router = APIRouter(tags=["limits"], responses=RESPONSES, dependencies=[VIEWER])
 

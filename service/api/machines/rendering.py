@@ -7,9 +7,7 @@ from estimator.machine.document_warnings import document_warnings
 from service.api.machines import schemas
 from storage.clock import to_datetime
 from storage.machines.fleet import ListedMachine
-from storage.tables import (
-    RevisionRow,
-)
+from storage.tables.machines import RevisionRow
 
 
 def listed_machine(one: ListedMachine) -> dict[str, Any]:

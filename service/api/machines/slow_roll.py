@@ -31,7 +31,7 @@ from storage.findings.job_order import RECOMPUTED
 from storage.machines import machines, slow_roll
 from storage.machines.slow_roll import CAPTURED, GIVEN, Provenance
 from storage.measurements import runs, samples
-from storage.tables import SlowRollRow
+from storage.tables.machines import SlowRollRow
 
 router = APIRouter(prefix="/machines/{machine_id}/slow-roll", tags=["slow roll"], responses=RESPONSES, dependencies=[VIEWER])
 

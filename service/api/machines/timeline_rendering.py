@@ -2,7 +2,7 @@
 
 from service.api.machines import timeline_schemas as schemas
 from storage.clock import to_datetime
-from storage.tables import BaselineRow, TimelineRow
+from storage.tables.machines import BaselineRow, TimelineRow
 
 
 def timeline_entry(row: TimelineRow) -> schemas.TimelineOut:

@@ -15,9 +15,7 @@ from service.api.conventions.values import MICROMETRES, direction, rpm_or_none, 
 from service.api.measurements import schemas
 from storage.clock import to_datetime
 from storage.encoding.sample_blocks import Samples
-from storage.tables import (
-    RunRow,
-)
+from storage.tables.measurements import RunRow
 
 
 def phasors(machine: Machine, samples: Samples, include: Collection[schemas.PhasorExtra] = ()) -> schemas.Phasors:

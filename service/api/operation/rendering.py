@@ -3,10 +3,7 @@
 from service.api.conventions.values import time_or_none
 from service.api.operation import schemas
 from storage.clock import to_datetime
-from storage.tables import (
-    QuarantineRow,
-    SourceRow,
-)
+from storage.tables.measurements import QuarantineRow, SourceRow
 
 
 def source(row: SourceRow) -> schemas.SourceOut:

@@ -15,7 +15,8 @@ from service.alerts.lifecycle import Forbidden, Severity, Suppression
 from service.alerts.transitions import AlertFinding, Person
 from storage.alerts import alerts, deliveries, suppressions
 from storage.database.engine import Database
-from storage.tables import AlertEventRow, AlertRow, DeliveryRow, IdentificationRow
+from storage.tables.alerting import AlertEventRow, AlertRow, DeliveryRow
+from storage.tables.findings import IdentificationRow
 from tests.plant import SECOND, START, identification, store_identification
 from tests.storage.database.test_migrations import migrate
 

@@ -21,17 +21,11 @@ from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples
 from storage.machines import calibrations, limits, machines
 from storage.measurements import runs
-from storage.tables import (
-    Base,
-    BaselineRow,
-    CalibrationRow,
-    DiagnosisRow,
-    LimitsRow,
-    MachineStateRow,
-    SlowRollRow,
-    SuppressionRow,
-    TimelineRow,
-)
+from storage.tables.alerting import SuppressionRow
+from storage.tables.base import Base
+from storage.tables.findings import DiagnosisRow
+from storage.tables.machines import BaselineRow, CalibrationRow, LimitsRow, SlowRollRow, TimelineRow
+from storage.tables.measurements import MachineStateRow
 from tests.databases import Databases
 from tests.end_to_end.processes import EXAMPLES
 from tests.plant import CHANNELS, KEY, SECOND, START, identification, machine, samples, sqlite_url, store_identification

@@ -7,7 +7,7 @@ import zenoh
 
 from service.messaging.session import open_session
 from storage.database.engine import Database
-from storage.tables import IdentificationRow
+from storage.tables.findings import IdentificationRow
 from tests.plant import START, identification, store_identification
 from tests.ports import free_endpoint
 from tests.service.delivery.receivers import Receiver, receiver

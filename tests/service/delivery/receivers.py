@@ -15,7 +15,8 @@ from service.alerts.transitions import AlertFinding
 from service.configuration.settings import Settings
 from storage.alerts import deliveries
 from storage.database.engine import Database
-from storage.tables import AlertRow, IdentificationRow
+from storage.tables.alerting import AlertRow
+from storage.tables.findings import IdentificationRow
 
 LOOPBACK = ["127.0.0.0/8"]
 LATE_S = 0.05

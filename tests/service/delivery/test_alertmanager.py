@@ -19,7 +19,7 @@ from service.delivery import dispatcher as dispatcher_module
 from service.delivery.dispatcher import Dispatcher
 from storage.alerts import alerts, deliveries
 from storage.database.engine import Database
-from storage.tables import IdentificationRow
+from storage.tables.findings import IdentificationRow
 from tests.plant import machine, wait_until
 from tests.ports import free_endpoint
 from tests.service.delivery.receivers import raise_one, settings, subscribe

@@ -28,7 +28,8 @@ from service.replication.work_share import WholeShare
 from service.secrets.sealing import Sealing
 from storage.alerts import alerts, deliveries
 from storage.database.engine import Database
-from storage.tables import DeliveryRow, IdentificationRow
+from storage.tables.alerting import DeliveryRow
+from storage.tables.findings import IdentificationRow
 from tests.plant import machine, wait_until
 from tests.ports import free_endpoint
 from tests.service.delivery.receivers import Receiver, raise_one, settings, subscribe

@@ -19,7 +19,7 @@ from storage.alerts import deliveries
 from storage.database.engine import Database
 from storage.operation import idempotency
 from storage.operation.idempotency import StoredResponse
-from storage.tables import SubscriptionRow
+from storage.tables.alerting import SubscriptionRow
 from tests.api_in_process import PREFIX, Api, problem
 from tests.conftest import Stores
 

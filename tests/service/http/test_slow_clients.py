@@ -14,7 +14,7 @@ from service.api.alerts.event_stream import QUEUE_SIZE, Broadcaster
 from service.api.application import application
 from storage.alerts import alerts
 from storage.database.engine import Database
-from storage.tables import AlertEventRow
+from storage.tables.alerting import AlertEventRow
 from tests.plant import KEY, START, identification, store_identification, wait_until
 
 EVENT_BYTES = 4000

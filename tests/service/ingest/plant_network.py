@@ -20,7 +20,7 @@ from storage.database.engine import Database
 from storage.measurements import quarantine
 from storage.measurements import samples as sample_store
 from storage.measurements.samples import SourceKey
-from storage.tables import SourceRow
+from storage.tables.measurements import SourceRow
 from tests.plant import KEY, SECOND, START, batch, listened_to, wait_until
 
 SAMPLES = "rundown/v1/plant-1/pump-7/samples"

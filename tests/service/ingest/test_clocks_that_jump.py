@@ -21,7 +21,8 @@ from storage.clock import to_datetime
 from storage.database.engine import Database
 from storage.machines import machines
 from storage.measurements import runs, samples
-from storage.tables import AlertRow, RunRow, SourceRow
+from storage.tables.alerting import AlertRow
+from storage.tables.measurements import RunRow, SourceRow
 from tests.api_in_process import Api
 from tests.assessment import judge
 from tests.plant import (

@@ -24,7 +24,8 @@ from service.wire import MESSAGEPACK, encode_body, source_key
 from storage.database.engine import Database
 from storage.machines import machines
 from storage.measurements.samples import SourceKey
-from storage.tables import CollectorRow, RevisionRow
+from storage.tables.machines import RevisionRow
+from storage.tables.measurements import CollectorRow
 from tests.plant import KEY, batch, machine, wait_until
 from tests.service.ingest.failing_journals import AWAY, Partial, counts_of, running
 from tests.service.ingest.plant_network import (

@@ -14,7 +14,7 @@ from storage.database.engine import Database
 from storage.findings import jobs
 from storage.machines import machines
 from storage.measurements import quarantine, runs
-from storage.tables import QuarantineRow, RunRow, SampleBlockRow
+from storage.tables.measurements import QuarantineRow, RunRow, SampleBlockRow
 from tests.failing_writes import refuse
 from tests.plant import START, arrived, batch, machine, sweep_rpm
 from tests.prompt_journal import PromptJournal

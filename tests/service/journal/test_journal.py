@@ -24,7 +24,7 @@ from storage.measurements import quarantine, runs
 from storage.measurements import samples as sample_store
 from storage.measurements.quarantine import Rejection
 from storage.measurements.samples import SourceKey
-from storage.tables import QuarantineRow, SourceRow
+from storage.tables.measurements import QuarantineRow, SourceRow
 from tests.databases import Databases, NewDatabase, opened
 from tests.plant import (
     KEY,

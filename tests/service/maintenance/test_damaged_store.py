@@ -27,7 +27,7 @@ from storage.database.engine import Database
 from storage.findings import jobs
 from storage.machines import machines, timeline
 from storage.measurements import quarantine, runs
-from storage.tables import CollectorRow
+from storage.tables.measurements import CollectorRow
 from tests.api_in_process import PREFIX, Api, problem
 from tests.conftest import Stores
 from tests.damage import damage

@@ -25,7 +25,7 @@ from storage.findings import identifications, jobs
 from storage.machines import baselines, machines
 from storage.measurements import runs
 from storage.operation import retention
-from storage.tables import CollectorRow, RunRow, SampleBlockRow
+from storage.tables.measurements import CollectorRow, RunRow, SampleBlockRow
 from tests.api_in_process import Api, problem
 from tests.conftest import Stores
 from tests.databases import Kind

@@ -25,7 +25,7 @@ from storage.database.engine import Database
 from storage.machines import machines
 from storage.measurements import runs
 from storage.operation import audit, retention
-from storage.tables import CollectorRow, RunRow, SampleBlockRow
+from storage.tables.measurements import CollectorRow, RunRow, SampleBlockRow
 from tests.api_in_process import Api
 from tests.plant import KEY, SECOND, arrived, batch, machine, samples, wait_until
 

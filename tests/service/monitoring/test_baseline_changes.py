@@ -8,7 +8,7 @@ from service.monitoring.baseline_changes import BaselineRefused
 from storage.alerts import alerts
 from storage.database.engine import Database
 from storage.machines import baselines, machines
-from storage.tables import IdentificationRow
+from storage.tables.findings import IdentificationRow
 from tests.plant import START, identification, machine, store_identification
 from tests.service.monitoring.test_assessment import BASELINE, STIFFER, WEEK, Weeks
 

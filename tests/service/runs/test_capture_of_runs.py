@@ -14,7 +14,7 @@ from storage.encoding.sample_blocks import Samples
 from storage.findings import jobs
 from storage.machines import machines
 from storage.measurements import runs
-from storage.tables import CollectorRow, QuarantineRow, RunRow
+from storage.tables.measurements import CollectorRow, QuarantineRow, RunRow
 from tests.plant import KEY, SECOND, START, arrived, batch, machine, sweep_rpm
 from tests.prompt_journal import PromptJournal
 

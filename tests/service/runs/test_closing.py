@@ -13,7 +13,7 @@ from service.runs.run_samples import RunContent, gather
 from storage.database.engine import Database
 from storage.findings import jobs
 from storage.measurements import runs
-from storage.tables import RunRow
+from storage.tables.measurements import RunRow
 from tests.plant import KEY, SECOND, START, arrived, batch, sweep_rpm, wait_until
 
 CYCLE = [*[2990.0] * 20, *sweep_rpm(2990.0, 310.0, 80), *[250.0] * 20]

@@ -10,7 +10,8 @@ from storage.encoding.sample_blocks import Samples
 from storage.findings import jobs
 from storage.machines import machines
 from storage.measurements import runs
-from storage.tables import JobRow, RunRow
+from storage.tables.findings import JobRow
+from storage.tables.measurements import RunRow
 from tests.plant import SECOND, START, arrived, batch, machine, sweep_rpm
 from tests.prompt_journal import PromptJournal
 

@@ -21,7 +21,8 @@ from storage.machines import machines
 from storage.measurements import quarantine, runs
 from storage.measurements import samples as sample_store
 from storage.measurements.samples import SourceKey
-from storage.tables import JobRow, RunRow, SourceRow
+from storage.tables.findings import JobRow
+from storage.tables.measurements import RunRow, SourceRow
 from tests.databases import Databases, opened
 from tests.plant import KEY, SECOND, START, arrived, batch, few_examples, identification, machine, sweep_rpm
 from tests.prompt_journal import PromptJournal

@@ -11,7 +11,7 @@ from storage.database.engine import Database
 from storage.findings import identifications, jobs
 from storage.machines import machines
 from storage.measurements import runs
-from storage.tables import RunRow
+from storage.tables.measurements import RunRow
 from tests.databases import NewDatabase
 from tests.plant import KEY, SECOND, START, arrived, batch, identification, machine, store_identification
 from tests.prompt_journal import PromptJournal

@@ -22,7 +22,8 @@ from service.security.tokens import Claims, TokenRefused, Tokens
 from storage.clock import now
 from storage.database.engine import Database
 from storage.operation import api_keys as keys
-from storage.tables import ApiKeyRow, TimelineRow
+from storage.tables.machines import TimelineRow
+from storage.tables.operation import ApiKeyRow
 from tests.api_in_process import PREFIX, Api, problem, value
 from tests.plant import KEY
 from tests.service.security.conftest import PATIENT, Filled, bearer, opened_api

@@ -18,7 +18,7 @@ from service.security.open_id import LoginFailed, OpenId
 from storage.clock import now
 from storage.database.engine import Database
 from storage.operation import audit, browser_sessions, logins
-from storage.tables import BrowserSessionRow
+from storage.tables.operation import BrowserSessionRow
 from tests.api_in_process import PREFIX, Api, problem, value
 from tests.plant import KEY
 from tests.service.security.conftest import PATIENT, Filled, bearer, opened_api, tokens

@@ -17,7 +17,10 @@ from storage.database.plant_scope import PlantScope, UnscopedStatement
 from storage.findings import jobs
 from storage.machines import machines
 from storage.measurements import quarantine
-from storage.tables import AlertEventRow, Base, DeliveryRow, MachineRow, QuarantineRow, SubscriptionRow
+from storage.tables.alerting import AlertEventRow, DeliveryRow, SubscriptionRow
+from storage.tables.base import Base
+from storage.tables.machines import MachineRow
+from storage.tables.measurements import QuarantineRow
 from tests.api_in_process import PREFIX, Api, problem, value
 from tests.plant import KEY, START, document
 from tests.service.security.conftest import Filled, bearer

@@ -11,7 +11,7 @@ from service.security.repeated_entries import MINUTE_S, RepeatedEntries
 from storage.database.engine import Database
 from storage.operation import audit
 from storage.operation.audit import AuditedOperation
-from storage.tables import IdempotencyKeyRow
+from storage.tables.operation import IdempotencyKeyRow
 from tests.api_in_process import PREFIX, Api, problem
 from tests.plant import KEY
 from tests.service.security.conftest import Filled, bearer

@@ -20,7 +20,8 @@ from storage.database.engine import Database
 from storage.machines import machines
 from storage.measurements import quarantine
 from storage.measurements.quarantine import Rejection
-from storage.tables import Base, QuarantineRow
+from storage.tables.base import Base
+from storage.tables.measurements import QuarantineRow
 from tests.databases import Databases, SqliteDatabases
 from tests.plant import START, identification, machine, store_identification
 

@@ -19,7 +19,10 @@ from storage.machines import machines
 from storage.measurements import quarantine
 from storage.measurements.quarantine import Rejection
 from storage.operation import audit, replicas
-from storage.tables import AlertRow, AuditHeadRow, AuditRow, QuarantineRow, RunRow, TimelineRow
+from storage.tables.alerting import AlertRow
+from storage.tables.machines import TimelineRow
+from storage.tables.measurements import QuarantineRow, RunRow
+from storage.tables.operation import AuditHeadRow, AuditRow
 from tests.databases import KINDS, Databases, Kind, PostgresqlDatabases, SqliteDatabases
 from tests.plant import START, identification, machine, sqlite_url, store_identification
 from tests.postgresql import connection

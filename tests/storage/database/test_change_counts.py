@@ -11,7 +11,7 @@ from sqlalchemy import text, update
 from storage.database.change_counts import WATCHED, WRITES, Changes, trigger_name
 from storage.database.engine import Database
 from storage.machines import machines
-from storage.tables import MachineRow
+from storage.tables.machines import MachineRow
 from tests.plant import START, identification, machine, sqlite_url, store_identification
 
 

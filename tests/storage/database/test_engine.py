@@ -21,7 +21,9 @@ from storage.machines import machines
 from storage.measurements import quarantine
 from storage.measurements.quarantine import Rejection
 from storage.paging import ordered
-from storage.tables import Base, MachineRow, SourceRow
+from storage.tables.base import Base
+from storage.tables.machines import MachineRow
+from storage.tables.measurements import SourceRow
 from tests.databases import Databases
 from tests.plant import START, identification, machine, store_identification
 

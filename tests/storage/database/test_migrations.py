@@ -11,7 +11,7 @@ from sqlalchemy import JSON, Boolean, Column, Connection, Float, Integer, LargeB
 
 from storage.database.engine import Database
 from storage.database.schema import KEPT_BY_ITSELF, MIGRATIONS, known_revisions
-from storage.tables import Base
+from storage.tables.base import Base
 
 ROWS = 2
 TABLES = [table for table in Base.metadata.sorted_tables if table.name not in KEPT_BY_ITSELF]

@@ -18,7 +18,7 @@ from storage.database import disk
 from storage.database.claim import DatabaseUnusable
 from storage.database.engine import Database
 from storage.machines import fleet, machines
-from storage.tables import IdentificationRow, JobRow
+from storage.tables.findings import IdentificationRow, JobRow
 from tests.databases import SqliteDatabases
 from tests.plant import identification, machine, sqlite_url, store_identification
 

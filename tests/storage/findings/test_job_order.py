@@ -10,7 +10,7 @@ from storage.database.engine import Database
 from storage.findings import job_order, jobs
 from storage.findings.job_order import ASKED, AUTOMATIC, RECOMPUTED
 from storage.machines import machines
-from storage.tables import JobRow
+from storage.tables.findings import JobRow
 from tests.plant import machine
 
 PLANTS = ("a", "b", "c")

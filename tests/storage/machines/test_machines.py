@@ -16,7 +16,7 @@ from service.security import authentication
 from storage.database.engine import Database
 from storage.database.schema import MIGRATIONS
 from storage.machines import machines
-from storage.tables import RevisionRow
+from storage.tables.machines import RevisionRow
 from tests.api_in_process import Api
 from tests.plant import document, machine
 

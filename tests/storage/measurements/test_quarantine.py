@@ -7,7 +7,7 @@ from sqlalchemy.orm import Session
 from storage.database.engine import Database
 from storage.measurements import quarantine
 from storage.measurements.quarantine import Rejection
-from storage.tables import QuarantineRow
+from storage.tables.measurements import QuarantineRow
 from tests.plant import (
     START,
 )

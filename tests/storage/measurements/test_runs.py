@@ -9,7 +9,7 @@ from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples
 from storage.machines import machines
 from storage.measurements import runs
-from storage.tables import RunRow
+from storage.tables.measurements import RunRow
 from tests.plant import (
     START,
     assert_same_samples,

@@ -9,7 +9,7 @@ from storage.database.engine import Database
 from storage.database.errors import LeaseLost
 from storage.findings import jobs
 from storage.operation import leases, replicas
-from storage.tables import JobRow
+from storage.tables.findings import JobRow
 from tests.plant import KEY, wait_until
 
 

@@ -1,7 +1,7 @@
 """Alerts as they are listed."""
 
 from service.alerts.transitions import Person, acknowledge, clear_alert
-from storage.tables import AlertRow
+from storage.tables.alerting import AlertRow
 from tests.api_in_process import Api
 
 

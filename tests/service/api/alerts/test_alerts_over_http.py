@@ -19,7 +19,7 @@ from service.api.alerts import event_stream
 from service.api.alerts.event_stream import Broadcaster, StreamEvent, stream
 from storage.alerts import alerts
 from storage.database.engine import Database
-from storage.tables import AlertRow
+from storage.tables.alerting import AlertRow
 from tests.api_in_process import Api
 from tests.plant import START, identification, store_identification, wait_until
 

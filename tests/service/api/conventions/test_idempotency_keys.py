@@ -9,7 +9,8 @@ from sqlalchemy import select, update
 from sqlalchemy.exc import DBAPIError
 
 from storage.operation import idempotency
-from storage.tables import IdempotencyKeyRow, TimelineRow
+from storage.tables.machines import TimelineRow
+from storage.tables.operation import IdempotencyKeyRow
 from tests.api_in_process import PREFIX, Api, fields, problem
 from tests.failing_writes import refuse
 from tests.plant import SECOND, document

@@ -7,7 +7,7 @@ from sqlalchemy import update
 
 from service.api.conventions.error_handlers import MOST_PROBLEMS
 from storage.database.engine import Database
-from storage.tables import RunRow
+from storage.tables.measurements import RunRow
 from tests.api_in_process import PREFIX, Api, fields, problem
 from tests.databases import Databases
 from tests.plant import machine

@@ -20,7 +20,7 @@ from service.monitoring.limits_in_force import set_limits
 from storage.database.engine import Database
 from storage.findings import identifications, jobs
 from storage.machines import machines
-from storage.tables import IdentificationRow
+from storage.tables.findings import IdentificationRow
 from tests.plant import START, identification, machine, store_identification
 
 BASELINE = 5

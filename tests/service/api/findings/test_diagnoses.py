@@ -6,7 +6,7 @@ import pytest
 from sqlalchemy import update
 
 from storage.database.engine import Database
-from storage.tables import AlertRow
+from storage.tables.alerting import AlertRow
 from tests.api_in_process import Api, problem
 from tests.plant import KEY, START, identification, store_identification
 from tests.service.monitoring.test_assessment import BASELINE, STIFFER, WEEK, Weeks

@@ -33,7 +33,7 @@ from storage.machines import machines
 from storage.measurements import runs
 from storage.measurements import samples as sample_store
 from storage.measurements.samples import SourceKey
-from storage.tables import EstimateRow
+from storage.tables.findings import EstimateRow
 from tests.api_in_process import PREFIX, Api, fields, problem
 from tests.databases import Databases, opened
 from tests.paths import ROOT
