@@ -52,6 +52,12 @@ def restore(
         waiting = ", ".join(access.waiting)
         say(f"keys that open nothing before they are confirmed, as they may have been revoked since: {waiting}")
         say("rundown key list shows whose they are; rundown key confirm PREFIX, or --all, lets them be good again")
+    if access.keyless:
+        say(
+            "the backup is older than the first API key: without one nobody is asked who they are. Before the start, "
+            "rundown key create makes one, or set authentication=required",
+            err=True,
+        )
 
 
 def move(

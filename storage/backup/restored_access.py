@@ -26,11 +26,15 @@ class KnownKey:
 
 @dataclass(frozen=True)
 class RestoredAccess:
-    """The access that a restore withdrew. revoked, waiting: keys by their prefixes; sessions: number of sessions dropped."""
+    """The access that a restore withdrew. revoked, waiting: keys by their prefixes; sessions: number of sessions dropped.
+
+    keyless: the replaced store had keys and the backup has none, so that by itself nothing asks for one any more.
+    """
 
     revoked: tuple[str, ...]
     waiting: tuple[str, ...]
     sessions: int
+    keyless: bool = False
 
     @property
     def changed(self) -> bool:
@@ -55,7 +59,8 @@ def amend(connection: Connection, known: dict[str, KnownKey]) -> RestoredAccess:
         dropped = connection.execute(text(f"DELETE FROM {table}")).rowcount
         sessions += dropped if table == LOGGED_IN[0] else 0
     revoked, waiting = [], []
-    for prefix, key in known_keys(connection).items() if KEYS in there else ():
+    held = known_keys(connection) if KEYS in there else {}
+    for prefix, key in held.items():
         if key.revoked_at is not None or key.expires_at <= now():
             continue
         last = known.get(prefix)
@@ -69,4 +74,4 @@ def amend(connection: Connection, known: dict[str, KnownKey]) -> RestoredAccess:
             text(f"UPDATE {KEYS} SET expires_at = :expires_at, revoked_at = :revoked_at WHERE prefix = :prefix"),
             {"expires_at": min(key.expires_at, last.expires_at), "revoked_at": last.revoked_at, "prefix": prefix},
         )
-    return RestoredAccess(tuple(revoked), tuple(waiting), sessions)
+    return RestoredAccess(tuple(revoked), tuple(waiting), sessions, keyless=bool(known) and not held)

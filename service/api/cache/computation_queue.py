@@ -1,6 +1,7 @@
 """Runs computations one at a time: equal ones once, and only as long as somebody waits for the result."""
 
 import threading
+from collections import Counter
 from collections.abc import Callable, Hashable
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor, wait
 from contextvars import copy_context
@@ -17,6 +18,8 @@ MAXIMUM_WAITING_PER_CALLER = 16
 """Number of those that one caller may ask for: two model pages of a train on oil films."""
 MAXIMUM_REQUESTS = 200
 """Number of requests that may wait for a queue's results: each holds a thread."""
+MAXIMUM_REQUESTS_PER_CALLER = 100
+"""Number of those that one caller may make, also where they ask for the same."""
 RETRY_AFTER_S = 5
 LOOK_S = 0.25
 """Time between two looks whether a request's client is still there [s]."""
@@ -39,6 +42,8 @@ class ComputationQueue:
         self._thread = ThreadPoolExecutor(1, thread_name_prefix=name)
         self._lock = threading.RLock()
         self._computations: dict[Hashable, _Computation] = {}
+        self._requests: Counter[Hashable] = Counter()
+        """Number of waiting requests by their callers."""
         self._closed = False
 
     @property
@@ -63,7 +68,7 @@ class ComputationQueue:
         try:
             return cast(T, _result(computation.future, wanted))
         finally:
-            self._leave(computation)
+            self._leave(computation, caller)
 
     def close(self) -> None:
         """Give up what waits; what runs ends by itself."""
@@ -77,7 +82,9 @@ class ComputationQueue:
         with self._lock:
             if self._closed:
                 _refuse("the service stops")
-            if sum(one.requests for one in self._computations.values()) >= MAXIMUM_REQUESTS:
+            if self._requests[caller] >= MAXIMUM_REQUESTS_PER_CALLER:
+                _refuse(f"{MAXIMUM_REQUESTS_PER_CALLER} requests of yours wait already for computations; ask again")
+            if self._requests.total() >= MAXIMUM_REQUESTS:
                 _refuse(f"{MAXIMUM_REQUESTS} requests wait already for computations; ask again")
             found = self._computations.get(key)
             if found is None:
@@ -85,6 +92,7 @@ class ComputationQueue:
                 found = self._computations[key] = _Computation(self._thread.submit(copy_context().run, compute), caller)
                 found.future.add_done_callback(lambda _: self._forget(key))
             found.requests += 1
+            self._requests[caller] += 1
             return found
 
     def _require_place(self, caller: Hashable) -> None:
@@ -94,8 +102,11 @@ class ComputationQueue:
         if len(self._computations) >= MAXIMUM_WAITING:
             _refuse(f"{len(self._computations)} computations wait already; ask again")
 
-    def _leave(self, computation: _Computation) -> None:
+    def _leave(self, computation: _Computation, caller: Hashable) -> None:
         with self._lock:
+            self._requests[caller] -= 1
+            if not self._requests[caller]:
+                del self._requests[caller]
             computation.requests -= 1
             if not computation.requests:
                 computation.future.cancel()  # without effect once it runs

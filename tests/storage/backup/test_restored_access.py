@@ -85,6 +85,18 @@ def test_where_nothing_is_known_of_them_keys_wait(
     assert opening(target, made) == {"good"}
 
 
+def test_that_no_key_is_left_is_said(database: Database, tmp_path: Path) -> None:
+    backup.back_up(database.url, tmp_path / "backup")
+    with database.transaction() as session:
+        api_keys.create(session, name="first", role=Role.ADMIN, plants=None, days=100.0)
+    database.close()
+    told = rundown("restore", str(tmp_path / "backup"), "--overwrite", "--database", database.url)
+    assert told.returncode == 0, told.stderr
+    assert "the backup is older than the first API key" in told.stderr
+    # What was said once is known: the store that is replaced now has none either.
+    assert not backup.restore(database.url, tmp_path / "backup", overwrite=True).access.keyless
+
+
 def test_a_store_that_cannot_be_read_knows_nothing(
     made: dict[str, tuple[str, str]], tmp_path: Path, database: Database
 ) -> None:

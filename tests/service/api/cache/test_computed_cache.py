@@ -90,6 +90,18 @@ def test_only_so_many_requests_wait(ask: Asked, monkeypatch: pytest.MonkeyPatch)
     assert "requests wait already" in ask.refusal("first", caller="another").detail
 
 
+def test_no_caller_makes_all_requests_for_the_same(ask: Asked, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(computation_queue, "MAXIMUM_REQUESTS_PER_CALLER", 3)
+    waits = [threading.Event(), threading.Event()]
+    own = [ask("first", caller="somebody", wanted=lambda one=one: one.set() is None) for one in waits]  # type: ignore[misc]
+    wait_until(lambda: all(one.is_set() for one in waits))
+    assert "3 requests of yours wait already" in ask.refusal("first", caller="somebody").detail
+    other = ask("second", caller="another")
+    ask.finish.set()
+    assert [one.result(10) for one in (*own, other)] == ["first", "first", "second"]
+    assert ask("third", caller="somebody").result(10) == "third"
+
+
 def test_what_nobody_waits_for_is_not_computed(ask: Asked) -> None:
     gone = threading.Event()
     left = ask("left", caller="somebody", wanted=lambda: not gone.is_set())
