@@ -44,6 +44,10 @@ class Conflict(DomainError, ValueError):
     """Raised when the present state forbids the request."""
 
 
+class NotAllowed(DomainError):
+    """Raised when whoever asks may not do this."""
+
+
 class Gone(DomainError):
     """Raised when the object asked for existed once, and is deleted."""
 

@@ -76,7 +76,7 @@ service/maintenance: service/configuration service/replication service/resilienc
 service/api/conventions: estimator estimator/machine service/export service/http service/identification
     service/secrets service/security storage storage/database storage/findings
 service/recovery: service/journal service/replication service/resilience service/wire storage/measurements
-service/api/cache: service/api/conventions service/http storage/database
+service/api/cache: estimator service/api/conventions service/http storage/database
 service/api/measurements: estimator estimator/machine estimator/phasors service/api/conventions service/http
     service/identification service/journal service/security service/wire storage storage/encoding storage/machines
     storage/measurements storage/tables

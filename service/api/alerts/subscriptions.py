@@ -3,8 +3,9 @@
 from collections.abc import Awaitable, Callable
 from typing import cast
 
-from fastapi import APIRouter, HTTPException, Request, Response, status
+from fastapi import APIRouter, Request, Response, status
 
+from estimator.errors import NotAllowed
 from service.alerts.lifecycle import Forbidden
 from service.api.alerts import subscription_rendering as rendering
 from service.api.alerts import subscription_schemas as schemas
@@ -43,7 +44,7 @@ def subscribe(request: Request, said: schemas.SubscriptionIn) -> schemas.Subscri
     plants = said.plants if said.plants is not None or who.plants is None else sorted(who.plants)
     for plant in plants or ():
         if not who.sees(plant):
-            raise HTTPException(status.HTTP_403_FORBIDDEN, f"plant '{plant}' is not one of those of {who.name}")
+            raise NotAllowed(f"plant '{plant}' is not one of those of {who.name}")
     kept, secrets = _reference(request, said), _secrets(request)
     secret = new_secret() if declared.signed and kept is None else None
     with database(request).transaction() as session:
@@ -65,7 +66,7 @@ def _reference(request: Request, said: schemas.SubscriptionIn) -> str | None:
     who = principal(request)
     if who.plants is not None:  # else the service would sign their messages with another plant's secret
         detail = f"secret_file and secret_env need the role admin for all plants, and {who.name} has it for some"
-        raise HTTPException(status.HTTP_403_FORBIDDEN, detail)
+        raise NotAllowed(detail)
     return _secrets(request).referred(file=said.secret_file, variable=said.secret_env)
 
 

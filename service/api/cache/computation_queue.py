@@ -8,7 +8,7 @@ from contextvars import copy_context
 from dataclasses import dataclass
 from typing import NoReturn, TypeVar, cast
 
-from fastapi import HTTPException, status
+from estimator.errors import Unavailable
 
 T = TypeVar("T")
 
@@ -20,9 +20,14 @@ MAXIMUM_REQUESTS = 200
 """Number of requests that may wait for a queue's results: each holds a thread."""
 MAXIMUM_REQUESTS_PER_CALLER = 100
 """Number of those that one caller may make, also where they ask for the same."""
-RETRY_AFTER_S = 5
 LOOK_S = 0.25
 """Time between two looks whether a request's client is still there [s]."""
+
+
+class ComputationsBusy(Unavailable):
+    """Too many computations wait, or nobody waits for this one any more."""
+
+    retry_after_s = 5
 
 
 @dataclass
@@ -61,8 +66,9 @@ class ComputationQueue:
             wanted: Whether its request's client is still there.
 
         Raises:
-            HTTPException: 503 when too many wait, when this caller waits for too many, when the client has gone, or when the
-                service stops. What `compute` raises is raised by each request that waits for it.
+            ComputationsBusy: Too many wait, this caller waits for too many, the client has gone, or the service stops.
+
+        What `compute` raises is raised by each request that waits for it.
         """
         computation = self._join(key, compute, caller)
         try:
@@ -128,4 +134,4 @@ def _result(future: Future[object], wanted: Callable[[], bool]) -> object:
 
 
 def _refuse(why: str) -> NoReturn:
-    raise HTTPException(status.HTTP_503_SERVICE_UNAVAILABLE, why, {"Retry-After": str(RETRY_AFTER_S)})
+    raise ComputationsBusy(why)

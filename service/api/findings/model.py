@@ -173,7 +173,7 @@ def cached_result(
     """Return a result for an identification, cached or computed now, in its turn; for a long train in a separate process.
 
     compute: function of the identification and, where `given` is set, of the data that it reads; it must be picklable. Raises
-    IdentificationUnknown, NoModel, HTTPException 503.
+    IdentificationUnknown, NoModel, ComputationsBusy, NotComputed.
     """
     one = read_identified(request, identification_id)
     cache: ComputedCache = request.app.state.computed_cache

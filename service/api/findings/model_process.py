@@ -10,8 +10,7 @@ from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
 from typing import ParamSpec, TypeVar
 
-from fastapi import HTTPException, status
-
+from estimator.errors import Unavailable
 from estimator.machine.document import Machine
 from estimator.machine.document_size import document_size
 from estimator.machine.film_speeds import follows_films
@@ -34,6 +33,10 @@ def is_long(machine: Machine) -> bool:
     return size.elements > LONG_ELEMENTS or size.unknowns > LONG_UNKNOWNS or follows_films(machine)
 
 
+class NotComputed(Unavailable):
+    """A computation exceeded its time or memory, or its process ended."""
+
+
 class ModelProcess:
     """One worker process, started with the first computation."""
 
@@ -45,7 +48,7 @@ class ModelProcess:
         self._processes: ProcessPool | None = None
 
     def compute(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> T:
-        """Return or raise the outcome of a module's function. Raises HTTPException 503 when it exceeds its time or memory."""
+        """Return or raise the outcome of a module's function. Raises NotComputed."""
         with self._lock:
             if self._processes is None:
                 self._processes = ProcessPool(1, memory_bytes=self._memory, tasks=[_in_time])
@@ -55,12 +58,12 @@ class ModelProcess:
             return future.result()
         except (MemoryError, OutOfTime) as error:
             why = f"this model of a long train or of oil films could not be computed {limits}: ask for fewer points"
-            raise HTTPException(status.HTTP_503_SERVICE_UNAVAILABLE, why) from error
+            raise NotComputed(why) from error
         except (WorkerStuck, BrokenProcessPool) as error:
             why = f"the process that computes models ended, or did not answer {limits}: ask again"
-            raise HTTPException(status.HTTP_503_SERVICE_UNAVAILABLE, why) from error
+            raise NotComputed(why) from error
         except Interrupted as error:
-            raise HTTPException(status.HTTP_503_SERVICE_UNAVAILABLE, "the service stops") from error
+            raise NotComputed("the service stops") from error
 
     def close(self) -> None:
         """Kill the process and give up what it computes."""

@@ -2,9 +2,10 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, Body, HTTPException, Request, Response, status
+from fastapi import APIRouter, Body, Request, Response, status
 from sqlalchemy.orm import Session
 
+from estimator.errors import NotAllowed
 from estimator.machine.document import DocumentError, Machine
 from estimator.machine.document_size import accepted
 from service.api.cache.response_cache import Cached
@@ -49,7 +50,7 @@ def create_machine(request: Request, response: Response, document: Document) -> 
     accepted(document)
     who = principal(request)
     if not who.sees(document.plant):
-        raise HTTPException(status.HTTP_403_FORBIDDEN, f"plant '{document.plant}' is not one of those of {who.name}")
+        raise NotAllowed(f"plant '{document.plant}' is not one of those of {who.name}")
     with database(request).transaction() as session:
         row = machines.create(session, document)
     response.headers["Location"] = f"/api/v1/machines/{document.id}"

@@ -5,11 +5,11 @@ from collections.abc import Callable, Hashable, Iterator
 from concurrent.futures import Future, ThreadPoolExecutor
 
 import pytest
-from fastapi import HTTPException
 
 from service.api.cache import computation_queue
-from service.api.cache.computation_queue import MAXIMUM_WAITING, MAXIMUM_WAITING_PER_CALLER
+from service.api.cache.computation_queue import MAXIMUM_WAITING, MAXIMUM_WAITING_PER_CALLER, ComputationsBusy
 from service.api.cache.computed_cache import ComputedCache
+from service.http.error_status import status_of
 from tests.plant import wait_until
 
 
@@ -34,11 +34,11 @@ class Asked:
 
         return self.threads.submit(self.cache.in_turn, key, compute, long=long, caller=caller, wanted=wanted)
 
-    def refusal(self, key: Hashable, *, caller: str) -> HTTPException:
+    def refusal(self, key: Hashable, *, caller: str) -> ComputationsBusy:
         """How a caller is refused at once."""
-        with pytest.raises(HTTPException) as refused:
+        with pytest.raises(ComputationsBusy) as refused:
             self(key, caller=caller).result(10)
-        assert (refused.value.status_code, refused.value.headers) == (503, {"Retry-After": "5"})
+        assert (status_of(refused.value), refused.value.retry_after_s) == (503, 5)
         return refused.value
 
 
@@ -110,7 +110,7 @@ def test_what_nobody_waits_for_is_not_computed(ask: Asked) -> None:
     kept = ask("shared", caller="another")
     gone.set()
     for one in (left, shared):
-        with pytest.raises(HTTPException, match="nobody waits"):
+        with pytest.raises(ComputationsBusy, match="nobody waits"):
             one.result(10)
     wait_until(lambda: ask.cache.waiting == 2)
     ask.finish.set()
@@ -133,7 +133,7 @@ def test_what_waits_is_given_up_when_the_service_stops(ask: Asked) -> None:
     waiting = ask("second", caller="somebody")
     wait_until(lambda: ask.cache.waiting == 2)
     ask.cache.close()
-    with pytest.raises(HTTPException, match="the service stops"):
+    with pytest.raises(ComputationsBusy, match="the service stops"):
         waiting.result(10)
     assert "the service stops" in ask.refusal("third", caller="somebody").detail
     ask.finish.set()
