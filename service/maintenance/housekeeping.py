@@ -9,7 +9,7 @@ from sqlalchemy.orm import Session
 
 from service.configuration.settings import Settings
 from service.maintenance.disk_watch import DiskWatch
-from service.maintenance.retention_cut_offs import CutOff, advanced_cut_off
+from service.maintenance.retention_cut_offs import DAY_NS, CutOff, advanced_cut_off
 from service.maintenance.retention_tiers import Blocks, Runs, Tier, first_cut_off, tiers_of
 from service.replication.work_share import RETENTION, Share, WholeShare
 from service.resilience.heap_trim import release_free_memory
@@ -145,10 +145,11 @@ class Housekeeping(SupervisedThread):
                 tier.name: found[tier.name] or first_cut_off(session, tier, machine_ids, moment=moment) for tier in self._tiers
             }
             known = None not in found.values()
+            set_back = any(_is_set_back(session, tier, self._cut_offs[tier.name]) for tier in self._tiers)
             if not known and retention.is_empty(session):
                 return  # the clock may still be set after a first start
         self._counts = True
-        if known and served < COUNTED_NS:
+        if known and served < COUNTED_NS and not set_back:
             return  # too little for other writers to wait
         with self._database.transaction() as session:  # read again: a person may have confirmed meanwhile
             for tier in self._tiers:
@@ -202,6 +203,12 @@ def _advanced(session: Session, tier: Tier, moment: int, served: int) -> CutOff 
     """Return the cut-off of a tier after `served` more service time [ns]; None when none is stored yet."""
     kept = retention.cut_off(session, tier.name)
     return None if kept is None else advanced_cut_off(CutOff(*kept), wanted=moment - tier.kept, served=served)
+
+
+def _is_set_back(session: Session, tier: Tier, cut_off: CutOff) -> bool:
+    """Return whether a cut-off is far before the stored one, which a clock that was ahead has left."""
+    kept = retention.cut_off(session, tier.name)
+    return kept is not None and cut_off.time < kept[0] - DAY_NS
 
 
 def _waiting_words(machine_ids: set[str], moment: int) -> str:

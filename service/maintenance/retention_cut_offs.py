@@ -34,9 +34,12 @@ def advanced_cut_off(before: CutOff, *, wanted: int, served: int) -> CutOff:
     [ns].
 
     When that does not suffice it moves by the service time alone: data behind it wait for a person. When it is further than
-    wanted it moves back as slowly, so that a clock that is behind for a while does no harm.
+    wanted by a day or less it moves back as slowly. Beyond that it moves back at once: the clock was ahead, and what it made
+    old is new. A clock that is behind cannot be told from that; once it is right, data wait for a person as well.
     """
     step = wanted - before.time
+    if step < -DAY_NS:
+        return CutOff(wanted, before.allowance)
     if step > served + before.allowance:
         return CutOff(before.time + served, before.allowance)
     allowance = min(DAY_NS, before.allowance + served - max(step, 0))

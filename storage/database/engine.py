@@ -27,6 +27,8 @@ from storage.recent_maximum import RecentMaximum
 
 LARGEST_LOG = 64 * 2**20
 """Size [bytes] to which a checkpoint cuts SQLite's log back after readers have let it grow."""
+FRAMES_AT_A_LOOK, EVERY_FRAME = 500, 2**31
+"""Numbers of the log's frames that a regular look, and the one before the last checkpoint, take in."""
 WRITER_KEY = CLAIM_KEY + 1
 """Key of the PostgreSQL advisory lock that each writing transaction holds."""
 _CONNECTION = {
@@ -135,7 +137,7 @@ class Database:
         Raises DatabaseUnusable when a file of an SQLite store was deleted, replaced or cut off.
         """
         files = self._files
-        if files is None or files.look():
+        if files is None or files.look(further=FRAMES_AT_A_LOOK):
             return
         self._turn.save(files)
         raise DatabaseUnusable(files.trouble)
@@ -179,7 +181,7 @@ class Database:
     def close(self) -> None:
         """Close all connections and release the claim."""
         self._claim.release()
-        if self._files is not None and not self._files.look():  # what it says afterwards
+        if self._files is not None and not self._files.look(further=EVERY_FRAME):  # what it says afterwards
             self._turn.save(self._files)  # no checkpoint may copy what is missing in a log
         self.engine.dispose()
         if self._files is not None:

@@ -44,21 +44,26 @@ class SqliteFiles:
         self._lost_file: Path | None = None
         self._cut_off: Path | None = None
         self._lost_frames: int | None = None
+        self._rest = path.with_name(f"{path.name}-wal.cut")
         self._closed = False
         self.saved = False
         """Whether a file is missing and the main file, or what is left of the log, holds all that can be saved."""
 
-    def look(self) -> bool:
-        """Return whether all files still exist and the log is whole; costs microseconds."""
+    def look(self, *, further: int = 0) -> bool:
+        """Return whether all files still exist and the log is whole; costs microseconds.
+
+        further: number of the log's frames that are looked at besides, each of which costs a microsecond.
+        """
         if self._lost_file is None:
             # After `close` only the main file remains.
             looked_at = [self._path] if self._closed else list(self._opened)
             self._lost_file = next((one for one in looked_at if _place(one) != self._opened[one]), None)
-        return self._lost_file is None and self.log_is_whole()
+        return self._lost_file is None and self.log_is_whole(further=further)
 
-    def log_is_whole(self) -> bool:
-        """Return whether nothing was cut off the log."""
-        if self._cut_off is None and not self._closed and self._log is not None and not self._log.is_whole():
+    def log_is_whole(self, *, further: int = 0) -> bool:
+        """Return whether nothing was cut off the log, as far as it is looked at."""
+        looks = self._cut_off is None and not self._closed
+        if looks and self._log is not None and not self._log.is_whole(further=further):
             self._cut_off = logs_of(self._path)[0]
         return self._cut_off is None
 
@@ -84,7 +89,8 @@ class SqliteFiles:
             lost = "being looked for" if self._lost_frames is None else f"{self._lost_frames} pages"
             return (
                 f"{self._cut_off} was cut off or overwritten while the service had it open; what is lost of what was stored "
-                f"last: {lost}. Nothing more is stored: restart the service, which asks the sources' logs for it again"
+                f"last, keys and settings included: {lost}; {self._rest} keeps what is left of the log. Nothing more is "
+                "stored: restart the service, which asks the sources' logs for lost samples again"
             )
         gone = f"{self._lost_file} was deleted or replaced while the service had it open"
         if self._lost_file == self._path:
@@ -104,7 +110,10 @@ class SqliteFiles:
         with self._lock:
             if not self.saved and not self._closed:
                 if not self.log_is_whole() and self._lost_frames is None and self._log is not None:
-                    self._lost_frames = self._log.go_back()
+                    try:
+                        self._lost_frames = self._log.go_back(self._rest)
+                    except OSError:
+                        return False  # no room for the copy: tried again later
                 try:
                     _, logged, done = self._keeper.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()
                 except sqlite3.Error:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from storage.database import file_lock
+from storage.database.private_files import PRIVATE
 
 LOOKS = 5
 """Number of looks before a log counts as damaged: between two reads SQLite may have begun it anew."""
@@ -20,6 +21,7 @@ _LOG_HEADER, _FRAME_HEADER = 32, 24
 _INDEX_HEADER = "=IIIBBHIIIIQII"
 """Version, unused, changes, whether it is valid, byte order, page size, frames, pages, checksum (2), salt, checksum (2)."""
 _COPY = struct.calcsize(_INDEX_HEADER)
+_COPIED_AT_ONCE = 2**20
 _CHECKPOINTED_AT = 2 * _COPY
 """Place of the number of frames that the main file holds already, behind the two copies of the header [B]."""
 
@@ -50,25 +52,36 @@ class WriteAheadLog:
             file_lock.leave(self._index_place)
             raise
         self._seen = _Counted(0, 0, 0)
+        self._further = 0
 
-    def is_whole(self) -> bool:
-        """Return whether the frames looked at are there: the first, the last, and the one that was last before."""
+    def is_whole(self, *, further: int = 0) -> bool:
+        """Return whether the frames looked at are there: the first, the last, and the one that was last before.
+
+        further: number of frames looked at besides, in turn from one look to the next.
+        """
         for _ in range(LOOKS):
             counted = self._counted()
             if counted is None:
                 continue
-            if self._holds(counted):
+            if self._holds(counted, further):
                 self._seen = counted
                 return True
             if self._counted() == counted:
                 return False
         return True  # in motion: it is looked at again
 
-    def go_back(self) -> int:
+    def go_back(self, copy: Path) -> int:
         """Make SQLite read the log anew, up to its last whole transaction; return the number of frames that are lost.
 
         The caller must have the writers' turn. Where the main file is ahead of what the log still holds, the log is emptied.
+
+        Args:
+            copy: File that keeps the log as it was found, for a later rescue.
+
+        Raises:
+            OSError: There is no room for the copy, and nothing was changed.
         """
+        self._copy_to(copy)
         counted = self._counted() or self._seen
         checkpointed = int(struct.unpack("=I", os.pread(self._index, 4, _CHECKPOINTED_AT))[0])
         left = self._committed(counted)
@@ -76,6 +89,13 @@ class WriteAheadLog:
             os.ftruncate(self._log, 0)
         os.pwrite(self._index, bytes(2 * _COPY), 0)
         return max(0, counted.frames - max(left, checkpointed))
+
+    def _copy_to(self, copy: Path) -> None:
+        with open(os.open(copy, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, PRIVATE), "wb") as kept:
+            at = 0
+            while found := os.pread(self._log, _COPIED_AT_ONCE, at):
+                kept.write(found)
+                at += len(found)
 
     def close(self) -> None:
         """Close both. SQLite must have closed them before: a file's descriptor takes SQLite's locks along."""
@@ -90,10 +110,14 @@ class WriteAheadLog:
         _, _, _, valid, _, page_size, frames, _, _, _, salt, _, _ = struct.unpack_from(_INDEX_HEADER, found)
         return _Counted(frames if valid else 0, 65536 if page_size == 1 else page_size, salt)
 
-    def _holds(self, counted: _Counted) -> bool:
+    def _holds(self, counted: _Counted, further: int) -> bool:
         frames = {1, counted.frames}
         if self._seen.salt == counted.salt:
             frames.add(self._seen.frames)
+        if further and counted.frames:
+            begin, count = self._further, min(further, counted.frames)
+            frames.update(1 + (begin + number) % counted.frames for number in range(count))
+            self._further = (begin + count) % counted.frames
         return all(self._header(counted, one) is not None for one in frames if 0 < one <= counted.frames)
 
     def _header(self, counted: _Counted, frame: int) -> int | None:

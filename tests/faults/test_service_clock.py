@@ -4,6 +4,7 @@ import time
 from pathlib import Path
 
 import httpx
+import pytest
 
 from service.wire import JSON, encode_body
 from storage.clock import to_datetime
@@ -14,6 +15,8 @@ from tests.plant import KEY, SECOND, batch, document
 HOUR = 3600 * SECOND
 YEAR_S = 365 * 86_400
 WITHIN_S = 30.0
+LOOK_S = 5.0
+"""Time in which retention has looked at the clock, and late samples are worked off [s]."""
 
 
 class Source:
@@ -82,3 +85,28 @@ def test_a_year_ahead_and_a_year_behind(tmp_path: Path) -> None:
         source = Source(service)
         before(service, source)
         after(service, source)
+
+
+@pytest.mark.long
+def test_a_first_start_a_year_ahead_lets_no_later_jump_delete(tmp_path: Path) -> None:
+    """As of a machine whose clock is wrong at each start, until it is set."""
+    service = ShiftedService(tmp_path, RUNDOWN_RAW_DAYS="30", RUNDOWN_LATE_S="1")
+    with service.client:
+        source = Source(service)
+        service.offset_s = YEAR_S
+        with service.running():
+            assert service.client.post("/machines", json=document()).status_code == 201
+            assert source.post([1000.0] * 8, ahead_s=YEAR_S).status_code == 200
+        with service.running():
+            time.sleep(LOOK_S)
+        service.offset_s = 0
+        with service.running():
+            for hours in range(12, 0, -1):
+                source.post([1000.0] * 50, age=hours * HOUR)
+            time.sleep(LOOK_S)
+        service.offset_s = YEAR_S
+        for _ in range(2):
+            with service.running():
+                source.post([1480.0] * 8, ahead_s=YEAR_S)
+                until(lambda: service.figure("rundown_retention_waiting") == 1.0, within_s=WITHIN_S, what="it waits")
+                assert service.figure("rundown_released_sample_blocks") == 0.0

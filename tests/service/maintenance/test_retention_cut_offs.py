@@ -19,7 +19,8 @@ YEAR, MONTH = 365 * DAY_NS, 30 * DAY_NS
         (DAY_NS, 0, DAY_NS, 0),
         (DAY_NS + MINUTE, 0, 0, DAY_NS),  # for more than a day
         (YEAR, 10 * MINUTE, 10 * MINUTE, DAY_NS),  # a clock that is ahead
-        (-YEAR, 10 * MINUTE, -10 * MINUTE, DAY_NS),  # one that is behind
+        (-YEAR, 10 * MINUTE, -YEAR, DAY_NS),  # one that is right again, or behind
+        (-DAY_NS, 10 * MINUTE, -10 * MINUTE, DAY_NS),  # one that is a little behind
         (-MINUTE, 10 * MINUTE, -MINUTE, DAY_NS),  # one that was set
     ],
 )
@@ -35,9 +36,17 @@ def test_a_day_off_in_small_parts_is_a_day() -> None:
     assert found == CutOff(START + 21 * HOUR, 6 * HOUR)
 
 
-def test_a_clock_that_is_behind_for_a_while_spoils_nothing() -> None:
-    found = advanced_cut_off(CutOff(START), wanted=0, served=HOUR)
+def test_a_clock_that_is_a_little_behind_for_a_while_spoils_nothing() -> None:
+    found = advanced_cut_off(CutOff(START), wanted=START - DAY_NS, served=HOUR)
     assert advanced_cut_off(found, wanted=START + HOUR + MINUTE, served=MINUTE).time == START + HOUR + MINUTE
+
+
+def test_behind_a_first_start_with_a_clock_ahead_the_next_jump_deletes_nothing() -> None:
+    """A machine whose clock is wrong at each start, until it is set."""
+    first = initial_cut_off(wanted=START + YEAR, oldest=None, kept=MONTH)
+    right = advanced_cut_off(first, wanted=START, served=MINUTE)
+    assert right.time == START
+    assert advanced_cut_off(right, wanted=START + YEAR + MINUTE, served=MINUTE).time == START + MINUTE
 
 
 @few_examples
