@@ -19,8 +19,8 @@ import psutil
 
 from benchmarks.chain import (
     PLANT,
-    Journal,
     Ledger,
+    StoredSamples,
     Usage,
     create_machines,
     patiently,
@@ -109,7 +109,7 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
                 print(f"the last samples were stored {time.perf_counter() - ended:.1f} s after the end of publishing")
                 time.sleep(0.5)
     service.client.close()
-    journal = Journal.read(service.database, ledger)
+    journal = StoredSamples.read(service.database, ledger)
     taken: dict[str, list[int]] = {}
     for path in truths:
         taken |= msgspec.json.decode(path.read_bytes(), type=dict[str, list[int]])

@@ -22,7 +22,7 @@ from threadpoolctl import threadpool_limits
 from benchmarks.estimator.trains import (
     Complexes,
     Floats,
-    Train,
+    SimulatedTrain,
     cramer_rao,
     modelled,
     off,
@@ -158,7 +158,7 @@ def outlying(seeds: int) -> list[str]:
     return lines
 
 
-def _identified(machine: Machine, train: Train) -> Identification:
+def _identified(machine: Machine, train: SimulatedTrain) -> Identification:
     return identify(machine, train.measured(0))
 
 
@@ -190,11 +190,11 @@ def speed(repeats: int) -> list[str]:
     return lines
 
 
-def dense_speeds(count: int) -> Train:
+def dense_speeds(count: int) -> SimulatedTrain:
     """Return the Chapter 3 train at many speeds."""
     train = two_shafts()
     speeds = np.linspace(train.speed[0], train.speed[-1], count)
-    return Train(train.document, speeds, modelled(train.machine, speeds), train.truth)
+    return SimulatedTrain(train.document, speeds, modelled(train.machine, speeds), train.truth)
 
 
 def own_script() -> list[str]:

@@ -27,7 +27,7 @@ from benchmarks.thesis.chapter_5.rig import (
     regressed,
     regression,
 )
-from benchmarks.thesis.plots import Series, chart, save
+from benchmarks.thesis.plots import PlottedCurve, chart, save
 from benchmarks.thesis.tables import percent, power, table
 from estimator.fit.identify import Identification
 from estimator.thesis.flexible_train import parts
@@ -94,7 +94,7 @@ def _bound_figure(rig: Rig) -> str:
     ]
     found = [bounds(rig, one_way("", np.linspace(5.0, top, 200), floor=FLOOR)).parameters for top in highest]
     series = [
-        Series(name, highest, [100.0 * float(np.median(one[_members(rig, start, ends)])) for one in found])
+        PlottedCurve(name, highest, [100.0 * float(np.median(one[_members(rig, start, ends)])) for one in found])
         for name, start, ends in KINDS
     ]
     figure = save(

@@ -8,7 +8,7 @@ import yaml
 from numpy.typing import NDArray
 
 from benchmarks.thesis.chapter_5.rig import PRINTED, ROOT, Complexes, Floats, Rig
-from benchmarks.thesis.plots import Series, chart, save
+from benchmarks.thesis.plots import PlottedCurve, chart, save
 from benchmarks.thesis.tables import table
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.half_power import HalfPowerNotReached, HalfPowerPoints, half_power_points, outside, peak_samples
@@ -35,8 +35,11 @@ def half_power_section(rig: Rig) -> str:
             y_label="amplitude [µm]",
             logarithmic=True,
             series=[
-                *(Series(name, list(speed / (2 * math.pi)), list(1e6 * _of(rig, curve, name))) for name in ("B2H", "B3H")),
-                Series(
+                *(
+                    PlottedCurve(name, list(speed / (2 * math.pi)), list(1e6 * _of(rig, curve, name)))
+                    for name in ("B2H", "B3H")
+                ),
+                PlottedCurve(
                     "the eight speeds, B3H",
                     list(SPEEDS_HZ),
                     list(1e6 * _of(rig, _amplitudes(rig.machine, PRINTED.speed), "B3H")),
