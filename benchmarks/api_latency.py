@@ -193,7 +193,7 @@ def compare(quiet: list[Round], busy: list[Round], asked: list[bool]) -> bool:
 
 @contextlib.contextmanager
 def _ingest(service: Service, names: list[str], folder: Path, options: argparse.Namespace) -> Iterator[None]:
-    """Sources that publish until the block ends."""
+    """Run sources that publish until the block ends."""
     arguments = ["-m", "benchmarks.throughput", "--publish", ",".join(names), "--connect", service.endpoint]
     arguments += ["--folder", str(folder), "--rate", str(options.rate), "--channels", "8", "--seconds", "600"]
     before = received(service)

@@ -37,11 +37,11 @@ from tests.end_to_end.processes import Service, until
 
 PROCESSES = 4
 AWAY_S = 3.0
-"""How long the service stays away after each kill, besides its start."""
+"""Pause of the service after each kill, besides its start."""
 LINGER_S = 300.0
-"""How long sources answer replay queries after their last sample."""
+"""Time for which sources answer replay queries after their last sample."""
 PATIENCE_S = 240.0
-"""How long the last samples may take to be stored."""
+"""Longest time that the last samples may take to be stored."""
 
 
 def publishing_process(options: argparse.Namespace) -> None:

@@ -16,7 +16,7 @@ LEAST_ACCEPTED = 0.95
 WIDEST: dict[CouplingKind, float] = {"rigid": 17e-6, "flexible": 160e-6}
 """Median half width asked of the vertical offset of one run [m]."""
 WIDEST_CHANGE: dict[CouplingKind, float] = {"rigid": 8e-6, "flexible": 52e-6}
-"""The same of its change against a baseline [m]."""
+"""Median half width asked of that offset's change against a baseline [m]."""
 QUANTITIES = ("offset", "angle", "load")
 VERTICAL = "coupling.C1.offset_vertical"
 

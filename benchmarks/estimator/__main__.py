@@ -163,7 +163,7 @@ def _identified(machine: Machine, train: SimulatedTrain) -> Identification:
 
 
 def speed(repeats: int) -> list[str]:
-    """Time of one identification, and how it grows with the number of speeds."""
+    """Measure the time of one identification, and how it grows with the number of speeds."""
     lines = []
     for name, train, asked in (
         ("two shafts, 150 x 8, 50", two_shafts(), 0.15),
@@ -258,7 +258,7 @@ def _least_squares(machine: Machine, measurement: Measurement) -> Floats:
 
 
 def _peak_memory(name: str) -> tuple[float, float]:
-    """Largest memory [MB] of a process that identifies at many speeds, and how much of it came with the identification."""
+    """Return the largest memory [MB] of a process that identifies at many speeds, and the part of the identification."""
     command = [sys.executable, "-m", "benchmarks.estimator", "--memory", name]
     printed = subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()
     return float(printed[0]), float(printed[1])

@@ -124,7 +124,7 @@ def report(found: Sequence[Result]) -> str:
 
 
 def _table(rows: Sequence[Sequence[str]]) -> str:
-    """Rows under a header, the first column to the left and the others to the right."""
+    """Write rows under a header, the first column to the left and the others to the right."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return "\n".join(
         "  ".join(f"{cell:{'>' if place else '<'}{widths[place]}}" for place, cell in enumerate(row)).rstrip() for row in rows

@@ -99,7 +99,7 @@ def _outliers(_machine: Machine, first: int, last: int, rng: np.random.Generator
 
 
 def _everything(machine: Machine, first: int, last: int, rng: np.random.Generator) -> list[MachineChange]:
-    """An unbalance, outliers, and of two probes one drifts and the other is lost."""
+    """Draw an unbalance, outliers, and two probes of which one drifts and the other is lost."""
     changes = [
         *_unbalance(machine, first, last, rng),
         *_gain(machine, first, last, rng),
@@ -135,7 +135,7 @@ def _misaligned(growth: Callable[[], float], ramp: int) -> Draw:
 
 @cache
 def _largest_amplitudes(machine_id: str) -> Floats:
-    """Largest amplitude (m,) [m] of each channel of an example over its speed range, at the document's values."""
+    """Return the largest amplitude (m,) [m] of each channel of an example over its speed range, at the document's values."""
     machine = example(machine_id)
     _, speed = speed_law(machine, "run-down", duration=1.0, samples=SAMPLES)
     unknown = unknowns(machine, assemble_rotor(machine))

@@ -169,7 +169,7 @@ def in_phase(rigid: RigidTrain) -> RigidTrain:
 
 
 def _relative_slopes(subject: Experiment) -> tuple[Floats, Floats]:
-    """Derivatives (8 S, 50) of ln|q| and of the phase of q, by the relative change of each unknown."""
+    """Return the derivatives (8 S, 50) of ln|q| and of the phase of q, by the relative change of each unknown."""
     found = sensitivity(subject.train, coefficients=subject.rigid.coefficients, excitations=subject.rigid.unbalances)
     phasor, slope = found.phasor, found.by_parameter
     relative = (slope / phasor[..., None]).reshape(-1, slope.shape[-1]) * subject.rigid.values

@@ -218,7 +218,7 @@ def _median_worst(errors: Floats) -> str:
 
 
 def _apart_errors(subject: Experiment) -> Floats:
-    """Errors with independent noise on real and imaginary parts, so that the phase is noisy too."""
+    """Return the errors with independent noise on real and imaginary parts, so that the phase is noisy too."""
     errors = []
     for seed in range(SEEDS):
         rng = np.random.default_rng(seed)
@@ -229,7 +229,7 @@ def _apart_errors(subject: Experiment) -> Floats:
 
 
 def _target_errors(subject: Experiment) -> Floats:
-    """Errors with noise in b of A x = b and none in A."""
+    """Return the errors with noise in b of A x = b and none in A."""
     clean = rigid_regression(subject.train, subject.clean)
     noisy = [rigid_regression(subject.train, subject.noisy(5.0, seed)).target for seed in range(SEEDS)]
     return np.array([subject.error(solve(replace(clean, target=target)).values) for target in noisy])

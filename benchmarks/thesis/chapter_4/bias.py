@@ -35,7 +35,7 @@ class Biased:
     density: float
 
     def apply(self, document: Document) -> None:
-        """Change a document."""
+        """Multiply E and density of the steel in a document by the factors."""
         steel = document["materials"]["steel"]
         steel["young_modulus"] *= self.modulus
         steel["density"] *= self.density

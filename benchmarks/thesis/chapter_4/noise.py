@@ -82,7 +82,7 @@ def _both_noises(subject: Subject, model: ReducedModel, clean: Complexes, placem
 
 
 def _needed_noise(subject: Subject) -> str:
-    """Which noise would give the printed error on the reduced model's own data."""
+    """Say which noise would give the printed error on the reduced model's own data."""
     found = []
     for case in (CASES[2], CASES[5]):
         model = high_frequency_model(subject, case)
@@ -148,7 +148,7 @@ def likelihood_section(subject: Subject) -> str:
 
 
 def _errors_chart(subject: Subject) -> str:
-    """Errors of the 50 unknowns in the best case, as the thesis's Figures 4.13-4.19 show them."""
+    """Draw the errors of the 50 unknowns in the best case, as the thesis's Figures 4.13-4.19 show them."""
     best, rms = CASES[5], multiplicative_rms(1)
     clean = subject.response(best)[:, subject.train.bearing]
     noisy = multiplicative_noise(clean, percent=1, rng=np.random.default_rng(0))

@@ -72,7 +72,7 @@ def directions_section(rig: Rig) -> str:
 
 
 def _bound_figure(rig: Rig) -> str:
-    """Bounds over the highest speed of a run-up."""
+    """Draw the bounds over the highest speed of a run-up."""
     highest = [
         41.0,
         60.0,
@@ -211,7 +211,7 @@ def _likelihood(rig: Rig) -> str:
 
 
 def _range(counts: Sequence[int]) -> str:
-    """Median, smallest and largest."""
+    """Write median, smallest and largest."""
     return f"{np.median(counts):.0f} ({min(counts)} to {max(counts)})"
 
 

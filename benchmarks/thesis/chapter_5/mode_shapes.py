@@ -64,7 +64,7 @@ def _joint(mode: ModeShape) -> str:
 
 
 def _along(mode: ModeShape) -> Floats:
-    """Displacement along both shafts at the instant when it is largest."""
+    """Return the displacement along both shafts at the instant when it is largest."""
     shape = np.concatenate([shaft.x for shaft in mode.shafts])
     turned = (shape * np.exp(-1j * np.angle(shape[np.argmax(np.abs(shape))]))).real
     return np.asarray(turned / np.max(np.abs(turned)))

@@ -94,7 +94,7 @@ def _of(rig: Rig, curve: Floats, channel: str) -> Floats:
 
 
 def _resonances(speed: Floats, amplitude: Floats) -> list[HalfPowerPoints]:
-    """Half-power points of all peaks that have them."""
+    """Return the half-power points of all peaks that have them."""
     found = []
     for peak in peak_samples(amplitude):
         try:
@@ -155,7 +155,7 @@ def printed_response_section(rig: Rig) -> str:
 
 
 def _constant_and_growing(amplitude: Floats) -> tuple[float, float, float]:
-    """|a + b ω²| fitted to the printed amplitudes: |a|, |b| at the highest speed, rms misfit [their unit]."""
+    """Fit |a + b ω²| to the printed amplitudes; returns |a|, |b| at the highest speed, rms misfit [their unit]."""
     growth = (np.array(SPEEDS_HZ) / SPEEDS_HZ[-1]) ** 2
 
     def misfit(vector: Floats) -> Floats:
@@ -168,8 +168,7 @@ def _constant_and_growing(amplitude: Floats) -> tuple[float, float, float]:
 
 
 def _best_delayed(phasor: Complexes) -> float:
-    """Smallest rms misfit of (a + b ω²) e^{-jωτ} to printed phasors, over complex a, b and a delay τ up to a quarter "
-    "second."""
+    """Return the smallest rms misfit of (a + b ω²) e^{-jωτ} to printed phasors, over complex a, b and delays τ to 0.25 s."""
     speed = 2 * math.pi * np.array(SPEEDS_HZ)
     columns, _ = np.linalg.qr(np.stack([np.ones_like(speed), speed**2], axis=1))
     delays = np.linspace(-0.25, 0.25, 10001)

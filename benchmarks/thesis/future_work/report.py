@@ -71,13 +71,13 @@ def simulated(feature: Feature) -> SimulatedRun:
 
 
 def _bounds(information: Floats) -> Floats:
-    """Cramér-Rao bounds (n,) of an information matrix (n, n)."""
+    """Return the Cramér-Rao bounds (n,) of an information matrix (n, n)."""
     size = np.sqrt(np.diag(information))
     return np.asarray(np.sqrt(np.diag(np.linalg.inv(information / np.outer(size, size)))) / size)
 
 
 def _response(machine: Machine, truth: Mapping[str, complex]) -> tuple[Complexes, Complexes, tuple[str, ...], Floats]:
-    """Phasors (S, m), their derivatives (n, S, m) by the fit coordinates, names and true values (n,) of these."""
+    """Return the phasors (S, m), their derivatives (n, S, m) by the fit coordinates, names and true values (n,) of these."""
     train = condense(machine, speed=SPEED, direction=np.ones(SPEED.size))
     coordinates = Coordinates.of(train, unbalance_scale=1e-3)
     by_name = true_point(machine, coordinates.names, truth)
