@@ -15,7 +15,7 @@ from service.alerts.transitions import AlertFinding
 from service.configuration.settings import Settings
 from storage.alerts import deliveries
 from storage.database.engine import Database
-from storage.tables import AlertRow, IdentificationRow
+from storage.tables import IdentificationRow
 
 LOOPBACK = ["127.0.0.0/8"]
 LATE_S = 0.05
@@ -130,8 +130,3 @@ def raise_one(database: Database, found: IdentificationRow, machine: Machine, *,
     with database.transaction() as session:
         finding = AlertFinding("Coupling C1 is going out of alignment", {}, found.id, found.measured_at)
         return transitions.raise_alert(session, machine.id, rule="misalignment", element=element, finding=finding).id
-
-
-def row_of(database: Database, alert_id: int) -> AlertRow:
-    with database.reading() as session:
-        return session.get_one(AlertRow, alert_id)
