@@ -27,27 +27,6 @@ def half_power_section(rig: Rig) -> str:
         for one in _resonances(speed, curve[:, channel]):
             hertz = [value / (2 * math.pi) for value in (one.lower, one.peak, one.upper)]
             rows.append([name, *[f"{value:.1f}" for value in hertz], f"{100 * one.damping_ratio:.1f}"])
-    figure = save(
-        "chapter-5-run-up",
-        chart(
-            title="Rig: unbalance response at bearings 2 and 3, horizontal",
-            x_label="speed [Hz]",
-            y_label="amplitude [µm]",
-            logarithmic=True,
-            series=[
-                *(
-                    PlottedCurve(name, list(speed / (2 * math.pi)), list(1e6 * _of(rig, curve, name)))
-                    for name in ("B2H", "B3H")
-                ),
-                PlottedCurve(
-                    "the eight speeds, B3H",
-                    list(SPEEDS_HZ),
-                    list(1e6 * _of(rig, _amplitudes(rig.machine, PRINTED.speed), "B3H")),
-                    points=True,
-                ),
-            ],
-        ),
-    )
     chapter_2 = rigid_train.printed_train()
     speed_2 = np.arange(20.0, 700.0, 0.5)
     condensed = rigid_train.condensed(chapter_2, speed=speed_2, direction=np.ones_like(speed_2))
@@ -73,13 +52,38 @@ def half_power_section(rig: Rig) -> str:
         "### Half-power points\n\n"
         "Resonances of the rig in the channels where the amplitude falls to 1/√2 of a peak on both sides [Hz, %]:\n\n"
         + table(["channel", "lower", "peak", "upper", "damping ratio"], rows)
-        + f"\n\n![Run-up of the rig]({figure})\n\n"
+        + f"\n\n![Run-up of the rig]({_run_up_figure(rig, speed, curve)})\n\n"
         "The thesis chooses speeds outside the half-power points (§2.3). For its speeds, the number of channels (of 8) in "
         "which each lies inside [rad/s]:\n\n"
         + table(["", "thesis says", "speed: channels with it inside the half-power points"], verdicts)
         + "\n\nThe rig's speeds lie far below the first resonance, at 150 Hz. Some speeds of the earlier chapters that are "
         "called outside or away lie inside: in Chapter 2 the resonances are so wide that they merge, in Chapters 3 and 4 the "
         "printed critical speeds are not those of the printed data."
+    )
+
+
+def _run_up_figure(rig: Rig, speed: Floats, curve: Floats) -> str:
+    """Draw the amplitudes at bearings 2 and 3 over speed."""
+    return save(
+        "chapter-5-run-up",
+        chart(
+            title="Rig: unbalance response at bearings 2 and 3, horizontal",
+            x_label="speed [Hz]",
+            y_label="amplitude [µm]",
+            logarithmic=True,
+            series=[
+                *(
+                    PlottedCurve(name, list(speed / (2 * math.pi)), list(1e6 * _of(rig, curve, name)))
+                    for name in ("B2H", "B3H")
+                ),
+                PlottedCurve(
+                    "the eight speeds, B3H",
+                    list(SPEEDS_HZ),
+                    list(1e6 * _of(rig, _amplitudes(rig.machine, PRINTED.speed), "B3H")),
+                    points=True,
+                ),
+            ],
+        ),
     )
 
 
