@@ -1,4 +1,6 @@
-"""The tables of the store. Times are nanoseconds since 1970 in UTC; physical values are SI."""
+"""The tables of the store. It imports no other room; every repository reads and writes their rows. Times are nanoseconds since
+1970 in UTC; physical values are SI.
+"""
 
 from storage.tables.alerting import AlertEventRow, AlertRow, DeliveryRow, SubscriptionPlantRow, SubscriptionRow, SuppressionRow
 from storage.tables.base import Base
