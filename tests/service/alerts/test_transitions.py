@@ -17,7 +17,7 @@ from storage.alerts import alerts, deliveries, suppressions
 from storage.database.engine import Database
 from storage.tables import AlertEventRow, AlertRow, DeliveryRow, IdentificationRow
 from tests.plant import SECOND, START, identification, store_identification
-from tests.storage.database.test_migrations import migrate
+from tests.storage.migration import migrate
 
 ANNA = Person("anna", "seen on the shaft")
 MACHINE, RULE, ELEMENT = "pump-7", "misalignment", "coupling.C1"
