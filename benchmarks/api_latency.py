@@ -41,7 +41,7 @@ AT_MOST_TWICE = 2.0
 
 
 @dataclass(frozen=True)
-class Figure:
+class LatencyFigure:
     """A measured figure: requests of addresses, one after the other, with the p99 of their latency [s], all clients at once.
 
     asked_s: required latency; None without a requirement: harder requests, whose responses cannot be cached.
@@ -63,21 +63,21 @@ def starts(count: int) -> list[str]:
     return [f"&from={(begin + timedelta(seconds=second)).strftime('%Y-%m-%dT%H:%M:%SZ')}" for second in range(count)]
 
 
-def figures(requests: int) -> tuple[Figure, ...]:
+def figures(requests: int) -> tuple[LatencyFigure, ...]:
     """Return the figures that are measured."""
     weekly, long = f"/machines/weekly/trends?{several(4)}", f"/machines/{KEY.machine}/trends?{several(1)}"
     limits = [f"/alerts?limit={number}" for number in range(50, 151)]
     return (
-        Figure("trend of five years, weekly, 1 parameter", [f"/machines/weekly/trends?{several(1)}"], 0.050),
-        Figure("trend of five years, weekly, 4 parameters", [weekly], 0.050),
-        Figure("  each from another time on", [weekly + one for one in starts(requests)], None),
-        Figure("trend of 2,000 points", [long], 0.050),
-        Figure("  each from another time on", [long + one for one in starts(requests)], None),
-        Figure("list of 100 alerts of 2,000", ["/alerts"], 0.030),
-        Figure("  50 to 150 of them", limits, None),
-        Figure("list of the open alerts", ["/alerts?open=true"], 0.030),
-        Figure("list of 1,000 machines", ["/machines"], 0.100),
-        Figure("overview of 1,000 machines", ["/fleet"], 0.100),
+        LatencyFigure("trend of five years, weekly, 1 parameter", [f"/machines/weekly/trends?{several(1)}"], 0.050),
+        LatencyFigure("trend of five years, weekly, 4 parameters", [weekly], 0.050),
+        LatencyFigure("  each from another time on", [weekly + one for one in starts(requests)], None),
+        LatencyFigure("trend of 2,000 points", [long], 0.050),
+        LatencyFigure("  each from another time on", [long + one for one in starts(requests)], None),
+        LatencyFigure("list of 100 alerts of 2,000", ["/alerts"], 0.030),
+        LatencyFigure("  50 to 150 of them", limits, None),
+        LatencyFigure("list of the open alerts", ["/alerts?open=true"], 0.030),
+        LatencyFigure("list of 1,000 machines", ["/machines"], 0.100),
+        LatencyFigure("overview of 1,000 machines", ["/fleet"], 0.100),
     )
 
 
@@ -193,7 +193,7 @@ def compare(quiet: list[Round], busy: list[Round], asked: list[bool]) -> bool:
 
 @contextlib.contextmanager
 def _ingest(service: Service, names: list[str], folder: Path, options: argparse.Namespace) -> Iterator[None]:
-    """Sources that publish until the block ends."""
+    """Run sources that publish until the block ends."""
     arguments = ["-m", "benchmarks.throughput", "--publish", ",".join(names), "--connect", service.endpoint]
     arguments += ["--folder", str(folder), "--rate", str(options.rate), "--channels", "8", "--seconds", "600"]
     before = received(service)

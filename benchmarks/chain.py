@@ -64,7 +64,7 @@ class Ledger:
 
 
 @dataclass(frozen=True)
-class Journal:
+class StoredSamples:
     """The stored samples of each machine: their sequence numbers and times in order, and each sample's latency [s]."""
 
     numbers: dict[str, np.ndarray]
@@ -72,7 +72,7 @@ class Journal:
     latency: np.ndarray
 
     @classmethod
-    def read(cls, database: str, ledger: Ledger | None = None) -> "Journal":
+    def read(cls, database: str, ledger: Ledger | None = None) -> "StoredSamples":
         """Read all samples from the service's database."""
         numbers: dict[str, list[np.ndarray]] = {}
         times: dict[str, list[np.ndarray]] = {}

@@ -75,7 +75,7 @@ def _first_week(weeks: int) -> int:
 
 
 def _copies(model: type, rows: list[Row], count: int, identified: int, weeks: int) -> Iterator[Row]:
-    """Rows like those known, for every machine or for every identification."""
+    """Yield rows like those known, for every machine or for every identification."""
     if model is MachineRow:
         return (rows[0] | {"id": _name(i)} for i in range(count))
     if model is RevisionRow:
@@ -102,7 +102,7 @@ def _copies(model: type, rows: list[Row], count: int, identified: int, weeks: in
 
 
 def _runs(identified: int, weeks: int) -> Iterator[Row]:
-    """Closed runs whose samples were let go of."""
+    """Yield closed runs whose samples were deleted."""
     first = _first_week(weeks)
     for i in range(identified):
         for week in range(weeks):

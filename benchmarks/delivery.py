@@ -80,11 +80,11 @@ def receivers(times: Times) -> Iterator[int]:
         def log_message(self, *_: Any) -> None:
             """Say nothing."""
 
-    class Server(ThreadingHTTPServer):
+    class WebhookServer(ThreadingHTTPServer):
         daemon_threads = True
         request_queue_size = 1024
 
-    server = Server(("127.0.0.1", 0), Handler)
+    server = WebhookServer(("127.0.0.1", 0), Handler)
     thread = threading.Thread(target=server.serve_forever)
     thread.start()
     try:

@@ -19,8 +19,8 @@ import psutil
 
 from benchmarks.chain import (
     PLANT,
-    Journal,
     Ledger,
+    StoredSamples,
     Usage,
     create_machines,
     patiently,
@@ -37,11 +37,11 @@ from tests.end_to_end.processes import Service, until
 
 PROCESSES = 4
 AWAY_S = 3.0
-"""How long the service stays away after each kill, besides its start."""
+"""Pause of the service after each kill, besides its start."""
 LINGER_S = 300.0
-"""How long sources answer replay queries after their last sample."""
+"""Time for which sources answer replay queries after their last sample."""
 PATIENCE_S = 240.0
-"""How long the last samples may take to be stored."""
+"""Longest time that the last samples may take to be stored."""
 
 
 def publishing_process(options: argparse.Namespace) -> None:
@@ -109,7 +109,7 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
                 print(f"the last samples were stored {time.perf_counter() - ended:.1f} s after the end of publishing")
                 time.sleep(0.5)
     service.client.close()
-    journal = Journal.read(service.database, ledger)
+    journal = StoredSamples.read(service.database, ledger)
     taken: dict[str, list[int]] = {}
     for path in truths:
         taken |= msgspec.json.decode(path.read_bytes(), type=dict[str, list[int]])

@@ -22,8 +22,8 @@ from sqlalchemy import make_url
 
 from benchmarks.chain import (
     PLANT,
-    Journal,
     Ledger,
+    StoredSamples,
     Usage,
     create_machines,
     further,
@@ -132,7 +132,7 @@ def measure(folder: Path, database: str, options: argparse.Namespace) -> bool:
         rejected = service.get("/quarantine")
         assert rejected["counts"] == {}, rejected["entries"][0]
     service.client.close()
-    journal = Journal.read(database, ledger)
+    journal = StoredSamples.read(database, ledger)
     lost, twice = journal.faults(machines, samples=each)
     p99 = float(np.percentile(journal.latency, 99))
     print(

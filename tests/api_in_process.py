@@ -82,6 +82,11 @@ def problem(answer: httpx.Response, status: int) -> dict[str, Any]:
     return body
 
 
+def refused(answer: httpx.Response, status: int) -> str:
+    """The detail of the problem that an error must be."""
+    return str(problem(answer, status)["detail"])
+
+
 def fields(answer: httpx.Response) -> list[str]:
     """The fields that a 422 names."""
     found = problem(answer, 422)["errors"]

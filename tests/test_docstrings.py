@@ -1,4 +1,4 @@
-"""Docstrings of the service and of storage: every public part has one, and that of a function begins with a verb.
+"""Docstrings of service, storage and benchmarks: every public part has one, and that of a function begins with a verb.
 
 The rooms of the estimator have a stricter test beside them, which checks arguments, units and shapes as well.
 """
@@ -12,7 +12,7 @@ import pytest
 from tests.estimator.test_docstrings import NO_OPENING, VERBS
 
 ROOT = Path(__file__).parents[1]
-PACKAGES = ("service", "storage")
+PACKAGES = ("service", "storage", "benchmarks")
 OWN_VERBS = (
     "Accept Acknowledge Acquire Allow Answer Append Apply Ask Begin Bind Call Cancel Claim Clear Close Commit Complete "
     "Compose Compress Configure Confirm Copy Create Decode Decrypt Delete Deliver Demonstrate Disable Disconnect Drop "

@@ -8,7 +8,7 @@ import ast
 import re
 import subprocess
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
 from statistics import median
@@ -199,10 +199,54 @@ def test_the_estimator_does_no_input_or_output_and_reads_no_clock() -> None:
     assert found == []
 
 
+def said_imports(package: str) -> tuple[str, frozenset[str]]:
+    """The clause in which a room says what it imports, empty without one, and the names of the rooms in it."""
+    said = " ".join((ast.get_docstring(ast.parse((ROOT / package / "__init__.py").read_text())) or "").split())
+    clause = re.search(r"\b(?:It|it|They|Its ground floor \([^)]*\)) (?:may import every room|imports? [^;.]*)", said)
+    return (clause[0], frozenset(end(one) for one in re.findall(r"`([\w/]+)`", clause[0]))) if clause else ("", frozenset())
+
+
+def end(room: str) -> str:
+    """The last part of a room's name, by which others speak of it."""
+    return room.rsplit("/", 1)[-1]
+
+
+def below(rooms: Iterable[str]) -> set[str]:
+    """Rooms that these import, and those that they import in turn."""
+    found: set[str] = set()
+    left = list(rooms)
+    while left:
+        one = left.pop()
+        new = set(ROOMS[one]) - found
+        found |= new
+        left += new
+    return found
+
+
 @pytest.mark.parametrize("package", sorted(ROOMS))
 def test_what_a_room_says_that_it_imports_is_an_arrow(package: str) -> None:
-    said = " ".join((ast.get_docstring(ast.parse((ROOT / package / "__init__.py").read_text())) or "").split())
-    clause = re.search(r"\b(?:It|They|Its ground floor \([^)]*\)) imports? ([^;.]*)", said)
-    named = re.findall(r"`([\w/]+)`", clause[1]) if clause else []
-    ends = [one.rsplit("/", 1)[-1] for one in ROOMS[package]]
-    assert [one for one in named if one.rsplit("/", 1)[-1] not in ends] == []
+    _, named = said_imports(package)
+    assert named - {end(one) for one in ROOMS[package]} == set()
+
+
+def unsaid(package: str) -> list[str]:
+    """Arrows of a room that its docstring says nothing of.
+
+    The ground floor of the package, which every room may import, needs no word, nor do the packages below, of which the
+    package's own docstring speaks. "What lies below" stands for what the rooms named with it import.
+    """
+    clause, named = said_imports(package)
+    if "every room" in clause:
+        return []
+    own = package.split("/")[0]
+    arrows = {one for one in ROOMS[package] if one.startswith(f"{own}/")}
+    said = {one for one in arrows if end(one) in named}
+    if "what lies below" in clause:
+        said |= below(said)
+    return sorted(arrows - said)
+
+
+@pytest.mark.parametrize("package", sorted(set(ROOMS) - set(PACKAGES)))
+def test_each_arrow_of_a_room_is_said(package: str) -> None:
+    assert said_imports(package)[0] != "", f"{package}/__init__.py does not say what it imports"
+    assert unsaid(package) == []

@@ -5,8 +5,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from benchmarks.alignment.alignment_trials import AlignmentTrial, Told, alignment_trial
-from benchmarks.fluid_film.figure import Figure
 from benchmarks.fluid_film.film_fits import LEAST_OF_A_KIND
+from benchmarks.fluid_film.report_line import ReportLine
 from tests.film_plant.motor_compressor import CouplingKind
 
 COVERAGE = (0.93, 0.97)
@@ -16,17 +16,17 @@ LEAST_ACCEPTED = 0.95
 WIDEST: dict[CouplingKind, float] = {"rigid": 17e-6, "flexible": 160e-6}
 """Median half width asked of the vertical offset of one run [m]."""
 WIDEST_CHANGE: dict[CouplingKind, float] = {"rigid": 8e-6, "flexible": 52e-6}
-"""The same of its change against a baseline [m]."""
+"""Median half width asked of that offset's change against a baseline [m]."""
 QUANTITIES = ("offset", "angle", "load")
 VERTICAL = "coupling.C1.offset_vertical"
 
 
-def figures(kind: CouplingKind, plants: int) -> Iterator[Figure]:
+def figures(kind: CouplingKind, plants: int) -> Iterator[ReportLine]:
     """Yield the figures of plants with one kind of coupling."""
     trials = [alignment_trial(seed, kind) for seed in range(plants)]
     runs = sum(one.runs for one in trials)
     accepted = 1.0 - sum(len(one.verdicts) for one in trials) / runs
-    yield Figure(
+    yield ReportLine(
         f"{kind} coupling, {plants} plants, {runs} runs: accepted",
         f">= {LEAST_ACCEPTED:.0%}",
         f"{accepted:.1%}",
@@ -44,36 +44,36 @@ def figures(kind: CouplingKind, plants: int) -> Iterator[Figure]:
     yield _determined(trials)
 
 
-def _coverage(what: str, told: Sequence[Told], *, judged: bool) -> Iterator[Figure]:
+def _coverage(what: str, told: Sequence[Told], *, judged: bool) -> Iterator[ReportLine]:
     """Yield the part of all intervals that hold the truth, then that of each kind."""
     low, high = COVERAGE
     part = _part(told)
-    yield Figure(f"    {what}: 95 % intervals hold", "93-97 %", f"{part:.1%}", not judged or low <= part <= high)
+    yield ReportLine(f"    {what}: 95 % intervals hold", "93-97 %", f"{part:.1%}", not judged or low <= part <= high)
     for quantity in QUANTITIES:
         own = [one for one in told if f".{quantity}_" in one.name]
         part = _part(own)
         kept = not judged or not own or part >= LEAST_OF_A_KIND
-        yield Figure(f"        {quantity}s, {len(own)} determined", ">= 86 %", f"{part:.1%}" if own else "-", kept)
+        yield ReportLine(f"        {quantity}s, {len(own)} determined", ">= 86 %", f"{part:.1%}" if own else "-", kept)
 
 
 def _part(told: Sequence[Told]) -> float:
     return float(np.mean([one.holds for one in told])) if told else 0.0
 
 
-def _width(what: str, told: Sequence[Told], widest: float) -> Figure:
+def _width(what: str, told: Sequence[Told], widest: float) -> ReportLine:
     """Return the median half width, with the rms error in parentheses."""
     own = [one for one in told if one.name == VERTICAL]
     half = float(np.median([one.half for one in own])) if own else np.inf
     error = float(np.sqrt(np.mean([((one.lower + one.upper) / 2 - one.true) ** 2 for one in own]))) if own else np.inf
     said = f"{1e6 * half:.1f} ({1e6 * error:.1f})"
-    return Figure(f"    {what}: half width, median (rms error) [µm]", f"<= {1e6 * widest:.0f}", said, half <= widest)
+    return ReportLine(f"    {what}: half width, median (rms error) [µm]", f"<= {1e6 * widest:.0f}", said, half <= widest)
 
 
-def _determined(trials: Sequence[AlignmentTrial]) -> Figure:
+def _determined(trials: Sequence[AlignmentTrial]) -> ReportLine:
     """Return of how many plants one run determines the angles."""
     taken = [one for one in trials if one.absolute]
     parts = [
         np.mean([f"coupling.C1.angle_{plane}" not in one.withheld for one in taken]) if taken else 0.0
         for plane in ("vertical", "horizontal")
     ]
-    return Figure("    angle determined by one run: vertical, horizontal", "", f"{parts[0]:.0%}, {parts[1]:.0%}", True)
+    return ReportLine("    angle determined by one run: vertical, horizontal", "", f"{parts[0]:.0%}, {parts[1]:.0%}", True)

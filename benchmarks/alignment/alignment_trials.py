@@ -34,7 +34,7 @@ BELIEVED = Priors(elevation=SPREAD, rigid_elevation=SPREAD)
 
 @dataclass(frozen=True)
 class Told:
-    """What was told of one quantity and what is true [SI]: lower and upper end of its 95 % interval."""
+    """Lower and upper end of the 95 % interval told of one quantity, and its true value [SI]."""
 
     name: str
     lower: float
@@ -43,12 +43,12 @@ class Told:
 
     @property
     def holds(self) -> bool:
-        """Whether the interval holds the truth."""
+        """Return whether the interval holds the truth."""
         return self.lower <= self.true <= self.upper
 
     @property
     def half(self) -> float:
-        """Half width of the interval."""
+        """Return the half width of the interval."""
         return (self.upper - self.lower) / 2
 
 

@@ -22,7 +22,7 @@ from threadpoolctl import threadpool_limits
 from benchmarks.estimator.trains import (
     Complexes,
     Floats,
-    Train,
+    SimulatedTrain,
     cramer_rao,
     modelled,
     off,
@@ -158,12 +158,12 @@ def outlying(seeds: int) -> list[str]:
     return lines
 
 
-def _identified(machine: Machine, train: Train) -> Identification:
+def _identified(machine: Machine, train: SimulatedTrain) -> Identification:
     return identify(machine, train.measured(0))
 
 
 def speed(repeats: int) -> list[str]:
-    """Time of one identification, and how it grows with the number of speeds."""
+    """Measure the time of one identification, and how it grows with the number of speeds."""
     lines = []
     for name, train, asked in (
         ("two shafts, 150 x 8, 50", two_shafts(), 0.15),
@@ -190,11 +190,11 @@ def speed(repeats: int) -> list[str]:
     return lines
 
 
-def dense_speeds(count: int) -> Train:
+def dense_speeds(count: int) -> SimulatedTrain:
     """Return the Chapter 3 train at many speeds."""
     train = two_shafts()
     speeds = np.linspace(train.speed[0], train.speed[-1], count)
-    return Train(train.document, speeds, modelled(train.machine, speeds), train.truth)
+    return SimulatedTrain(train.document, speeds, modelled(train.machine, speeds), train.truth)
 
 
 def own_script() -> list[str]:
@@ -258,7 +258,7 @@ def _least_squares(machine: Machine, measurement: Measurement) -> Floats:
 
 
 def _peak_memory(name: str) -> tuple[float, float]:
-    """Largest memory [MB] of a process that identifies at many speeds, and how much of it came with the identification."""
+    """Return the largest memory [MB] of a process that identifies at many speeds, and the part of the identification."""
     command = [sys.executable, "-m", "benchmarks.estimator", "--memory", name]
     printed = subprocess.run(command, check=True, capture_output=True, text=True).stdout.split()
     return float(printed[0]), float(printed[1])

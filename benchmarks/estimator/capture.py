@@ -26,7 +26,7 @@ COUNTS = (150, 300, 600, 1000, 2000)
 
 
 @dataclass(frozen=True)
-class Outcome:
+class JudgedFit:
     """One fit: seconds, whether accepted, χ² over its degrees of freedom, errors of direct terms, and those in 1 σ."""
 
     seconds: float
@@ -57,7 +57,7 @@ def averaged(machine: Machine, run: Measurement, count: int) -> Measurement:
     return Measurement(speed, np.ones(speed.size), phasor, np.ones(phasor.shape, dtype=bool), scatter)
 
 
-def outcome(machine: Machine, truth: Truth, run: Measurement) -> Outcome:
+def outcome(machine: Machine, truth: Truth, run: Measurement) -> JudgedFit:
     """Identify a run; return time, verdict and errors of the direct terms."""
     began = time.perf_counter()
     result = identify(machine, run)
@@ -69,7 +69,7 @@ def outcome(machine: Machine, truth: Truth, run: Measurement) -> Outcome:
             error = math.log(one.value / true[one.name])
             errors.append(abs(error))
             sizes.append(error / (one.standard_error / one.value))
-    return Outcome(seconds, result.accepted, result.chi_square / result.degrees_of_freedom, errors, sizes)
+    return JudgedFit(seconds, result.accepted, result.chi_square / result.degrees_of_freedom, errors, sizes)
 
 
 def main(given: list[str] | None = None) -> None:
@@ -81,7 +81,7 @@ def main(given: list[str] | None = None) -> None:
     machine = read_machine(EXAMPLE)
     print(f"{machine.id}: a run-down of {arguments.samples} samples, seeds 0 to {arguments.seeds - 1}; medians\n")
     print("samples for the fit    seconds  accepted  chi2/dof  error of direct terms  rms error/SE")
-    table: dict[str, list[Outcome]] = {}
+    table: dict[str, list[JudgedFit]] = {}
     for seed in range(arguments.seeds):
         rng = np.random.default_rng(seed)
         truth = draw_truth(machine, rng)

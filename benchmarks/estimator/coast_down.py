@@ -81,7 +81,7 @@ class Swept:
 
 @dataclass(frozen=True)
 class Score:
-    """Of one identification: median relative error of its estimates, which true values the 95 % intervals hold, acceptance."""
+    """Quality of one identification: median relative error of estimates, true values that intervals hold, acceptance."""
 
     error: float
     held: int

@@ -1,7 +1,8 @@
 """Derived quantities: how often their 95 % intervals hold the truth, and what they cost beside the fit.
 
 `python -m benchmarks.estimator.derived --runs 40`. Each run draws a machine near its example's document and a noisy run-down,
-identifies it as the service does, and compares what is derived with what follows from the true parameters. Seeds: 0, 1, …
+identifies it as the service does, and compares what is derived with what follows from the true parameters. The seeds
+count from 0.
 """
 
 import argparse

@@ -63,7 +63,7 @@ ASKED_CLAIM = (0.7, 1.5)
 
 
 @dataclass(frozen=True)
-class Case:
+class ProbeSignal:
     """A simulated probe signal. Amplitudes are parts of the 1× amplitude, which grows as the square of the speed.
 
     rpm: at the middle of the record. ramp: [rpm/s]. snr: of the 1× against white noise [dB]. second: 2×. hum: at hum_frequency
@@ -88,24 +88,24 @@ class Case:
         return 0.0 if self.snr is None else math.sqrt(0.5) * math.pow(10.0, -self.snr / 20.0)
 
 
-NOISE = Case("noise 26 dB, 3000 rpm", snr=26.0)
-RAMP = Case("ramp 100 rpm/s, no noise", ramp=100.0)
-STEEP = Case("26 dB, 2963.7 rpm, steep keyphasor at 1 kHz", rpm=2963.7, snr=26.0, keyphasor_rate=PROBE_RATE, flank=1e-6)
+NOISE = ProbeSignal("noise 26 dB, 3000 rpm", snr=26.0)
+RAMP = ProbeSignal("ramp 100 rpm/s, no noise", ramp=100.0)
+STEEP = ProbeSignal("26 dB, 2963.7 rpm, steep keyphasor at 1 kHz", rpm=2963.7, snr=26.0, keyphasor_rate=PROBE_RATE, flank=1e-6)
 CASES = (
-    Case("nothing but 1×, 3000 rpm"),
+    ProbeSignal("nothing but 1×, 3000 rpm"),
     NOISE,
-    Case("noise 26 dB, 2963.7 rpm (off the grid)", rpm=2963.7, snr=26.0),
+    ProbeSignal("noise 26 dB, 2963.7 rpm (off the grid)", rpm=2963.7, snr=26.0),
     STEEP,
-    Case("26 dB, 2963.7 rpm, probe at 25.6 kHz", rpm=2963.7, snr=26.0, probe_rate=KEYPHASOR_RATE),
+    ProbeSignal("26 dB, 2963.7 rpm, probe at 25.6 kHz", rpm=2963.7, snr=26.0, probe_rate=KEYPHASOR_RATE),
     RAMP,
-    Case("ramp 100 rpm/s, noise 26 dB", ramp=100.0, snr=26.0),
-    Case("2× of 50 %, 2963.7 rpm", rpm=2963.7, second=0.5),
-    Case("50 Hz hum of 10 %, 2963.7 rpm (0.6 Hz off)", rpm=2963.7, hum=0.1),
-    Case("50 Hz hum of 10 %, 2850.3 rpm (2.5 Hz off)", rpm=2850.3, hum=0.1),
-    Case("50 Hz hum of 10 %, 26 dB, 2909.7 rpm (1.5 Hz off)", rpm=2909.7, hum=0.1, snr=26.0),
-    Case("50 Hz hum of 10 %, 26 dB, 2520.3 rpm (8 Hz off)", rpm=2520.3, hum=0.1, snr=26.0),
-    Case("steps of a tenth, 2963.7 rpm", rpm=2963.7, step=0.1),
-    Case("all at once: ramp, 26 dB, 2×, hum, steps", rpm=2850.3, ramp=100.0, snr=26.0, second=0.5, hum=0.1, step=0.1),
+    ProbeSignal("ramp 100 rpm/s, noise 26 dB", ramp=100.0, snr=26.0),
+    ProbeSignal("2× of 50 %, 2963.7 rpm", rpm=2963.7, second=0.5),
+    ProbeSignal("50 Hz hum of 10 %, 2963.7 rpm (0.6 Hz off)", rpm=2963.7, hum=0.1),
+    ProbeSignal("50 Hz hum of 10 %, 2850.3 rpm (2.5 Hz off)", rpm=2850.3, hum=0.1),
+    ProbeSignal("50 Hz hum of 10 %, 26 dB, 2909.7 rpm (1.5 Hz off)", rpm=2909.7, hum=0.1, snr=26.0),
+    ProbeSignal("50 Hz hum of 10 %, 26 dB, 2520.3 rpm (8 Hz off)", rpm=2520.3, hum=0.1, snr=26.0),
+    ProbeSignal("steps of a tenth, 2963.7 rpm", rpm=2963.7, step=0.1),
+    ProbeSignal("all at once: ramp, 26 dB, 2×, hum, steps", rpm=2850.3, ramp=100.0, snr=26.0, second=0.5, hum=0.1, step=0.1),
 )
 
 
@@ -129,10 +129,10 @@ class Errors:
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """Both chains on one case. bound: Cramér-Rao bound of the relative complex rms error; claimed: rms of the own scatter."""
+class ChainComparison:
+    """Both chains on one signal. bound: Cramér-Rao bound of the relative complex rms error; claimed: rms of own scatter."""
 
-    case: Case
+    case: ProbeSignal
     own: Errors
     thesis: Errors
     bound: float
@@ -160,7 +160,7 @@ def keyphasor_pulses(angle: Floats, flank: float) -> Floats:
     return np.asarray(np.clip(part / flank + 0.5, 0.0, 1.0) - np.clip((part - PULSE) / flank + 0.5, 0.0, 1.0))
 
 
-def drawn(case: Case, seed: int) -> Record:
+def drawn(case: ProbeSignal, seed: int) -> Record:
     """Return one record of a case."""
     rng = np.random.default_rng(seed)
     speed, acceleration = rpm_to_rad_per_s(case.rpm), rpm_to_rad_per_s(case.ramp)
@@ -192,7 +192,7 @@ def thesis_reading(record: Record, probe_rate: float, angle: ShaftAngle, middle:
     return extrema_phasor(filtered, time=at, pulse=pulse, frequency=frequency), pulse
 
 
-def outcome(case: Case, runs: int) -> Outcome:
+def outcome(case: ProbeSignal, runs: int) -> ChainComparison:
     """Return the results of both chains over seeds 0 to runs - 1."""
     own, thesis, scatter = [], [], []
     samples = 0
@@ -206,7 +206,7 @@ def outcome(case: Case, runs: int) -> Outcome:
         found, pulse = thesis_reading(record, case.probe_rate, angle, block.time)
         thesis.append(found / record.phasor(pulse))
     claimed = float(np.sqrt(np.mean(np.square(scatter))))
-    return Outcome(case, Errors.of(own), Errors.of(thesis), 2.0 * case.noise / math.sqrt(samples), claimed)
+    return ChainComparison(case, Errors.of(own), Errors.of(thesis), 2.0 * case.noise / math.sqrt(samples), claimed)
 
 
 def timed_waveforms() -> Floats:

@@ -29,7 +29,7 @@ UP, DOWN = 280.0, 290.0
 
 @dataclass(frozen=True)
 class Tally:
-    """Of some cycles: how many were right, and errors of the runs' beginnings and ends [s]."""
+    """Number of cycles whose runs were right, and errors of the runs' beginnings and ends [s]."""
 
     right: int
     began: list[float]

@@ -32,7 +32,7 @@ COEFFICIENTS = ("kxx", "kxy", "kyx", "kyy", "cxx", "cxy", "cyx", "cyy", "k_phix"
 
 
 @dataclass(frozen=True)
-class Train:
+class SimulatedTrain:
     """A document, its noiseless response (S, m) [m] at the speeds (S,) [rad/s] and its true real unknowns (N,) [SI]."""
 
     document: Document
@@ -51,19 +51,21 @@ class Train:
         noise = rng.standard_normal(self.clean.shape) + 1j * rng.standard_normal(self.clean.shape)
         return Measurement.of(speed=self.speed, phasor=self.clean + relative / math.sqrt(2) * np.abs(self.clean) * noise)
 
-    def stating(self, relative: float) -> "Train":
+    def stating(self, relative: float) -> "SimulatedTrain":
         """Return the train whose document states this relative noise and no floor."""
-        return Train({**self.document, "noise": {"relative": relative, "floor": 0.0}}, self.speed, self.clean, self.truth)
+        return SimulatedTrain(
+            {**self.document, "noise": {"relative": relative, "floor": 0.0}}, self.speed, self.clean, self.truth
+        )
 
 
-def two_shafts() -> Train:
+def two_shafts() -> SimulatedTrain:
     """Return the Chapter 3 train with the reference response."""
     document = yaml.safe_load((EXAMPLES / "thesis-chapter-3.yaml").read_text(encoding="utf-8"))
     with np.load(REFERENCE) as data:
-        return Train(document, data["speed"][1::2], data["response"][1::2], _truth(parse_machine(document)))
+        return SimulatedTrain(document, data["speed"][1::2], data["response"][1::2], _truth(parse_machine(document)))
 
 
-def three_shafts(speeds: int = 290) -> Train:
+def three_shafts(speeds: int = 290) -> SimulatedTrain:
     """Return the turbine, compressor and generator over their speed range, with the response of the model itself."""
     document = yaml.safe_load((EXAMPLES / "turbine-compressor-generator.yaml").read_text(encoding="utf-8"))
     document["noise"] = {"relative": 0.01, "floor": 0.0}
@@ -71,7 +73,7 @@ def three_shafts(speeds: int = 290) -> Train:
     machine = parse_machine(document)
     limits = machine.speed_range
     speed = np.linspace(rpm_to_rad_per_s(limits.minimum_rpm), rpm_to_rad_per_s(limits.maximum_rpm), speeds)
-    return Train(document, speed, modelled(machine, speed), _truth(machine))
+    return SimulatedTrain(document, speed, modelled(machine, speed), _truth(machine))
 
 
 def modelled(machine: Machine, speed: Floats) -> Complexes:
@@ -104,7 +106,7 @@ def silent(document: Document, kinds: tuple[str, ...]) -> Document:
     }
 
 
-def cramer_rao(train: Train, relative: float) -> Floats:
+def cramer_rao(train: SimulatedTrain, relative: float) -> Floats:
     """Return the smallest standard error (N,) that an unbiased estimate of each real unknown can have."""
     machine = train.machine
     condensed = condense(machine, speed=train.speed, direction=np.ones_like(train.speed))

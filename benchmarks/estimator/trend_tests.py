@@ -102,7 +102,7 @@ def charts(machines: int, seed: int) -> None:
 
 
 def _standardised(white: Whitening, point: Point) -> float:
-    """Deviation of the first parameter, as the charts take it."""
+    """Return the deviation of the first parameter, as the charts take it."""
     own = point.covariance[0, 0] / white.size[0] ** 2
     return float(white.change(point)[0] / math.sqrt(own + white.scatter[0]))
 

@@ -14,7 +14,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from benchmarks.estimator.arguments import runs_asked
-from benchmarks.estimator.trains import Train, two_shafts
+from benchmarks.estimator.trains import SimulatedTrain, two_shafts
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.fit.identify import identify
 from estimator.machine.parts import Probe
@@ -36,7 +36,7 @@ COMPONENTS = ("force_x", "force_y", "moment_x", "moment_y")
 SPRINGS = ("k_phix", "k_phiy")
 
 
-def true_model(train: Train) -> UpdatedModel:
+def true_model(train: SimulatedTrain) -> UpdatedModel:
     """Return the nominal train."""
     count = train.truth.size - 2 * len(train.machine.discs)
     parts = train.truth[count:].reshape(-1, 2)
@@ -58,7 +58,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         print(report(two_shafts(), runs))
 
 
-def report(train: Train, runs: int) -> str:
+def report(train: SimulatedTrain, runs: int) -> str:
     """Return the coverage of each result, and the residual after balancing the true train with an identified model."""
     truth = true_model(train)
     (true_force,) = coupling_forces(truth, speed=SPEED)

@@ -96,7 +96,7 @@ def step(session: Session, identification_id: int, rng: random.Random) -> None:
 
 
 def live(database: Database, *, steps: int, seed: int) -> Counter[str]:
-    """Live so many steps; what happened by kind. The database must know the machine of `tests.plant`."""
+    """Take so many random steps; returns what happened by kind. The database must know the machine of `tests.plant`."""
     rng = random.Random(seed)
     happened: Counter[str] = Counter()
     with database.transaction() as session:

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import psutil
 
-from benchmarks.chain import PLANT, Journal, create_machines, patiently, publish_or_measure, publishing, received
+from benchmarks.chain import PLANT, StoredSamples, create_machines, patiently, publish_or_measure, publishing, received
 from benchmarks.throughput import template
 from service.messaging.session import session, wait_connected
 from service.sources.publisher import Source
@@ -66,7 +66,7 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
             over.set()
             watching.join()
     service.client.close()
-    lost, twice = Journal.read(service.database).faults(machines, samples=each)
+    lost, twice = StoredSamples.read(service.database).faults(machines, samples=each)
     print(f"{options.sources} sources, each with {options.batches} messages of {options.size} samples in its log")
     print(f"  {total} samples of {options.channels} channels stored in {lasted:.0f} s, {total / lasted:.0f} a second")
     print(f"  lost {lost}, twice or out of order {twice}; asked: 0 and 0")

@@ -82,7 +82,7 @@ KNOWN: dict[str, list[Any]] = {
 
 
 @dataclass
-class Outcome:
+class ContractFindings:
     """Counts of requests, and the deviations from the document. asked: requests by phase and operation."""
 
     asked: dict[str, Counter[str]] = field(default_factory=dict)
@@ -154,11 +154,11 @@ def configuration(*, examples: int, sequences: int, seed: int, limits: bool, onl
     }
 
 
-def ask(url: str, *, only: Sequence[str] = (), told: bool = False, **how: Any) -> Outcome:
+def ask(url: str, *, only: Sequence[str] = (), told: bool = False, **how: Any) -> ContractFindings:
     """Ask a service everything that its document offers. told: each operation is printed when it has been asked."""
     configured = schemathesis.Config.from_dict(configuration(only=only, **how))
     schema = schemathesis.openapi.from_url(f"{url}/api/v1/openapi.json", config=configured)
-    outcome = Outcome()
+    outcome = ContractFindings()
     for event in from_schema(schema).execute():
         if isinstance(event, events.ScenarioFinished):
             _count(outcome, event)
@@ -171,7 +171,7 @@ def ask(url: str, *, only: Sequence[str] = (), told: bool = False, **how: Any) -
     return outcome
 
 
-def _count(outcome: Outcome, event: events.ScenarioFinished) -> None:
+def _count(outcome: ContractFindings, event: events.ScenarioFinished) -> None:
     recorder = event.recorder
     asked = outcome.asked.setdefault(event.phase.value, Counter())
     for node in recorder.cases.values():
@@ -189,7 +189,7 @@ def _count(outcome: Outcome, event: events.ScenarioFinished) -> None:
                     print(": ".join(key), outcome.failures[key][:LONGEST_WORDS], "", sep="\n", flush=True)
 
 
-def against_service(folder: Path, **how: Any) -> Outcome:
+def against_service(folder: Path, **how: Any) -> ContractFindings:
     """Ask a service process over a filled store, to which samples came as well."""
     fill(folder / "rundown.db")
     service = Service(folder, RUNDOWN_WORKERS="1")
@@ -202,7 +202,7 @@ def against_service(folder: Path, **how: Any) -> Outcome:
     return outcome
 
 
-def report(outcome: Outcome, *, examples: int, seconds: float) -> None:
+def report(outcome: ContractFindings, *, examples: int, seconds: float) -> None:
     """Print what was asked and what came."""
     names = sorted({name for asked in outcome.asked.values() for name in asked})
     for phase, asked in outcome.asked.items():

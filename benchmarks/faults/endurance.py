@@ -55,7 +55,7 @@ LOOKED_AT = (
 
 @dataclass
 class Readings:
-    """Of the service, one after the other: when [s], memory of its own process and of its workers [MB], open files,
+    """Readings of the service, one after the other: when [s], memory of its own process and of its workers [MB], open files,
     write-ahead log and database [MB].
     """
 

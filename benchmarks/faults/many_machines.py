@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import psutil
 
-from benchmarks.chain import Journal, Ledger, Usage, patiently, percentiles, publish_or_measure, publishing, received
+from benchmarks.chain import Ledger, StoredSamples, Usage, patiently, percentiles, publish_or_measure, publishing, received
 from estimator.machine.document import parse_machine
 from service.messaging.session import session, wait_connected
 from service.sources.publisher import Source
@@ -95,7 +95,7 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
         time.sleep(0.5)
     service.client.close()
     database.close()
-    journal = Journal.read(service.database, ledger)
+    journal = StoredSamples.read(service.database, ledger)
     lost, twice = journal.faults([f"m{number:05d}" for number in range(options.running)], samples=count)
     print(f"{options.running} machines running down at {options.rate:g} samples/s of 8 channels for {options.seconds:.0f} s")
     print(f"  runs open at once, at most: {most[0]}; lost {lost}, twice or out of order {twice}; asked: 0 and 0")

@@ -115,7 +115,7 @@ def send(url: str, machine: Machine, *, seed: int, pace_s: float = 1.0, batches:
 
 @dataclass(frozen=True)
 class Figures:
-    """What one service showed.
+    """Measured figures of one service.
 
     Attributes:
         lost: Acknowledged samples that are not stored, of all that were acknowledged.

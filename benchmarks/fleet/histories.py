@@ -44,7 +44,7 @@ class State:
 
 
 @dataclass(frozen=True)
-class Change(ABC):
+class MachineChange(ABC):
     """Something that befalls one element of a machine from a week on.
 
     element: named as in identifications, such as coupling.C1 or probe.B1L. onset: week. ramp: weeks until it has its full
@@ -70,7 +70,7 @@ class Change(ABC):
 
 
 @dataclass(frozen=True)
-class Misaligned(Change):
+class Misaligned(MachineChange):
     """Coefficients of a coupling and of its neighbouring bearings grow, all by one factor. stiffened: those elements."""
 
     growth: float
@@ -83,7 +83,7 @@ class Misaligned(Change):
 
 
 @dataclass(frozen=True)
-class BearingChanged(Change):
+class BearingChanged(MachineChange):
     """Growth of all coefficients of one bearing, or shrinkage where the growth is negative."""
 
     growth: float
@@ -95,7 +95,7 @@ class BearingChanged(Change):
 
 
 @dataclass(frozen=True)
-class UnbalanceChanged(Change):
+class UnbalanceChanged(MachineChange):
     """A disc's unbalance changes by a complex part of itself."""
 
     by: complex
@@ -109,7 +109,7 @@ class UnbalanceChanged(Change):
 
 
 @dataclass(frozen=True)
-class GainDrifted(Change):
+class GainDrifted(MachineChange):
     """A probe shows too much, or too little where `by` is negative. channel: its place among the machine's."""
 
     channel: int
@@ -124,7 +124,7 @@ class GainDrifted(Change):
 
 
 @dataclass(frozen=True)
-class ProbeLost(Change):
+class ProbeLost(MachineChange):
     """A probe delivers nothing any more."""
 
     channel: int
@@ -138,7 +138,7 @@ class ProbeLost(Change):
 
 
 @dataclass(frozen=True)
-class RunOutChanged(Change):
+class RunOutChanged(MachineChange):
     """The shaft under a probe was scratched: the same vector [m] at every speed."""
 
     channel: int
@@ -153,7 +153,7 @@ class RunOutChanged(Change):
 
 
 @dataclass(frozen=True)
-class OutliersBegan(Change):
+class OutliersBegan(MachineChange):
     """A part of all phasors is grossly wrong, whatever the channel."""
 
     of: float
@@ -196,13 +196,13 @@ class History:
 
     machine: Machine
     states: tuple[State, ...]
-    changes: tuple[Change, ...]
+    changes: tuple[MachineChange, ...]
     baseline: int
 
 
 def history(
     machine: Machine,
-    changes: Sequence[Change],
+    changes: Sequence[MachineChange],
     *,
     weeks: int,
     baseline: int,

@@ -40,7 +40,7 @@ def opened(standing: Standing) -> list[Opened]:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class JudgedHistory:
     """Result of a rule on one machine's history.
 
     years: watched after the baseline. false_misalignments: openings at a healthy coupling. wrong: all openings that name
@@ -58,7 +58,7 @@ class Outcome:
     part: tuple[float | None, ...]
 
 
-def judged(history: History, standing: Standing) -> Outcome:
+def judged(history: History, standing: Standing) -> JudgedHistory:
     """Return the openings of a history compared with its changes."""
     found = opened(standing)
     true = [one for one in found if _is_true(history, one)]
@@ -70,7 +70,7 @@ def judged(history: History, standing: Standing) -> Outcome:
         own = [one.week for one in true if one.named == (change.kind, change.element)]
         first.append(after[0] if after else None)
         when.append(own[0] if own else None)
-    return Outcome(
+    return JudgedHistory(
         years=(len(history.states) - history.baseline) / WEEKS_A_YEAR,
         false_misalignments=sum(one.named[0] == "misalignment" for one in wrong),
         wrong=wrong,

@@ -22,7 +22,7 @@ from benchmarks.fleet.amount import (
     rises,
 )
 from benchmarks.fleet.histories import WEEKS_A_YEAR, Seasonality
-from benchmarks.fleet.judging import Named, Outcome, judged, service_rule
+from benchmarks.fleet.judging import JudgedHistory, Named, judged, service_rule
 from benchmarks.fleet.measuring import PROCESSES, Ordered, each, kept, watched
 from benchmarks.fleet.scenarios import DRIFT_WEEKS, SCENARIOS
 
@@ -40,7 +40,7 @@ STEPS = ("misalignment step", "smaller misalignment step")
 
 
 @dataclass(frozen=True)
-class Fleet:
+class SimulatedFleet:
     """A scenario's fleet: how many machines of each example, and for how many weeks after the baseline."""
 
     scenario: str
@@ -54,7 +54,7 @@ class Fleet:
                 yield Ordered(machine, self.scenario, SEASONS[number % 2], seed, number, self.watched)
 
 
-def fleets(scale: float) -> tuple[Fleet, ...]:
+def fleets(scale: float) -> tuple[SimulatedFleet, ...]:
     """Return the simulated fleets. scale: factor on the number of machines."""
 
     def of(small: int, middle: int, large: int) -> dict[str, int]:
@@ -62,23 +62,23 @@ def fleets(scale: float) -> tuple[Fleet, ...]:
         return {name: max(2, round(scale * count)) for name, count in counts.items() if count}
 
     return (
-        Fleet("healthy", of(40, 40, 16)),
-        *(Fleet(scenario, of(12, 10, 2)) for scenario in DISTURBED),
-        Fleet("misalignment step", of(100, 100, 60), watched=10),
-        Fleet("smaller misalignment step", of(20, 20, 10), watched=10),
-        Fleet("misalignment drift", of(20, 20, 10)),
-        Fleet("bearing step", of(30, 30, 15), watched=16),
-        Fleet("run-out step", of(10, 3, 0), watched=8),
+        SimulatedFleet("healthy", of(40, 40, 16)),
+        *(SimulatedFleet(scenario, of(12, 10, 2)) for scenario in DISTURBED),
+        SimulatedFleet("misalignment step", of(100, 100, 60), watched=10),
+        SimulatedFleet("smaller misalignment step", of(20, 20, 10), watched=10),
+        SimulatedFleet("misalignment drift", of(20, 20, 10)),
+        SimulatedFleet("bearing step", of(30, 30, 15), watched=16),
+        SimulatedFleet("run-out step", of(10, 3, 0), watched=8),
     )
 
 
 SHORT = (
-    Fleet("healthy", {SMALL: 2}, watched=16),
-    Fleet("unbalance step", {SMALL: 2}, watched=10),
-    Fleet("probe lost", {SMALL: 2}, watched=10),
-    Fleet("misalignment step", {SMALL: 2, MIDDLE: 2}, watched=8),
-    Fleet("misalignment drift", {SMALL: 2}, watched=34),
-    Fleet("bearing step", {SMALL: 2}, watched=10),
+    SimulatedFleet("healthy", {SMALL: 2}, watched=16),
+    SimulatedFleet("unbalance step", {SMALL: 2}, watched=10),
+    SimulatedFleet("probe lost", {SMALL: 2}, watched=10),
+    SimulatedFleet("misalignment step", {SMALL: 2, MIDDLE: 2}, watched=8),
+    SimulatedFleet("misalignment drift", {SMALL: 2}, watched=34),
+    SimulatedFleet("bearing step", {SMALL: 2}, watched=10),
 )
 """Enough to see that everything runs; says next to nothing about rates."""
 
@@ -89,7 +89,7 @@ class Result:
 
     ordered: Ordered
     changes: tuple[Named, ...]
-    outcome: Outcome
+    outcome: JudgedHistory
     refused: int
 
 
@@ -124,7 +124,7 @@ def report(found: Sequence[Result]) -> str:
 
 
 def _table(rows: Sequence[Sequence[str]]) -> str:
-    """Rows under a header, the first column to the left and the others to the right."""
+    """Write rows under a header, the first column to the left and the others to the right."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     return "\n".join(
         "  ".join(f"{cell:{'>' if place else '<'}{widths[place]}}" for place, cell in enumerate(row)).rstrip() for row in rows

@@ -11,9 +11,9 @@ from benchmarks.fleet.amount import case_a1, case_a1_least_squares, example, mis
 from benchmarks.fleet.histories import (
     WEEKS_A_YEAR,
     BearingChanged,
-    Change,
     GainDrifted,
     History,
+    MachineChange,
     Misaligned,
     OutliersBegan,
     ProbeLost,
@@ -44,7 +44,7 @@ SAMPLES = 60
 LATEST_ONSET = 0.5
 """Part of the watched weeks in which a change begins."""
 
-Draw = Callable[[Machine, int, int, np.random.Generator], list[Change]]
+Draw = Callable[[Machine, int, int, np.random.Generator], list[MachineChange]]
 """(machine, first week, last week of the onset, rng) -> what befalls it."""
 
 
@@ -73,33 +73,33 @@ class Scenario:
         )
 
 
-def _nothing(_machine: Machine, _first: int, _last: int, _rng: np.random.Generator) -> list[Change]:
+def _nothing(_machine: Machine, _first: int, _last: int, _rng: np.random.Generator) -> list[MachineChange]:
     return []
 
 
-def _unbalance(machine: Machine, first: int, last: int, rng: np.random.Generator) -> list[Change]:
+def _unbalance(machine: Machine, first: int, last: int, rng: np.random.Generator) -> list[MachineChange]:
     disc = machine.discs[rng.integers(len(machine.discs))]
     turned = UNBALANCE_STEP * complex(np.exp(1j * rng.uniform(0.0, 2.0 * math.pi)))
     return [UnbalanceChanged(f"disc.{disc.id}", int(rng.integers(first, last)), 0, turned)]
 
 
-def _gain(machine: Machine, first: int, last: int, rng: np.random.Generator) -> list[Change]:
+def _gain(machine: Machine, first: int, last: int, rng: np.random.Generator) -> list[MachineChange]:
     channel = int(rng.integers(len(machine.probes)))
     by = GAIN_DRIFT * (1.0 if rng.random() < 0.5 else -1.0)
     return [GainDrifted(_probe(machine, channel), int(rng.integers(first, last)), DRIFT_WEEKS, channel, by)]
 
 
-def _lost(machine: Machine, first: int, last: int, rng: np.random.Generator) -> list[Change]:
+def _lost(machine: Machine, first: int, last: int, rng: np.random.Generator) -> list[MachineChange]:
     channel = int(rng.integers(len(machine.probes)))
     return [ProbeLost(_probe(machine, channel), int(rng.integers(first, last)), 0, channel)]
 
 
-def _outliers(_machine: Machine, first: int, last: int, rng: np.random.Generator) -> list[Change]:
+def _outliers(_machine: Machine, first: int, last: int, rng: np.random.Generator) -> list[MachineChange]:
     return [OutliersBegan("machine", int(rng.integers(first, last)), 0, OUTLIER_PART)]
 
 
-def _everything(machine: Machine, first: int, last: int, rng: np.random.Generator) -> list[Change]:
-    """An unbalance, outliers, and of two probes one drifts and the other is lost."""
+def _everything(machine: Machine, first: int, last: int, rng: np.random.Generator) -> list[MachineChange]:
+    """Draw an unbalance, outliers, and two probes of which one drifts and the other is lost."""
     changes = [
         *_unbalance(machine, first, last, rng),
         *_gain(machine, first, last, rng),
@@ -111,21 +111,21 @@ def _everything(machine: Machine, first: int, last: int, rng: np.random.Generato
             return [*changes, lost]
 
 
-def _run_out(machine: Machine, first: int, last: int, rng: np.random.Generator) -> list[Change]:
+def _run_out(machine: Machine, first: int, last: int, rng: np.random.Generator) -> list[MachineChange]:
     channel = int(rng.integers(len(machine.probes)))
     size = RUN_OUT * _largest_amplitudes(machine.id)[channel]
     by = complex(size * np.exp(1j * rng.uniform(0.0, 2.0 * math.pi)))
     return [RunOutChanged(_probe(machine, channel), int(rng.integers(first, last)), 0, channel, by)]
 
 
-def _bearing(machine: Machine, first: int, last: int, rng: np.random.Generator) -> list[Change]:
+def _bearing(machine: Machine, first: int, last: int, rng: np.random.Generator) -> list[MachineChange]:
     bearing = machine.bearings[rng.integers(len(machine.bearings))]
     growth = rng.uniform(*BEARING_GROWTH) * (1.0 if rng.random() < 0.5 else -1.0)
     return [BearingChanged(f"bearing.{bearing.id}", int(rng.integers(first, last)), 0, float(growth))]
 
 
 def _misaligned(growth: Callable[[], float], ramp: int) -> Draw:
-    def draw(machine: Machine, first: int, last: int, rng: np.random.Generator) -> list[Change]:
+    def draw(machine: Machine, first: int, last: int, rng: np.random.Generator) -> list[MachineChange]:
         coupling = machine.couplings[rng.integers(len(machine.couplings))]
         onset = int(rng.integers(first, last))
         return [Misaligned(f"coupling.{coupling.id}", onset, ramp, growth(), misaligned_elements(machine, coupling))]
@@ -135,7 +135,7 @@ def _misaligned(growth: Callable[[], float], ramp: int) -> Draw:
 
 @cache
 def _largest_amplitudes(machine_id: str) -> Floats:
-    """Largest amplitude (m,) [m] of each channel of an example over its speed range, at the document's values."""
+    """Return the largest amplitude (m,) [m] of each channel of an example over its speed range, at the document's values."""
     machine = example(machine_id)
     _, speed = speed_law(machine, "run-down", duration=1.0, samples=SAMPLES)
     unknown = unknowns(machine, assemble_rotor(machine))

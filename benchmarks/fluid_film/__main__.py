@@ -12,18 +12,18 @@ from collections.abc import Callable, Sequence
 
 from threadpoolctl import threadpool_limits
 
-from benchmarks.fluid_film.figure import Figure
 from benchmarks.fluid_film.film_fits import film_fits
 from benchmarks.fluid_film.films import films
 from benchmarks.fluid_film.kinds_of_trains import lobes, pads, pedestals, warming_oils
 from benchmarks.fluid_film.linear_forms import own_forms, wrong_forms
 from benchmarks.fluid_film.page import write_page
 from benchmarks.fluid_film.reference_arrays import reference_response, reference_statics
+from benchmarks.fluid_film.report_line import ReportLine
 from benchmarks.fluid_film.sweep import sweep
 from benchmarks.fluid_film.tilting_pads import tilting_pads
 from benchmarks.fluid_film.wrong_documents import wrong_documents
 
-PARTS: dict[str, Callable[[int], list[Figure]]] = {
+PARTS: dict[str, Callable[[int], list[ReportLine]]] = {
     "films": films,
     "tilting-pads": tilting_pads,
     "reference": reference_response,
@@ -53,7 +53,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     chosen = parser.parse_args(arguments)
     plants = SHORT_PLANTS if chosen.short else chosen.plants
     parts = chosen.only or [name for name in PARTS if not (chosen.short and name in LONG_PARTS)]
-    found: dict[str, list[Figure]] = {}
+    found: dict[str, list[ReportLine]] = {}
     print(f"  {'fluid films':<76}{'asked':>12}{'measured':>24}")
     with threadpool_limits(limits=1):
         for name in parts:

@@ -6,7 +6,7 @@ from html import escape
 import numpy as np
 
 from benchmarks.fluid_film.film_trials import KINDS, OPTIONS
-from benchmarks.thesis.plots import COLOURS, Series, chart, save
+from benchmarks.thesis.plots import COLOURS, PlottedCurve, chart, save
 from estimator.arrays import Floats
 from estimator.bearings.terms import LATERAL
 from estimator.fit.estimates import CONFIDENCE_95
@@ -50,8 +50,8 @@ def coefficients_over_speed(seed: int) -> list[tuple[str, str]]:
             middle, half = scale * value[term], scale * CONFIDENCE_95 * error[term]
             band = ((middle - half).tolist(), (middle + half).tolist())
             rpm = (speed / RPM).tolist()
-            series.append(Series(f"{term}, found", rpm, middle.tolist(), band=band, colour=place))
-            series.append(Series(f"{term}, true", rpm, (scale * true[:, place]).tolist(), dashed=True, colour=place))
+            series.append(PlottedCurve(f"{term}, found", rpm, middle.tolist(), band=band, colour=place))
+            series.append(PlottedCurve(f"{term}, true", rpm, (scale * true[:, place]).tolist(), dashed=True, colour=place))
         title = f"{what} of a film over speed, plant of seed {seed}"
         svg = chart(title=title, x_label="speed [r/min]", y_label=f"{what} [{unit}]", series=series)
         found.append((what, save(f"films-{what}", svg)))

@@ -4,7 +4,6 @@ from collections import defaultdict
 
 import numpy as np
 
-from benchmarks.fluid_film.figure import Figure
 from benchmarks.fluid_film.film_trials import (
     KINDS,
     FilmTrial,
@@ -14,6 +13,7 @@ from benchmarks.fluid_film.film_trials import (
     told_coverage,
     trials_of,
 )
+from benchmarks.fluid_film.report_line import ReportLine
 from tests.film_plant.discrepancy import DiscrepancySize
 from tests.film_plant.plant import Plant
 from tests.film_plant.plants import motor_compressor_plant, random_plant
@@ -29,7 +29,7 @@ MOTOR_COMPRESSORS = 5
 """One motor and compressor for so many random plants."""
 
 
-def film_fits(plants: int) -> list[Figure]:
+def film_fits(plants: int) -> list[ReportLine]:
     """Return how often right documents are accepted, how many intervals hold, errors over their bound, and times."""
     own = trials_of(_random, range(plants), bounded=True)
     others = trials_of(_motor_compressor, range(max(1, plants // MOTOR_COMPRESSORS)), bounded=True)
@@ -38,8 +38,8 @@ def film_fits(plants: int) -> list[Figure]:
     warm = float(np.median([one.again for one in own if one.accepted] or [np.inf]))
     return [
         *rows,
-        Figure("processor time of one identification by films, median [s]", "<= 1.0", f"{cold:.2f}", cold <= 1.0),
-        Figure("    from the machine's last identification, median [s]", "<= 0.3", f"{warm:.2f}", warm <= 0.3),
+        ReportLine("processor time of one identification by films, median [s]", "<= 1.0", f"{cold:.2f}", cold <= 1.0),
+        ReportLine("    from the machine's last identification, median [s]", "<= 0.3", f"{warm:.2f}", warm <= 0.3),
     ]
 
 
@@ -51,14 +51,14 @@ def _motor_compressor(seed: int) -> Plant:
     return motor_compressor_plant(seed, "rigid" if seed % 2 else "flexible", discrepancy=DiscrepancySize())
 
 
-def _figures(what: str, trials: list[FilmTrial]) -> list[Figure]:
+def _figures(what: str, trials: list[FilmTrial]) -> list[ReportLine]:
     taken = [one for one in trials if one.accepted]
     accepted, coverage = len(taken) / len(trials), mean_coverage(taken)
     low, high = COVERAGE
     few = len(trials) < FEWEST
     rows = [
-        Figure(f"{what}, deviating: accepted", f">= {LEAST_ACCEPTED:.0%}", f"{accepted:.0%}", accepted >= LEAST_ACCEPTED),
-        Figure(
+        ReportLine(f"{what}, deviating: accepted", f">= {LEAST_ACCEPTED:.0%}", f"{accepted:.0%}", accepted >= LEAST_ACCEPTED),
+        ReportLine(
             "    95 % intervals hold, mean of kinds",
             "93-97 %",
             f"{coverage:.1%}",
@@ -69,11 +69,11 @@ def _figures(what: str, trials: list[FilmTrial]) -> list[Figure]:
     for kind, (part, count) in coverage_by_kind(taken).items():
         if count == 0:
             continue
-        rows.append(Figure(f"        {kind}, {count} told", ">= 86 %", f"{part:.1%}", few or part >= LEAST_OF_A_KIND))
+        rows.append(ReportLine(f"        {kind}, {count} told", ">= 86 %", f"{part:.1%}", few or part >= LEAST_OF_A_KIND))
     return [*rows, _errors_over_bound(taken)]
 
 
-def _errors_over_bound(trials: list[FilmTrial]) -> Figure:
+def _errors_over_bound(trials: list[FilmTrial]) -> ReportLine:
     """Return the median over quantities of the rms error of each over its bound, and that of each kind."""
     squares: dict[str, list[float]] = defaultdict(list)
     for one in trials:
@@ -85,4 +85,4 @@ def _errors_over_bound(trials: list[FilmTrial]) -> Figure:
     median = float(np.median(list(rms.values()))) if rms else np.inf
     low, high = ERROR_OVER_BOUND
     kept = len(trials) < FEWEST or low <= median <= high
-    return Figure(f"    rms error over its bound, median ({told})", f"{low}-{high}", f"{median:.2f}", kept)
+    return ReportLine(f"    rms error over its bound, median ({told})", f"{low}-{high}", f"{median:.2f}", kept)

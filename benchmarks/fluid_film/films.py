@@ -6,7 +6,7 @@ import time
 
 import numpy as np
 
-from benchmarks.fluid_film.figure import Figure
+from benchmarks.fluid_film.report_line import ReportLine
 from estimator.arrays import Floats
 from estimator.films.equilibrium import EquilibriumSearch
 from estimator.films.film import Film
@@ -27,7 +27,7 @@ DIFFERENCE = 1e-5
 """Change of a position for a difference [c]."""
 
 
-def films(_: int) -> list[Figure]:
+def films(_: int) -> list[ReportLine]:
     """Return the rows on single films."""
     return [
         _within("Ocvirk's short bearing, L/D 0.1: force", 0.02, _ocvirk()),
@@ -40,8 +40,8 @@ def films(_: int) -> list[Figure]:
     ]
 
 
-def _within(what: str, asked: float, measured: float) -> Figure:
-    return Figure(what, f"<= {100 * asked:g} %", f"{100 * measured:.2g} %", measured <= asked)
+def _within(what: str, asked: float, measured: float) -> ReportLine:
+    return ReportLine(what, f"<= {100 * asked:g} %", f"{100 * measured:.2g} %", measured <= asked)
 
 
 def _ocvirk() -> float:
@@ -123,8 +123,8 @@ def _largest(matrices: Floats) -> Floats:
     return np.asarray(np.abs(matrices).max(axis=(-2, -1)))
 
 
-def _making() -> Figure:
+def _making() -> ReportLine:
     began = time.process_time()
     PadTable(arc=math.radians(160.0), slenderness=0.5)
     took = time.process_time() - began
-    return Figure("one table of a grooved bearing's pad, processor time", "<= 30 s", f"{took:.1f} s", took <= 30.0)
+    return ReportLine("one table of a grooved bearing's pad, processor time", "<= 30 s", f"{took:.1f} s", took <= 30.0)

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.fluid_film.figure import Figure
 from benchmarks.fluid_film.film_trials import FilmTrial, mean_coverage, told_coverage, trials_of
+from benchmarks.fluid_film.report_line import ReportLine
 from tests.film_plant.discrepancy import DiscrepancySize
 from tests.film_plant.documents import film_document, with_pedestals
 from tests.film_plant.oil import HeatedOil
@@ -28,7 +28,7 @@ believed.
 """
 
 
-def pedestals(plants: int) -> list[Figure]:
+def pedestals(plants: int) -> list[ReportLine]:
     """Return how often trains on unknown pedestals with resonances in the range are accepted, and the intervals that hold."""
 
     def document(plant: Plant, seed: int) -> dict[str, Any]:
@@ -39,7 +39,7 @@ def pedestals(plants: int) -> list[Figure]:
     return _figures("unknown pedestals, resonances in the range", trials)
 
 
-def warming_oils(plants: int) -> list[Figure]:
+def warming_oils(plants: int) -> list[ReportLine]:
     """Return the same of trains whose oil warms by another heat balance than the document's."""
     design, seeds = Design(heated=True), _seeds(plants)
     trials = trials_of(
@@ -48,7 +48,7 @@ def warming_oils(plants: int) -> list[Figure]:
     return _figures("oil that warms by another balance", trials)
 
 
-def lobes(plants: int) -> list[Figure]:
+def lobes(plants: int) -> list[ReportLine]:
     """Return the same of trains in bores with two grooves and in elliptical, three- and four-lobe ones."""
     rows = []
     for profile in BORES:
@@ -61,7 +61,7 @@ def lobes(plants: int) -> list[Figure]:
     return rows
 
 
-def pads(plants: int) -> list[Figure]:
+def pads(plants: int) -> list[ReportLine]:
     """Return the same of trains on tilting pads: five offset pads in each bearing, loaded between two."""
     design = Design(profile="five_pads", slenderness=(0.5,))
     trials = trials_of(lambda seed: random_plant(seed, design=design, discrepancy=DiscrepancySize()), _seeds(plants))
@@ -82,7 +82,7 @@ def _other_balance(train: Train, rng: np.random.Generator, _: float) -> Train:
     return replace(train, bearings=tuple(warmed(one) for one in train.bearings))
 
 
-def _figures(what: str, trials: list[FilmTrial]) -> list[Figure]:
+def _figures(what: str, trials: list[FilmTrial]) -> list[ReportLine]:
     taken = [one for one in trials if one.accepted]
     accepted, coverage = len(taken) / len(trials), mean_coverage(taken)
     told = told_coverage(taken)
@@ -91,20 +91,20 @@ def _figures(what: str, trials: list[FilmTrial]) -> list[Figure]:
     slowest = max(one.took for one in trials)
     failed = sum(one.failed for one in trials)
     return [
-        Figure(
+        ReportLine(
             f"{what}, {len(trials)} plants: accepted",
             f">= {LEAST_ACCEPTED:.0%}",
             f"{accepted:.0%}",
             accepted >= LEAST_ACCEPTED,
         ),
-        Figure(
+        ReportLine(
             "    95 % intervals hold, mean of kinds",
             f">= {LEAST_COVERAGE:.0%}",
             f"{coverage:.1%}",
             coverage >= LEAST_COVERAGE,
             told,
         ),
-        Figure(f"        {kinds}", "", "", True),
-        Figure("    ended with an error in place of a verdict", "0", f"{failed}", failed == 0),
-        Figure("    time of one identification, median and slowest [s]", "", f"{median:.1f}, {slowest:.1f}", True),
+        ReportLine(f"        {kinds}", "", "", True),
+        ReportLine("    ended with an error in place of a verdict", "0", f"{failed}", failed == 0),
+        ReportLine("    time of one identification, median and slowest [s]", "", f"{median:.1f}, {slowest:.1f}", True),
     ]

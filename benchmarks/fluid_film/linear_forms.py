@@ -5,7 +5,7 @@ from typing import Literal
 
 import numpy as np
 
-from benchmarks.fluid_film.figure import Figure
+from benchmarks.fluid_film.report_line import ReportLine
 from estimator.fit.identify import Identification, Options, identify
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
@@ -26,17 +26,17 @@ FORMS: tuple[tuple[Form, int, Terms], ...] = (
 OPTIONS = Options(starts=3)
 
 
-def wrong_forms(plants: int) -> list[Figure]:
+def wrong_forms(plants: int) -> list[ReportLine]:
     """Return, for linear forms on films, which part is refused and how many intervals of the others hold the truth."""
     return [_wrong_form(form, plants) for form in FORMS]
 
 
-def own_forms(plants: int) -> list[Figure]:
+def own_forms(plants: int) -> list[ReportLine]:
     """Return, for trains that follow their documents' forms, which part is accepted and how many intervals hold the truth."""
     return [figure for form in FORMS for figure in _own_form(form, plants)]
 
 
-def _wrong_form(form: tuple[Form, int, Terms], plants: int) -> Figure:
+def _wrong_form(form: tuple[Form, int, Terms], plants: int) -> ReportLine:
     scores, times = [], []
     for plant, machine in _plants(form, plants):
         found, took = _timed(machine, measured(plant))
@@ -47,10 +47,10 @@ def _wrong_form(form: tuple[Form, int, Terms], plants: int) -> Figure:
     coverage = float(np.mean(inside)) if inside else 1.0
     told = f"{len(scores) - len(taken)}/{len(scores)}; {coverage:.0%}, {max(times):.1f} s"
     what = f"films with {_name(form)}: refused; coverage of the accepted; slowest fit"
-    return Figure(what, ">= 90 %, 5 s", told, coverage >= 0.9 and max(times) <= 5.0)
+    return ReportLine(what, ">= 90 %, 5 s", told, coverage >= 0.9 and max(times) <= 5.0)
 
 
-def _own_form(form: tuple[Form, int, Terms], plants: int) -> list[Figure]:
+def _own_form(form: tuple[Form, int, Terms], plants: int) -> list[ReportLine]:
     scores: list[Score] = []
     times = []
     for seed, (plant, machine) in enumerate(_plants(form, plants)):
@@ -65,10 +65,10 @@ def _own_form(form: tuple[Form, int, Terms], plants: int) -> list[Figure]:
     withheld = float(np.median([one.withheld_part for one in scores]))
     told = f"{accepted:.0%} of {len(scores)}; {coverage:.0%}, {max(times):.1f} s"
     return [
-        Figure(
+        ReportLine(
             f"right {_name(form)}: accepted; coverage; slowest", ">= 90 %, 5 s", told, accepted >= 0.9 and max(times) <= 5.0
         ),
-        Figure("    of which not estimable, median", "", f"{withheld:.0%}", True),
+        ReportLine("    of which not estimable, median", "", f"{withheld:.0%}", True),
     ]
 
 

@@ -5,9 +5,9 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from benchmarks.fluid_film.drawings import coefficients_over_speed, coverage_by_kind
-from benchmarks.fluid_film.figure import Figure
 from benchmarks.fluid_film.film_fits import FEWEST, MOTOR_COMPRESSORS
 from benchmarks.fluid_film.kinds_of_trains import FIRST_SEED, MOST_PLANTS
+from benchmarks.fluid_film.report_line import ReportLine
 from benchmarks.fluid_film.wrong_documents import FIRST_SEED as FIRST_WRONG_SEED
 from benchmarks.thesis.tables import paragraphs, table
 
@@ -45,7 +45,7 @@ SECTIONS = {
 }
 
 
-def write_page(found: Mapping[str, Sequence[Figure]], *, plants: int, left_out: Sequence[str]) -> Path:
+def write_page(found: Mapping[str, Sequence[ReportLine]], *, plants: int, left_out: Sequence[str]) -> Path:
     """Write the page and its figures.
 
     Args:
@@ -81,7 +81,7 @@ def _span(first: int, count: int) -> str:
     return f"{first}" if count == 1 else f"{first} to {first + count - 1} ({count} plants)"
 
 
-def _run(found: Mapping[str, Sequence[Figure]], plants: int, left_out: Sequence[str]) -> str:
+def _run(found: Mapping[str, Sequence[ReportLine]], plants: int, left_out: Sequence[str]) -> str:
     only = f" --only {' '.join(found)}" if left_out else ""
     short = sum(not one.kept for figures in found.values() for one in figures)
     fallen = f"{short} of its figures {'falls' if short == 1 else 'fall'}" if short else "none of its figures falls"
@@ -98,7 +98,7 @@ def _run(found: Mapping[str, Sequence[Figure]], plants: int, left_out: Sequence[
     return textwrap.fill(" ".join(parts), 120, break_on_hyphens=False)
 
 
-def _sections(found: Mapping[str, Sequence[Figure]], plants: int) -> list[str]:
+def _sections(found: Mapping[str, Sequence[ReportLine]], plants: int) -> list[str]:
     parts = []
     for name, figures in found.items():
         parts += [f"## {SECTIONS[name]}", seeds(name, plants), _table(figures)]
@@ -114,7 +114,7 @@ def _sections(found: Mapping[str, Sequence[Figure]], plants: int) -> list[str]:
     return [one for one in parts if one]
 
 
-def _table(figures: Sequence[Figure]) -> str:
+def _table(figures: Sequence[ReportLine]) -> str:
     rows = [[_shown(one.what), one.asked, f"{one.measured}{'' if one.kept else ' **SHORT**'}"] for one in figures]
     return table(["what", "asked", "measured"], rows)
 
@@ -125,7 +125,7 @@ def _shown(what: str) -> str:
     return "&emsp;" * ((len(what) - len(text)) // 4) + text
 
 
-def _coverages(found: Mapping[str, Sequence[Figure]]) -> list[tuple[str, Mapping[str, float]]]:
+def _coverages(found: Mapping[str, Sequence[ReportLine]]) -> list[tuple[str, Mapping[str, float]]]:
     """Return the coverages by kind, each with the name of the line before, which says of what they are."""
     named = []
     for figures in found.values():

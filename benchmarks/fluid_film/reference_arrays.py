@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from benchmarks.fluid_film.figure import Figure
+from benchmarks.fluid_film.report_line import ReportLine
 from estimator.arrays import Floats
 from estimator.machine.document import Machine, parse_machine
 from estimator.rotor.condensation import condense
@@ -15,7 +15,7 @@ from tests.film_plant.plant import Plant
 from tests.paths import DATA
 
 
-def reference_response(_: int) -> list[Figure]:
+def reference_response(_: int) -> list[ReportLine]:
     """Return the deviation from the reference arrays' response with their own stiffness and damping."""
     worst = 0.0
     kinds: tuple[CouplingKind, ...] = ("flexible", "rigid")
@@ -30,11 +30,13 @@ def reference_response(_: int) -> list[Figure]:
                 found = _phasors(machine, plant, speed, named["stiffness"], named["damping"])
                 worst = max(worst, float(np.abs(found - named["response"]).max() / np.abs(named["response"]).max()))
     return [
-        Figure("reference arrays, response with their K and C, part of its maximum", "<= 1e-6", f"{worst:.1e}", worst <= 1e-6)
+        ReportLine(
+            "reference arrays, response with their K and C, part of its maximum", "<= 1e-6", f"{worst:.1e}", worst <= 1e-6
+        )
     ]
 
 
-def reference_statics(_: int) -> list[Figure]:
+def reference_statics(_: int) -> list[ReportLine]:
     """Return the worst deviations from the reference arrays' loads, positions, films and response over all cases."""
     worst = dict.fromkeys(("load", "position", "stiffness", "damping", "response"), 0.0)
     kinds: tuple[CouplingKind, ...] = ("flexible", "rigid")
@@ -49,7 +51,7 @@ def reference_statics(_: int) -> list[Figure]:
     asked = {"load": 0.02, "position": 0.02, "stiffness": 0.02, "damping": 0.02, "response": 0.05}
     of = {"load": "of the load", "position": "of the clearance", "response": "of the maximum"}
     return [
-        Figure(
+        ReportLine(
             f"reference arrays, all cases: {what}, part {of.get(what, 'of the largest term')}",
             f"<= {asked[what]:.0%}",
             f"{100 * value:.2f} %",

@@ -4,7 +4,7 @@ import time
 
 import numpy as np
 
-from benchmarks.fluid_film.figure import Figure
+from benchmarks.fluid_film.report_line import ReportLine
 from estimator.fit.coordinates import Coordinates
 from estimator.identification.sweep_correction import sweep_transient
 from estimator.machine.document import Machine
@@ -22,7 +22,7 @@ CLEAR = 0.01
 """Part of the amplitude from which on a deviation counts [-]."""
 
 
-def sweep(_: int) -> list[Figure]:
+def sweep(_: int) -> list[ReportLine]:
     """Return the error of the sweep correction against an integration in time, as a part of the deviation."""
     found = []
     plant = motor_compressor_plant(1, "flexible")
@@ -39,7 +39,7 @@ def sweep(_: int) -> list[Figure]:
         wrong = float(np.sqrt(np.sum(np.abs(predicted - true) ** 2) / np.sum(np.abs(true) ** 2)))
         size = f"{100 * wrong:.1f} % in {took:.2f} s"
         what = f"sweep correction at {rate:.0f} rpm/s, rms over that of the deviation ({np.mean(clear):.1%} above {CLEAR:.0%})"
-        found.append(Figure(what, "<= 10 %", size, wrong <= 0.1))
+        found.append(ReportLine(what, "<= 10 %", size, wrong <= 0.1))
     return found
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.fluid_film.figure import Figure
+from benchmarks.fluid_film.report_line import ReportLine
 from estimator.arrays import Floats
 from estimator.films.equilibrium import EquilibriumSearch
 from estimator.films.pivoted_pad import PivotedPadSolver
@@ -40,7 +40,7 @@ class _BruteForce:
     damping: float
 
 
-def tilting_pads(plants: int) -> list[Figure]:
+def tilting_pads(plants: int) -> list[ReportLine]:
     """Return the rows on tilting pads; with few plants fewer are solved by brute force."""
     places = BRUTE if plants > 1 else BRUTE[:1]
     brute = [_brute_force(profile, place) for profile in TILTING.values() for place in _settled(profile, places)]
@@ -57,12 +57,12 @@ def tilting_pads(plants: int) -> list[Figure]:
     ]
 
 
-def _within(what: str, asked: float, measured: float) -> Figure:
-    return Figure(what, f"<= {100 * asked:g} %", f"{100 * measured:.2g} %", measured <= asked)
+def _within(what: str, asked: float, measured: float) -> ReportLine:
+    return ReportLine(what, f"<= {100 * asked:g} %", f"{100 * measured:.2g} %", measured <= asked)
 
 
-def _small(what: str, asked: float, measured: float) -> Figure:
-    return Figure(what, f"<= {asked:g}", f"{measured:.1e}", measured <= asked)
+def _small(what: str, asked: float, measured: float) -> ReportLine:
+    return ReportLine(what, f"<= {asked:g}", f"{measured:.1e}", measured <= asked)
 
 
 def _symmetry() -> float:
@@ -130,8 +130,8 @@ def _derivatives() -> float:
     return worst
 
 
-def _making() -> Figure:
+def _making() -> ReportLine:
     began = time.process_time()
     PivotedPadTable(arc=math.radians(60.0), pivot=0.6, slenderness=SLENDERNESS)
     took = time.process_time() - began
-    return Figure("one table of a tilting pad, processor time", "<= 30 s", f"{took:.1f} s", took <= 30.0)
+    return ReportLine("one table of a tilting pad, processor time", "<= 30 s", f"{took:.1f} s", took <= 30.0)

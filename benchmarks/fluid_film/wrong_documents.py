@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from benchmarks.fluid_film.figure import Figure
 from benchmarks.fluid_film.film_trials import FilmTrial, coverage_by_kind, mean_coverage, trials_of
+from benchmarks.fluid_film.report_line import ReportLine
 from tests.film_plant.discrepancy import DiscrepancySize
 from tests.film_plant.plant import Plant
 from tests.film_plant.plants import PRIORS, Alteration, random_plant
@@ -26,7 +26,7 @@ WRONG: dict[str, tuple[Alteration, Design]] = {
 }
 
 
-def wrong_documents(plants: int) -> list[Figure]:
+def wrong_documents(plants: int) -> list[ReportLine]:
     """Return what becomes of documents with one thing wrong, and of right ones."""
     seeds = range(FIRST_SEED, FIRST_SEED + plants)
     rows = [_wrong(name, trials_of(_altered(alteration, design), seeds)) for name, (alteration, design) in WRONG.items()]
@@ -36,7 +36,7 @@ def wrong_documents(plants: int) -> list[Figure]:
     told = f"{good:.0%}, {np.median(widths):.2f}"
     return [
         *rows,
-        Figure(
+        ReportLine(
             f"right ones: accepted, half width of K direct <= {WIDEST} bounds; median", ">= 80 %", told, good >= LEAST_RIGHT
         ),
     ]
@@ -46,10 +46,10 @@ def _altered(alteration: Alteration, design: Design) -> Callable[[int], Plant]:
     return lambda seed: random_plant(seed, design=design, alter=alteration, discrepancy=DiscrepancySize())
 
 
-def _wrong(name: str, trials: list[FilmTrial]) -> Figure:
+def _wrong(name: str, trials: list[FilmTrial]) -> ReportLine:
     taken = [one for one in trials if one.accepted]
     coverage = mean_coverage(taken)
     worst = min(coverage_by_kind(taken).items(), key=lambda one: one[1][0])
     told = f"{len(trials) - len(taken)}/{len(trials)}; {coverage:.0%}"
     what = f"{name}: refused; coverage (least {worst[0]} {worst[1][0]:.0%})"
-    return Figure(what, ">= 90 %", told, coverage >= LEAST_COVERAGE)
+    return ReportLine(what, ">= 90 %", told, coverage >= LEAST_COVERAGE)

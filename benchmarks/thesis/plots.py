@@ -14,7 +14,7 @@ COLOURS = ("#1f5fa8", "#c1440e", "#2e7d32", "#6a3d9a", "#8a6d00", "#444444")
 
 
 @dataclass(frozen=True)
-class Series:
+class PlottedCurve:
     """One curve, or single points where `points` is set. Values that cannot be drawn are left out.
 
     Attributes:
@@ -50,7 +50,7 @@ class _Axis:
         return (value - self.low) / (self.high - self.low)
 
 
-def chart(*, title: str, x_label: str, y_label: str, series: Sequence[Series], logarithmic: bool = False) -> str:
+def chart(*, title: str, x_label: str, y_label: str, series: Sequence[PlottedCurve], logarithmic: bool = False) -> str:
     """Return a chart of curves and points as SVG. logarithmic: of the y axis; values that are not positive are then left
     out."""
     horizontal = _linear_axis([value for one in series for value in one.x])
@@ -112,7 +112,7 @@ def _grid(horizontal: _Axis, vertical: _Axis) -> list[str]:
     return parts
 
 
-def _drawn(one: Series, horizontal: _Axis, vertical: _Axis, colour: str) -> list[str]:
+def _drawn(one: PlottedCurve, horizontal: _Axis, vertical: _Axis, colour: str) -> list[str]:
     shown = [
         (_x(horizontal, x), _y(vertical, y))
         for x, y in zip(one.x, one.y, strict=True)
@@ -128,7 +128,7 @@ def _drawn(one: Series, horizontal: _Axis, vertical: _Axis, colour: str) -> list
     ]
 
 
-def _band(one: Series, horizontal: _Axis, vertical: _Axis, colour: str) -> list[str]:
+def _band(one: PlottedCurve, horizontal: _Axis, vertical: _Axis, colour: str) -> list[str]:
     if one.band is None:
         return []
     lower, upper = one.band

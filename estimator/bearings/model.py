@@ -240,7 +240,7 @@ class BearingForm(Protocol):
         """
 
     def warnings(self, lowest_rpm: float, highest_rpm: float) -> Iterable[tuple[str, str]]:
-        """Find what is possible but hardly meant.
+        """Find what is possible but probably a mistake.
 
         Args:
             lowest_rpm: Lowest speed of the machine [r/min].

@@ -283,7 +283,7 @@ class Table(FormDefaults, TableColumns):
         return float(self._model((term,), (term,)).at(np.array([rpm_to_rad_per_s(rpm)])).table[0, 0])
 
     def warnings(self, lowest_rpm: float, highest_rpm: float) -> Iterator[tuple[str, str]]:
-        """Find what is hardly meant: a speed range beyond the table's ends, stiffnesses in another unit.
+        """Find what is probably a mistake: a speed range beyond the table's ends, stiffnesses in another unit.
 
         Args:
             lowest_rpm: Lowest speed of the machine [r/min].

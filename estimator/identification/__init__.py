@@ -1,3 +1,3 @@
 """An identification as the service asks for it: quality gate, sweep correction, pooling of runs, design of experiments,
-comparison of models. It imports `fit`, `updated_model` and `phasors`; workers call it.
+comparison of models. It imports `fit`, `updated_model`, `phasors` and what lies below; workers call it.
 """

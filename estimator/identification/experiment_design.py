@@ -135,10 +135,6 @@ def helpful_probes(
     )
 
 
-def _probe_description(probe: Probe) -> str:
-    return f"a probe on shaft {probe.shaft} at {probe.station:.4g} m, {probe.angle_deg:g}°"
-
-
 def _candidate_probes(machine: Machine) -> list[Probe]:
     """List x and y at every node that has no probe yet."""
     taken = {(p.shaft, round(p.station, 6)) for p in machine.probes}

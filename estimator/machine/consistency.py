@@ -260,20 +260,6 @@ def _matching(pattern: str, names: Iterable[str]) -> list[str]:
     return [name for name in names if fits(name)]
 
 
-def rules_in_force(train: Train, names: Iterable[str]) -> dict[str, int]:
-    """Find the last rule whose pattern fits each name.
-
-    Args:
-        train: The train with its rules.
-        names: Names of parameters.
-
-    Returns:
-        Index of the rule by name; names that none fits are left out.
-    """
-    fitting = _fitting(train, names)
-    return {name: i for i, rule in enumerate(train.parameters) for name in fitting[rule.names]}
-
-
 def _fitting(train: Train, names: Iterable[str]) -> dict[str, list[str]]:
     """List the names that each rule's pattern fits."""
     return {pattern: _matching(pattern, names) for pattern in {rule.names for rule in train.parameters}}

@@ -1,4 +1,4 @@
-"""Warnings of a machine document: what is possible and taken, but hardly meant."""
+"""Warnings of a machine document: what is possible and taken, but probably a mistake."""
 
 from dataclasses import dataclass
 
@@ -8,7 +8,7 @@ from estimator.machine.part_coefficients import ELEMENTS
 
 @dataclass(frozen=True)
 class DocumentWarning:
-    """Something in a document that is hardly meant.
+    """Something in a document that is probably a mistake.
 
     Attributes:
         field: Path of the field, such as `bearings[0].speed_dependence.speed_rpm`.
@@ -24,7 +24,7 @@ class DocumentWarning:
 
 
 def document_warnings(machine: Machine) -> tuple[DocumentWarning, ...]:
-    """List what is hardly meant in a document that is taken.
+    """List what is probably a mistake in a document that is taken.
 
     Args:
         machine: The machine.

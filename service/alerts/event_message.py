@@ -14,7 +14,7 @@ class AlertEvent(BaseModel):
 
     id: int = Field(description="grows over all alerts: the event's id in streams and deliveries")
     alert: int
-    number: int = Field(description="of the event within its alert, from 1 without a hole")
+    number: int = Field(description="of the event within its alert, from 1 without gaps")
     machine: str
     rule: str
     element: str

@@ -38,18 +38,18 @@ from service.api.machines.overview import Overview
 from service.api.machines.routes import router as machines
 from service.api.machines.slow_roll import router as slow_roll
 from service.api.machines.timeline import router as timeline
-from service.api.machines.train_drawing import router as drawing
+from service.api.machines.train_drawing import router as train_drawing
 from service.api.measurements.ingestion import router as ingestion
 from service.api.measurements.orbits import router as orbits
 from service.api.measurements.routes import router as measurements
 from service.api.measurements.run_quality import router as run_quality
 from service.api.openapi import described
-from service.api.operation.audit import router as people
+from service.api.operation.audit import router as audit
 from service.api.operation.dashboard import router as dashboard
 from service.api.operation.database_check import DatabaseCheck
 from service.api.operation.documentation import add_documentation
 from service.api.operation.health import Parts
-from service.api.operation.health import router as operations
+from service.api.operation.health import router as health
 from service.api.operation.metrics import router as metrics
 from service.api.operation.replicas import router as replicas
 from service.api.operation.stages import router as stages
@@ -183,7 +183,7 @@ def _routes() -> list[BaseRoute]:
         ingestion,
         orbits,
         run_quality,
-        drawing,
+        train_drawing,
         comparisons,
         identifications,
         model,
@@ -197,10 +197,10 @@ def _routes() -> list[BaseRoute]:
         alignment,
         limits,
         subscriptions,
-        operations,
+        health,
         replicas,
         stages,
-        people,
+        audit,
     ):
         # Not through another router: the framework rebuilds each operation for every level.
         router.include_router(part, prefix=PREFIX, dependencies=[Depends(reject_unknown_parameters)])

@@ -1,4 +1,4 @@
-"""Prints what is hardly meant in a machine document that is taken."""
+"""Prints what is probably a mistake in a machine document that is taken."""
 
 from estimator.machine.document import Machine
 from estimator.machine.document_warnings import document_warnings

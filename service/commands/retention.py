@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from storage.database.engine import Database
     from storage.operation.retention import Extent
 
-retention_app = typer.Typer(no_args_is_help=True, help="Old samples: what waits to be let go of.")
+retention_app = typer.Typer(no_args_is_help=True, help="Old samples: what waits to be deleted.")
 
 COMMAND = "rundown retention"
 """Author in the audit trail of changes made by commands on the store."""
@@ -44,7 +44,7 @@ def confirm(
         settings = settings_of()
         tiers = tiers_of(settings)
         if not tiers:
-            fail("nothing is ever let go of: neither raw_days nor run_days is set. Run it with the service's settings")
+            fail("nothing is ever deleted: neither raw_days nor run_days is set. Run it with the service's settings")
         url = database or settings.database
         require_file(url)
         opened = Database(url)
@@ -53,14 +53,14 @@ def confirm(
     try:
         moment = now()
         _print_old_samples(opened, tiers, moment)
-        if not yes and not typer.confirm("Is this clock right, and may all of that be let go of for ever?"):
+        if not yes and not typer.confirm("Is this clock right, and may all of that be deleted for ever?"):
             fail("nothing was confirmed")
         _confirm(opened, tiers, moment)
     except DBAPIError as error:
         fail(f"the database does not answer as it should: {error.orig}")
     finally:
         opened.close()
-    say("confirmed: the service's next round, within ten minutes, lets go of it")
+    say("confirmed: the service's next round, within ten minutes, deletes it")
 
 
 def _print_old_samples(database: "Database", tiers: "list[Tier]", moment: int) -> None:

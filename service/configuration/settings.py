@@ -99,7 +99,8 @@ class Settings(BaseSettings):
         description="samples that came late are sorted in when none have come for this long, at most ten times as long",
     )
     raw_days: Days = Field(
-        default=0.0, description="samples outside of runs are let go of behind a machine's newest by this many days; 0: never"
+        default=0.0,
+        description="samples outside of runs, older than a machine's newest by this many days, are deleted; 0: never",
     )
     run_days: Days = Field(
         default=0.0, description="the same for the samples of runs; what was found of them is kept for ever; 0: never"

@@ -1,3 +1,4 @@
-"""Examines a deployment from outside: settings, database, certificates, and endpoints open to strangers. It may import every
-room but `commands`, which prints its results.
+"""Examines a deployment from outside: settings, database, certificates, and endpoints open to strangers. It imports
+`configuration`, `messaging`, `security`, `maintenance`, `delivery`, `wire` and `api`, whose operations it probes; `commands`
+prints its results.
 """

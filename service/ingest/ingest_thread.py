@@ -20,7 +20,7 @@ STALLED_S = 5.0
 RETRY_S = 1.0
 """Pause after the database refused to store."""
 LAST_TRIES = 2
-"""To store what is held, of a service that ends."""
+"""Attempts of a service that ends to store what is held."""
 
 
 class Ingest(SupervisedThread):

@@ -61,7 +61,7 @@ class Housekeeping(SupervisedThread):
     @property
     def warnings(self) -> list[str]:
         """Return warnings of too little space, and why the store is not kept within its limits."""
-        hindered = [f"old samples are not let go of: {self.unfinished}"] if self.unfinished else []
+        hindered = [f"old samples are not deleted: {self.unfinished}"] if self.unfinished else []
         blind = [f"how much room is left cannot be told: {self.unseen}"] if self.unseen else []
         return [words for words in (self._disk.warning, self._waiting_warning) if words] + hindered + blind
 
@@ -92,7 +92,7 @@ class Housekeeping(SupervisedThread):
             except Exception as error:
                 if is_database_wide(error):
                     raise
-                logger.exception("%s: its old samples are not let go of; those of the others are", machine_id)
+                logger.exception("%s: its old samples are not deleted; those of the others are", machine_id)
                 failed = error
             if not self._wait_unless_stopped():
                 return
@@ -215,7 +215,7 @@ def _waiting_words(machine_ids: set[str], moment: int) -> str:
     names, others = sorted(machine_ids)[:3], len(machine_ids) - 3
     named = ", ".join(names) + (f" and {others} more machines" if others > 0 else "")
     return (
-        f"old samples of {named} wait to be let go of: by this machine's clock "
+        f"old samples of {named} wait to be deleted: by this machine's clock "
         f"({to_datetime(moment):%Y-%m-%d %H:%M} UTC) and the settings more of them are old than time has passed here. If both "
-        "are right, `rundown retention confirm` shows them and lets them go"
+        "are right, `rundown retention confirm` shows them and deletes them"
     )

@@ -1,2 +1,3 @@
-"""Recovery of sequence gaps from the logs of the sources, without blocking on any. It imports `journal`, `resilience` and
-`wire`; `ingest` reports gaps to it, and recovered batches are stored like all others."""
+"""Recovery of sequence gaps from the logs of the sources, without blocking on any. It imports `journal`, `replication`,
+`resilience` and `wire`; `ingest` reports gaps to it, and recovered batches are stored like all others.
+"""

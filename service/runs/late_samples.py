@@ -117,7 +117,7 @@ def plan(session: Session, machine_id: str, window: Window, *, patience_s: float
     if any(_is_unfinished(row) or (_overlaps(row, first - near, last + near) and _waits(row, patience_s)) for row in beside):
         return None
     if beside and (machines.get(session, machine_id).blocks_since or 0) > beside[0].time_first:
-        return replace(found, left_out=[row.id for row in beside], why="were let go of")
+        return replace(found, left_out=[row.id for row in beside], why="were deleted")
     begin = min([first, *(row.time_first for row in beside)]) - BESIDE
     end = max([last, *(row.time_last or row.time_first for row in beside)]) + BESIDE
     sweeps = _sweeps(session, machine, revision, begin, end, found.damaged)

@@ -1,5 +1,6 @@
 """The contract with sources, defined only here: keys of messages, their frame, schema and three encodings, and the conversion
-to SI. `docs/integrators.md` describes it for those who write sources."""
+to SI. It imports no other room; `docs/integrators.md` describes the contract for those who write sources.
+"""
 
 from service.wire.answers import Received, SourceReceived
 from service.wire.conversion import (

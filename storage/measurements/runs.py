@@ -230,9 +230,7 @@ def flags(session: Session, run_id: int) -> NDArray[np.uint16] | None:
 def _require_kept(row: RunRow) -> None:
     if row.released_at is not None:
         moment = to_datetime(row.released_at)
-        raise SamplesReleased(
-            f"the samples of run {row.id} were let go of on {moment:%Y-%m-%d}, as the retention of runs says"
-        )
+        raise SamplesReleased(f"the samples of run {row.id} were deleted on {moment:%Y-%m-%d}, as the retention of runs says")
 
 
 def previous_run(session: Session, row: RunRow) -> RunRow | None:

@@ -16,7 +16,7 @@ from storage.tables.measurements import SampleBlockRow, SourceRow
 logger = logging.getLogger(__name__)
 
 ALL_TIME = -(2**63), 2**63 - 1
-"""Before and after all times that a store can hold [ns]."""
+"""Earliest and latest time that a store can hold [ns]."""
 
 
 @dataclass(frozen=True)

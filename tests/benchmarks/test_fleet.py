@@ -21,9 +21,9 @@ from benchmarks.fleet.histories import (
     SEASON,
     WEEKS_A_YEAR,
     BearingChanged,
-    Change,
     GainDrifted,
     History,
+    MachineChange,
     Misaligned,
     OutliersBegan,
     ProbeLost,
@@ -44,7 +44,7 @@ from estimator.machine.rules import Noise
 SMALL = "thesis-chapter-3"
 
 
-def truths(*changes: Change, weeks: int = 12, seasonality: Seasonality = "none", seed: int = 1) -> History:
+def truths(*changes: MachineChange, weeks: int = 12, seasonality: Seasonality = "none", seed: int = 1) -> History:
     rng = np.random.default_rng(seed)
     return history(example(SMALL), changes, weeks=weeks, baseline=5, seasonality=seasonality, rng=rng)
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from benchmarks.thesis import plots
-from benchmarks.thesis.plots import BOTTOM, HEIGHT, LEFT, RIGHT, TOP, WIDTH, Series, chart
+from benchmarks.thesis.plots import BOTTOM, HEIGHT, LEFT, RIGHT, TOP, WIDTH, PlottedCurve, chart
 from benchmarks.thesis.tables import (
     decade,
     median_and_worst,
@@ -24,7 +24,7 @@ from benchmarks.thesis.tables import (
 SPACE = "{http://www.w3.org/2000/svg}"
 
 
-def drawn(*series: Series, logarithmic: bool = False) -> ElementTree.Element:
+def drawn(*series: PlottedCurve, logarithmic: bool = False) -> ElementTree.Element:
     return ElementTree.fromstring(chart(title="a < b", x_label="x", y_label="y", series=series, logarithmic=logarithmic))
 
 
@@ -35,24 +35,24 @@ def curve(svg: ElementTree.Element) -> np.ndarray:
 
 
 def test_a_straight_line_is_drawn_straight_from_corner_to_corner() -> None:
-    corners = curve(drawn(Series("line", [0, 5, 10], [0, 10, 20])))
+    corners = curve(drawn(PlottedCurve("line", [0, 5, 10], [0, 10, 20])))
     assert corners[0] == pytest.approx([LEFT, HEIGHT - BOTTOM])
     assert corners[1] == pytest.approx([(LEFT + WIDTH - RIGHT) / 2, (TOP + HEIGHT - BOTTOM) / 2])
     assert corners[2] == pytest.approx([WIDTH - RIGHT, TOP])
 
 
 def test_decades_are_evenly_spaced_on_a_logarithmic_axis() -> None:
-    corners = curve(drawn(Series("decades", [0, 1, 2, 3], [1e-2, 1e-1, 1, 10]), logarithmic=True))
+    corners = curve(drawn(PlottedCurve("decades", [0, 1, 2, 3], [1e-2, 1e-1, 1, 10]), logarithmic=True))
     assert np.diff(corners[:, 1]) == pytest.approx(np.full(3, -(HEIGHT - TOP - BOTTOM) / 3), abs=0.1)
 
 
 def test_what_cannot_be_drawn_is_left_out() -> None:
-    svg = drawn(Series("some", [0, 1, 2, 3], [1.0, 0.0, math.nan, 10.0], points=True), logarithmic=True)
+    svg = drawn(PlottedCurve("some", [0, 1, 2, 3], [1.0, 0.0, math.nan, 10.0], points=True), logarithmic=True)
     assert len([one for one in svg.iter(f"{SPACE}circle") if one.get("r") == "3.5"]) == 2
 
 
 def test_a_band_lies_around_its_curve_in_the_curve_s_colour() -> None:
-    svg = drawn(Series("found", [0, 1], [2.0, 4.0], band=([1.0, 3.0], [3.0, 5.0]), colour=1, dashed=True))
+    svg = drawn(PlottedCurve("found", [0, 1], [2.0, 4.0], band=([1.0, 3.0], [3.0, 5.0]), colour=1, dashed=True))
     (line,) = [one for one in svg.iter(f"{SPACE}path") if one.get("fill") == "none"]
     (band,) = [one for one in svg.iter(f"{SPACE}path") if one.get("fill") == line.get("stroke")]
     assert line.get("stroke") == plots.COLOURS[1]
@@ -64,13 +64,13 @@ def test_a_band_lies_around_its_curve_in_the_curve_s_colour() -> None:
 
 
 def test_title_axes_and_names_are_written() -> None:
-    words = [one.text for one in drawn(Series("F_x & F_y", [0, 1], [2, 3])).iter(f"{SPACE}text")]
+    words = [one.text for one in drawn(PlottedCurve("F_x & F_y", [0, 1], [2, 3])).iter(f"{SPACE}text")]
     assert {"a < b", "x", "y", "F_x & F_y"} <= set(words)
 
 
 def test_constant_values_still_have_an_axis() -> None:
-    assert np.isfinite(curve(drawn(Series("constant", [1, 2], [5, 5])))).all()
-    assert np.isfinite(curve(drawn(Series("constant", [1, 2], [10, 10]), logarithmic=True))).all()
+    assert np.isfinite(curve(drawn(PlottedCurve("constant", [1, 2], [5, 5])))).all()
+    assert np.isfinite(curve(drawn(PlottedCurve("constant", [1, 2], [10, 10]), logarithmic=True))).all()
 
 
 def test_a_figure_is_saved_where_the_page_looks_for_it(monkeypatch: pytest.MonkeyPatch, tmp_path) -> None:  # type: ignore[no-untyped-def]

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from benchmarks.thesis.chapter_2.experiments import Case, Experiment, Floats, regression
+from benchmarks.thesis.chapter_2.experiments import Experiment, Floats, RigidCase, regression
 from benchmarks.thesis.chapter_2.misprints import GROUPS, MISPRINTS, shifts
 from benchmarks.thesis.chapter_2.printed import NATURAL_FREQUENCIES, TABLE_2_8, TABLES_2_4_TO_2_7
 from benchmarks.thesis.chapter_2.regularisation import SCALINGS
-from benchmarks.thesis.plots import Series, chart, save
+from benchmarks.thesis.plots import PlottedCurve, chart, save
 from benchmarks.thesis.tables import decade, paragraphs, percent, power, prose, shift, short_name, table
 from estimator.rotor.response import response
 from estimator.thesis.regression import condition_number
@@ -49,7 +49,8 @@ def frequencies_section() -> str:
             x_label="spin speed [rad/s]",
             y_label="amplitude [m]",
             series=[
-                Series(f"x at bearing {bearing + 1}", omega.tolist(), amplitude[:, bearing].tolist()) for bearing in range(4)
+                PlottedCurve(f"x at bearing {bearing + 1}", omega.tolist(), amplitude[:, bearing].tolist())
+                for bearing in range(4)
             ],
             logarithmic=True,
         ),
@@ -79,7 +80,7 @@ def _frequencies_with_angle(rigid: RigidTrain) -> Floats:
     return np.sort(np.sqrt(square).real)
 
 
-def conditioning_section(subjects: dict[Case, Experiment]) -> str:
+def conditioning_section(subjects: dict[RigidCase, Experiment]) -> str:
     """Write the section on the condition numbers of the regression."""
     rows = []
     for which, subject in subjects.items():
@@ -116,7 +117,7 @@ def conditioning_section(subjects: dict[Case, Experiment]) -> str:
     )
 
 
-def _condition_readings(subjects: dict[Case, Experiment]) -> list[list[str]]:
+def _condition_readings(subjects: dict[RigidCase, Experiment]) -> list[list[str]]:
     printed = [TABLE_2_8[which.method, which.name] for which in subjects]
     matrices = [rigid_regression(subject.train, subject.noisy(1.0, 0)).matrix for subject in subjects.values()]
     means = [float(which.speed.mean()) for which in subjects]

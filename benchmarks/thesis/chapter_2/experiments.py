@@ -31,7 +31,7 @@ SINGULAR = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class Case:
+class RigidCase:
     """Speeds (S,) [rad/s] and senses of rotation (S,) of one of the thesis's cases."""
 
     method: str
@@ -45,11 +45,11 @@ class Case:
         return f"{self.method}, {self.name}"
 
 
-def _case(method: str, name: str, speed: list[int] | range) -> Case:
+def _case(method: str, name: str, speed: list[int] | range) -> RigidCase:
     once = np.array(speed, dtype=float)
     if method == "I":
-        return Case(method, name, once, np.ones(once.size))
-    return Case(method, name, np.tile(once, 2), np.repeat([1.0, -1.0], once.size))
+        return RigidCase(method, name, once, np.ones(once.size))
+    return RigidCase(method, name, np.tile(once, 2), np.repeat([1.0, -1.0], once.size))
 
 
 CASES = (
@@ -80,12 +80,12 @@ class Experiment:
 
 
 @cache
-def case(method: str, name: str) -> Case:
+def case(method: str, name: str) -> RigidCase:
     """Return the case of that name. Raises StopIteration for one that the thesis does not have."""
     return next(one for one in CASES if (one.method, one.name) == (method, name))
 
 
-def experiment(which: Case, rigid: RigidTrain | None = None) -> Experiment:
+def experiment(which: RigidCase, rigid: RigidTrain | None = None) -> Experiment:
     """Return a case with the printed train, or another."""
     rigid = printed_train() if rigid is None else rigid
     train = condensed(rigid, speed=which.speed, direction=which.direction)
@@ -169,7 +169,7 @@ def in_phase(rigid: RigidTrain) -> RigidTrain:
 
 
 def _relative_slopes(subject: Experiment) -> tuple[Floats, Floats]:
-    """Derivatives (8 S, 50) of ln|q| and of the phase of q, by the relative change of each unknown."""
+    """Return the derivatives (8 S, 50) of ln|q| and of the phase of q, by the relative change of each unknown."""
     found = sensitivity(subject.train, coefficients=subject.rigid.coefficients, excitations=subject.rigid.unbalances)
     phasor, slope = found.phasor, found.by_parameter
     relative = (slope / phasor[..., None]).reshape(-1, slope.shape[-1]) * subject.rigid.values

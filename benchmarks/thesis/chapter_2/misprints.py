@@ -40,7 +40,7 @@ def _is_lateral_coupling(name: str) -> bool:
 
 
 def _missing_fives(subject: Experiment) -> Regression:
-    """k_{1,18} = k_{5,20} = 0.062 (y_b1 - y_b2 + y_b3 - y_b4), with 1/16 for 0.062."""
+    """Return the regression with k_{1,18} = k_{5,20} = 0.062 (y_b1 - y_b2 + y_b3 - y_b4), with 1/16 for 0.062."""
     right = rigid_regression(subject.train, subject.clean)
     wrong = subject.clean[:, 4:] @ np.array([1.0, -1.0, 1.0, -1.0]) / 16
     matrix = right.matrix.copy()
@@ -59,7 +59,7 @@ def _minus_j(subject: Experiment) -> Regression:
 
 
 def _angle_times_speed(subject: Experiment) -> Regression:
-    """e^{jωφ} for e^{jφ}: with the unknown parts of U multiplied by it, the columns turn with the speed."""
+    """Replace e^{jφ} by e^{jωφ}: with the unknown parts of U multiplied by it, the columns turn with the speed."""
     train = subject.train
     angle = np.repeat(np.angle(subject.rigid.unbalances), 2)
     turned = train.force * np.exp(1j * (train.direction * train.speed)[:, None, None] * angle)
@@ -77,7 +77,7 @@ def _inertia(shaft_inertia: tuple[float, float]) -> Callable[[Experiment], Regre
 
 
 def _data_with(stiffness: Floats, damping: Floats) -> Callable[[Experiment], Regression]:
-    """Data from a dynamic stiffness with these errors added (8, 8), in units of the coupling's own coefficient."""
+    """Take data from a dynamic stiffness with these errors added (8, 8), in units of the coupling's own coefficient."""
 
     def build(subject: Experiment) -> Regression:
         train = subject.train
@@ -95,7 +95,7 @@ def _data_with(stiffness: Floats, damping: Floats) -> Callable[[Experiment], Reg
 
 
 def _data_with_weights(subject: Experiment) -> Regression:
-    """Force vector of Eq. 2.9 as printed, weights 1 and 0.5."""
+    """Take data with the force vector of Eq. 2.9 as printed, weights 1 and 0.5."""
     train = subject.train
     weights = np.array([[1, 1, 0, 0], [1, 0.5, 0, 0], [0, 0, 1, 1], [0, 0, 0.5, 1.0]])
     # Against +x → +y the mirror image, with the unbalances conjugate.

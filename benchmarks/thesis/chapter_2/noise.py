@@ -9,10 +9,10 @@ from benchmarks.thesis.chapter_2.experiments import (
     NOISE,
     SEEDS,
     START_SPAN,
-    Case,
     Complexes,
     Experiment,
     Floats,
+    RigidCase,
     bound,
     exact_phase_bound,
     experiment,
@@ -32,7 +32,7 @@ from estimator.thesis.rigid_regression import rigid_regression
 from estimator.thesis.rigid_train import condensed
 
 
-def largest_errors_section(subjects: dict[Case, Experiment]) -> str:
+def largest_errors_section(subjects: dict[RigidCase, Experiment]) -> str:
     """Write the section on largest errors."""
     rows = []
     for which, subject in subjects.items():
@@ -84,7 +84,7 @@ def largest_errors_section(subjects: dict[Case, Experiment]) -> str:
     )
 
 
-def against_the_bound_section(subjects: dict[Case, Experiment]) -> str:
+def against_the_bound_section(subjects: dict[RigidCase, Experiment]) -> str:
     """Write the section on errors against the Cramér-Rao bound."""
     rows = []
     for which, subject in subjects.items():
@@ -142,7 +142,7 @@ def likelihood_errors(subject: Experiment, phasors: Sequence[Complexes], rms: fl
     return errors, float(np.isnan(errors).sum() / len(phasors))
 
 
-def responses_section(subjects: dict[Case, Experiment]) -> str:
+def responses_section(subjects: dict[RigidCase, Experiment]) -> str:
     """Write the section on estimated responses."""
     rows = []
     for which, subject in subjects.items():
@@ -177,7 +177,7 @@ def _response_deviation(subject: Experiment, values: Floats, speed: Floats, dire
     return float(np.linalg.norm(found - true) / np.linalg.norm(true))
 
 
-def noise_hypotheses_section(subjects: dict[Case, Experiment]) -> str:
+def noise_hypotheses_section(subjects: dict[RigidCase, Experiment]) -> str:
     """Write the section on readings of the printed noise."""
     hypotheses: list[tuple[str, float, Sharing]] = [
         ("5 %, a number for each channel and speed", 5.0, "none"),
@@ -218,7 +218,7 @@ def _median_worst(errors: Floats) -> str:
 
 
 def _apart_errors(subject: Experiment) -> Floats:
-    """Errors with independent noise on real and imaginary parts, so that the phase is noisy too."""
+    """Return the errors with independent noise on real and imaginary parts, so that the phase is noisy too."""
     errors = []
     for seed in range(SEEDS):
         rng = np.random.default_rng(seed)
@@ -229,7 +229,7 @@ def _apart_errors(subject: Experiment) -> Floats:
 
 
 def _target_errors(subject: Experiment) -> Floats:
-    """Errors with noise in b of A x = b and none in A."""
+    """Return the errors with noise in b of A x = b and none in A."""
     clean = rigid_regression(subject.train, subject.clean)
     noisy = [rigid_regression(subject.train, subject.noisy(5.0, seed)).target for seed in range(SEEDS)]
     return np.array([subject.error(solve(replace(clean, target=target)).values) for target in noisy])

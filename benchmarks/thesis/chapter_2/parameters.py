@@ -10,7 +10,7 @@ from benchmarks.thesis.chapter_2.experiments import SEEDS, Experiment, Floats, b
 from benchmarks.thesis.chapter_2.noise import likelihood_errors
 from benchmarks.thesis.chapter_2.printed import TABLES_2_4_TO_2_7
 from benchmarks.thesis.chapter_2.unbalances import UNBALANCE, complex_unbalances
-from benchmarks.thesis.plots import Series, chart, save
+from benchmarks.thesis.plots import PlottedCurve, chart, save
 from benchmarks.thesis.tables import paragraphs, percent, prose, short_name, table
 from estimator.rotor.response import response
 from estimator.thesis.misalignment_force import misalignment_force
@@ -114,10 +114,12 @@ def _figure(errors: _Errors) -> str:
             x_label="parameter, numbered as in Table 2.1",
             y_label="relative error [%]",
             series=[
-                Series("regression, rms of 20 seeds", numbers, (100 * errors.scatter).tolist(), points=True),
-                Series("printed, against its noise-free", numbers, [100 * value for value in errors.printed], points=True),
-                Series("maximum likelihood, rms", numbers, (100 * errors.likelihood).tolist(), points=True),
-                Series("Cramér-Rao bound, circular noise", numbers, (100 * errors.bound).tolist()),
+                PlottedCurve("regression, rms of 20 seeds", numbers, (100 * errors.scatter).tolist(), points=True),
+                PlottedCurve(
+                    "printed, against its noise-free", numbers, [100 * value for value in errors.printed], points=True
+                ),
+                PlottedCurve("maximum likelihood, rms", numbers, (100 * errors.likelihood).tolist(), points=True),
+                PlottedCurve("Cramér-Rao bound, circular noise", numbers, (100 * errors.bound).tolist()),
             ],
             logarithmic=True,
         ),
@@ -145,9 +147,9 @@ def forces_section(best: Experiment) -> str:
     for what, unit, columns in (("forces", "N", (0, 1)), ("moments", "N m", (2, 3))):
         series = []
         for column in columns:
-            series.append(Series(f"{labels[column]}, assumed values", omega.tolist(), np.abs(true[:, column]).tolist()))
+            series.append(PlottedCurve(f"{labels[column]}, assumed values", omega.tolist(), np.abs(true[:, column]).tolist()))
             estimate = np.abs(estimated[:, column])
-            series.append(Series(f"{labels[column]}, regression at 5 % noise", omega.tolist(), estimate.tolist()))
+            series.append(PlottedCurve(f"{labels[column]}, regression at 5 % noise", omega.tolist(), estimate.tolist()))
         svg = chart(
             title=f"Misalignment {what} over speed (compare Figure 2.18)",
             x_label="spin speed [rad/s]",

@@ -115,4 +115,4 @@ TABLE_2_10: tuple[tuple[Masses, tuple[Plane, ...]], ...] = (
     ((3.0, 1.5, 1.0, 2.0), ((9.8e-3, 36.4), (6.1e-3, 108.4), (7.6e-3, 240.4), (11.3e-3, 300.5))),
     ((1.5, 2.0, 0.5, 1.0), ((9.8e-3, 36.4), (6.0e-3, 108.2), (7.6e-3, 240.4), (11.2e-3, 300.4))),
 )
-"""The same by disc masses [kg], for the unbalances of the first line of Table 2.9."""
+"""Estimated unbalances of the four planes by disc masses [kg], assumed as in the first line of Table 2.9."""

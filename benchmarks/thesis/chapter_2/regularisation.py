@@ -4,7 +4,7 @@ from typing import get_args
 
 import numpy as np
 
-from benchmarks.thesis.chapter_2.experiments import Case, Experiment, Floats, case, regression
+from benchmarks.thesis.chapter_2.experiments import Experiment, Floats, RigidCase, case, regression
 from benchmarks.thesis.tables import decade, median_and_worst, paragraphs, percent, prose, table
 from estimator.thesis.parameter_rules import Rule
 from estimator.thesis.regression import Method, Scaling
@@ -51,7 +51,7 @@ def scaling_section(near: Experiment, best: Experiment) -> str:
     )
 
 
-def tikhonov_section(subjects: dict[Case, Experiment]) -> str:
+def tikhonov_section(subjects: dict[RigidCase, Experiment]) -> str:
     """Write the section on Tikhonov regularisation."""
     rules: tuple[Rule | None, ...] = (None, *get_args(Rule))
     factor = 1.0 + np.random.default_rng(99).uniform(-EXPECTED_SPAN, EXPECTED_SPAN, len(names()))

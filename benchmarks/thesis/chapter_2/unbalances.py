@@ -80,7 +80,7 @@ def _unbalance_errors(rigid: RigidTrain, assumed: Sequence[Plane], estimated: Se
 
 
 def _median_plane_errors(found: Sequence[Complexes], true: Complexes) -> tuple[str, str]:
-    """Largest error of the planes in magnitude and angle, median over the estimates."""
+    """Return the largest error of the planes in magnitude and angle, median over the estimates."""
     magnitude = np.median([np.max(np.abs(np.abs(one / true) - 1)) for one in found])
     angle = np.median([np.max(np.abs(np.angle(one / true, deg=True))) for one in found])
     return percent(float(magnitude)), f"{angle:.2f}°"

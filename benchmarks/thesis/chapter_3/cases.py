@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from benchmarks.thesis.flexible.experiments import Case, Complexes, Subject, both_ways, one_way
+from benchmarks.thesis.flexible.experiments import Complexes, FlexibleCase, Subject, both_ways, one_way
 from estimator.rotor.rayleigh import rayleigh_damping
 from estimator.thesis.flexible_train import flexible_train
 from estimator.thesis.reduced_model import ReducedModel
@@ -36,7 +36,7 @@ def damped(subject: Subject, ratio: float) -> Subject:
     return replace(subject, train=flexible_train(subject.machine, rayleigh=damping))
 
 
-def measured(subject: Subject, case: Case) -> tuple[ReducedModel, Complexes]:
+def measured(subject: Subject, case: FlexibleCase) -> tuple[ReducedModel, Complexes]:
     """Return the reduced model of a case and its phasors (S, 16) without noise."""
     model = eliminated(subject.train, speed=case.speed, direction=case.direction)
     return model, subject.response(case)[:, subject.train.interface]

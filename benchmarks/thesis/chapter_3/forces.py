@@ -3,8 +3,17 @@
 import numpy as np
 
 from benchmarks.thesis.chapter_3.cases import BEST, measured
-from benchmarks.thesis.flexible.experiments import Case, Complexes, Floats, Subject, estimated, likelihood, one_way, regression
-from benchmarks.thesis.plots import Series, chart, save
+from benchmarks.thesis.flexible.experiments import (
+    Complexes,
+    FlexibleCase,
+    Floats,
+    Subject,
+    estimated,
+    likelihood,
+    one_way,
+    regression,
+)
+from benchmarks.thesis.plots import PlottedCurve, chart, save
 from benchmarks.thesis.tables import percent, table
 from estimator.thesis.coupling_force import coupling_force
 from estimator.thesis.flexible_train import full_response
@@ -30,7 +39,7 @@ def forces_section(subject: Subject) -> str:
         peaks = [np.abs(curve[:, k]) for curve in curves.values()]
         shown = [f"{size.max():.4g} at {case.speed[size.argmax()]:.0f}" for size in peaks]
         rows.append([name, *shown, *[percent(one) for one in curve_errors(curves, k)]])
-    series = [Series(name, case.speed.tolist(), np.abs(curve[:, 0]).tolist()) for name, curve in curves.items()]
+    series = [PlottedCurve(name, case.speed.tolist(), np.abs(curve[:, 0]).tolist()) for name, curve in curves.items()]
     svg = chart(title="Force along x that the coupling transmits", x_label="speed [rad/s]", y_label="|F_x| [N]", series=series)
     return (
         "### Misalignment forces and moments over speed (Fig. 3.24)\n\n"
@@ -54,7 +63,7 @@ def curve_errors(curves: dict[str, Complexes], column: int) -> list[float]:
     return [float(np.linalg.norm(other - true) / np.linalg.norm(true)) for other in others]
 
 
-def transmitted(subject: Subject, case: Case, unknowns: Floats) -> Complexes:
+def transmitted(subject: Subject, case: FlexibleCase, unknowns: Floats) -> Complexes:
     """Return forces and moments (S, 4) that the coupling transmits, for real unknowns (K + 2P,)."""
     count = subject.coefficients.size
     coefficients, planes = unknowns[:count], unknowns[count:]

@@ -7,7 +7,7 @@ from benchmarks.thesis.flexible.experiments import (
     LIKELIHOOD_SEEDS,
     NOISE,
     SEEDS,
-    Case,
+    FlexibleCase,
     Subject,
     all_interfaces,
     bearings_only,
@@ -189,7 +189,7 @@ def likelihood_section(subject: Subject) -> str:
     )
 
 
-def _fits(subject: Subject, case: Case, train: CondensedTrain, n: int) -> str:
+def _fits(subject: Subject, case: FlexibleCase, train: CondensedTrain, n: int) -> str:
     clean = response(train, coefficients=subject.coefficients, excitations=subject.unbalances)
     if 2 * clean.size <= subject.truth.size:
         return f"{2 * clean.size} numbers for {subject.truth.size} unknowns"

@@ -7,9 +7,9 @@ import numpy as np
 from benchmarks.thesis.chapter_4.cases import CASES, clean_phasors, high_frequency_model
 from benchmarks.thesis.flexible.experiments import (
     LIKELIHOOD_SEEDS,
-    Case,
     Complexes,
     Document,
+    FlexibleCase,
     Subject,
     likelihood,
     likelihood_errors,
@@ -35,7 +35,7 @@ class Biased:
     density: float
 
     def apply(self, document: Document) -> None:
-        """Change a document."""
+        """Multiply E and density of the steel in a document by the factors."""
         steel = document["materials"]["steel"]
         steel["young_modulus"] *= self.modulus
         steel["density"] *= self.density
@@ -75,7 +75,7 @@ def bias_section(subject: Subject) -> str:
     )
 
 
-def _biased_fit(subject: Subject, wrong: Subject, case: Case, clean: Complexes) -> list[str]:
+def _biased_fit(subject: Subject, wrong: Subject, case: FlexibleCase, clean: Complexes) -> list[str]:
     rms = multiplicative_rms(1)
     cells = []
     for model_spread in (0.0, BIAS):

@@ -4,7 +4,7 @@ from typing import Literal
 
 import numpy as np
 
-from benchmarks.thesis.flexible.experiments import Case, Complexes, Subject, both_ways, one_way
+from benchmarks.thesis.flexible.experiments import Complexes, FlexibleCase, Subject, both_ways, one_way
 from estimator.thesis.reduced_model import ReducedModel, reduced_response
 from estimator.thesis.reduction import high_frequency_condensed
 
@@ -32,13 +32,13 @@ DATA: tuple[Data, Data] = ("own", "full")
 """Phasors from the same reduced model that the regression uses, or from the full model."""
 
 
-def clean_phasors(subject: Subject, case: Case, model: ReducedModel, data: Data) -> Complexes:
+def clean_phasors(subject: Subject, case: FlexibleCase, model: ReducedModel, data: Data) -> Complexes:
     """Return noiseless phasors (S, 8) at the bearings."""
     if data == "own":
         return reduced_response(model, coefficients=subject.coefficients, unbalances=subject.unbalances)
     return subject.response(case)[:, subject.train.bearing]
 
 
-def high_frequency_model(subject: Subject, case: Case) -> ReducedModel:
+def high_frequency_model(subject: Subject, case: FlexibleCase) -> ReducedModel:
     """Return the train reduced by the high-frequency condensation in a case."""
     return high_frequency_condensed(subject.train, speed=case.speed, direction=case.direction)

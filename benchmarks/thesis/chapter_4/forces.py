@@ -5,7 +5,7 @@ import numpy as np
 from benchmarks.thesis.chapter_3.forces import FORCES, curve_errors, transmitted
 from benchmarks.thesis.chapter_4.cases import CASES, high_frequency_model
 from benchmarks.thesis.flexible.experiments import Subject, estimated, likelihood, one_way, regression
-from benchmarks.thesis.plots import Series, chart, save
+from benchmarks.thesis.plots import PlottedCurve, chart, save
 from benchmarks.thesis.tables import percent, table
 from estimator.thesis.noise import multiplicative_noise, multiplicative_rms
 
@@ -23,7 +23,7 @@ def forces_section(subject: Subject) -> str:
         "maximum likelihood": transmitted(subject, case, np.nan_to_num(estimated(subject, outcome))),
     }
     rows = [[name, *[percent(one) for one in curve_errors(curves, k)]] for k, name in enumerate(FORCES)]
-    series = [Series(name, case.speed.tolist(), np.abs(curve[:, 0]).tolist()) for name, curve in curves.items()]
+    series = [PlottedCurve(name, case.speed.tolist(), np.abs(curve[:, 0]).tolist()) for name, curve in curves.items()]
     svg = chart(
         title="Force along x that the coupling transmits, found from the bearings alone",
         x_label="speed [rad/s]",

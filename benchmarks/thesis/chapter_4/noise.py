@@ -7,8 +7,8 @@ from benchmarks.thesis.flexible.experiments import (
     LIKELIHOOD_SEEDS,
     NOISE,
     SEEDS,
-    Case,
     Complexes,
+    FlexibleCase,
     Placement,
     Subject,
     bearings_only,
@@ -21,7 +21,7 @@ from benchmarks.thesis.flexible.experiments import (
     regression_errors,
 )
 from benchmarks.thesis.flexible.printed import TABLE_4_3
-from benchmarks.thesis.plots import Series, chart, save
+from benchmarks.thesis.plots import PlottedCurve, chart, save
 from benchmarks.thesis.tables import median_and_worst, percent, table, worst_of_seeds
 from estimator.thesis.noise import Sharing, multiplicative_noise, multiplicative_rms
 from estimator.thesis.reduced_model import ReducedModel, reduced_response
@@ -82,7 +82,7 @@ def _both_noises(subject: Subject, model: ReducedModel, clean: Complexes, placem
 
 
 def _needed_noise(subject: Subject) -> str:
-    """Which noise would give the printed error on the reduced model's own data."""
+    """Say which noise would give the printed error on the reduced model's own data."""
     found = []
     for case in (CASES[2], CASES[5]):
         model = high_frequency_model(subject, case)
@@ -148,7 +148,7 @@ def likelihood_section(subject: Subject) -> str:
 
 
 def _errors_chart(subject: Subject) -> str:
-    """Errors of the 50 unknowns in the best case, as the thesis's Figures 4.13-4.19 show them."""
+    """Draw the errors of the 50 unknowns in the best case, as the thesis's Figures 4.13-4.19 show them."""
     best, rms = CASES[5], multiplicative_rms(1)
     clean = subject.response(best)[:, subject.train.bearing]
     noisy = multiplicative_noise(clean, percent=1, rng=np.random.default_rng(0))
@@ -157,11 +157,11 @@ def _errors_chart(subject: Subject) -> str:
     smallest = bound(bearings_only(subject, best), subject, rms=rms)
     number = np.arange(1.0, subject.truth.size + 1).tolist()
     series = [
-        Series("high-frequency regression", number, (100 * regressed).tolist(), points=True),
-        Series("maximum likelihood", number, (100 * fitted).tolist(), points=True),
+        PlottedCurve("high-frequency regression", number, (100 * regressed).tolist(), points=True),
+        PlottedCurve("maximum likelihood", number, (100 * fitted).tolist(), points=True),
     ]
     if smallest is not None:
-        series.append(Series("Cramér-Rao bound", number, (100 * smallest).tolist()))
+        series.append(PlottedCurve("Cramér-Rao bound", number, (100 * smallest).tolist()))
     return chart(
         title="Error of every parameter, bearings only, Case C_fb3 of Method II, 1 % noise",
         x_label="number of the unknown: bearings, coupling, unbalances",
@@ -171,7 +171,7 @@ def _errors_chart(subject: Subject) -> str:
     )
 
 
-def _fits(subject: Subject, case: Case, clean: Complexes, n: int) -> str:
+def _fits(subject: Subject, case: FlexibleCase, clean: Complexes, n: int) -> str:
     found, missing = [], 0
     for seed in LIKELIHOOD_SEEDS:
         noisy = multiplicative_noise(clean, percent=n, rng=np.random.default_rng(seed))

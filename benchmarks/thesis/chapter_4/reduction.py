@@ -45,7 +45,7 @@ def _deviation(subject: Subject, model: ReducedModel, full: Complexes) -> float:
 
 
 def _lowest_frequency(subject: Subject, speed: float) -> float:
-    """Lowest natural frequency [rad/s] of the train condensed at one speed, undamped and without gyroscopic effect."""
+    """Return the lowest natural frequency [rad/s] of the train condensed at one speed, no damping, no gyroscopic effect."""
     train = subject.train
     transformation = high_frequency_transformation(train, speed=np.array([speed]))[0]
     elastic = ~train.viscous

@@ -58,7 +58,7 @@ def speed_dependent_section(subject: Subject) -> str:
 
 
 @dataclass(frozen=True)
-class Runs:
+class TrialMassRuns:
     """Samples with trial masses: group (S,) number of the speed, speed and direction (S,), trial (S, 4) [kg m]."""
 
     group: Indices
@@ -67,10 +67,10 @@ class Runs:
     trial: Complexes
 
 
-def _runs(senses: Sequence[int], planes: int) -> Runs:
+def _runs(senses: Sequence[int], planes: int) -> TrialMassRuns:
     trials = np.vstack([np.zeros((1, 4)), TRIAL * np.eye(4)[[0, 3, 1, 2][:planes]]]).astype(complex)
     samples = [(k, omega, sense, t) for k, omega in enumerate(SPEED_STEPS) for sense in senses for t in trials]
-    return Runs(
+    return TrialMassRuns(
         group=np.array([one[0] for one in samples], dtype=np.intp),
         speed=np.array([one[1] for one in samples]),
         direction=np.array([float(one[2]) for one in samples]),
@@ -78,7 +78,7 @@ def _runs(senses: Sequence[int], planes: int) -> Runs:
     )
 
 
-def _speed_dependent_row(subject: Subject, runs: Runs, which: str) -> str:
+def _speed_dependent_row(subject: Subject, runs: TrialMassRuns, which: str) -> str:
     reduction = eliminated if which == "interface" else high_frequency_condensed
     model = reduction(subject.train, speed=runs.speed, direction=runs.direction)
     changing = subject.coefficients * (1.0 + GROWTH * (runs.speed[:, None] - SPEED_STEPS[0]))

@@ -121,7 +121,7 @@ def _stiffness_text(value: float, smallest: float, largest: float) -> str:
 
 
 def _rotor_alone(rig: Rig, number: int, *, rigid: bool = False, half: bool = False) -> Floats:
-    """First two natural frequencies [Hz] of one rotor without coupling, means of the two planes.
+    """Return the first two natural frequencies [Hz] of one rotor without coupling, means of the two planes.
 
     rigid: on simple supports instead of its bearings. half: with its half of the coupling left on.
     """

@@ -27,7 +27,7 @@ from benchmarks.thesis.chapter_5.rig import (
     regressed,
     regression,
 )
-from benchmarks.thesis.plots import Series, chart, save
+from benchmarks.thesis.plots import PlottedCurve, chart, save
 from benchmarks.thesis.tables import percent, power, table
 from estimator.fit.identify import Identification
 from estimator.thesis.flexible_train import parts
@@ -72,7 +72,7 @@ def directions_section(rig: Rig) -> str:
 
 
 def _bound_figure(rig: Rig) -> str:
-    """Bounds over the highest speed of a run-up."""
+    """Draw the bounds over the highest speed of a run-up."""
     highest = [
         41.0,
         60.0,
@@ -94,7 +94,7 @@ def _bound_figure(rig: Rig) -> str:
     ]
     found = [bounds(rig, one_way("", np.linspace(5.0, top, 200), floor=FLOOR)).parameters for top in highest]
     series = [
-        Series(name, highest, [100.0 * float(np.median(one[_members(rig, start, ends)])) for one in found])
+        PlottedCurve(name, highest, [100.0 * float(np.median(one[_members(rig, start, ends)])) for one in found])
         for name, start, ends in KINDS
     ]
     figure = save(
@@ -211,7 +211,7 @@ def _likelihood(rig: Rig) -> str:
 
 
 def _range(counts: Sequence[int]) -> str:
-    """Median, smallest and largest."""
+    """Write median, smallest and largest."""
     return f"{np.median(counts):.0f} ({min(counts)} to {max(counts)})"
 
 

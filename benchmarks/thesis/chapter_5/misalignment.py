@@ -94,7 +94,7 @@ def misalignment_section(rig: Rig) -> str:
 
 
 def _state_cells(rig: Rig, baseline: _Baseline, factors: Floats, *, first_seed: int) -> list[str]:
-    """Cells of one state of the rig: what was imposed, and what the diagnosis and the fits say."""
+    """Write the cells of one state of the rig: what was imposed, and what the diagnosis and the fits say."""
     runs = [fitted(rig, RUN_UP, seed=first_seed + run, factors=factors) for run in range(MISALIGNED_RUNS)]
     found = [diagnosed(rig, baseline.watch, runs[first : first + 2]) for first in range(0, len(runs), 2)]
     imposed = dict(zip(rig.names, factors - 1.0, strict=True))
@@ -153,7 +153,7 @@ def bearing_growth(rig: Rig, frequencies_hz: tuple[float, float, float]) -> Bear
 
 
 def _change(before: Sequence[Identification], after: Identification, name: str) -> tuple[float, float]:
-    """Change of a parameter from the mean of several fits, and its standard error [SI]."""
+    """Return the change of a parameter from the mean of several fits, and its standard error [SI]."""
     now = after.estimate(name)
     then = [outcome.estimate(name) for outcome in before]
     if now.value is None or now.standard_error is None or any(one.value is None for one in then):

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from benchmarks.thesis.chapter_5.rig import Rig
-from benchmarks.thesis.plots import Series, chart, save
+from benchmarks.thesis.plots import PlottedCurve, chart, save
 from benchmarks.thesis.tables import table
 from estimator.arrays import Floats
 from estimator.modes.mode_shapes import ModeShape, mode_shapes
@@ -64,7 +64,7 @@ def _joint(mode: ModeShape) -> str:
 
 
 def _along(mode: ModeShape) -> Floats:
-    """Displacement along both shafts at the instant when it is largest."""
+    """Return the displacement along both shafts at the instant when it is largest."""
     shape = np.concatenate([shaft.x for shaft in mode.shafts])
     turned = (shape * np.exp(-1j * np.angle(shape[np.argmax(np.abs(shape))]))).real
     return np.asarray(turned / np.max(np.abs(turned)))
@@ -74,6 +74,6 @@ def _figure(modes: list[ModeShape]) -> str:
     series = []
     for mode in modes:
         place = np.concatenate([mode.shafts[0].station, mode.shafts[0].station[-1] + mode.shafts[1].station])
-        series.append(Series(f"{mode.frequency / (2 * math.pi):.0f} Hz", place.tolist(), _along(mode).tolist()))
+        series.append(PlottedCurve(f"{mode.frequency / (2 * math.pi):.0f} Hz", place.tolist(), _along(mode).tolist()))
     title = "Mode shapes of the rig, x-z plane"
     return chart(title=title, x_label="along both shafts [m]", y_label="displacement", series=series)

@@ -81,7 +81,7 @@ def _share(rig: Rig, case: MisalignmentCase, printed_hz: tuple[float, float, flo
 
 
 def _energy_share(rig: Rig) -> float:
-    """Share of the first mode's elastic energy in bearings and coupling: ½ d ln ω² / d ln k of all of them together."""
+    """Return the part of the first mode's elastic energy in bearings and coupling: ½ d ln ω² / d ln k of all together."""
     viscous = np.array([(term := describe(name).term) is not None and term.order == 1 for name in rig.names])
     step = 1e-4
     grown = plane_frequencies(rig.machine, coefficients=rig.coefficients * np.where(viscous, 1.0, 1.0 + step))

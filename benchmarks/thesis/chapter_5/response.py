@@ -8,7 +8,7 @@ import yaml
 from numpy.typing import NDArray
 
 from benchmarks.thesis.chapter_5.rig import PRINTED, ROOT, Complexes, Floats, Rig
-from benchmarks.thesis.plots import Series, chart, save
+from benchmarks.thesis.plots import PlottedCurve, chart, save
 from benchmarks.thesis.tables import table
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.half_power import HalfPowerNotReached, HalfPowerPoints, half_power_points, outside, peak_samples
@@ -27,24 +27,6 @@ def half_power_section(rig: Rig) -> str:
         for one in _resonances(speed, curve[:, channel]):
             hertz = [value / (2 * math.pi) for value in (one.lower, one.peak, one.upper)]
             rows.append([name, *[f"{value:.1f}" for value in hertz], f"{100 * one.damping_ratio:.1f}"])
-    figure = save(
-        "chapter-5-run-up",
-        chart(
-            title="Rig: unbalance response at bearings 2 and 3, horizontal",
-            x_label="speed [Hz]",
-            y_label="amplitude [µm]",
-            logarithmic=True,
-            series=[
-                *(Series(name, list(speed / (2 * math.pi)), list(1e6 * _of(rig, curve, name))) for name in ("B2H", "B3H")),
-                Series(
-                    "the eight speeds, B3H",
-                    list(SPEEDS_HZ),
-                    list(1e6 * _of(rig, _amplitudes(rig.machine, PRINTED.speed), "B3H")),
-                    points=True,
-                ),
-            ],
-        ),
-    )
     chapter_2 = rigid_train.printed_train()
     speed_2 = np.arange(20.0, 700.0, 0.5)
     condensed = rigid_train.condensed(chapter_2, speed=speed_2, direction=np.ones_like(speed_2))
@@ -70,13 +52,38 @@ def half_power_section(rig: Rig) -> str:
         "### Half-power points\n\n"
         "Resonances of the rig in the channels where the amplitude falls to 1/√2 of a peak on both sides [Hz, %]:\n\n"
         + table(["channel", "lower", "peak", "upper", "damping ratio"], rows)
-        + f"\n\n![Run-up of the rig]({figure})\n\n"
+        + f"\n\n![Run-up of the rig]({_run_up_figure(rig, speed, curve)})\n\n"
         "The thesis chooses speeds outside the half-power points (§2.3). For its speeds, the number of channels (of 8) in "
         "which each lies inside [rad/s]:\n\n"
         + table(["", "thesis says", "speed: channels with it inside the half-power points"], verdicts)
         + "\n\nThe rig's speeds lie far below the first resonance, at 150 Hz. Some speeds of the earlier chapters that are "
         "called outside or away lie inside: in Chapter 2 the resonances are so wide that they merge, in Chapters 3 and 4 the "
         "printed critical speeds are not those of the printed data."
+    )
+
+
+def _run_up_figure(rig: Rig, speed: Floats, curve: Floats) -> str:
+    """Draw the amplitudes at bearings 2 and 3 over speed."""
+    return save(
+        "chapter-5-run-up",
+        chart(
+            title="Rig: unbalance response at bearings 2 and 3, horizontal",
+            x_label="speed [Hz]",
+            y_label="amplitude [µm]",
+            logarithmic=True,
+            series=[
+                *(
+                    PlottedCurve(name, list(speed / (2 * math.pi)), list(1e6 * _of(rig, curve, name)))
+                    for name in ("B2H", "B3H")
+                ),
+                PlottedCurve(
+                    "the eight speeds, B3H",
+                    list(SPEEDS_HZ),
+                    list(1e6 * _of(rig, _amplitudes(rig.machine, PRINTED.speed), "B3H")),
+                    points=True,
+                ),
+            ],
+        ),
     )
 
 
@@ -91,7 +98,7 @@ def _of(rig: Rig, curve: Floats, channel: str) -> Floats:
 
 
 def _resonances(speed: Floats, amplitude: Floats) -> list[HalfPowerPoints]:
-    """Half-power points of all peaks that have them."""
+    """Return the half-power points of all peaks that have them."""
     found = []
     for peak in peak_samples(amplitude):
         try:
@@ -152,7 +159,7 @@ def printed_response_section(rig: Rig) -> str:
 
 
 def _constant_and_growing(amplitude: Floats) -> tuple[float, float, float]:
-    """|a + b ω²| fitted to the printed amplitudes: |a|, |b| at the highest speed, rms misfit [their unit]."""
+    """Fit |a + b ω²| to the printed amplitudes; returns |a|, |b| at the highest speed, rms misfit [their unit]."""
     growth = (np.array(SPEEDS_HZ) / SPEEDS_HZ[-1]) ** 2
 
     def misfit(vector: Floats) -> Floats:
@@ -165,8 +172,7 @@ def _constant_and_growing(amplitude: Floats) -> tuple[float, float, float]:
 
 
 def _best_delayed(phasor: Complexes) -> float:
-    """Smallest rms misfit of (a + b ω²) e^{-jωτ} to printed phasors, over complex a, b and a delay τ up to a quarter "
-    "second."""
+    """Return the smallest rms misfit of (a + b ω²) e^{-jωτ} to printed phasors, over complex a, b and delays τ to 0.25 s."""
     speed = 2 * math.pi * np.array(SPEEDS_HZ)
     columns, _ = np.linalg.qr(np.stack([np.ones_like(speed), speed**2], axis=1))
     delays = np.linspace(-0.25, 0.25, 10001)

@@ -51,7 +51,7 @@ def signals_section() -> str:
 
 
 def _reading_errors(hertz: float, rng: np.random.Generator) -> list[complex]:
-    """Relative errors of three ways to read one record."""
+    """Return the relative errors of three ways to read one record."""
     rate = 1000.0
     time = np.arange(int(RECORD * rate)) / rate
     pulse = 0.8 + rng.uniform(0.0, 1.0 / hertz)

@@ -42,7 +42,7 @@ SINGULAR = 1e-13
 
 
 @dataclass(frozen=True)
-class Case:
+class FlexibleCase:
     """One of the thesis's cases: at which speeds (S,) [rad/s] and in which directions (S,) the train is measured."""
 
     method: Literal["I", "II"]
@@ -76,7 +76,7 @@ class Subject:
         """Return the short names of the real unknowns: `B1 cxy`, `D2 U real`."""
         return tuple(short_name(name) for name in real_names(self.train.unknowns))
 
-    def response(self, case: Case) -> Complexes:
+    def response(self, case: FlexibleCase) -> Complexes:
         """Return phasors (S, N) of the full model without noise."""
         return full_response(
             self.train,
@@ -103,15 +103,15 @@ def load(change: Callable[[Document], None] | None = None) -> Subject:
     )
 
 
-def one_way(name: str, speed: Sequence[float] | Floats) -> Case:
+def one_way(name: str, speed: Sequence[float] | Floats) -> FlexibleCase:
     """Return the case of Method I."""
-    return Case("I", name, np.asarray(speed, dtype=float), np.ones(len(speed)))
+    return FlexibleCase("I", name, np.asarray(speed, dtype=float), np.ones(len(speed)))
 
 
-def both_ways(name: str, speed: Sequence[float] | Floats) -> Case:
+def both_ways(name: str, speed: Sequence[float] | Floats) -> FlexibleCase:
     """Return the case of Method II."""
     count = len(speed)
-    return Case("II", name, np.tile(np.asarray(speed, dtype=float), 2), np.repeat([1.0, -1.0], count))
+    return FlexibleCase("II", name, np.tile(np.asarray(speed, dtype=float), 2), np.repeat([1.0, -1.0], count))
 
 
 def scaled_matrix(subject: Subject, model: ReducedModel, phasor: Complexes) -> Floats:
@@ -188,12 +188,12 @@ def bound(train: CondensedTrain, subject: Subject, *, rms: float) -> Floats | No
     return np.asarray(error / np.abs(subject.truth))
 
 
-def bearings_only(subject: Subject, case: Case) -> CondensedTrain:
+def bearings_only(subject: Subject, case: FlexibleCase) -> CondensedTrain:
     """Return the train as measured at the bearings' translations, exactly condensed."""
     return condense(subject.machine, speed=case.speed, direction=case.direction)
 
 
-def all_interfaces(subject: Subject, case: Case) -> CondensedTrain:
+def all_interfaces(subject: Subject, case: FlexibleCase) -> CondensedTrain:
     """Return the train as measured at every degree of freedom of bearings and couplings, rotations included."""
     return _measured_everywhere(bearings_only(subject, case))
 
@@ -206,7 +206,7 @@ def _measured_everywhere(train: CondensedTrain) -> CondensedTrain:
 
 
 def likelihood(
-    subject: Subject, case: Case, phasor: Complexes, *, rms: float, seed: int, model_spread: float = 0.0
+    subject: Subject, case: FlexibleCase, phasor: Complexes, *, rms: float, seed: int, model_spread: float = 0.0
 ) -> Identification:
     """Fit phasors (S, 8) at the bearings by maximum likelihood, from a document whose coefficients are off by ± 50 %.
 
@@ -217,14 +217,14 @@ def likelihood(
     return identify(parse_machine(document), _measurement(case, phasor))
 
 
-def likelihood_of_all(subject: Subject, case: Case, phasor: Complexes, *, rms: float, seed: int) -> Identification:
+def likelihood_of_all(subject: Subject, case: FlexibleCase, phasor: Complexes, *, rms: float, seed: int) -> Identification:
     """Fit phasors (S, 16) of everything that `all_interfaces` measures by maximum likelihood."""
     machine = parse_machine(wrong_document(subject.document, rms=rms, seed=seed))
     train = _measured_everywhere(condense(machine, speed=case.speed, direction=case.direction))
     return identify_train(train, _measurement(case, phasor), noise=machine.noise)
 
 
-def _measurement(case: Case, phasor: Complexes) -> Measurement:
+def _measurement(case: FlexibleCase, phasor: Complexes) -> Measurement:
     return replace(Measurement.of(speed=case.speed, phasor=phasor), direction=case.direction)
 
 

@@ -48,7 +48,7 @@ def _excess(section: Section, material: Material, length: float) -> Floats:
 
 
 def _rotation(length: float, phi: float) -> Floats:
-    """[M_r] of Eq. A.5-A.8 without its prefix, over (x, y, φx, φy) of both ends."""
+    """Return [M_r] of Eq. A.5-A.8 without its prefix, over (x, y, φx, φy) of both ends."""
     stretch = 6 / (5 * length)
     tilt = 1 / 10 - phi / 2
     near = length * (2 / 15 + phi / 6 + phi**2 / 3)

@@ -34,7 +34,7 @@ STEP = 1e-3
 
 
 @dataclass(frozen=True)
-class Run:
+class SimulatedRun:
     """A simulated run, and what the smallest standard errors of any unbiased estimate from it are.
 
     phasor: (S, m) without noise [m]. names, truth, bound: (n,) fit coordinates, their true values, Cramér-Rao bounds;
@@ -55,7 +55,7 @@ class Run:
         return Measurement.of(speed=SPEED, phasor=self.phasor * (1.0 + RMS / math.sqrt(2.0) * noise), direction=1)
 
 
-def simulated(feature: Feature) -> Run:
+def simulated(feature: Feature) -> SimulatedRun:
     """Return the train with a feature, at its true parameters, with the bound of the information matrix there."""
     machine = feature.machine()
     clean, slope, names, truth = _response(machine, feature.truth)
@@ -67,17 +67,17 @@ def simulated(feature: Feature) -> Run:
     information = 2.0 * (rows @ rows.conj().T).real
     free = len(names)
     damping = float(_bounds(information)[-1]) if len(information) > free else math.nan
-    return Run(clean, names, truth, _bounds(information[:free, :free]), damping)
+    return SimulatedRun(clean, names, truth, _bounds(information[:free, :free]), damping)
 
 
 def _bounds(information: Floats) -> Floats:
-    """Cramér-Rao bounds (n,) of an information matrix (n, n)."""
+    """Return the Cramér-Rao bounds (n,) of an information matrix (n, n)."""
     size = np.sqrt(np.diag(information))
     return np.asarray(np.sqrt(np.diag(np.linalg.inv(information / np.outer(size, size)))) / size)
 
 
 def _response(machine: Machine, truth: Mapping[str, complex]) -> tuple[Complexes, Complexes, tuple[str, ...], Floats]:
-    """Phasors (S, m), their derivatives (n, S, m) by the fit coordinates, names and true values (n,) of these."""
+    """Return the phasors (S, m), their derivatives (n, S, m) by the fit coordinates, names and true values (n,) of these."""
     train = condense(machine, speed=SPEED, direction=np.ones(SPEED.size))
     coordinates = Coordinates.of(train, unbalance_scale=1e-3)
     by_name = true_point(machine, coordinates.names, truth)
@@ -105,7 +105,7 @@ def without_feature(measurement: Measurement) -> Identification:
     return identify(machine, Measurement.of(speed=SPEED, phasor=phasor, direction=1), Options(starts=1))
 
 
-def bearing_errors(found: Identification, simulation: Run, feature: Feature) -> tuple[float, float]:
+def bearing_errors(found: Identification, simulation: SimulatedRun, feature: Feature) -> tuple[float, float]:
     """Return the largest relative error of kxx and kyy, and largest error of any coefficient over its Cramér-Rao bound, of
     bearings.
 
@@ -219,12 +219,12 @@ INTERNAL_DAMPING_REMARK = prose("""
     """)
 
 
-def _judged(document: str, found: Identification, simulation: Run, feature: Feature) -> list[str]:
+def _judged(document: str, found: Identification, simulation: SimulatedRun, feature: Feature) -> list[str]:
     stiffness, deviation = bearing_errors(found, simulation, feature)
     return [document, found.verdict, percent(stiffness), f"{deviation:.2g}"]
 
 
-def _rows(feature: Feature, simulation: Run, found: Identification) -> list[list[str]]:
+def _rows(feature: Feature, simulation: SimulatedRun, found: Identification) -> list[list[str]]:
     truth = dict(zip(simulation.names, simulation.truth.tolist(), strict=True))
     bound = dict(zip(simulation.names, simulation.bound.tolist(), strict=True))
     rows = []
@@ -253,7 +253,7 @@ def _row(label: str, true: float, estimate: float | None, error: float | None, b
     return [label, f"{true:.4g}", f"{estimate:.4g}", f"{error:.2g}", f"{bound:.2g}", f"{(estimate - true) / error:+.1f}"]
 
 
-def _internal_damping_row(simulation: Run, measurement: Measurement) -> list[str]:
+def _internal_damping_row(simulation: SimulatedRun, measurement: Measurement) -> list[str]:
     estimate, error = internal_damping(measurement)
     return _row("internal damping of steel [s]", INTERNAL_DAMPING, estimate, error, simulation.internal_damping_bound)
 

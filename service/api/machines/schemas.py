@@ -24,4 +24,6 @@ class MachineRevision(BaseModel):
     revision: int
     created_at: datetime
     document: Machine
-    warnings: list[str] = Field(description="what is hardly meant in the document, each with its field, and what is usual")
+    warnings: list[str] = Field(
+        description="what is probably a mistake in the document, each with its field, and what is usual"
+    )

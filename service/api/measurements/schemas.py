@@ -65,7 +65,7 @@ class RunCoverage(BaseModel):
     largest_hole_rpm: float = Field(description="between neighbours in speed")
     usable: dict[str, float] = Field(description="per channel the part of the samples that are good, 0 to 1")
     duration_s: float
-    late_samples_left_out: int = Field(description="they came when the run's raw samples were let go of")
+    late_samples_left_out: int = Field(description="they came after the run's raw samples had been deleted")
 
 
 class QualitySummary(BaseModel):
@@ -116,7 +116,7 @@ class Run(BaseModel):
     speed_minimum_rpm: float | None
     speed_maximum_rpm: float | None
     reopened_at: datetime | None = Field(description="when late samples last made it anew; its newest identification counts")
-    samples_released_at: datetime | None = Field(description="when its samples were let go of; null while it has them")
+    samples_released_at: datetime | None = Field(description="when its samples were deleted; null while it has them")
     coverage: RunCoverage | None = Field(description="null until it is closed, and for runs of older releases")
     quality: QualitySummary | None = Field(description="null until it was judged")
 

@@ -122,15 +122,15 @@ _GAUGES = {
     "rundown_disk_free_bytes": "free on the file system of the database",
     "rundown_disk_budget_bytes": "how large the database may become",
     "rundown_disk_used_ratio": "part of the budget or of the file system that is used, whichever is nearer to its end",
-    "rundown_released_sample_blocks": "sample blocks that retention let go of since the start",
-    "rundown_released_runs": "runs whose samples retention let go of since the start",
+    "rundown_released_sample_blocks": "sample blocks that retention deleted since the start",
+    "rundown_released_runs": "runs whose samples retention deleted since the start",
     "rundown_retention_waiting": "machines of which old samples wait for `rundown retention confirm`",
     "rundown_backup_age_seconds": "of the newest complete backup in the folder that is looked at; +Inf: there is none",
     "rundown_certificate_days_left": "until the first of the service's own certificates expires",
     "rundown_webhooks_unsigned": "active webhooks that are told nothing, for their secret cannot be had",
     "rundown_stuck_identifications": "identifications whose process or Dask worker stopped answering, since the start",
     "rundown_audit_trail_holds": "1 while the newest entry that was seen before is still there as it was",
-    "rundown_housekeeping_working": "1 while old samples are let go of as they should be",
+    "rundown_housekeeping_working": "1 while old samples are deleted as they should be",
 }
 
 

@@ -18,7 +18,7 @@ from storage.database.engine import Database
 from storage.tables.alerting import AlertEventRow, AlertRow, DeliveryRow
 from storage.tables.findings import IdentificationRow
 from tests.plant import SECOND, START, identification, store_identification
-from tests.storage.database.test_migrations import migrate
+from tests.storage.migration import migrate
 
 ANNA = Person("anna", "seen on the shaft")
 MACHINE, RULE, ELEMENT = "pump-7", "misalignment", "coupling.C1"

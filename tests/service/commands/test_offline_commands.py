@@ -9,12 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from typer.testing import CliRunner
 
 from estimator.machine.document import parse_machine
-from service.commands.app import app
 from service.configuration.document_files import read_machine
 from tests.estimator.trains import LATERAL, Complexes, Document, chapter_3_document, dense_response, noisy
+from tests.service.commands.command_line import run
 from tests.service.commands.recorded_run import write_run
 
 DOCUMENT = "examples/thesis-chapter-3.yaml"
@@ -30,12 +29,6 @@ def recorded(folder: Path, name: str, phasor: Complexes, **sidecar: Any) -> str:
 
 def of(document: Document, seed: int) -> Complexes:
     return noisy(dense_response(parse_machine(document), SPEED, direction=1), seed=seed)
-
-
-def run(*arguments: str, status: int = 0) -> str:
-    found = CliRunner().invoke(app, list(arguments))
-    assert found.exit_code == status, found.output
-    return found.output
 
 
 def test_the_command_says_which_release_it_is() -> None:

@@ -6,11 +6,10 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from typer.testing import CliRunner
 
 from estimator.machine.document import parse_machine
-from service.commands.app import app
 from tests.estimator.trains import Complexes, chapter_3_document, dense_response, noisy
+from tests.service.commands.command_line import run
 from tests.service.commands.recorded_run import write_run
 
 SLOW, SWEEP = np.linspace(10.0, 30.0, 40) * np.pi / 30, np.arange(300.0, 10.0, -4.0)
@@ -43,12 +42,6 @@ def files(tmp_path: Path) -> tuple[str, str]:
     """Document and recording."""
     clean = dense_response(parse_machine(chapter_3_document()), SPEED, direction=1)
     return in_volts(tmp_path), recorded(tmp_path, noisy(clean + RUN_OUT, seed=3))
-
-
-def run(*arguments: str, status: int = 0) -> str:
-    found = CliRunner().invoke(app, list(arguments))
-    assert found.exit_code == status, found.output
-    return found.output
 
 
 def test_vectors_are_printed(files: tuple[str, str]) -> None:

@@ -11,10 +11,8 @@ import numpy as np
 import pytest
 from arro3.io import read_parquet
 from sqlalchemy import select
-from typer.testing import CliRunner
 
 from service.alerts.transitions import AlertFinding, raise_alert
-from service.commands.app import app
 from storage.alerts import suppressions
 from storage.clock import to_datetime
 from storage.database.engine import Database
@@ -29,6 +27,7 @@ from storage.tables.measurements import MachineStateRow
 from tests.databases import Databases
 from tests.end_to_end.processes import EXAMPLES
 from tests.plant import CHANNELS, KEY, SECOND, START, identification, machine, samples, sqlite_url, store_identification
+from tests.service.commands.command_line import run
 
 COUNT = 1234
 SAID: dict[str, type[Base]] = {
@@ -42,12 +41,6 @@ SAID: dict[str, type[Base]] = {
     "states": MachineStateRow,
 }
 """Files of what was said of a machine and done with it, and what they are read from."""
-
-
-def rundown(*arguments: str, status: int = 0) -> str:
-    ended = CliRunner().invoke(app, list(arguments))
-    assert ended.exit_code == status, ended.output
-    return ended.output
 
 
 @pytest.fixture
@@ -75,17 +68,17 @@ def told(plant: Database, held: Samples) -> Database:
 
 
 def test_backed_up_restored_and_moved(told: Database, databases: Databases, tmp_path: Path) -> None:
-    said = rundown("backup", str(tmp_path / "nightly"), "--database", told.url)
+    said = run("backup", str(tmp_path / "nightly"), "--database", told.url)
     assert "SHA-256" in said
-    assert "exists already" in rundown("backup", str(tmp_path / "nightly"), "--database", told.url, status=1)
+    assert "exists already" in run("backup", str(tmp_path / "nightly"), "--database", told.url, status=1)
     there = databases.new(tmp_path / "there.db")
-    assert "restored" in rundown("restore", str(tmp_path / "nightly"), "--database", there)
-    assert "--overwrite" in rundown("restore", str(tmp_path / "nightly"), "--database", there, status=1)
-    rundown("restore", str(tmp_path / "nightly"), "--database", there, "--overwrite")
+    assert "restored" in run("restore", str(tmp_path / "nightly"), "--database", there)
+    assert "--overwrite" in run("restore", str(tmp_path / "nightly"), "--database", there, status=1)
+    run("restore", str(tmp_path / "nightly"), "--database", there, "--overwrite")
     away = sqlite_url(tmp_path / "away.db")
-    said = rundown("move", there, away)
+    said = run("move", there, away)
     assert "the same on both sides" in said
-    assert "holds" in rundown("move", there, away, status=1)
+    assert "holds" in run("move", there, away, status=1)
     moved = Database(away)
     with moved.reading() as session:
         assert [row.id for row in machines.list_all(session)] == ["other", "pump-7"]
@@ -94,7 +87,7 @@ def test_backed_up_restored_and_moved(told: Database, databases: Databases, tmp_
 
 
 def test_a_machine_s_history_is_exported(told: Database, held: Samples, tmp_path: Path) -> None:
-    said = rundown("export", KEY.machine, str(tmp_path / "pump"), "--database", told.url)
+    said = run("export", KEY.machine, str(tmp_path / "pump"), "--database", told.url)
     assert f"samples-1 {COUNT:27d}".split() == next(line for line in said.splitlines() if line.startswith("samples-1")).split()
     columns = json.loads((tmp_path / "pump" / "columns.json").read_text())["files"]
     for name, described in columns.items():
@@ -159,7 +152,7 @@ def test_a_run_that_cannot_be_read_is_left_out_of_an_export(
         assert damaged.data is not None
         damaged.data = damaged.data[:-1]
         number = damaged.id
-    said = rundown("export", KEY.machine, str(tmp_path / "pump"), "--database", told.url)
+    said = run("export", KEY.machine, str(tmp_path / "pump"), "--database", told.url)
     assert f"samples-1 {COUNT}".split() in [line.split() for line in said.splitlines()]
     assert f"left out: the samples of run {number} cannot be read: sample block is damaged" in caplog.text
 
@@ -167,8 +160,8 @@ def test_a_run_that_cannot_be_read_is_left_out_of_an_export(
 def test_an_export_is_its_owners_only(told: Database, tmp_path: Path) -> None:
     before = os.umask(0)
     try:
-        rundown("export", KEY.machine, str(tmp_path / "pump"), "--database", told.url)
-        rundown("sample", str(EXAMPLES / "motor-pump.yaml"), str(tmp_path / "run.csv"), "--samples", "20")
+        run("export", KEY.machine, str(tmp_path / "pump"), "--database", told.url)
+        run("sample", str(EXAMPLES / "motor-pump.yaml"), str(tmp_path / "run.csv"), "--samples", "20")
     finally:
         os.umask(before)
     assert stat.S_IMODE((tmp_path / "pump").stat().st_mode) == 0o700
@@ -178,17 +171,17 @@ def test_an_export_is_its_owners_only(told: Database, tmp_path: Path) -> None:
 
 
 def test_what_cannot_be_exported_is_said(told: Database, tmp_path: Path) -> None:
-    assert "no machine 'nobody'" in rundown("export", "nobody", str(tmp_path / "x"), "--database", told.url, status=1)
+    assert "no machine 'nobody'" in run("export", "nobody", str(tmp_path / "x"), "--database", told.url, status=1)
     (tmp_path / "y").mkdir()
     (tmp_path / "y" / "letter.txt").touch()
-    assert "is not empty" in rundown("export", KEY.machine, str(tmp_path / "y"), "--database", told.url, status=1)
+    assert "is not empty" in run("export", KEY.machine, str(tmp_path / "y"), "--database", told.url, status=1)
 
 
 def test_a_backup_that_cannot_be_written_or_read_ends_with_a_line(told: Database, tmp_path: Path) -> None:
     (tmp_path / "letter").touch()
     for name in ("letter/nightly", "n" * 251):
         for command in ("backup", "restore"):
-            (line,) = rundown(command, str(tmp_path / name), "--database", told.url, status=1).splitlines()
+            (line,) = run(command, str(tmp_path / name), "--database", told.url, status=1).splitlines()
             assert line.startswith("rundown: ")
 
 
@@ -207,12 +200,12 @@ def test_a_folder_that_may_not_be_looked_into_ends_with_a_line(told: Database, m
         ("export", "pump-7", "/secret/pump", "--database", secret),
         ("key", "list", "--database", secret),
     ):
-        (line,) = rundown(*arguments, status=1).splitlines()
+        (line,) = run(*arguments, status=1).splitlines()
         assert "Permission denied" in line
 
 
 def test_a_move_from_nowhere_ends_with_a_line(tmp_path: Path) -> None:
-    said = rundown("move", sqlite_url(tmp_path / "nope.db"), sqlite_url(tmp_path / "nope2.db"), status=1)
+    said = run("move", sqlite_url(tmp_path / "nope.db"), sqlite_url(tmp_path / "nope2.db"), status=1)
     assert "there is no database file" in said
     assert list(tmp_path.iterdir()) == []
 
@@ -224,7 +217,7 @@ def test_a_move_says_where_nul_was_escaped(databases: Databases, tmp_path: Path)
         session.add(TimelineRow(machine_id=KEY.machine, at=START, kind="note", text="a\0b", by="x", created_at=START))
     source.close()
     target = databases.new(tmp_path / "nul_target.db")
-    said = rundown("move", source.url, target)
+    said = run("move", source.url, target)
     assert ("timeline.text: NUL in 1 texts, which PostgreSQL cannot hold, is \\x00 there" in said) == ("postgresql" in target)
     databases.drop(target)
 
@@ -255,7 +248,7 @@ def test_what_was_said_of_a_machine_is_exported_and_nothing_of_others(told: Data
                     causes=[{"cause": "wear"}],
                 )
             )
-    rundown("export", KEY.machine, str(tmp_path / "pump"), "--database", told.url)
+    run("export", KEY.machine, str(tmp_path / "pump"), "--database", told.url)
     described = json.loads((tmp_path / "pump" / "columns.json").read_text())["files"]
     for name, table in SAID.items():
         with (tmp_path / "pump" / f"{name}.csv").open(newline="") as file:

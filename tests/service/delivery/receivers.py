@@ -15,7 +15,6 @@ from service.alerts.transitions import AlertFinding
 from service.configuration.settings import Settings
 from storage.alerts import deliveries
 from storage.database.engine import Database
-from storage.tables.alerting import AlertRow
 from storage.tables.findings import IdentificationRow
 
 LOOPBACK = ["127.0.0.0/8"]
@@ -131,8 +130,3 @@ def raise_one(database: Database, found: IdentificationRow, machine: Machine, *,
     with database.transaction() as session:
         finding = AlertFinding("Coupling C1 is going out of alignment", {}, found.id, found.measured_at)
         return transitions.raise_alert(session, machine.id, rule="misalignment", element=element, finding=finding).id
-
-
-def row_of(database: Database, alert_id: int) -> AlertRow:
-    with database.reading() as session:
-        return session.get_one(AlertRow, alert_id)

@@ -49,14 +49,6 @@ STIFFER = {
 }
 
 
-@pytest.fixture
-def off(monkeypatch: pytest.MonkeyPatch) -> list[int]:
-    """How far this machine's clock is off [ns]; what a test puts there holds at once."""
-    by, right = [0], time.time_ns
-    monkeypatch.setattr(time, "time_ns", lambda: right() + by[0])
-    return by
-
-
 def raised(session: Session) -> AlertRow:
     found = store_identification(session, identification(), run_id=1, measured_at=START)
     finding = AlertFinding("Coupling C1 is going out of alignment", {}, found.id, START)

@@ -23,14 +23,6 @@ YEAR = 365 * 86_400 * SECOND
 PATH = f"/api/v1/machines/{KEY.machine}/samples"
 
 
-@pytest.fixture
-def off(monkeypatch: pytest.MonkeyPatch) -> list[int]:
-    """How far the service's clock is off [ns]. The sources below go by a right one."""
-    by, right = [0], time.time_ns
-    monkeypatch.setattr(time, "time_ns", lambda: right() + by[0])
-    return by
-
-
 class Live:
     """The service, and sources whose clocks are right."""
 

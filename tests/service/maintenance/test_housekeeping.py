@@ -388,7 +388,7 @@ def test_a_round_that_fails_is_told_of_until_one_does_not(plant: Database, monke
     assert one.unseen is None
     with plant.transaction() as session:
         session.execute(text("ALTER TABLE machines_elsewhere RENAME TO machines"))
-    assert any(words.startswith("old samples are not let go of") for words in api.value("/health")["warnings"])
+    assert any(words.startswith("old samples are not deleted") for words in api.value("/health")["warnings"])
     wait_until(lambda: one.unfinished is None, seconds=30)
     assert one.gauges["rundown_housekeeping_working"] == 1
     one.stop()

@@ -1,6 +1,5 @@
 """Who gets in behind a restore: not who was logged out since, nor with a key that was revoked since, or may have been."""
 
-from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 
@@ -14,11 +13,11 @@ from storage.backup import backup
 from storage.backup.restored_access import RestoredAccess
 from storage.clock import now
 from storage.database.engine import Database
-from storage.database.schema import MIGRATIONS
 from storage.operation import api_keys as keys
 from storage.operation import audit, browser_sessions
 from tests.databases import Databases
 from tests.end_to_end.processes import rundown
+from tests.storage.migration import migrate
 
 A_DAY = 86_400 * 1_000_000_000
 
@@ -120,14 +119,6 @@ def test_a_backup_of_an_older_schema_stays_one(database: Database, databases: Da
     again = backup.back_up(target, tmp_path / "again")
     assert (again.schema_revision, again.rows) == (made.schema_revision, made.rows)
     assert opening(target, {"good": (prefix, text)}) == set()
-
-
-def migrate(database: Database, command: Callable[[alembic.config.Config, str], None], revision: str) -> None:
-    config = alembic.config.Config()
-    config.set_main_option("script_location", str(MIGRATIONS))
-    with database.engine.begin() as connection:
-        config.attributes["connection"] = connection
-        command(config, revision)
 
 
 @pytest.mark.long

@@ -15,7 +15,6 @@ from sqlalchemy.exc import IntegrityError
 
 from storage.database.claim import DatabaseUnusable
 from storage.database.engine import Database
-from storage.database.schema import MIGRATIONS
 from storage.findings import identifications
 from storage.machines import machines
 from storage.measurements import quarantine
@@ -26,14 +25,7 @@ from storage.tables.machines import MachineRow
 from storage.tables.measurements import SourceRow
 from tests.databases import Databases
 from tests.plant import START, identification, machine, store_identification
-
-
-def migrate(database: Database, command: Callable[[alembic.config.Config, str], None], revision: str) -> None:
-    config = alembic.config.Config()
-    config.set_main_option("script_location", str(MIGRATIONS))
-    with database.engine.begin() as connection:
-        config.attributes["connection"] = connection
-        command(config, revision)
+from tests.storage.migration import migrate
 
 
 def tables(database: Database) -> set[str]:

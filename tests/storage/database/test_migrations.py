@@ -1,6 +1,6 @@
 """Each migration, one by one, up and down, with rows in every table: whatever both schemas can hold stays as it is."""
 
-from collections.abc import Callable, Set
+from collections.abc import Set
 from typing import Any
 
 import alembic.command
@@ -12,6 +12,7 @@ from sqlalchemy import JSON, Boolean, Column, Connection, Float, Integer, LargeB
 from storage.database.engine import Database
 from storage.database.schema import KEPT_BY_ITSELF, MIGRATIONS, known_revisions
 from storage.tables.base import Base
+from tests.storage.migration import migrate
 
 ROWS = 2
 TABLES = [table for table in Base.metadata.sorted_tables if table.name not in KEPT_BY_ITSELF]
@@ -30,14 +31,6 @@ REVISIONS = [revision.revision for revision in script().walk_revisions()][::-1]
 
 def test_the_names_of_the_files_tell_their_order() -> None:
     assert known_revisions() == REVISIONS[::-1]
-
-
-def migrate(database: Database, command: Callable[[alembic.config.Config, str], None], revision: str) -> None:
-    config = alembic.config.Config()
-    config.set_main_option("script_location", str(MIGRATIONS))
-    with database.engine.execution_options(writing="alone").begin() as connection:
-        config.attributes["connection"] = connection
-        command(config, revision)
 
 
 def value(column: Column[Any], row: int) -> Any:

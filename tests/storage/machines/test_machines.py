@@ -14,11 +14,11 @@ from estimator.machine.rules import Condition
 from service.monitoring import baseline_changes
 from service.security import authentication
 from storage.database.engine import Database
-from storage.database.schema import MIGRATIONS
 from storage.machines import machines
 from storage.tables.machines import RevisionRow
 from tests.api_in_process import Api
 from tests.plant import document, machine
+from tests.storage.migration import migrate
 
 
 def test_a_created_machine_is_revision_1(plant: Database) -> None:
@@ -140,14 +140,6 @@ def test_revisions_that_can_be_compared_are_those_around_one_that_describe_the_s
     made = revised(plant)
     require_right(plant, made)
     assert len({tuple(around(made, number)) for number in range(1, len(made) + 1)}) > 4
-
-
-def migrate(database: Database, command: Callable[[alembic.config.Config, str], None], revision: str) -> None:
-    config = alembic.config.Config()
-    config.set_main_option("script_location", str(MIGRATIONS))
-    with database.engine.execution_options(writing="alone").begin() as connection:
-        config.attributes["connection"] = connection
-        command(config, revision)
 
 
 def test_so_are_those_of_an_older_release(plant: Database) -> None:

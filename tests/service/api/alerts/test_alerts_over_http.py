@@ -20,7 +20,7 @@ from service.api.alerts.event_stream import Broadcaster, StreamEvent, stream
 from storage.alerts import alerts
 from storage.database.engine import Database
 from storage.tables.alerting import AlertRow
-from tests.api_in_process import Api
+from tests.api_in_process import Api, refused
 from tests.plant import START, identification, store_identification, wait_until
 
 ANNA = {"by": "anna", "comment": "looked at it"}
@@ -52,12 +52,6 @@ def cleared(database: Database, alert: int) -> None:
 
 def soon(**ahead: float) -> str:
     return (datetime.now(UTC) + timedelta(**ahead)).isoformat()
-
-
-def refused(answer: httpx.Response, status: int) -> str:
-    assert answer.status_code == status, answer.text
-    assert answer.headers["content-type"] == "application/problem+json"
-    return str(answer.json()["detail"])
 
 
 def test_an_alert_is_acknowledged_and_its_history_says_by_whom(plant: Database, api: httpx.Client) -> None:

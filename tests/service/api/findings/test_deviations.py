@@ -21,6 +21,7 @@ from storage.database.engine import Database
 from storage.findings import identifications, jobs
 from storage.machines import machines
 from storage.tables.findings import IdentificationRow
+from tests.api_in_process import refused
 from tests.plant import START, identification, machine, store_identification
 
 BASELINE = 5
@@ -76,12 +77,6 @@ def asked(api: httpx.Client, path: str, **parameters: Any) -> dict[str, Any]:
     assert answer.status_code == 200, answer.text
     found: dict[str, Any] = answer.json()
     return found
-
-
-def refused(answer: httpx.Response, status: int) -> str:
-    assert answer.status_code == status, answer.text
-    assert answer.headers["content-type"] == "application/problem+json"
-    return str(answer.json()["detail"])
 
 
 def by(key: str, rows: list[dict[str, Any]]) -> dict[str, dict[str, Any]]:

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
-class Figure:
+class ReportLine:
     """One line: what is measured, what was asked and what came.
 
     Attributes:
