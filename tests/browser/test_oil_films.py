@@ -97,6 +97,22 @@ def test_coefficients_of_the_chosen_bearing_are_drawn_and_read_out(seen: Seen, f
     expect(row.get_by_role("cell").last).to_contain_text(value)
 
 
+def test_alignment_of_the_coupling_is_told_with_what_is_known_of_its_change(seen: Seen, films: Service) -> None:
+    """Of a machine whose baseline is not complete nothing has changed yet, which is said."""
+    told = films.get(f"/machines/{FILMS}/alignment")
+    seen.open(f"machines/{FILMS}/model")
+    found = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Alignment of couplings"))
+    expect(found.get_by_text(f"No change against a baseline: {told['missing']}.")).to_be_visible()
+    assert len(told["numbers"]) == 4
+    for one in told["numbers"]:
+        quantity = one["quantity"].replace("_", ", ").capitalize()
+        row = found.get_by_role("row", name=f"{one['coupling']} {quantity}")
+        value = one["absolute"]["value"]
+        expect(row).to_contain_text("not determined: " + one["absolute"]["reason"] if value is None else "µ")
+        assert one["change"] is None
+    assert seen.errors == []
+
+
 @pytest.mark.usefixtures("films")
 def test_what_the_data_do_not_say_has_its_reason(seen: Seen) -> None:
     """Neither a dot nor a point is drawn of it."""
