@@ -32,6 +32,9 @@ def restore(
     file: Annotated[Path, typer.Argument(help="file that `rundown backup` wrote")],
     database: DatabaseUrl = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="lose what the database holds now")] = False,
+    without_keys: Annotated[
+        bool, typer.Option("--without-keys", help="though the backup has no API key: nobody is asked who they are")
+    ] = False,
 ) -> None:
     """Replace the database by a backup, while no service runs."""
     from storage.backup import backup as backups
@@ -39,7 +42,7 @@ def restore(
     from storage.database.claim import DatabaseUnusable
 
     try:
-        restored = backups.restore(_url(database), file, overwrite=overwrite)
+        restored = backups.restore(_url(database), file, overwrite=overwrite, without_keys=without_keys)
     except (BackupUnusable, DatabaseUnusable) as error:
         fail(str(error))
     found, access = restored.backup, restored.access

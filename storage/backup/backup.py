@@ -70,12 +70,13 @@ class Restored:
     access: RestoredAccess
 
 
-def restore(url: str, file: Path, *, overwrite: bool = False) -> Restored:
+def restore(url: str, file: Path, *, overwrite: bool = False, without_keys: bool = False) -> Restored:
     """Replace an empty database, or any database with `overwrite`, by a backup.
 
     Either all of the backup is in place afterwards, or the old data. Access is not restored as it was: all sessions are logged
     out, keys that the replaced database has as revoked are revoked, and keys that it does not know wait for a confirmation
-    (`storage.backup.restored_access`).
+    (`storage.backup.restored_access`). A backup without any key replaces a database that has some only where
+    `without_keys` is set: the service would be open to everybody.
 
     Raises BackupUnusable, DatabaseUnusable; also while a service uses the database.
     """
@@ -93,9 +94,9 @@ def restore(url: str, file: Path, *, overwrite: bool = False) -> Restored:
             if not overwrite:
                 _require_empty(engine, url)
             if engine.dialect.name == "sqlite":
-                access = sqlite_copy.replace(engine, file, found)
+                access = sqlite_copy.replace(engine, file, found, without_keys=without_keys)
             else:
-                access = _replace_postgresql(engine, file, found)
+                access = _replace_postgresql(engine, file, found, without_keys=without_keys)
         except (OSError, sqlite3.Error, postgresql_tools.ToolFailed) as error:
             raise BackupUnusable(f"{file} cannot be restored: {error}") from error
         finally:
@@ -131,14 +132,14 @@ def _dump_postgresql(engine: Engine, part: Path) -> tuple[str, dict[str, int]]:
     return revision, rows
 
 
-def _replace_postgresql(engine: Engine, file: Path, found: Backup) -> RestoredAccess:
+def _replace_postgresql(engine: Engine, file: Path, found: Backup, *, without_keys: bool) -> RestoredAccess:
     with postgresql_tools.set_aside(engine):
         postgresql_tools.load(engine, file)
         with engine.connect() as connection:
             rows = row_counts(connection)
         require_rows(rows, file, found)
         with engine.begin() as connection:
-            return amend(connection, _keys_aside(engine))
+            return amend(connection, _keys_aside(engine), without_keys=without_keys)
 
 
 def _keys_aside(engine: Engine) -> dict[str, KnownKey]:

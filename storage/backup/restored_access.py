@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 from sqlalchemy import Connection, inspect, text
 
+from storage.backup.backup_file import BackupUnusable
 from storage.clock import now
 
 KEYS = "api_keys"
@@ -51,15 +52,30 @@ def known_keys(connection: Connection, *, schema: str | None = None) -> dict[str
     return {row.prefix: KnownKey(row.hash, row.expires_at, row.revoked_at) for row in rows}
 
 
-def amend(connection: Connection, known: dict[str, KnownKey]) -> RestoredAccess:
-    """Apply the replaced store's state of the keys to a restored backup, and drop all sessions and logins."""
+def amend(connection: Connection, known: dict[str, KnownKey], *, without_keys: bool = False) -> RestoredAccess:
+    """Apply the replaced store's state of the keys to a restored backup, and drop all sessions and logins.
+
+    Args:
+        connection: To the restored backup.
+        known: The replaced store's keys.
+        without_keys: Whether the restored store may have no key though the replaced one had some.
+
+    Raises:
+        BackupUnusable: It has none, and may not.
+    """
     there = set(inspect(connection).get_table_names())
+    held = known_keys(connection) if KEYS in there else {}
+    keyless = bool(known) and not held
+    if keyless and not without_keys:
+        raise BackupUnusable(
+            "the backup is older than the first API key: without one nobody would be asked who they are. Say --without-keys "
+            "to restore it all the same, and make a key before the start (rundown key create), or set authentication=required"
+        )
     sessions = 0
     for table in there & {*LOGGED_IN}:
         dropped = connection.execute(text(f"DELETE FROM {table}")).rowcount
         sessions += dropped if table == LOGGED_IN[0] else 0
     revoked, waiting = [], []
-    held = known_keys(connection) if KEYS in there else {}
     for prefix, key in held.items():
         if key.revoked_at is not None or key.expires_at <= now():
             continue
@@ -74,4 +90,4 @@ def amend(connection: Connection, known: dict[str, KnownKey]) -> RestoredAccess:
             text(f"UPDATE {KEYS} SET expires_at = :expires_at, revoked_at = :revoked_at WHERE prefix = :prefix"),
             {"expires_at": min(key.expires_at, last.expires_at), "revoked_at": last.revoked_at, "prefix": prefix},
         )
-    return RestoredAccess(tuple(revoked), tuple(waiting), sessions, keyless=bool(known) and not held)
+    return RestoredAccess(tuple(revoked), tuple(waiting), sessions, keyless=keyless)

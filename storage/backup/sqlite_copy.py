@@ -46,7 +46,7 @@ def _content(file: Path, name: str) -> tuple[str, dict[str, int]]:
         return require_known(revision_of(connection), name), row_counts(connection)
 
 
-def replace(engine: Engine, file: Path, found: Backup) -> RestoredAccess:
+def replace(engine: Engine, file: Path, found: Backup, *, without_keys: bool) -> RestoredAccess:
     """Replace the database file by a backup; at any moment the file is the old one or the new one.
 
     The caller must hold the claim. Returns the access that was withdrawn. Raises BackupUnusable, OSError, sqlite3.Error.
@@ -69,7 +69,7 @@ def replace(engine: Engine, file: Path, found: Backup) -> RestoredAccess:
         engine.dispose()
         if path.exists():
             _end_log(path)
-        access = _amended(part, _keys_of(path))
+        access = _amended(part, _keys_of(path), without_keys=without_keys)
         content = _content(part, str(part))
         synced_digest(part)
         # Before the new file is in place: a crash in between leaves an old database, never a new one beside an old log, which
@@ -97,12 +97,12 @@ def _keys_of(path: Path) -> dict[str, KnownKey]:
         return {}
 
 
-def _amended(part: Path, known: dict[str, KnownKey]) -> RestoredAccess:
+def _amended(part: Path, known: dict[str, KnownKey], *, without_keys: bool) -> RestoredAccess:
     with (
         temporary_engine(URL.create("sqlite", database=str(part))) as engine,
         engine.execution_options(writing="alone").begin() as connection,
     ):
-        return amend(connection, known)
+        return amend(connection, known, without_keys=without_keys)
 
 
 def _end_log(path: Path) -> None:

@@ -84,12 +84,25 @@ def test_where_nothing_is_known_of_them_keys_wait(
     assert opening(target, made) == {"good"}
 
 
+def test_a_backup_without_keys_opens_no_store_that_has_some(database: Database, tmp_path: Path) -> None:
+    backup.back_up(database.url, tmp_path / "backup")
+    with database.transaction() as session:
+        row, text = api_keys.create(session, name="first", role=Role.ADMIN, plants=None, days=100.0)
+        prefix = row.prefix
+    database.close()
+    told = rundown("restore", str(tmp_path / "backup"), "--overwrite", "--database", database.url)
+    assert told.returncode == 1
+    assert "older than the first API key" in told.stderr
+    assert "--without-keys" in told.stderr
+    assert opening(database.url, {"first": (prefix, text)}) == {"first"}
+
+
 def test_that_no_key_is_left_is_said(database: Database, tmp_path: Path) -> None:
     backup.back_up(database.url, tmp_path / "backup")
     with database.transaction() as session:
         api_keys.create(session, name="first", role=Role.ADMIN, plants=None, days=100.0)
     database.close()
-    told = rundown("restore", str(tmp_path / "backup"), "--overwrite", "--database", database.url)
+    told = rundown("restore", str(tmp_path / "backup"), "--overwrite", "--without-keys", "--database", database.url)
     assert told.returncode == 0, told.stderr
     assert "the backup is older than the first API key" in told.stderr
     # What was said once is known: the store that is replaced now has none either.
