@@ -110,10 +110,7 @@ class SqliteFiles:
         with self._lock:
             if not self.saved and not self._closed:
                 if not self.log_is_whole() and self._lost_frames is None and self._log is not None:
-                    try:
-                        self._lost_frames = self._log.go_back(self._rest)
-                    except OSError:
-                        return False  # no room for the copy: tried again later
+                    self._lost_frames = self._log.go_back(self._rest)
                 try:
                     _, logged, done = self._keeper.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()
                 except sqlite3.Error:

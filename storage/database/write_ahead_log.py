@@ -5,6 +5,7 @@ behind the hole, and copies the zeros into the main file with the next checkpoin
 https://www.sqlite.org/walformat.html
 """
 
+import logging
 import os
 import struct
 from collections.abc import Iterator
@@ -13,6 +14,8 @@ from pathlib import Path
 
 from storage.database import file_lock
 from storage.database.private_files import PRIVATE
+
+logger = logging.getLogger(__name__)
 
 LOOKS = 5
 """Number of looks before a log counts as damaged: between two reads SQLite may have begun it anew."""
@@ -75,13 +78,12 @@ class WriteAheadLog:
 
         The caller must have the writers' turn. Where the main file is ahead of what the log still holds, the log is emptied.
 
-        Args:
-            copy: File that keeps the log as it was found, for a later rescue.
-
-        Raises:
-            OSError: There is no room for the copy, and nothing was changed.
+        copy: file that keeps the log as it was found, for a later rescue, as far as there is room for it.
         """
-        self._copy_to(copy)
+        try:
+            self._copy_to(copy)
+        except OSError as error:  # a hole that goes into the main file would be worse
+            logger.error("the log that was cut off cannot be copied to %s: %s", copy, error)
         counted = self._counted() or self._seen
         checkpointed = int(struct.unpack("=I", os.pread(self._index, 4, _CHECKPOINTED_AT))[0])
         left = self._committed(counted)

@@ -8,7 +8,7 @@ from pydantic import BaseModel, Field
 from estimator.machine.film_speeds import follows_films
 from estimator.machine.parameter_description import describe
 from estimator.updated_model.derived_quantities import Derived, alignment_change_quantities, alignment_quantities
-from service.api.conventions.dependencies import MachineId, Reading, database
+from service.api.conventions.dependencies import MachineId, database
 from service.api.conventions.problems import RESPONSES
 from service.api.findings.deviation_schemas import ComparedOut
 from service.api.findings.deviations import Which, chosen_comparison, compared_fields
@@ -48,17 +48,20 @@ class AlignmentOut(ComparedOut):
 
 
 @router.get("/machines/{machine_id}/alignment", operation_id="read_alignment")
-def read_alignment(request: Request, session: Reading, machine_id: MachineId, which: Which = None) -> AlignmentOut:
+def read_alignment(request: Request, machine_id: MachineId, which: Which = None) -> AlignmentOut:
     """Read offset and angle of each coupling, and by how much they have changed against the baseline.
 
     A change is known better than either alignment: what is uncertain of the films is the same in all runs.
     """
-    compared = chosen_comparison(request, session, machine_id, which)
-    fields = compared_fields(session, compared, {})
-    number = compared.identification.id
+    with database(
+        request
+    ).reading() as session:  # not while the computation waits for its turn: it would hold back checkpoints
+        compared = chosen_comparison(request, session, machine_id, which)
+        fields = compared_fields(session, compared, {})
+        number = compared.identification.id
+        baseline = () if compared.missing is not None else tuple(row.id for row in compared.baseline)
     if not follows_films(read_identified(request, number).machine):
         return AlignmentOut(**fields, numbers=[])
-    baseline = () if compared.missing is not None else tuple(row.id for row in compared.baseline)
 
     def read_baseline(_: Identified) -> list[Identified]:
         with database(request).reading() as reading:

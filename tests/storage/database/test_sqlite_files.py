@@ -238,6 +238,17 @@ def test_a_hole_that_nobody_saw_is_not_copied_by_the_last_checkpoint(tmp_path: P
     assert (tmp_path / "rundown.db-wal.cut").stat().st_mode & 0o777 == 0o600
 
 
+def test_a_log_of_which_no_copy_can_be_made_damages_nothing_either(
+    database: Database, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """As on a full disk."""
+    (tmp_path / "rundown.db-wal.cut").mkdir()
+    cut_to(0)(tmp_path / "rundown.db-wal")
+    database.close()
+    assert "cannot be copied" in caplog.text
+    assert names(tmp_path) == []
+
+
 def test_a_log_that_is_cut_off_within_a_transaction_takes_no_commit(database: Database, tmp_path: Path) -> None:
     def interrupted() -> None:
         with database.transaction() as session:
