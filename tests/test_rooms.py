@@ -19,7 +19,7 @@ from tests.rooms import ROOMS
 from tests.rooms_picture import PICTURE, TABLE, drawn
 
 ROOT = Path(__file__).parents[1]
-PACKAGES = ("estimator", "storage", "service")
+PACKAGES = ("estimator", "storage", "service", "rotorundown")
 LARGEST_ROOM, MEDIAN_ROOM = 25, 12
 """Files in a room, its `__init__.py` left out."""
 TWO_PAGES = 150

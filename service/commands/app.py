@@ -37,7 +37,6 @@ for command in (backup, restore, move, export):
     app.command()(command)
 
 LINGER_S = 5.0
-SAMPLE_S = 600.0
 
 
 def _print_version(asked: bool) -> None:
@@ -282,27 +281,14 @@ def sample(
     run_seed: Annotated[int, typer.Option(min=0, help="of the run: its scatter and noise")] = 1,
 ) -> None:
     """Write one simulated run-down as a recording, to try the commands on."""
-    import numpy as np
-
-    from estimator.simulation.simulated_plant import (
-        draw_truth,
-        measured_phasors,
-        speed_law,
-        truth_at_progress,
-        truth_of_run,
-    )
-    from estimator.units import RAD_PER_S
+    from rotorundown.simulation import simulate as simulate_run
     from service.configuration.document_files import UnreadableFile
     from service.sources.recording import write_recording
 
     try:
         described, story = _machine_and_story(machine)
-        true = truth_at_progress(draw_truth(described, np.random.default_rng(seed)), described, story, progress)
-        rng = np.random.default_rng([seed, run_seed])
-        times, speed = speed_law(described, "run-down", duration=SAMPLE_S, samples=samples)
-        phasor = measured_phasors(described, truth_of_run(true, rng), speed, rng)
-        interval = float(times[1] - times[0])
-        write_recording(file, described, speed_rpm=speed / RAD_PER_S["rpm"], phasor=phasor, interval_s=interval)
+        run = simulate_run(described, story=story, progress=progress, samples=samples, seed=seed, run_seed=run_seed)
+        write_recording(file, described, speed_rpm=run.speed_rpm, phasor=run.recorded.phasor, interval_s=run.interval_s)
     except (UnreadableFile, ValueError, OSError) as error:
         fail(str(error))
 
