@@ -16,6 +16,7 @@ import typer
 from estimator.simulation.stories import Story
 from service.commands.analysis import compare, identify_offline, model, show_slow_roll
 from service.commands.exit import fail
+from service.commands.help_panels import PanelledGroup
 from service.commands.keys import audit_app, key_app
 from service.commands.retention import retention_app
 from service.commands.storage import backup, export, move, restore
@@ -27,7 +28,8 @@ from service.configuration.settings import DEFAULT_ZENOH_ENDPOINT, Role, Setting
 if TYPE_CHECKING:
     from estimator.machine.document import Machine
 
-app = typer.Typer(no_args_is_help=True, add_completion=False)
+# Markdown leaves units in brackets alone; the other markup takes them for styles and prints nothing.
+app = typer.Typer(no_args_is_help=True, cls=PanelledGroup, rich_markup_mode="markdown")
 app.add_typer(key_app, name="key")
 app.add_typer(audit_app, name="audit")
 app.add_typer(retention_app, name="retention")
@@ -67,7 +69,7 @@ def serve(
         bool | None, typer.Option("--allow-no-authentication", help="the first of two settings; see docs/security.md")
     ] = None,
 ) -> None:
-    """Run the service. Every setting can also come from the environment as RUNDOWN_<NAME>; see docs/operators.md."""
+    """Run the service. Every setting can also come from the environment as RUNDOWN_NAME; see docs/operators.md."""
     given: dict[str, Any] = {
         "database": database,
         "host": host,
