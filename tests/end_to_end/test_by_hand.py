@@ -54,7 +54,13 @@ def test_by_hand_runs_as_printed_and_python_after_it(checkout: Path) -> None:
     assert (checkout / "by-hand" / "monday.db").stat().st_size > 0
     (python,) = blocks("python")
     shown = subprocess.run(
-        [sys.executable, "-c", python], cwd=checkout, env=around, capture_output=True, text=True, timeout=LONGEST_S, check=False
+        [sys.executable, "-c", python],
+        cwd=checkout,
+        env=around,
+        capture_output=True,
+        text=True,
+        timeout=LONGEST_S,
+        check=False,
     )
     assert shown.returncode == 0, shown.stderr
     assert shown.stdout.startswith("motor-pump: accepted")
