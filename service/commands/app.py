@@ -16,6 +16,7 @@ import typer
 from estimator.simulation.stories import Story
 from service.commands.analysis import compare, identify_offline, model, show_slow_roll
 from service.commands.exit import fail
+from service.commands.first_steps import check, init
 from service.commands.help_panels import PanelledGroup
 from service.commands.keys import audit_app, key_app
 from service.commands.retention import retention_app
@@ -295,6 +296,8 @@ def sample(
         fail(str(error))
 
 
+app.command()(init)
+app.command()(check)
 app.command("identify")(identify_offline)
 app.command()(model)
 app.command()(compare)

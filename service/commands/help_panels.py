@@ -5,7 +5,7 @@ from typing import Any
 from typer.core import TyperGroup
 
 PANELS: dict[str, tuple[str, ...]] = {
-    "Try it": ("demo", "document", "sample"),
+    "Try it": ("demo", "init", "check", "document", "sample"),
     "Analyse recorded runs": ("identify", "model", "compare", "slow-roll"),
     "Run the service": ("serve", "doctor", "key", "audit"),
     "Connect machines": ("edge", "replay", "simulate", "router"),
@@ -16,6 +16,8 @@ PANELS: dict[str, tuple[str, ...]] = {
 
 EXAMPLES: dict[str, str] = {
     "demo": "rundown demo --exit",
+    "init": "rundown init pump-12.yaml",
+    "check": "rundown check pump-12.yaml run.csv",
     "document": "rundown document examples/motor-pump.yaml",
     "sample": "rundown sample examples/motor-pump.yaml:misalignment later.csv --run-seed 2",
     "identify": "rundown identify examples/motor-pump.yaml healthy.csv --advice",

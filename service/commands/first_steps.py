@@ -1,0 +1,68 @@
+"""First steps with a machine of one's own: a document to begin with, and a look at documents and recordings."""
+
+import re
+from importlib.resources import files
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from service.commands.exit import fail
+from service.commands.terminal import say, say_lines
+
+TEMPLATE = "first_machine.yaml"
+PLACEHOLDER = "MACHINE"
+
+
+def init(
+    file: Annotated[Path, typer.Argument(help="document to write; its name becomes the machine's id")],
+) -> None:
+    """Write a commented machine document to begin with: a motor and a pump, each on two bearings."""
+    name = file.stem
+    if not re.fullmatch(r"[A-Za-z0-9_-]{1,64}", name):
+        fail(f"'{name}' is no id: name the file with letters, digits, '_' and '-', up to 64, such as pump-12.yaml")
+    text = files("service.commands").joinpath(TEMPLATE).read_text(encoding="utf-8")
+    try:
+        with file.open("x", encoding="utf-8") as written:
+            written.write(re.sub(rf"\b{PLACEHOLDER}\b", name, text))
+    except OSError as error:
+        fail(f"{file}: {error.strerror}")
+    say(f"{file} is written; edit it, then: rundown check {file}")
+
+
+def check(
+    machine: Annotated[Path, typer.Argument(help="machine document")],
+    runs: Annotated[list[Path] | None, typer.Argument(help="recorded runs of this machine, as for replay")] = None,
+) -> None:
+    """Check a machine document, and recorded runs against it: what they hold, and what is probably a mistake.
+
+    Ends with status 1 where something is wrong; a warning is none.
+    """
+    from rotorundown.machine_files import WrongMachine, read_machine
+    from rotorundown.runs import WrongRun, read_run
+    from service.commands.document_warnings import say_warnings
+
+    try:
+        described = read_machine(machine)
+    except WrongMachine as error:
+        fail(str(error))
+    say_warnings(described)
+    parts = (
+        (described.shafts, "shaft"),
+        (described.discs, "disc"),
+        (described.bearings, "bearing"),
+        (described.couplings, "coupling"),
+        (described.probes, "probe"),
+    )
+    counted = ", ".join(f"{len(those)} {name}{'' if len(those) == 1 else 's'}" for those, name in parts)
+    limits = described.speed_range
+    say(f"{described.id}: {counted}; {limits.minimum_rpm:g} to {limits.maximum_rpm:g} r/min")
+    wrong = 0
+    for file in runs or ():
+        try:
+            say_lines(str(read_run(file, machine=described)))
+        except WrongRun as error:
+            say_lines(str(error), err=True)
+            wrong += 1
+    if wrong:
+        fail(f"{wrong} of {len(runs or ())} runs cannot be read")

@@ -1,0 +1,50 @@
+"""`rundown init` and `rundown check`: a document to begin with that works, and what is said of documents and runs."""
+
+from pathlib import Path
+
+import pytest
+
+import rotorundown as rd
+from tests.service.commands.command_line import run
+
+
+@pytest.fixture
+def pump(tmp_path: Path) -> Path:
+    file = tmp_path / "pump-12.yaml"
+    assert "rundown check" in run("init", str(file))
+    return file
+
+
+def test_the_document_to_begin_with_can_be_identified(pump: Path) -> None:
+    machine = rd.read_machine(pump)
+    assert machine.id == "pump-12"
+    assert rd.identify(machine, rd.simulate(machine)).accepted
+
+
+def test_the_document_is_checked_without_a_warning(pump: Path) -> None:
+    assert run("check", str(pump)) == ("pump-12: 2 shafts, 2 discs, 4 bearings, 1 coupling, 8 probes; 300 to 3600 r/min\n")
+
+
+def test_nothing_is_overwritten(pump: Path) -> None:
+    pump.write_text("mine")
+    assert "File exists" in run("init", str(pump), status=1)
+    assert pump.read_text() == "mine"
+
+
+def test_a_name_that_is_no_id_is_refused(tmp_path: Path) -> None:
+    assert "is no id" in run("init", str(tmp_path / "pump 12.yaml"), status=1)
+
+
+def test_runs_are_checked_against_the_document(pump: Path, tmp_path: Path) -> None:
+    good, bad = tmp_path / "good.csv", tmp_path / "bad.csv"
+    run("sample", str(pump), str(good))
+    bad.write_text("speed;B1L_amplitude\n1500,5;3\n")
+    text = run("check", str(pump), str(good), str(bad), status=1)
+    assert "good.csv: 200 samples, B1L, B1R" in text
+    assert "separated by semicolons" in text
+    assert "1 of 2 runs cannot be read" in text
+
+
+def test_a_wrong_unit_is_named(pump: Path) -> None:
+    pump.write_text(pump.read_text().replace("kxx: 1.8e+7", "kxx: 18"))
+    assert "was 18 N/µm meant?" in run("check", str(pump), status=1)
