@@ -30,7 +30,7 @@ SHORTEST, A_HUNDRED_YEARS = 0.001, 36_500.0
 """Bounds of a key's lifetime [days]."""
 LONGEST_NAME = 120
 UNWRITTEN = {"Cc": "a control character", "Cs": "no text in UTF-8", "Zl": "a line break", "Zp": "a line break"}
-"""What no key's name may hold, by the category of characters in Unicode."""
+"""Characters that no key's name may hold, by their category in Unicode."""
 
 
 @key_app.command("create")
