@@ -23,6 +23,7 @@ from tests.end_to_end.processes import ROOT
 ALIVE_P99_S = 0.25
 ATTACKS = {
     "documents as large as are let in": ["tests/faults/test_worst_documents.py"],
+    "documents with thousands of problems": ["tests/faults/test_wrong_documents.py"],
     "own clock a year ahead and a year behind": ["tests/faults/test_service_clock.py"],
     "more jobs than are taken, and workers stopped": ["tests/end_to_end/test_stopped_workers.py"],
     "the write-ahead log deleted": ["tests/faults/test_deleted_logs.py"],

@@ -1,6 +1,7 @@
 """`rundown key` and `rundown audit`: keys are made on the machine of the store, not over the network."""
 
 import re
+import unicodedata
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Annotated
@@ -27,6 +28,9 @@ A_YEAR = 365.0
 ENTRY = "[0-9]{1,18}:[0-9a-f]{64}"
 SHORTEST, A_HUNDRED_YEARS = 0.001, 36_500.0
 """Bounds of a key's lifetime [days]."""
+LONGEST_NAME = 120
+UNWRITTEN = {"Cc": "a control character", "Cs": "no text in UTF-8", "Zl": "a line break", "Zp": "a line break"}
+"""Characters that no key's name may hold, by their category in Unicode."""
 
 
 @key_app.command("create")
@@ -44,8 +48,7 @@ def create_key(
         chosen = Role.of(role)
     except ValueError as error:
         fail(str(error))
-    if not re.fullmatch(r"[^\x00-\x1f]{1,120}", name):
-        fail("the name must have 1 to 120 characters")
+    _require_name(name)
     for one in plant or ():
         _require_plant(one)
     _require_days("--days", days, least=SHORTEST)
@@ -214,6 +217,16 @@ def _state(row: "ApiKeyRow", *, at: int) -> str:
     if keys.awaits_confirmation(row):
         return "waits"
     return "valid" if keys.valid(row, at=at) else "expired"
+
+
+def _require_name(name: str) -> None:
+    """Require a name that a person can read and the database can hold."""
+    if not 1 <= len(name) <= LONGEST_NAME:
+        fail(f"the name has {len(name)} characters: it must have 1 to {LONGEST_NAME}")
+    for place, character in enumerate(name, start=1):
+        if unicodedata.category(character) in UNWRITTEN:
+            kind = UNWRITTEN[unicodedata.category(character)]
+            fail(f"character {place} of the name is {kind} (U+{ord(character):04X}): leave it out")
 
 
 def _require_plant(name: str) -> None:

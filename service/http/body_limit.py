@@ -1,4 +1,10 @@
-"""Limits the size of request bodies: larger ones are answered with 413 and not read."""
+"""Limits the size of request bodies: larger ones are answered with 413 and not read.
+
+What is to be parsed comes in turn: parsing holds the event loop, which in between answers others for as long.
+"""
+
+import asyncio
+import time
 
 from fastapi import HTTPException, status
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -7,6 +13,10 @@ from service.http.problem import problem_response
 
 LARGEST_BODY = 2 * 1024 * 1024
 """Largest body [B]; a batch of samples may have half of it."""
+IN_TURN = 1024
+"""Size from which on a body waits for its turn [B]."""
+NOTICEABLE_S = 0.002
+"""Duration of parsing from which on others are given as long [s]."""
 
 
 class TooLarge(HTTPException):
@@ -18,6 +28,8 @@ class BodyLimit:
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
+        self._turn = asyncio.Lock()
+        self._passed = 0.0
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on and stop it when its body exceeds the limit."""
@@ -36,6 +48,8 @@ class BodyLimit:
             size += len(message.get("body", b""))
             if size > LARGEST_BODY:
                 raise TooLarge(status.HTTP_413_CONTENT_TOO_LARGE, _words(), {"Connection": "close"})
+            if size >= IN_TURN and message["type"] == "http.request" and not message.get("more_body"):
+                await self._wait()
             return message
 
         started = False
@@ -51,6 +65,14 @@ class BodyLimit:
             if started:
                 raise
             await problem_response(error.status_code, error.detail, error.headers)(scope, receive, send)
+
+    async def _wait(self) -> None:
+        """Wait until the bodies before have been parsed, and others have been answered for as long as that took."""
+        behind_another = self._turn.locked()
+        async with self._turn:
+            took = time.monotonic() - self._passed if behind_another else 0.0
+            await asyncio.sleep(took if took > NOTICEABLE_S else 0)
+            self._passed = time.monotonic()
 
 
 def _words() -> str:

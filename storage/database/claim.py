@@ -38,6 +38,8 @@ class Claim:
         self._connection: Connection | None = None
         self._held: set[tuple[int, int]] = set()
         self._file: TextIO | None = None
+        self._made: Path | None = None
+        """The lock file, where this claim has made it and takes it away again."""
         self._place: file_lock.Place | None = None
         self._lock = threading.Lock()
 
@@ -56,11 +58,8 @@ class Claim:
                     raise DatabaseUnusable(held)
                 time.sleep(LOOK_S)
         elif (path := file_of(self._engine)) is not None:
-            beside = _lock_path(path)
             try:
-                beside.touch(mode=PRIVATE)  # whoever may read the lock file may lock it
-                self._file = beside.open("w")
-                fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                self._lock_beside(_lock_path(path))
                 if path.is_file():
                     self._place = file_lock.take(path)
             except BlockingIOError as error:
@@ -69,6 +68,18 @@ class Claim:
             except OSError as error:
                 self.release()
                 raise DatabaseUnusable(f"database {self._engine.url!r} cannot be claimed: {error}") from error
+
+    def _lock_beside(self, beside: Path) -> None:
+        """Lock the lock file, made if there is none. Raises BlockingIOError, OSError."""
+        while True:
+            made = not beside.exists()
+            beside.touch(mode=PRIVATE)  # whoever may read the lock file may lock it
+            self._file = beside.open("w")
+            fcntl.flock(self._file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            if _is_at(self._file, beside):
+                self._made = beside if made else None
+                return
+            self._file.close()  # another claim has just taken it away
 
     def keep(self) -> None:
         """Take the claim again when the server was restarted and has lost it. Raises DatabaseUnusable, DBAPIError."""
@@ -117,6 +128,10 @@ class Claim:
             file_lock.release(self._place)
             self._place = None
         if self._file is not None:
+            if self._made is not None:  # before it is unlocked: nobody else's is taken away
+                with contextlib.suppress(OSError):
+                    self._made.unlink()
+                self._made = None
             self._file.close()
             self._file = None
 
@@ -178,6 +193,14 @@ def _is_locked(path: Path) -> bool:
     except FileNotFoundError:
         return False
     return False
+
+
+def _is_at(file: TextIO, path: Path) -> bool:
+    """Return whether an open file still has the name by which it was opened."""
+    try:
+        return os.path.samestat(os.fstat(file.fileno()), path.stat())
+    except FileNotFoundError:
+        return False
 
 
 def _lock_path(path: Path) -> Path:

@@ -7,6 +7,7 @@ last.
 import json
 import re
 import sqlite3
+import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, closing, contextmanager
 from typing import Any
@@ -29,6 +30,10 @@ LARGEST_LOG = 64 * 2**20
 """Size [bytes] to which a checkpoint cuts SQLite's log back after readers have let it grow."""
 FRAMES_AT_A_LOOK, EVERY_FRAME = 500, 2**31
 """Numbers of the log's frames that a regular look, and the one before the last checkpoint, take in."""
+MENDED = "pages of its log were overwritten, and newer ones or the file itself have all they held"
+"""What is told until a check has found all pages whole."""
+CLOSING_S, LOOK_S = 4.0, 0.1
+"""Time for which closing waits until all that can be saved is, and interval at which it tries [s]."""
 WRITER_KEY = CLAIM_KEY + 1
 """Key of the PostgreSQL advisory lock that each writing transaction holds."""
 _CONNECTION = {
@@ -101,7 +106,7 @@ class Database:
         making = self._sharing if beside_others else self._writing
         with self.turn(), self.longest_transaction.measured(), making.begin() as session:
             yield session
-            self._turn.require_log()
+            self._turn.require_content()
 
     @contextmanager
     def reading(self) -> Iterator[Session]:
@@ -132,15 +137,19 @@ class Database:
         return self._files is not None and not self._files.look() and self._files.saved
 
     def save_lost_files(self) -> None:
-        """Save data whose file has lost its name, or was cut off.
+        """Save data whose file has lost its name, or was cut off or overwritten.
 
-        Raises DatabaseUnusable when a file of an SQLite store was deleted, replaced or cut off.
+        Raises DatabaseUnusable when a file of an SQLite store was deleted, replaced, overwritten or cut off.
         """
         files = self._files
         if files is None or files.look(further=FRAMES_AT_A_LOOK):
             return
+        mended = files.mended
         self._turn.save(files)
-        raise DatabaseUnusable(files.trouble)
+        if files.mended > mended:
+            self.damage.record_findings([MENDED])
+        if (trouble := files.trouble) is not None:
+            raise DatabaseUnusable(trouble)
 
     def check_integrity(self, *, within_s: float, stopped: Callable[[], bool]) -> None:
         """Check all pages of a damaged SQLite store; clear the record of the damage when they are whole.
@@ -181,8 +190,12 @@ class Database:
     def close(self) -> None:
         """Close all connections and release the claim."""
         self._claim.release()
-        if self._files is not None and not self._files.look(further=EVERY_FRAME):  # what it says afterwards
-            self._turn.save(self._files)  # no checkpoint may copy what is missing in a log
+        until = time.monotonic() + CLOSING_S
+        while self._files is not None and not self._files.look(further=EVERY_FRAME):  # what it says afterwards
+            self._turn.save(self._files)  # no checkpoint may copy what is missing in a log, or into a foreign file
+            if self._files.saved or time.monotonic() > until:
+                break
+            time.sleep(LOOK_S)
         self.engine.dispose()
         if self._files is not None:
             self._files.close()

@@ -2,9 +2,11 @@
 
 SQLite goes on writing to a log that was deleted, and reports nothing. Whoever opens the store meanwhile, or after a kill,
 misses all that is in that log. A checkpoint through an open connection still moves all of it into the main file. Of a log that
-was cut off, see `write_ahead_log`, nothing may be moved but what is left.
+was cut off, see `write_ahead_log`, nothing may be moved but what is left, and nothing into a main file over which another one
+was written, see `main_file`, unless the log has every page.
 """
 
+import logging
 import sqlite3
 import stat
 import threading
@@ -13,7 +15,10 @@ from pathlib import Path
 from sqlalchemy.exc import OperationalError
 
 from storage.database.claim import DatabaseUnusable, logs_of
+from storage.database.main_file import MainFile
 from storage.database.write_ahead_log import WriteAheadLog
+
+logger = logging.getLogger(__name__)
 
 SAVING_MS = 1_000
 """Time for which a checkpoint waits for readers."""
@@ -36,6 +41,7 @@ class SqliteFiles:
         try:
             # Of a file that this process has open by another name already, SQLite keeps the index beside that name.
             self._log = WriteAheadLog(log, index) if index.exists() else None
+            self._main = MainFile(path)
         except OSError:
             self._keeper.close()
             raise
@@ -43,11 +49,14 @@ class SqliteFiles:
         self._lock = threading.Lock()
         self._lost_file: Path | None = None
         self._cut_off: Path | None = None
+        self._overwritten = self._complete = False
         self._lost_frames: int | None = None
         self._rest = path.with_name(f"{path.name}-wal.cut")
         self._closed = False
         self.saved = False
         """Whether a file is missing and the main file, or what is left of the log, holds all that can be saved."""
+        self.mended = 0
+        """Number of times damage in the log was got rid of without a loss."""
 
     def look(self, *, further: int = 0) -> bool:
         """Return whether all files still exist and the log is whole; costs microseconds.
@@ -58,22 +67,25 @@ class SqliteFiles:
             # After `close` only the main file remains.
             looked_at = [self._path] if self._closed else list(self._opened)
             self._lost_file = next((one for one in looked_at if _place(one) != self._opened[one]), None)
-        return self._lost_file is None and self.log_is_whole(further=further)
+        return self._lost_file is None and self.content_is_ours(further=further)
 
-    def log_is_whole(self, *, further: int = 0) -> bool:
-        """Return whether nothing was cut off the log, as far as it is looked at."""
-        looks = self._cut_off is None and not self._closed
-        if looks and self._log is not None and not self._log.is_whole(further=further):
+    def content_is_ours(self, *, further: int = 0) -> bool:
+        """Return whether nobody has cut off the log or written over it or the main file, as far as they are looked at."""
+        if self._closed or self._log is None:
+            return self._cut_off is None and not self._overwritten
+        if not self._overwritten:
+            self._overwritten = not self._main.is_ours(self._log.checkpoints)
+        if self._cut_off is None and not self._log.is_whole(further=further):
             self._cut_off = logs_of(self._path)[0]
-        return self._cut_off is None
+        return self._cut_off is None and not self._overwritten
 
-    def require_log(self) -> None:
-        """Raise OperationalError when the log was cut off: a commit would be written behind the hole."""
-        if not self.log_is_whole():
+    def require_content(self) -> None:
+        """Raise OperationalError when the log was cut off or a file overwritten: a commit would be written behind the hole."""
+        if not self.content_is_ours():
             self.require()
 
     def require(self) -> None:
-        """Raise OperationalError when a file is missing or the log was cut off.
+        """Raise OperationalError when a file is missing, overwritten or cut off.
 
         Nothing may be written then, and no connection opened, since it would create a second log.
         """
@@ -82,9 +94,11 @@ class SqliteFiles:
 
     @property
     def trouble(self) -> str | None:
-        """Return which file is missing or cut off and the remedy; None when none is."""
+        """Return which file is missing, overwritten or cut off and the remedy; None when none is."""
         if self.look():
             return None
+        if self._overwritten:
+            return self._words_of_overwritten()
         if self._cut_off is not None:
             lost = "being looked for" if self._lost_frames is None else f"{self._lost_frames} pages"
             return (
@@ -102,6 +116,21 @@ class SqliteFiles:
             f"Do not kill it, and do not open {self._path} with anything meanwhile"
         )
 
+    def _words_of_overwritten(self) -> str:
+        found = f"another file was written over the database file {self._path} while the service had it open"
+        if not self.saved:
+            return f"{found}. Nothing more is stored. Do not kill the service; copy nothing there while it runs"
+        if self._complete:
+            return (
+                f"{found}. All that was acknowledged was in its log, and is written back; nothing more is stored: "
+                "restart the service"
+            )
+        return (
+            f"{found}: what was stored since that one was made is lost; {self._rest} keeps its log. Nothing more is stored: "
+            "stop the service, restore the newest backup with `rundown restore`, and start it, which asks the sources' logs "
+            "for lost samples"
+        )
+
     def save(self) -> bool:
         """Move all committed data into the main file; return whether they are there.
 
@@ -109,14 +138,33 @@ class SqliteFiles:
         """
         with self._lock:
             if not self.saved and not self._closed:
-                if not self.log_is_whole() and self._lost_frames is None and self._log is not None:
-                    self._lost_frames = self._log.go_back(self._rest)
+                if not self.content_is_ours() and self._overwritten:
+                    return self._leave_overwritten()
+                mends = False
+                if self._cut_off is not None and self._lost_frames is None and self._log is not None:
+                    mends = self._log.is_superfluous_where_damaged()
+                    if not mends:
+                        self._lost_frames = self._log.go_back(self._rest)
                 try:
                     _, logged, done = self._keeper.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchone()
                 except sqlite3.Error:
                     return False  # for instance the disk is full: tried again later
-                self.saved = logged == done
+                if mends and logged == done:
+                    self._cut_off, self.mended = None, self.mended + 1
+                else:
+                    self.saved = logged == done and not mends
             return self.saved
+
+    def _leave_overwritten(self) -> bool:
+        """Write all back if the log has all, or put the log aside, once whoever overwrites the main file has finished."""
+        if self._log is not None and self._main.is_quiet():
+            try:
+                self._complete = self._log.write_back(self._main.descriptor, self._rest)
+            except OSError as error:
+                logger.error("%s was overwritten, and its log cannot be put aside: %s", self._path, error)
+                return False
+            self.saved = True
+        return self.saved
 
     def close(self) -> None:
         """Stop checking the files and close the connection; SQLite makes a checkpoint when it is the last one.
@@ -127,6 +175,7 @@ class SqliteFiles:
             if not self._closed:
                 self._closed = True
                 self._keeper.close()
+                self._main.close()
                 if self._log is not None:
                     self._log.close()
 

@@ -1,32 +1,37 @@
 """SQLite's write-ahead log as its index counts it: whether all of it is there, and what is left when it is not.
 
 SQLite does not notice that its log was cut off or overwritten by somebody else: it reads what is missing as zeros, writes on
-behind the hole, and copies the zeros into the main file with the next checkpoint. Formats:
-https://www.sqlite.org/walformat.html
+behind the hole, and copies the zeros into the main file with the next checkpoint; checksums it compares behind a crash only.
+Formats: https://www.sqlite.org/walformat.html
 """
 
+import itertools
 import logging
 import os
 import struct
+import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from storage.database import file_lock
+from storage.database import file_lock, log_checksums
+from storage.database.log_checksums import FRAME_HEADER
+from storage.database.main_file import Checkpoints
 from storage.database.private_files import PRIVATE
 
 logger = logging.getLogger(__name__)
 
 LOOKS = 5
 """Number of looks before a log counts as damaged: between two reads SQLite may have begun it anew."""
-_LOG_HEADER, _FRAME_HEADER = 32, 24
-"""Sizes of the headers of the log and of each frame, a page with its header, in it [B]."""
+_LOG_HEADER = 32
+"""Size of the header of the log [B]; frames follow, pages with a header each."""
+_FRAMES_AT_ONCE = 256
 _INDEX_HEADER = "=IIIBBHIIIIQII"
 """Version, unused, changes, whether it is valid, byte order, page size, frames, pages, checksum (2), salt, checksum (2)."""
 _COPY = struct.calcsize(_INDEX_HEADER)
 _COPIED_AT_ONCE = 2**20
-_CHECKPOINTED_AT = 2 * _COPY
-"""Place of the number of frames that the main file holds already, behind the two copies of the header [B]."""
+_CHECKPOINTED_AT, _BEGUN_AT = 2 * _COPY, 2 * _COPY + 32
+"""Places of the numbers of frames that the main file holds already, and that the last checkpoint was to bring there [B]."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +44,25 @@ class _Counted:
 
     def place(self, frame: int) -> int:
         """Return where a frame begins [B]; the first one is 1."""
-        return _LOG_HEADER + (frame - 1) * (_FRAME_HEADER + self.page_size)
+        return _LOG_HEADER + (frame - 1) * self.size
+
+    @property
+    def size(self) -> int:
+        """Return the size of a frame [B]."""
+        return FRAME_HEADER + self.page_size
+
+
+@dataclass(frozen=True)
+class _Frame:
+    """A frame as the log has it.
+
+    database_size: behind it, 0 within a transaction [pages]; whole: whether its checksum holds.
+    """
+
+    number: int
+    page: int
+    database_size: int
+    whole: bool
 
 
 class WriteAheadLog:
@@ -60,7 +83,7 @@ class WriteAheadLog:
     def is_whole(self, *, further: int = 0) -> bool:
         """Return whether the frames looked at are there: the first, the last, and the one that was last before.
 
-        further: number of frames looked at besides, in turn from one look to the next.
+        further: number of frames looked at besides, with their checksums, in turn from one look to the next.
         """
         for _ in range(LOOKS):
             counted = self._counted()
@@ -85,12 +108,61 @@ class WriteAheadLog:
         except OSError as error:  # a hole that goes into the main file would be worse
             logger.error("the log that was cut off cannot be copied to %s: %s", copy, error)
         counted = self._counted() or self._seen
-        checkpointed = int(struct.unpack("=I", os.pread(self._index, 4, _CHECKPOINTED_AT))[0])
+        checkpointed = self._number(_CHECKPOINTED_AT)
         left = self._committed(counted)
         if left < checkpointed:
             os.ftruncate(self._log, 0)
-        os.pwrite(self._index, bytes(2 * _COPY), 0)
+        self._forget_index()
         return max(0, counted.frames - max(left, checkpointed))
+
+    def is_superfluous_where_damaged(self) -> bool:
+        """Return whether each damaged frame's page is in the main file already, or in a later frame that is whole.
+
+        A checkpoint then loses nothing. The caller must have the writers' turn.
+        """
+        counted, done = self._counted(), self._number(_CHECKPOINTED_AT)
+        if counted is None:
+            return False
+        newest = {one.page: one for one in self._frames(counted)}
+        lost = [one for one in self._frames(counted) if not one.whole and one.number > done]
+        return all(newest[one.page].whole and one.page for one in lost)
+
+    def write_back(self, main_file: int, copy: Path) -> bool:
+        """Write all pages into the main file, where the log has every page; return whether it has. Then empty the log.
+
+        Otherwise the main file stays as it is, and `copy` keeps the log. The caller must have the writers' turn.
+        """
+        counted = self._counted()
+        frames = [] if counted is None else list(self._frames(counted))
+        newest = {one.page: one for one in frames}
+        pages = frames[-1].database_size if frames else 0
+        complete = pages > 0 and all(page in newest and newest[page].whole for page in range(1, pages + 1))
+        if complete and counted is not None:
+            for page in range(1, pages + 1):
+                found = os.pread(self._log, counted.page_size, counted.place(newest[page].number) + FRAME_HEADER)
+                os.pwrite(main_file, found, (page - 1) * counted.page_size)
+            os.ftruncate(main_file, pages * counted.page_size)
+            os.fsync(main_file)
+        else:
+            self._copy_to(copy)
+        os.ftruncate(self._log, 0)
+        self._forget_index()
+        return complete
+
+    def checkpoints(self) -> Checkpoints | None:
+        """Return how far the checkpoints are; None while the index is being written."""
+        counted = self._counted()
+        if counted is None:
+            return None
+        done = self._number(_CHECKPOINTED_AT)
+        return Checkpoints(counted.salt, done, under_way=done != self._number(_BEGUN_AT))
+
+    def _number(self, at: int) -> int:
+        return int(struct.unpack("=I", os.pread(self._index, 4, at))[0])
+
+    def _forget_index(self) -> None:
+        """Make SQLite read the log anew."""
+        os.pwrite(self._index, bytes(2 * _COPY), 0)
 
     def _copy_to(self, copy: Path) -> None:
         with open(os.open(copy, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, PRIVATE), "wb") as kept:
@@ -116,29 +188,41 @@ class WriteAheadLog:
         frames = {1, counted.frames}
         if self._seen.salt == counted.salt:
             frames.add(self._seen.frames)
-        if further and counted.frames:
-            begin, count = self._further, min(further, counted.frames)
-            frames.update(1 + (begin + number) % counted.frames for number in range(count))
-            self._further = (begin + count) % counted.frames
-        return all(self._header(counted, one) is not None for one in frames if 0 < one <= counted.frames)
+        there = all(self._is_there(counted, one) for one in frames if 0 < one <= counted.frames)
+        if not there or not further or not counted.frames:
+            return there
+        begin, count = self._further % counted.frames, min(further, counted.frames)
+        self._further = (begin + count) % counted.frames
+        behind = max(0, begin + count - counted.frames)  # of the frames at the log's beginning
+        ranges = (range(begin + 1, begin + count - behind + 1), range(1, behind + 1))
+        return all(one.whole for numbers in ranges for one in self._frames(counted, numbers))
 
-    def _header(self, counted: _Counted, frame: int) -> int | None:
-        """Return the size of the database after a frame, 0 within a transaction [pages]; None when the frame is not there."""
+    def _is_there(self, counted: _Counted, frame: int) -> bool:
         at = counted.place(frame)
-        if os.fstat(self._log).st_size < at + _FRAME_HEADER + counted.page_size:
-            return None
-        header = os.pread(self._log, _FRAME_HEADER, at)
-        if len(header) < _FRAME_HEADER or struct.unpack_from("=Q", header, 8)[0] != counted.salt:
-            return None
-        return int(struct.unpack_from(">I", header, 4)[0])
+        if os.fstat(self._log).st_size < at + counted.size:
+            return False
+        header = os.pread(self._log, FRAME_HEADER, at)
+        return len(header) == FRAME_HEADER and struct.unpack_from("=Q", header, 8)[0] == counted.salt
 
     def _committed(self, counted: _Counted) -> int:
-        """Return the last frame that ends a transaction, of those before the first one that is missing."""
-        return max((frame for frame, size in self._whole(counted) if size), default=0)
+        """Return the last frame that ends a transaction, of those before the first one that is missing or damaged."""
+        whole = itertools.takewhile(lambda one: one.whole, self._frames(counted))
+        return max((one.number for one in whole if one.database_size), default=0)
 
-    def _whole(self, counted: _Counted) -> Iterator[tuple[int, int]]:
-        for frame in range(1, counted.frames + 1):
-            size = self._header(counted, frame)
-            if size is None:
-                return
-            yield frame, size
+    def _frames(self, counted: _Counted, numbers: range | None = None) -> Iterator[_Frame]:
+        """Yield the frames of a range, by default all; those that are missing have no page and are not whole."""
+        numbers = range(1, counted.frames + 1) if numbers is None else numbers
+        log_header = self._read(0, _LOG_HEADER)
+        for first in numbers[::_FRAMES_AT_ONCE]:
+            count = min(_FRAMES_AT_ONCE, numbers.stop - first)
+            before = b"" if first == 1 else self._read(counted.place(first - 1), FRAME_HEADER)
+            read = self._read(counted.place(first), count * counted.size)
+            whole = log_checksums.hold(log_header, before, read, counted.page_size)
+            for number in range(count):
+                page, size, salt = struct.unpack_from(">II8s", read, number * counted.size)
+                own = int.from_bytes(salt, sys.byteorder) == counted.salt
+                yield _Frame(first + number, page if own else 0, size, bool(whole[number]) and own)
+
+    def _read(self, at: int, size: int) -> bytes:
+        """Read from the log; what is missing counts as zeros."""
+        return os.pread(self._log, size, at).ljust(size, b"\0")

@@ -42,10 +42,10 @@ class WriterTurn:
             waited = TimeoutError(f"database is locked: another thread has written for {BUSY_TIMEOUT_MS / 1000:.0f} s")
             raise OperationalError(None, None, waited)
 
-    def require_log(self) -> None:
-        """Raise OperationalError when the log was cut off; call it before a commit."""
+    def require_content(self) -> None:
+        """Raise OperationalError when a file was overwritten or cut off; call it before a commit."""
         if self._files is not None:
-            self._files.require_log()
+            self._files.require_content()
 
     def save(self, files: SqliteFiles) -> None:
         """Save data whose file has lost its name, or was cut off, when the turn comes soon."""
@@ -59,7 +59,7 @@ class WriterTurn:
     def _durably(self) -> Iterator[None]:
         """Save what was committed to a deleted log before the commit is reported. Raises OperationalError.
 
-        What was committed to a log that is cut off may be lost: it is not reported.
+        What was committed to a log that is cut off, or beside a foreign file, may be lost: it is not reported.
         """
         if self._files is None:
             yield
@@ -68,4 +68,4 @@ class WriterTurn:
         yield
         if not self._files.look() and not self._files.save():
             self._files.require()
-        self._files.require_log()
+        self._files.require_content()

@@ -1,6 +1,7 @@
-"""The log of an SQLite store is deleted or cut off under the service: it says so and takes nothing more.
+"""The log of an SQLite store is deleted, cut off or damaged under the service, or its main file written over: it says so.
 
-Of a deleted log nothing is lost; of one that was cut off, what stood behind the cut, and the store stays whole.
+Of a deleted log nothing is lost; of one that was cut off, what stood behind the cut, and the store stays whole. Where later
+pages of the log hold what a damaged one held, nothing is lost and it goes on; otherwise nothing more is taken.
 """
 
 import os
@@ -146,3 +147,79 @@ def test_whatever_is_deleted_and_done_meanwhile(
     ended: Callable[["subprocess.Popen[bytes]"], None],
 ) -> None:
     survives(tmp_path, ends, meanwhile, ended)
+
+
+def overwritten(service: Service, count: int, *, complete: bool) -> None:
+    """A backup is copied over the open store; until the service has said so, and takes nothing more."""
+    backup, store = service.folder / "backup", service.folder / "rundown.db"
+    assert rundown("backup", str(backup), "--database", service.database).returncode == 0
+    assert acknowledged(service, count, 2 * count) == 2 * count
+    subprocess.run(["cp", str(backup), str(store)], check=True)
+    until(lambda: service.client.get("/ready").status_code == 503, within_s=TOLD_S, what="it is said")
+    refused = send(service, 2 * count)
+    assert refused.status_code == 503
+    assert "another file was written over the database file" in refused.json()["detail"]
+    until(lambda: service.client.get("/alive").status_code == 503, within_s=3 * TOLD_S, what="only a new start helps")
+    told = service.client.get("/health").json()["parts"]["database"]
+    assert ("is written back" if complete else "`rundown restore`") in told
+
+
+@pytest.mark.parametrize("ended", [killed, stopped])
+def test_a_backup_copied_over_the_open_store_is_not_mixed_with_its_log(
+    tmp_path: Path, ended: Callable[["subprocess.Popen[bytes]"], None]
+) -> None:
+    """What came since the backup is gone with the file; its source sends again what the service says that it lacks."""
+    service = Service(tmp_path)
+    with service.running() as started:
+        assert service.client.post("/machines", json=document()).status_code == 201
+    with service.running() as started:  # the log has not all pages of the file any more
+        assert acknowledged(service, 0, BEFORE) == BEFORE
+        overwritten(service, BEFORE, complete=False)
+        ended(started)
+    with service.running():
+        (row,) = service.get("/sources")
+        assert (row["received"], row["lost"]) == (BEFORE * SIZE, 0)
+        assert acknowledged(service, BEFORE, 2 * BEFORE) == 2 * BEFORE
+    service.client.close()
+    numbers, samples = stored(tmp_path / "rundown.db")
+    assert numbers == list(range(2 * BEFORE * SIZE))
+    assert_same_samples(samples, expected(2 * BEFORE * SIZE))
+
+
+def test_where_the_log_has_all_a_copied_backup_costs_nothing(tmp_path: Path) -> None:
+    service = Service(tmp_path)
+    with service.running() as started:
+        assert service.client.post("/machines", json=document()).status_code == 201
+        assert acknowledged(service, 0, BEFORE) == BEFORE
+        overwritten(service, BEFORE, complete=True)
+        killed(started)
+    with service.running():
+        (row,) = service.get("/sources")
+        assert (row["received"], row["lost"]) == (2 * BEFORE * SIZE, 0)
+    service.client.close()
+    assert stored(tmp_path / "rundown.db")[0] == list(range(2 * BEFORE * SIZE))
+
+
+def test_a_page_of_the_log_that_is_damaged_stops_nobody(tmp_path: Path) -> None:
+    """Where a later one holds the same; behind a kill, SQLite would take nothing from the damaged one on."""
+    service, log = Service(tmp_path), tmp_path / "rundown.db-wal"
+    with service.running() as started:
+        assert service.client.post("/machines", json=document()).status_code == 201
+        assert acknowledged(service, 0, BEFORE) == BEFORE
+        frame = 24 + 4096
+        content = log.read_bytes()[32:]
+        pages = [content[at : at + 4] for at in range(0, len(content) - frame + 1, frame)]
+        number = next(number for number, page in enumerate(pages) if page in pages[number + 1 :])
+        with log.open("r+b") as opened:
+            opened.seek(32 + number * frame + 24)
+            opened.write(b"\xa5" * 4096)
+        until(lambda: log.stat().st_size < 32 + (number + 1) * frame, within_s=TOLD_S, what="the log is begun anew")
+        assert acknowledged(service, BEFORE, 2 * BEFORE) == 2 * BEFORE
+        until(lambda: service.client.get("/health").status_code == 200, within_s=30, what="all was looked through")
+        killed(started)
+    assert "pages of its log were overwritten" in service.log.read_text()
+    with service.running():
+        (row,) = service.get("/sources")
+        assert (row["received"], row["lost"]) == (2 * BEFORE * SIZE, 0)
+    service.client.close()
+    assert stored(tmp_path / "rundown.db")[0] == list(range(2 * BEFORE * SIZE))

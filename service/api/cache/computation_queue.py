@@ -1,11 +1,14 @@
-"""Runs computations one at a time: equal ones once, and only as long as somebody waits for the result."""
+"""Runs computations one at a time: equal ones once, and only as long as somebody waits for the result.
+
+Callers take turns: next comes a computation of the one who was served longest ago, of these the first that was asked for.
+"""
 
 import threading
-from collections import Counter
+from collections import Counter, OrderedDict
 from collections.abc import Callable, Hashable
 from concurrent.futures import CancelledError, Future, ThreadPoolExecutor, wait
-from contextvars import copy_context
-from dataclasses import dataclass
+from contextvars import Context, copy_context
+from dataclasses import dataclass, field
 from typing import NoReturn, TypeVar, cast
 
 from estimator.errors import Unavailable
@@ -32,15 +35,34 @@ class ComputationsBusy(Unavailable):
 
 @dataclass
 class _Computation:
-    """A computation that waits or runs. requests: number of those that wait for its result."""
+    """A computation that waits or runs.
 
-    future: Future[object]
+    caller: who asked first, and whose place it takes. requests: number of those that wait for its result, by caller.
+    """
+
+    compute: Callable[[], object]
     caller: Hashable
-    requests: int = 0
+    context: Context = field(default_factory=copy_context)
+    future: Future[object] = field(default_factory=Future)
+    requests: Counter[Hashable] = field(default_factory=Counter)
+
+    @property
+    def waits(self) -> bool:
+        """Return whether it neither runs nor is finished or given up."""
+        return not self.future.running() and not self.future.done()
+
+    def run(self) -> None:
+        """Compute the result for all who wait; the future must be marked as running."""
+        try:
+            found = self.context.run(self.compute)
+        except BaseException as error:  # noqa: BLE001 - it is whoever waits for the result who must see it
+            self.future.set_exception(error)
+        else:
+            self.future.set_result(found)
 
 
 class ComputationQueue:
-    """Computations in the order in which they were asked for; no caller can take all places."""
+    """Computations in turns between callers; no caller can take all places."""
 
     def __init__(self, name: str) -> None:
         """Set up an empty queue. name: that of its thread."""
@@ -49,6 +71,8 @@ class ComputationQueue:
         self._computations: dict[Hashable, _Computation] = {}
         self._requests: Counter[Hashable] = Counter()
         """Number of waiting requests by their callers."""
+        self._served: OrderedDict[Hashable, None] = OrderedDict()
+        """Callers that have had a turn, the one served longest ago first."""
         self._closed = False
 
     @property
@@ -95,11 +119,39 @@ class ComputationQueue:
             found = self._computations.get(key)
             if found is None:
                 self._require_place(caller)
-                found = self._computations[key] = _Computation(self._thread.submit(copy_context().run, compute), caller)
+                found = self._computations[key] = _Computation(compute, caller)
                 found.future.add_done_callback(lambda _: self._forget(key))
-            found.requests += 1
+                self._thread.submit(self._run_next)
+            found.requests[caller] += 1
             self._requests[caller] += 1
             return found
+
+    def _run_next(self) -> None:
+        with self._lock:
+            found = self._next()
+            if found is None:
+                return  # it was given up
+            found.future.set_running_or_notify_cancel()
+        found.run()
+
+    def _next(self) -> _Computation | None:
+        """Return the waiting computation whose turn it is, and give its caller the last place for the next turn."""
+        places = {caller: place for place, caller in enumerate(self._served)}
+        waiting = [
+            (places.get(caller, -1), caller, one)
+            for one in self._computations.values()
+            if one.waits
+            for caller, requests in one.requests.items()
+            if requests
+        ]
+        if not waiting:
+            return None
+        _, caller, found = min(waiting, key=lambda turn: turn[0])  # the first of equal ones
+        self._served[caller] = None
+        self._served.move_to_end(caller)
+        while len(self._served) > MAXIMUM_REQUESTS:  # more cannot wait
+            self._served.popitem(last=False)
+        return found
 
     def _require_place(self, caller: Hashable) -> None:
         own = sum(one.caller == caller for one in self._computations.values())
@@ -113,8 +165,8 @@ class ComputationQueue:
             self._requests[caller] -= 1
             if not self._requests[caller]:
                 del self._requests[caller]
-            computation.requests -= 1
-            if not computation.requests:
+            computation.requests[caller] -= 1
+            if not computation.requests.total():
                 computation.future.cancel()  # without effect once it runs
 
     def _forget(self, key: Hashable) -> None:

@@ -1,7 +1,7 @@
 """Answers every error with a problem detail (RFC 9457)."""
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from http import HTTPStatus
 from typing import Any
 
@@ -13,6 +13,7 @@ from starlette.exceptions import HTTPException as StarletteHTTPException
 
 from estimator.errors import DomainError, Missing
 from estimator.machine.document import problems_of
+from service.api.conventions.many_problems import MOST_PROBLEMS
 from service.api.conventions.patterns import WORDS
 from service.http.error_status import status_of
 from service.http.problem import FieldProblem, problem_response
@@ -36,10 +37,6 @@ LISTED: Mapping[str, str] = {
     "delivery": ": GET /api/v1/subscriptions/<id>/deliveries lists them",
 }
 """Hint on where existing objects are listed, by the subject of the missing one."""
-
-
-MOST_PROBLEMS = 200
-"""Most problems of a request that an answer lists."""
 
 
 def add_handlers(app: FastAPI) -> None:
@@ -67,11 +64,11 @@ async def _wrong_request(request: Request, error: RequestValidationError) -> JSO
         said = request.headers.get("content-type", "nothing")
         detail = f"the body says that it is {said}: send JSON, with Content-Type: application/json"
         return problem_response(HTTPStatus.UNSUPPORTED_MEDIA_TYPE, detail)
-    found = problems_of(_worded(error))
-    problems = _field_problems(found[:MOST_PROBLEMS])
-    if len(found) > MOST_PROBLEMS:
-        words = f"{len(found) - MOST_PROBLEMS} more problems are not listed"
-        problems.append(FieldProblem(field=found[MOST_PROBLEMS][0], message=words))
+    listed = error.errors()[:MOST_PROBLEMS]
+    problems = _field_problems(problems_of(_worded(listed)))
+    if len(error.errors()) > len(listed):
+        words = f"there are more than {MOST_PROBLEMS} problems: mend those that are listed first"
+        problems.append(FieldProblem(field="document", message=words))
     return problem_response(HTTPStatus.UNPROCESSABLE_ENTITY, "the request is wrong", errors=problems)
 
 
@@ -121,10 +118,10 @@ def _mislabelled(request: Request, error: RequestValidationError) -> bool:
     return not labelled and any(tuple(one["loc"]) == ("body",) and one["type"] != "missing" for one in error.errors())
 
 
-def _worded(error: RequestValidationError) -> list[dict[str, Any]]:
-    """Return the errors with plain field names and without pydantic's own wording."""
+def _worded(errors: Sequence[Any]) -> list[dict[str, Any]]:
+    """Return errors with plain field names and without pydantic's own wording."""
     found = []
-    for item in error.errors():
+    for item in errors:
         place, message = tuple(item["loc"]), item["msg"].removeprefix("Value error, ")
         if item["type"] == "json_invalid":
             place, message = place[:1], f"no JSON from character {place[-1]} on: {item['ctx']['error']}"

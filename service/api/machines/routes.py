@@ -10,6 +10,7 @@ from estimator.machine.document import DocumentError, Machine
 from estimator.machine.document_size import accepted
 from service.api.cache.response_cache import Cached
 from service.api.conventions.dependencies import MachineId, Reading, database, principal
+from service.api.conventions.many_problems import LISTING_FEW_PROBLEMS
 from service.api.conventions.paging import ById, ByName
 from service.api.conventions.preconditions import IfMatch, require, tagged
 from service.api.conventions.problems import RESPONSES
@@ -22,7 +23,7 @@ from storage.machines import machines
 
 router = APIRouter(prefix="/machines", tags=["machines"], responses=RESPONSES, dependencies=[VIEWER])
 
-Document = Annotated[Machine, Body(description="the whole machine document")]
+Document = Annotated[Machine, LISTING_FEW_PROBLEMS, Body(description="the whole machine document")]
 
 
 @router.get("", operation_id="list_machines", response_model=list[schemas.MachineSummary])

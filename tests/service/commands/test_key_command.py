@@ -34,6 +34,25 @@ def test_a_plant_is_named_as_machines_name_it(database: Database, plant: str) ->
         assert not keys.any_exist(session)
 
 
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("", "the name has 0 characters: it must have 1 to 120"),
+        ("n" * 121, "the name has 121 characters: it must have 1 to 120"),
+        ("an\x07na", "character 3 of the name is a control character (U+0007): leave it out"),
+        ("anna\n", "character 5 of the name is a control character (U+000A): leave it out"),
+        ("\x7fanna", "character 1 of the name is a control character (U+007F): leave it out"),
+        ("an\x9bna", "character 3 of the name is a control character (U+009B): leave it out"),
+        ("an\u2028na", "character 3 of the name is a line break (U+2028): leave it out"),
+        ("an\udcffna", "character 3 of the name is no text in UTF-8 (U+DCFF): leave it out"),
+    ],
+)
+def test_what_is_wrong_with_a_name_is_said(database: Database, name: str, reason: str) -> None:
+    assert refused("create", name, "--role", "viewer", "--database", database.url) == f"rundown: {reason}"
+    with database.reading() as session:
+        assert not keys.any_exist(session)
+
+
 @pytest.mark.parametrize("option", ["--days", "--overlap-days"])
 def test_a_rotation_s_days_have_bounds(database: Database, option: str) -> None:
     with database.transaction() as session:

@@ -17,15 +17,34 @@ FORMULAS = [
     "@SUM(1)",
     "+1+1",
     "-2+3+cmd|' /C calc'!D2",
-    "\t=1+1",
-    "\r=1+1",
+    "\tx",
+    "\rx",
+    "\nx",
     "-",
     "+",
     "-inf",
     "-1_0",
     "=\n",
+    "＝1+1",
+    "＋1+1",
+    "－1+1",
+    "＠SUM(1)",
+    "'=1",
+    "''＝1",
+    "'-1",
 ]
-PLAIN = ["-1", "+1.5", "-.5e-3", "1=1", "", "it moves", "'=1", " x", "{}", None, -1.5, True, 7]
+INSIDE = {
+    "moved;=cmd|'/C calc'!A0;": "moved;'=cmd|'/C calc'!A0;",
+    'moved;"=1+1;': "moved;'\"=1+1;",
+    "moved;-1": "moved;'-1",
+    "moved;'@SUM(1)": "moved;''@SUM(1)",
+    "moved\n=1+1": "moved\n'=1+1",
+    "moved\t＝1+1": "moved\t'＝1+1",
+    "=1;=1;=1": "'=1;'=1;'=1",
+    "\t=1+1": "'\t'=1+1",
+    "\r=1+1": "'\r'=1+1",
+}
+PLAIN = ["-1", "+1.5", "-.5e-3", "1=1", "", "it moves", " x", "{}", "a;b", "a; =b", "a;'\tb", "'x", None, -1.5, True, 7]
 
 
 @pytest.mark.parametrize("value", FORMULAS)
@@ -33,6 +52,23 @@ def test_a_formula_is_written_as_a_text(value: str) -> None:
     assert cell(value) == f"'{value}"
     ((header,), (row,)) = csv.reader(io.StringIO(csv_bytes({value: [value]}).decode(), newline=""))
     assert header == row == f"'{value}"
+
+
+@pytest.mark.parametrize("value", INSIDE)
+def test_no_cell_that_begins_at_another_separator_is_a_formula(value: str) -> None:
+    """Such as for a spreadsheet in a country whose decimals have a comma."""
+    assert cell(value) == INSIDE[value]
+    written = csv_bytes({"comment": [value], "other": ["x"]}).decode()
+    for separator in (";", "\t", ","):
+        for row in csv.reader(io.StringIO(written, newline=""), delimiter=separator):
+            assert not any(re.match("[=+@＝＋－＠-]", one) for one in row), (separator, row)
+
+
+@pytest.mark.parametrize("value", [*FORMULAS, *INSIDE, *(one for one in PLAIN if isinstance(one, str))])
+def test_a_program_takes_the_apostrophes_off(value: str) -> None:
+    """By the rule that docs/integrators.md tells."""
+    (rule,) = re.findall(r'`re\.sub\(r"""(.*)""", "", text\)`', (ROOT / "docs" / "integrators.md").read_text())
+    assert re.sub(rule, "", cell(value)) == value
 
 
 @pytest.mark.parametrize("value", PLAIN)

@@ -242,7 +242,7 @@ def test_a_log_that_was_left_behind_is_not_played_into_what_is_restored(
     path.with_name("target.db-journal").write_bytes(b"left")
     backup.restore(target, tmp_path / "backup")
     assert contents_of(target) == expected
-    assert sorted(one.name for one in tmp_path.glob("target.db*")) == ["target.db", "target.db.lock"]
+    assert [one.name for one in tmp_path.glob("target.db*")] == ["target.db"]
 
 
 @pytest.mark.parametrize("logged", [False, True])
@@ -307,6 +307,23 @@ def test_a_backup_that_is_not_what_it_says_leaves_what_was_there(told: Database,
     with pytest.raises(BackupUnusable, match="not restored whole: machines differ in their number of rows"):
         backup.restore(target, file, overwrite=True)
     assert contents_of(target) == before
+
+
+@pytest.mark.parametrize("there", [False, True])
+@pytest.mark.usefixtures("file_only")
+def test_a_refused_restore_leaves_nothing_behind(told: Database, target: str, tmp_path: Path, there: bool) -> None:
+    """Neither what it has begun nor the lock that it held."""
+    backup.back_up(told.url, tmp_path / "backup")
+    if there:
+        backup.restore(target, tmp_path / "backup")
+    with description_path(tmp_path / "backup").open("r+") as opened:
+        described = json.load(opened)
+        described["rows"]["machines"] += 1
+        opened.seek(0)
+        json.dump(described, opened)
+    with pytest.raises(BackupUnusable):
+        backup.restore(target, tmp_path / "backup")
+    assert [one.name for one in tmp_path.glob("target.db*")] == (["target.db"] if there else [])
 
 
 def test_a_backup_under_way_is_left_alone_by_a_second_one(

@@ -1,13 +1,15 @@
 """What holds of SQLite only: files that are none or gone, locks of other processes, and when a transaction is on the disk."""
 
+import fcntl
 import os
 import shutil
 import sqlite3
 import stat
 import threading
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
-from typing import Any
+from typing import Any, TextIO
 
 import pytest
 from sqlalchemy import URL, event, insert
@@ -202,6 +204,40 @@ def test_a_claim_that_cannot_be_laid_down_is_said(plant: Database, tmp_path: Pat
     (tmp_path / "rundown.db.lock").mkdir()
     with pytest.raises(DatabaseUnusable, match=r"cannot be claimed: .*rundown\.db\.lock"):
         plant.claim()
+
+
+def test_a_claim_takes_its_lock_file_away_and_no_other_one(plant: Database, tmp_path: Path) -> None:
+    lock = tmp_path / "rundown.db.lock"
+    with closing(Database(plant.url)) as other:
+        plant.claim()
+        with pytest.raises(DatabaseUnusable, match="in use by another service"):
+            other.claim()
+    assert lock.exists()
+    plant.close()
+    assert not lock.exists()
+    lock.touch()
+    with closing(Database(plant.url)) as later:
+        later.claim()
+    assert lock.exists()
+
+
+def test_a_lock_file_that_was_just_taken_away_locks_nobody_out(
+    plant: Database, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its holder ends between the moment in which it is opened and the one in which it is locked."""
+    lock, locking, calls = tmp_path / "rundown.db.lock", fcntl.flock, list[int]()
+
+    def lock_late(file: TextIO, how: int) -> None:
+        calls.append(how)
+        if len(calls) == 1:
+            lock.unlink()
+        locking(file, how)
+
+    monkeypatch.setattr(fcntl, "flock", lock_late)
+    plant.claim()
+    assert len(calls) == 2
+    with lock.open() as file, pytest.raises(BlockingIOError):
+        locking(file, fcntl.LOCK_SH | fcntl.LOCK_NB)
 
 
 def test_signs_that_mean_something_in_urls_mean_nothing_in_names_of_files(tmp_path: Path) -> None:

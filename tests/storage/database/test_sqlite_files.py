@@ -7,19 +7,20 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Iterator
-from contextlib import closing
+from contextlib import closing, suppress
 from pathlib import Path
 
 import pytest
 from sqlalchemy import text
 from sqlalchemy.exc import OperationalError
 
+from storage.backup import backup
 from storage.database.change_counts import WATCHED, Changes
 from storage.database.claim import DatabaseUnusable
 from storage.database.engine import Database
 from storage.database.plant_scope import PlantScope
 from storage.machines import machines
-from tests.plant import machine, sqlite_url
+from tests.plant import machine, sqlite_url, wait_until
 
 
 @pytest.fixture
@@ -152,6 +153,24 @@ def zeroed(file: Path) -> None:
     os.truncate(file, size)
 
 
+def overwritten(at: int, size: int) -> Callable[[Path], None]:
+    """Write into a file in place what was not there."""
+
+    def overwrite(file: Path) -> None:
+        with file.open("r+b") as opened:
+            opened.seek(at)
+            opened.write(b"\xa5" * size)
+
+    return overwrite
+
+
+def saved(database: Database) -> bool:
+    """Whether all that can be is, behind another look."""
+    with suppress(DatabaseUnusable):
+        database.check()
+    return database.needs_restart
+
+
 def names(folder: Path) -> list[str]:
     """The machines in a store that is whole, as the next start finds them."""
     again = Database(sqlite_url(folder / "rundown.db"))
@@ -187,17 +206,118 @@ def test_of_a_log_that_was_cut_off_the_rest_is_kept_and_the_file_stays_whole(
     assert 40 <= len(found) < 80
 
 
-def test_nothing_is_lost_of_a_log_whose_frames_the_main_file_holds(tmp_path: Path) -> None:
+@pytest.mark.parametrize("damaged", [cut_to(0), cut_to(0.3), zeroed, overwritten(4096, 4096), overwritten(70_000, 8)])
+def test_nothing_is_lost_of_a_log_whose_frames_the_main_file_holds(tmp_path: Path, damaged: Callable[[Path], None]) -> None:
+    """It goes on without a restart, and says that all of it is to be looked at."""
     database = Database(sqlite_url(tmp_path / "rundown.db"))
     for number in range(40):
         add(database, f"machine-{number:02}")
     with database.engine.connect() as connection:
         connection.exec_driver_sql("PRAGMA wal_checkpoint(PASSIVE)")
-    cut_to(0.3)(tmp_path / "rundown.db-wal")
-    with pytest.raises(DatabaseUnusable, match="included: 0 pages"):
+    damaged(tmp_path / "rundown.db-wal")
+    database.check()
+    assert "pages of its log were overwritten" in str(database.damage.trouble)
+    add(database, "machine-40")
+    database.check_integrity(within_s=60, stopped=lambda: False)
+    assert database.damage.trouble is None
+    database.close()
+    assert len(names(tmp_path)) == 41
+
+
+def test_a_page_of_the_log_of_which_there_is_a_newer_one_costs_nothing(tmp_path: Path) -> None:
+    """Noticed by its checksum, since its header is whole, before a crash loses all that stands behind it."""
+    database = Database(sqlite_url(tmp_path / "rundown.db"))
+    with database.engine.connect() as connection:
+        connection.exec_driver_sql("PRAGMA wal_checkpoint(TRUNCATE)")
+    for number in range(40):
+        add(database, f"machine-{number:02}")
+    overwritten(32 + 24 + 100, 1000)(tmp_path / "rundown.db-wal")  # the first change of the first page that was written
+    database.check()
+    assert "pages of its log were overwritten" in str(database.damage.trouble)
+    assert (tmp_path / "rundown.db-wal").stat().st_size == 0
+    add(database, "machine-40")
+    database.close()
+    assert len(names(tmp_path)) == 41
+
+
+@pytest.mark.parametrize("looked", [True, False])
+def test_a_page_of_the_log_that_is_the_newest_takes_the_store_back_to_before_it(tmp_path: Path, looked: bool) -> None:
+    database = Database(sqlite_url(tmp_path / "rundown.db"))
+    with database.engine.connect() as connection:
+        connection.exec_driver_sql("PRAGMA wal_checkpoint(TRUNCATE)")
+    for number in range(40):
+        add(database, f"machine-{number:02}")
+    log = tmp_path / "rundown.db-wal"
+    overwritten(log.stat().st_size - 1000, 1000)(log)
+    if looked:
+        with pytest.raises(DatabaseUnusable, match="was cut off or overwritten"):
+            database.check()
+    database.close()
+    found = names(tmp_path)
+    assert found == [f"machine-{number:02}" for number in range(39)]
+
+
+def written_over(file: Path, by: Path) -> None:
+    """As `cp` does: in place, and not at once."""
+    with file.open("wb") as target, by.open("rb") as source:
+        while piece := source.read(65_536):
+            target.write(piece)
+            target.flush()
+
+
+def copied(database: Database, folder: Path) -> Path:
+    """A copy of the main file, as of the last checkpoint."""
+    with database.engine.connect() as connection:
+        connection.exec_driver_sql("PRAGMA wal_checkpoint(TRUNCATE)")
+    subprocess.run(["cp", str(folder / "rundown.db"), str(folder / "copy")], check=True)
+    return folder / "copy"
+
+
+def backed_up(database: Database, folder: Path) -> Path:
+    backup.back_up(database.url, folder / "backup")
+    return folder / "backup"
+
+
+@pytest.mark.parametrize("looked", [True, False])
+@pytest.mark.parametrize("copy", [copied, backed_up])
+def test_a_file_that_was_written_over_the_main_one_is_left_as_it_is(
+    tmp_path: Path, copy: Callable[[Database, Path], Path], looked: bool
+) -> None:
+    """Nothing of the log gets into it, which would fit nothing there."""
+    database = Database(sqlite_url(tmp_path / "rundown.db"))
+    for number in range(20):
+        add(database, f"machine-{number:02}")
+    made = copy(database, tmp_path)
+    for number in range(20, 60):
+        add(database, f"machine-{number:02}")
+    with database.engine.connect() as connection:
+        connection.exec_driver_sql("PRAGMA wal_checkpoint(TRUNCATE)")
+    add(database, "machine-60")
+    written_over(tmp_path / "rundown.db", made)
+    if looked:
+        with pytest.raises(DatabaseUnusable, match=r"another file was written over the database file .*Do not kill"):
+            database.check()
+        wait_until(lambda: saved(database))
+        with pytest.raises(DatabaseUnusable, match=r"since that one was made is lost.* `rundown restore`"):
+            database.check()
+    with pytest.raises(OperationalError, match="was written over"):
+        add(database, "later")
+    database.close()
+    assert names(tmp_path) == [f"machine-{number:02}" for number in range(20)]
+    assert (tmp_path / "rundown.db-wal.cut").stat().st_size > 0
+
+
+def test_what_was_written_over_is_written_back_where_the_log_has_all(tmp_path: Path) -> None:
+    database = Database(sqlite_url(tmp_path / "rundown.db"))
+    add(database, "first")
+    made = backed_up(database, tmp_path)
+    add(database, "second")
+    written_over(tmp_path / "rundown.db", made)
+    wait_until(lambda: saved(database))
+    with pytest.raises(DatabaseUnusable, match="All that was acknowledged was in its log, and is written back"):
         database.check()
     database.close()
-    assert len(names(tmp_path)) == 40
+    assert names(tmp_path) == ["first", "second"]
 
 
 def frame_zeroed(file: Path, number: int) -> None:

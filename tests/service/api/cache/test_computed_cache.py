@@ -85,6 +85,57 @@ def test_no_caller_takes_all_places(ask: Asked) -> None:
     assert [one.result(10) for one in (*own, *others)] == [*range(15), *(-1 - number for number in range(16))]
 
 
+def asked_in_order(ask: Asked, names: list[str], *, caller: str) -> "list[Future[Hashable]]":
+    """Ask one after the other, each after the one before waits."""
+    found = []
+    for name in names:
+        before = ask.cache.waiting
+        found.append(ask(name, caller=caller))
+        wait_until(lambda before=before: ask.cache.waiting == before + 1)  # type: ignore[misc]
+    return found
+
+
+def test_callers_take_turns(ask: Asked) -> None:
+    """Who asks for much at once lets who asks for little wait for one computation only."""
+    waiting = asked_in_order(ask, ["a1", "a2", "a3", "a4"], caller="somebody")
+    waiting += asked_in_order(ask, ["b1", "b2"], caller="another")
+    waiting += asked_in_order(ask, ["c1"], caller="a third")
+    ask.finish.set()
+    assert [one.result(10) for one in waiting] == ["a1", "a2", "a3", "a4", "b1", "b2", "c1"]
+    assert ask.made == ["first", "b1", "c1", "a1", "b2", "a2", "a3", "a4"]
+
+
+def test_who_comes_back_is_behind_those_who_waited(ask: Asked) -> None:
+    """One who asks again as soon as an answer is there does not stand in front of one who asked for many at once."""
+    many = asked_in_order(ask, ["b1", "b2", "b3"], caller="another")
+    again = asked_in_order(ask, ["a1"], caller="somebody")
+    finished = threading.Event()
+
+    def held() -> str:
+        assert finished.wait(60)
+        return "held"
+
+    third = ask.threads.submit(ask.cache.in_turn, "third", held, long=True, caller="a third", wanted=lambda: True)
+    wait_until(lambda: ask.cache.waiting == 6)
+    ask.finish.set()
+    wait_until(lambda: ask.made == ["first", "b1"])  # then the third one, who is new
+    again += asked_in_order(ask, ["a2"], caller="somebody")
+    finished.set()
+    assert [one.result(10) for one in (*many, *again)] == ["b1", "b2", "b3", "a1", "a2"]
+    assert third.result(10) == "held"
+    assert ask.made == ["first", "b1", "a1", "b2", "a2", "b3"]
+
+
+def test_what_two_ask_for_comes_in_the_turn_of_either(ask: Asked) -> None:
+    waiting = asked_in_order(ask, ["a1", "a2", "shared"], caller="somebody")
+    asked = threading.Event()
+    waiting.append(ask("shared", caller="another", wanted=lambda: asked.set() is None))  # type: ignore[func-returns-value]
+    wait_until(asked.is_set)
+    ask.finish.set()
+    assert [one.result(10) for one in waiting] == ["a1", "a2", "shared", "shared"]
+    assert ask.made == ["first", "shared", "a1", "a2"]
+
+
 def test_only_so_many_requests_wait(ask: Asked, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(computation_queue, "MAXIMUM_REQUESTS", 1)
     assert "requests wait already" in ask.refusal("first", caller="another").detail
