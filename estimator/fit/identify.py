@@ -369,7 +369,7 @@ def _problem(train: CondensedTrain, measurement: Measurement, noise: Noise, *, r
 
 def _result(problem: FitProblem, best: BestFit, reasons: Reasons | None, limits: Limits | None) -> Identification:
     coordinates, found = problem.coordinates, best.fit
-    information = found.information + np.diag(coordinates.spread**-2)
+    information = found.information + coordinates.precision
     covariance = np.linalg.inv(information)
     covariance = (covariance + covariance.T) / 2
     size = np.sqrt(np.diag(information))

@@ -35,8 +35,7 @@ def effective_count(problem: FitProblem, found: FitResult) -> float:
     which = problem.coordinates.nuisance
     if not which.any():
         return 0.0
-    prior = np.diag(problem.coordinates.spread**-2)
-    kept = np.linalg.solve(found.information + prior, found.information)
+    kept = np.linalg.solve(found.information + problem.coordinates.precision, found.information)
     return float(np.trace(kept[np.ix_(which, which)]))
 
 
