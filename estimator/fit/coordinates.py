@@ -133,6 +133,7 @@ class Coordinates:
         quantities: Physical quantity of each of the K coefficients.
         guessed: True for direct terms whose expected value no document gave (K,).
         calibrated: Precision (n, n) of the prior [-] where a calibration gave it, in place of that of `spread`; else None.
+        calibrated_places: Indices of the coordinates that the calibration holds.
     """
 
     names: tuple[str, ...]
@@ -154,6 +155,7 @@ class Coordinates:
     quantities: tuple[Quantity, ...]
     guessed: NDArray[np.bool_]
     calibrated: Floats | None = None
+    calibrated_places: tuple[int, ...] = ()
 
     @classmethod
     def of(cls, train: CondensedTrain, *, unbalance_scale: float) -> "Coordinates":
@@ -175,6 +177,13 @@ class Coordinates:
         """Return which coordinates are told to nobody (n,)."""
         found = np.zeros(self.size, dtype=bool)
         found[: len(self.parameters)] = [one.nuisance for one in self.parameters]
+        return found
+
+    @cached_property
+    def counted_by_effect(self) -> NDArray[np.bool_]:
+        """Return which coordinates use up only as much freedom as the data say of them (n,): a prior says the rest."""
+        found = self.nuisance.copy()
+        found[list(self.calibrated_places)] = True
         return found
 
     @property
@@ -361,7 +370,7 @@ def _calibrated(coordinates: Coordinates, calibration: Calibration) -> Coordinat
     precision = np.diag(spread**-2)
     size = spread[places]
     precision[np.ix_(places, places)] = np.linalg.inv(covariance / np.outer(size, size)) / np.outer(size, size)
-    return replace(coordinates, centre=centre, spread=spread, calibrated=precision)
+    return replace(coordinates, centre=centre, spread=spread, calibrated=precision, calibrated_places=tuple(places.tolist()))
 
 
 class _CoordinateBuilder:
