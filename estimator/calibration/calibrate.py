@@ -24,7 +24,7 @@ from estimator.phasors.noise import error_size
 from estimator.rotor.condensation import condense
 from estimator.units import rad_per_s_to_rpm
 
-STATED_ECCENTRICITY = 2e-6
+STATED_ECCENTRICITY = 4e-6
 """Eccentricity by which discs differ from mounting to mounting, before the runs have shown it [m]."""
 STATED_RUN_OUT = 3e-7
 """Run-out by which a channel differs from mounting to mounting, before the runs have shown it [m]."""
@@ -77,9 +77,9 @@ class _Gathered:
 def calibrate(machine: Machine, runs: Sequence[CalibrationRun], *, seed: int = 0) -> Calibrated:
     """Calibrate a machine from runs with known unbalances.
 
-    A mixed model (Henderson 1975, doi:10.2307/2529430): coefficients, moduli, gains, run-outs and the machine's own unbalance are
-    common to all runs; unbalances and run-outs differ a little from mounting to mounting; noise is that of each channel, and of
-    each speed at which it dwelt.
+    A mixed model (Henderson 1975, doi:10.2307/2529430): coefficients, moduli, gains, run-outs and the machine's own unbalance
+    are common to all runs; unbalances and run-outs differ a little from mounting to mounting; noise is that of each channel,
+    and of each speed at which it dwelt.
 
     Args:
         machine: The machine, with what is known of it.
@@ -115,7 +115,7 @@ def calibrate(machine: Machine, runs: Sequence[CalibrationRun], *, seed: int = 0
         update={"verdict": "; ".join((verdict, *remarks))}
     )
     found = _with_calibration(machine, fitted, calibration)
-    return Calibrated(found, accepted, verdict, remarks, first.starts, first.unique, sizes, speeds)
+    return Calibrated(found, accepted, verdict, remarks, first.starts, bool(first.unique), sizes, speeds)
 
 
 def _gathered(machine: Machine, runs: Sequence[CalibrationRun]) -> _Gathered:
@@ -214,7 +214,9 @@ def _calibration(
     covariance = np.linalg.inv(information + coordinates.precision) * np.outer(coordinates.unit, coordinates.unit)
     covariance = (covariance + covariance.T) / 2.0
     unbalances = [f"{one.name}.{part}" for one in train.unknowns.unbalances for part in ("real", "imaginary")]
-    discs = [MountingSpread(name=one.name, rms=rms) for one, rms in zip(train.unknowns.unbalances, problem.spread, strict=False)]
+    discs = [
+        MountingSpread(name=one.name, rms=rms) for one, rms in zip(train.unknowns.unbalances, problem.spread, strict=False)
+    ]
     chains = [
         MountingSpread(name=f"probe.{channel}.run_out", rms=rms)
         for channel, rms in zip(train.channels, sizes.run_out, strict=True)

@@ -70,8 +70,8 @@ def check_runs(machine: Machine, runs: Sequence[CalibrationRun]) -> tuple[str, .
     differs = np.max(np.abs(added - added[:1]), axis=0) > SAME_WEIGHT * largest
     if not differs.any():
         raise CalibrationImpossible(
-            "all runs have the same trial weights: nothing tells them from the machine's own unbalance. A run without them, or "
-            "with others, is needed"
+            "all runs have the same trial weights: nothing tells them from the machine's own unbalance. A run without them, "
+            "or with others, is needed"
         )
     remarks = [
         f"no trial weight was ever put on disc {disc.id}: what it does rests on the model alone"
@@ -89,7 +89,9 @@ def _check_weights(machine: Machine, run: CalibrationRun) -> None:
             "`added_unbalance: {" + machine.discs[0].id + ": {amount: 48, unit: g mm, angle_deg: 90}}`"
         )
     if added.shape[1] != len(machine.discs):
-        raise CalibrationImpossible(f"{run.name} adds to {added.shape[1]} discs, machine '{machine.id}' has {len(machine.discs)}")
+        raise CalibrationImpossible(
+            f"{run.name} adds to {added.shape[1]} discs, machine '{machine.id}' has {len(machine.discs)}"
+        )
     for disc, size in zip(machine.discs, np.max(np.abs(added), axis=0, initial=0.0), strict=True):
         eccentricity = float(size) / disc.mass
         if not np.isfinite(eccentricity) or eccentricity > LARGEST_ECCENTRICITY:

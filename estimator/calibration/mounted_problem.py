@@ -72,7 +72,7 @@ class MountedProblem(FitProblem):
         weight = np.where(self.used, self.weight(self.first_amplitude, 0.0), 0.0)
         phasor, by_difference = self._effects(theta, self.scaled_train(theta))
         difference = self._differences(phasor, by_difference, weight)[1]
-        return phasor + np.einsum("sq,qsc->sc", difference[self.mounting], by_difference)
+        return np.asarray(phasor + np.einsum("sq,qsc->sc", difference[self.mounting], by_difference))
 
     def linearised(self, theta: Floats, weight: Floats) -> tuple[float, Floats, Floats]:
         """Linearise the problem at θ, without the differences between mountings.
@@ -176,9 +176,7 @@ class MountedProblem(FitProblem):
             own[first + 1, :, channel] = 1j * size[channel] * direction
         return phasor, own
 
-    def _differences(
-        self, phasor: Complexes, by_difference: Complexes, weight: Floats
-    ) -> tuple[Floats, Floats, float]:
+    def _differences(self, phasor: Complexes, by_difference: Complexes, weight: Floats) -> tuple[Floats, Floats, float]:
         """Return inverse curvature (M, q, q), most likely differences (M, q), and by how much these lower χ²."""
         residual = (self.measurement.phasor - phasor) * weight
         slope = by_difference * weight
@@ -189,8 +187,8 @@ class MountedProblem(FitProblem):
             rows = _real_parts(slope[:, first:last])
             curvature[one] = rows @ rows.T + np.eye(size)
             gradient[one] = rows @ _real_parts(residual[first:last])
-        inverse = np.linalg.inv(curvature)
-        difference = np.einsum("mqp,mp->mq", inverse, gradient)
+        inverse: Floats = np.asarray(np.linalg.inv(curvature), dtype=float)
+        difference: Floats = np.asarray(np.einsum("mqp,mp->mq", inverse, gradient))
         return inverse, difference, float(np.sum(difference * gradient))
 
 

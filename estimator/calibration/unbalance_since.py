@@ -1,8 +1,8 @@
 """Unbalance that a machine has gained since its calibration, with the calibration's own uncertainty in its interval.
 
-A later fit finds the whole unbalance T. What it was in the calibration, U, is known together with gains and run-outs: the later
-fit's values of these move it by the regression K of U on them, and T - U has the covariance of both, with that of a new mounting
-(conditional Gaussian: Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, app. A.2).
+A later fit finds the whole unbalance T. What it was in the calibration, U, is known together with gains and run-outs: the
+later fit's values of these move it by the regression K of U on them, and T - U has the covariance of both, with that of a new
+mounting (conditional Gaussian: Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, app. A.2).
 """
 
 import math
@@ -92,4 +92,3 @@ def _regression(known: Floats, moved: Floats, before: list[int], there: list[int
     size = np.sqrt(np.diag(whole))
     scaled = known[np.ix_(before, there)] / size
     return np.asarray(np.linalg.solve(whole / np.outer(size, size), scaled.T).T / size)
-

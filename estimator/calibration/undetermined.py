@@ -18,9 +18,11 @@ SAME_SPEED = 0.01
 """Relative difference up to which neighbouring speeds count as one [-]."""
 HELD_SPREAD = 0.2
 """Standard deviation by which held terms may still differ from the document, relative [-]."""
+HELD_CROSS_SPREAD = 0.05
+"""The same of held cross-coupled terms, as a part of the direct terms beside them [-]: more would let modes grow."""
 GAIN_SPREAD = 3.0
 """Spread of a gain before it is calibrated [-]: the chain may be any."""
-RUN_OUT_PART = 1.0
+RUN_OUT_PART = 0.3
 """Spread of a run-out before it is calibrated, as a part of the channel's median amplitude [-]."""
 MODULUS_SPREAD = 0.2
 """Least relative spread of Young's modulus in a calibration [-]: it stands for joints and stations that are not exact."""
@@ -69,7 +71,8 @@ def freed(machine: Machine, measurement: Measurement) -> tuple[Machine, tuple[st
     held = [one.name for one in free if one.name in given and one.name not in ruled]
     if not held:
         return machine, ()
-    rules = tuple(ParameterRule(names=name, spread=HELD_SPREAD) for name in held)
+    direct = {one.name for one in train.unknowns.coefficients if one.direct}
+    rules = tuple(ParameterRule(names=name, spread=HELD_SPREAD if name in direct else HELD_CROSS_SPREAD) for name in held)
     kinds = sorted({describe(name).element_kind for name in held})
     words = (
         f"{_count(speeds, 'speed')} cannot determine {_count(len(held), ' and '.join(kinds) + ' term')}: held at the "
@@ -92,7 +95,9 @@ def _with_free_chains(machine: Machine, measurement: Measurement) -> Machine:
     )
     used = {section.material for shaft in machine.shafts for section in shaft.sections}
     materials = {
-        name: one.model_copy(update={"young_modulus_spread": max(one.young_modulus_spread, MODULUS_SPREAD)}) if name in used else one
+        name: one.model_copy(update={"young_modulus_spread": max(one.young_modulus_spread, MODULUS_SPREAD)})
+        if name in used
+        else one
         for name, one in machine.materials.items()
     }
     return machine.model_copy(update={"probes": probes, "materials": materials, "calibration": None})

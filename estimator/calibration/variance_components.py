@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from estimator.arrays import Floats
 from estimator.calibration.mounted_problem import MountedLinearisation, MountedProblem
 
-STATED_WEIGHT = 0.1
+STATED_WEIGHT = 0.2
 """Number of observations that a stated size counts for [-]."""
-SHARED_WEIGHT = 0.2
+SHARED_WEIGHT = 0.5
 """Number of observations that the size common to all channels counts for [-]."""
 SETTLED = 0.03
 """Relative change of all sizes up to which they count as unchanged [-]."""
@@ -95,11 +95,13 @@ class ScatterModel:
         found = problem.linearisation(theta, weight)
         curvature = found.rows @ found.rows.T + problem.coordinates.precision
         curvature -= np.einsum("mnq,mqp,mkp->nk", found.mixed, found.inverse, found.mixed, optimize=True)
-        covariance = np.linalg.inv(curvature)
+        covariance: Floats = np.asarray(np.linalg.inv(curvature), dtype=float)
         noise = self._noise(problem, found, covariance, sizes)
         # Squares of the differences in units of their size, and how much of each the data determine.
         across = np.einsum("mqp,mnp->mqn", found.inverse, found.mixed)
-        open_part = np.einsum("mqq->mq", found.inverse) + np.einsum("mqn,nk,mqk->mq", across, covariance, across, optimize=True)
+        open_part = np.einsum("mqq->mq", found.inverse) + np.einsum(
+            "mqn,nk,mqk->mq", across, covariance, across, optimize=True
+        )
         squares = np.sum(found.difference**2, axis=0).reshape(-1, 2).sum(axis=1) / 2.0
         known = np.sum(np.maximum(0.0, 1.0 - open_part), axis=0).reshape(-1, 2).sum(axis=1) / 2.0
         planes, stated = problem.planes, self.stated
@@ -110,9 +112,7 @@ class ScatterModel:
         run_out = np.sqrt((squares + SHARED_WEIGHT * shared) / (known + SHARED_WEIGHT))
         return ScatterSizes(noise, eccentricity, run_out)
 
-    def _noise(
-        self, problem: MountedProblem, found: MountedLinearisation, covariance: Floats, sizes: ScatterSizes
-    ) -> Floats:
+    def _noise(self, problem: MountedProblem, found: MountedLinearisation, covariance: Floats, sizes: ScatterSizes) -> Floats:
         """Return the noise of each group (G,) from its residuals and the part of them that the fit has used up."""
         used = np.repeat(problem.used.reshape(-1), 2)
         group = np.repeat(self.group.reshape(-1), 2)

@@ -28,7 +28,10 @@ def with_calibrated_scatter(machine: Machine, measurement: Measurement) -> Measu
         return measurement
     modelled = error_size(machine.noise, np.abs(measurement.phasor), np.full(measurement.phasor.shape, np.nan))
     found = np.stack(
-        [_scatter(machine, channel, measurement.speed, modelled[:, column]) for column, channel in enumerate(machine.channels)],
+        [
+            _scatter(machine, channel, measurement.speed, modelled[:, column])
+            for column, channel in enumerate(machine.channels)
+        ],
         axis=1,
     )
     return replace(measurement, scatter=np.where(measurement.scatter > 0.0, measurement.scatter, found))

@@ -7,8 +7,8 @@ import numpy as np
 
 from estimator.arrays import Complexes, Floats
 from estimator.bearings.journal import JournalForm
-from estimator.fit.channel_sensitivity import ChannelEffects, channel_effects
 from estimator.fit.calibrated_scatter import with_calibrated_scatter
+from estimator.fit.channel_sensitivity import ChannelEffects, channel_effects
 from estimator.fit.coordinates import Coordinates
 from estimator.fit.estimates import Estimate, determined, estimates
 from estimator.fit.fit_problem import FitProblem, FitResult

@@ -46,9 +46,11 @@ def identify_offline(
 
     Ends with status 1 when the fit is not accepted.
     """
+    from estimator.calibration.unbalance_since import unbalance_since
     from estimator.updated_model.derived_quantities import alignment_quantities
     from estimator.updated_model.model import updated_model
     from service.commands.alignment_report import alignment_text
+    from service.commands.calibration_report import since_text
     from service.commands.identification_report import advice_text, identification_text, quality_text
 
     if method == "regression" and advice:
@@ -66,6 +68,9 @@ def identify_offline(
         fail("\n".join([found.error or "", text]).strip())
     result = found.identification
     say_lines(identification_text(result))
+    since = unbalance_since(described, result)
+    if since is not None:
+        say_lines(since_text(since))
     alignment = alignment_text(alignment_quantities(updated_model(described, result))) if result.accepted else ""
     if alignment:
         say_lines(alignment)

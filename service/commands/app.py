@@ -15,6 +15,7 @@ import typer
 
 from estimator.simulation.stories import Story
 from service.commands.analysis import compare, identify_offline, model, show_slow_roll
+from service.commands.calibration import calibrate
 from service.commands.exit import fail
 from service.commands.keys import audit_app, key_app
 from service.commands.retention import retention_app
@@ -310,6 +311,7 @@ def sample(
 app.command("identify")(identify_offline)
 app.command()(model)
 app.command()(compare)
+app.command()(calibrate)
 app.command("slow-roll")(show_slow_roll)
 
 

@@ -219,12 +219,16 @@ class RecordedCircumstances:
         stated: Whether the sidecar says which trial weights were on.
         added: Unbalance that they added by disc, a value per row [kg m].
         mounting: Name of the mounting of each row.
+        scale: The scale of angles on the discs.
+        direction: +1 where +x turned to +y, else -1.
     """
 
     kind: Literal["sweep", "dwells"]
     stated: bool
     added: dict[str, list[complex]]
     mounting: list[str]
+    scale: DiscScale
+    direction: int
 
 
 def read_circumstances(path: Path, sidecar_path: Path | None = None) -> RecordedCircumstances:
@@ -244,4 +248,6 @@ def read_circumstances(path: Path, sidecar_path: Path | None = None) -> Recorded
         stated=sidecar.added_unbalance is not None,
         added={disc: unbalances(weight) for disc, weight in sidecar.trial_weights.items()},
         mounting=[path.stem] * len(table.rows) if sidecar.mounting is None else table.words(sidecar.mounting),
+        scale=sidecar.disc_scale,
+        direction=direction,
     )

@@ -31,6 +31,11 @@ class DiscScale(BaseModel):
         sense = {"x-to-y": 1, "with-rotation": direction, "against-rotation": -direction}[self.counted]
         return math.radians(self.zero_deg + sense * degrees)
 
+    def reading(self, angle: float, *, direction: int) -> float:
+        """Return the number on the scale [°], 0 to 360, of an angle from +x towards +y [rad]; direction: as in `angle`."""
+        sense = {"x-to-y": 1, "with-rotation": direction, "against-rotation": -direction}[self.counted]
+        return (sense * (math.degrees(angle) - self.zero_deg)) % 360.0
+
 
 class TrialWeight(BaseModel):
     """A known unbalance that was on a disc: numbers, or names of the columns that hold them."""
