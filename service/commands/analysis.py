@@ -52,6 +52,7 @@ def identify_offline(
     from service.commands.alignment_report import alignment_text
     from service.commands.calibration_report import since_text
     from service.commands.identification_report import advice_text, identification_text, quality_text
+    from service.sources.recording import read_circumstances
 
     if method == "regression" and advice:
         fail("--advice goes with the likelihood: the regression has no information to read it from")
@@ -70,7 +71,8 @@ def identify_offline(
     say_lines(identification_text(result))
     since = unbalance_since(described, result)
     if since is not None:
-        say_lines(since_text(since))
+        told = read_circumstances(files[0], sidecar)
+        say_lines(since_text(since, told.scale, direction=told.direction))
     alignment = alignment_text(alignment_quantities(updated_model(described, result))) if result.accepted else ""
     if alignment:
         say_lines(alignment)
