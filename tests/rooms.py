@@ -19,6 +19,7 @@ estimator/statics: estimator estimator/bearings estimator/films estimator/machin
 estimator/fit: estimator estimator/bearings estimator/machine estimator/modes estimator/phasors estimator/rotor
     estimator/statics
 estimator/runs: estimator estimator/machine estimator/phasors
+estimator/calibration: estimator estimator/fit estimator/machine estimator/phasors estimator/rotor
 estimator/thesis: estimator estimator/bearings estimator/machine estimator/modes estimator/phasors estimator/rotor
 estimator/diagnosis: estimator estimator/fit estimator/machine estimator/rotor estimator/trends
 estimator/simulation: estimator estimator/bearings estimator/machine estimator/phasors estimator/rotor estimator/runs

@@ -25,7 +25,13 @@ class ChannelCoordinates:
     @property
     def count(self) -> int:
         """Return the number of coordinates that belong to channels, which a prior keeps small."""
-        return 2 * int(np.count_nonzero(self.gain >= 0) + np.count_nonzero(self.run_out >= 0))
+        return self.places.size
+
+    @property
+    def places(self) -> NDArray[np.intp]:
+        """Return the coordinates (c,) that belong to channels."""
+        first = np.concatenate([self.gain[self.gain >= 0], self.run_out[self.run_out >= 0]])
+        return np.concatenate([first, first + 1])
 
     def gains(self, theta: Floats) -> Complexes:
         """Compute the gain of each channel: measured over true.

@@ -81,7 +81,7 @@ def judge(problem: FitProblem, found: FitResult) -> Verdict:
     """
     usable = int(np.count_nonzero(problem.measurement.usable))
     left_out = int(np.count_nonzero(found.outlier))
-    told = problem.coordinates.size - int(np.count_nonzero(problem.coordinates.nuisance))
+    told = problem.coordinates.size - int(np.count_nonzero(problem.coordinates.counted_by_effect))
     freedom = max(1, 2 * (usable - left_out) - told - round(effective_count(problem, found)))
     reduced, spread = found.chi_square / freedom, math.sqrt(2.0 / freedom)
     chi = f"χ²/dof {reduced:.3g}, expected 1 ± {spread:.2g}"

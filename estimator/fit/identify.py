@@ -7,6 +7,7 @@ import numpy as np
 
 from estimator.arrays import Complexes, Floats
 from estimator.bearings.journal import JournalForm
+from estimator.fit.calibrated_scatter import with_calibrated_scatter
 from estimator.fit.channel_sensitivity import ChannelEffects, channel_effects
 from estimator.fit.coordinates import Coordinates
 from estimator.fit.estimates import Estimate, determined, estimates
@@ -38,7 +39,7 @@ SCALE_PASSES = 10
 LARGEST_CONDITION = 1e5
 """Condition number above which intervals are checked against the likelihood's profile [-]; full run-downs have some
 thousands."""
-SAME_SPEED = 1e-6
+SAME_SPEED = 1e-3
 """Relative difference of speeds that count as one [-]: samples there repeat each other."""
 THINNING_BINS = 200
 """Number of pieces of the speed range in which samples are thinned out."""
@@ -156,7 +157,7 @@ def identify(
         ValueError: The channels are not the machine's.
     """
     measurement = _on_films(machine, _without_empty_samples(measurement))
-    measurement = _thinned(measurement, most=most_samples(machine))
+    measurement = with_calibrated_scatter(machine, _thinned(measurement, most=most_samples(machine)))
     _require_enough(machine, measurement)
     train = condense(machine, speed=measurement.speed, direction=measurement.direction)
     found = identify_train(
@@ -245,8 +246,10 @@ def identify_train(
     """
     options = options or Options()
     coordinates = Coordinates.of(train, unbalance_scale=1.0)
-    held = int(np.count_nonzero(coordinates.scale_place >= 0)) + int(np.count_nonzero(coordinates.nuisance))
-    free = coordinates.size - held - coordinates.channels.count
+    by_prior = coordinates.counted_by_effect.copy()
+    by_prior[coordinates.scale_place] = True
+    by_prior[coordinates.channels.places] = True
+    free = coordinates.size - int(np.count_nonzero(by_prior))
     count = _independent_numbers(measurement)
     if count <= free:
         raise NotEnoughData(
@@ -369,7 +372,7 @@ def _problem(train: CondensedTrain, measurement: Measurement, noise: Noise, *, r
 
 def _result(problem: FitProblem, best: BestFit, reasons: Reasons | None, limits: Limits | None) -> Identification:
     coordinates, found = problem.coordinates, best.fit
-    information = found.information + np.diag(coordinates.spread**-2)
+    information = found.information + coordinates.precision
     covariance = np.linalg.inv(information)
     covariance = (covariance + covariance.T) / 2
     size = np.sqrt(np.diag(information))

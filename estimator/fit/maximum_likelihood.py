@@ -117,21 +117,16 @@ def descend(problem: FitProblem, theta: Floats, weight: Floats, limit: int) -> t
     Returns:
         θ (n,) [-], whether it converged, and the number of steps tried.
     """
-    precision = problem.coordinates.spread**-2
-    centre = problem.coordinates.centre
-
-    def penalised(chi_square: float, at: Floats) -> float:
-        return chi_square + float(np.sum(precision * (at - centre) ** 2))
-
+    prior = problem.coordinates
     damping, growth = 1e-3, 2.0
     data, gradient, curvature = problem.linearised(theta, weight)
-    cost = penalised(data, theta)
+    cost = data + prior.prior_cost(theta)
     if not np.isfinite(cost):
         return theta, False, 0  # a start in which a film is too thin has no slope to follow
     costs = [cost]
     for step_number in range(limit):
-        slope = gradient - precision * (theta - centre)
-        hessian = curvature + np.diag(precision)
+        slope = gradient - prior.pull(theta)
+        hessian = curvature + prior.precision
         newton = np.linalg.solve(hessian, slope)
         if float(slope @ newton) < CONVERGED_DECREASE or _has_stalled(costs, float(slope @ newton)):
             return theta, True, step_number
@@ -142,7 +137,7 @@ def descend(problem: FitProblem, theta: Floats, weight: Floats, limit: int) -> t
         # Nearly all trials are taken, so their derivatives are computed at once.
         try:
             trial_data, trial_gradient, trial_curvature = problem.linearised(trial, weight)
-            trial_cost = penalised(trial_data, trial)
+            trial_cost = trial_data + prior.prior_cost(trial)
         except SingularCondensation:
             trial_cost = math.inf  # E or density went where a speed cannot be condensed at: a shorter step
         gain = (cost - trial_cost) / promised

@@ -19,6 +19,8 @@ AGREEING_STARTS = 3
 """Number of starts that must end in the same misfit for it to be believed."""
 SAME_MISFIT = 1.01
 """Factor up to which two misfits are the same [-]."""
+SAME_OPTIMUM = 1.0
+"""Difference of χ² up to which two starts have ended in the same optimum [-]: a part of one standard error."""
 CANDIDATES = 12
 """Number of random candidates from which each start after the first is the best."""
 HOPELESS_MISFIT = 3.0
@@ -44,11 +46,20 @@ class BestFit:
         fit: The best fit.
         starts: Number of starts tried.
         iterations: Number of steps spent in all of them.
+        unique: Whether the best optimum was found twice; None where that was not asked for.
     """
 
     fit: FitResult
     starts: int
     iterations: int
+    unique: bool | None = None
+
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Return the remark that the best optimum may not be the best there is, where it was found once only."""
+        if self.unique is not False:
+            return ()
+        return (f"the best of {self.starts} starts was reached once only: whether there is a better one is open",)
 
 
 def best_fit(
@@ -58,8 +69,11 @@ def best_fit(
     seed: int,
     good: Callable[[FitResult], bool],
     beginning: Floats | None = None,
+    twice: bool = False,
 ) -> BestFit:
     """Fit from start after start until one is good, or several agree that it gets no better, or `starts` are spent.
+
+    The first good one need not be the best: with `twice` it goes on until the best has been reached by two starts.
 
     Args:
         problem: Data, train and coordinates.
@@ -67,6 +81,7 @@ def best_fit(
         seed: Seed of the random starts.
         good: Function that accepts a fit.
         beginning: Fit coordinates θ (n,) of the first start, in place of the nominal values [-].
+        twice: Whether to go on until the best misfit has been reached twice.
 
     Returns:
         The best fit.
@@ -86,19 +101,27 @@ def best_fit(
             start = _start(problem, rng, first=start_number == 1)
             found = fit(problem, start, give_up_from=give_up_from)
         iterations += found.iterations
-        if np.isfinite(found.misfit) and good(found):
+        if np.isfinite(found.misfit) and good(found) and not twice:
             best = found
             break
         if np.isfinite(found.misfit) and (best is None or found.misfit < best.misfit):
             best = found
         reached.append(found.misfit)
+        if twice and best is not None and good(best) and _times(reached, best.misfit, SAME_OPTIMUM) >= 2:
+            return BestFit(best, start_number, iterations, unique=True)
         if np.isfinite(found.misfit) and found.coarse_misfit >= HOPELESS_MISFIT and not problem.noise.estimated:
             give_up_from = HOPELESS_MISFIT
-        if best is not None and sum(value < SAME_MISFIT * best.misfit for value in reached) >= AGREEING_STARTS:
+        if best is not None and _times(reached, best.misfit, (SAME_MISFIT - 1.0) * best.misfit) >= AGREEING_STARTS:
             break  # the same misfit from everywhere is the data's or the model's, not the start's
     if best is None:
         raise FitFailed(f"none of {start_number} starts led to a finite misfit: are the document's values sensible?")
-    return BestFit(best, start_number, iterations)
+    unique = _times(reached, best.misfit, SAME_OPTIMUM) >= 2 if twice else None
+    return BestFit(best, start_number, iterations, unique)
+
+
+def _times(reached: list[float], best: float, tolerance: float) -> int:
+    """Return how often a misfit within a tolerance of the best was reached."""
+    return sum(value - best < tolerance for value in reached)
 
 
 def _start(problem: FitProblem, rng: np.random.Generator, *, first: bool) -> Floats:

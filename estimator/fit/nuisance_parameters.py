@@ -21,7 +21,7 @@ SMALLEST_CHANCE = 1e-4
 
 
 def effective_count(problem: FitProblem, found: FitResult) -> float:
-    """Compute the number of degrees of freedom that the nuisance parameters use up: fewer than there are, as priors hold them.
+    """Compute the number of degrees of freedom that nuisance and calibrated parameters use up: priors hold them.
 
     The trace of the part of the information that comes from the data (Rasmussen and Williams 2006, sec. 2.6).
 
@@ -32,11 +32,10 @@ def effective_count(problem: FitProblem, found: FitResult) -> float:
     Returns:
         The number [-]; 0 where there are none.
     """
-    which = problem.coordinates.nuisance
+    which = problem.coordinates.counted_by_effect
     if not which.any():
         return 0.0
-    prior = np.diag(problem.coordinates.spread**-2)
-    kept = np.linalg.solve(found.information + prior, found.information)
+    kept = np.linalg.solve(found.information + problem.coordinates.precision, found.information)
     return float(np.trace(kept[np.ix_(which, which)]))
 
 

@@ -301,7 +301,7 @@ class _Search:
         """Return θ (n,) with what the data leave open drawn to the document's values until no mode grows."""
         coordinates = self.problem.coordinates
         for factor in PRIOR_FACTORS:
-            held = replace(self.problem, coordinates=replace(coordinates, spread=coordinates.spread / factor))
+            held = replace(self.problem, coordinates=coordinates.drawn(factor))
             theta, _, _ = descend(held, theta, self.weight, DRAWN_STEP_COUNT)
             if self.limits.growing_mode(theta) is None:
                 break
@@ -309,9 +309,7 @@ class _Search:
 
     def _cost(self, theta: Floats) -> float:
         """Return χ² with its prior."""
-        coordinates = self.problem.coordinates
-        away = (theta - coordinates.centre) / coordinates.spread
-        return self.problem.chi_square(theta, self.weight) + float(away @ away)
+        return self.problem.chi_square(theta, self.weight) + self.problem.coordinates.prior_cost(theta)
 
 
 def _merit(cost: float, modes: tuple[LeastDampedMode, ...]) -> float:
@@ -320,10 +318,9 @@ def _merit(cost: float, modes: tuple[LeastDampedMode, ...]) -> float:
 
 def _linearised(problem: FitProblem, theta: Floats, weight: Floats) -> tuple[float, Floats, Floats]:
     """Return χ² with its prior, -½ of its gradient (n,) and its Gauss-Newton curvature (n, n)."""
-    coordinates = problem.coordinates
-    precision, away = coordinates.spread**-2, theta - coordinates.centre
+    prior = problem.coordinates
     data, gradient, curvature = problem.linearised(theta, weight)
-    return data + float(precision @ away**2), gradient - precision * away, curvature + np.diag(precision)
+    return data + prior.prior_cost(theta), gradient - prior.pull(theta), curvature + prior.precision
 
 
 def _constrained_step(

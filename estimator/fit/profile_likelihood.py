@@ -61,13 +61,10 @@ class _Profile:
     def __init__(self, problem: FitProblem, weight: Floats) -> None:
         self.problem = problem
         self.weight = weight
-        self.centre = problem.coordinates.centre
-        self.precision = problem.coordinates.spread**-2
 
     def cost(self, theta: Floats) -> float:
         """Compute χ² with its prior."""
-        prior = float(np.sum(self.precision * (theta - self.centre) ** 2))
-        return self.problem.chi_square(theta, self.weight) + prior
+        return self.problem.chi_square(theta, self.weight) + self.problem.coordinates.prior_cost(theta)
 
     def falls_below(self, wanted: float, theta: Floats, place: int) -> bool:
         """Check whether the cost falls below `wanted` when every coordinate but one is fitted anew from θ."""
@@ -89,9 +86,10 @@ class _Profile:
         """Return the Gauss-Newton step of the other coordinates, and the decrease of the cost that it promises."""
         _, gradient, curvature = self.problem.linearised(theta, self.weight)
         others = np.arange(theta.size) != place
-        slope = (gradient - self.precision * (theta - self.centre))[others]
+        prior = self.problem.coordinates
+        slope = (gradient - prior.pull(theta))[others]
         step = np.zeros(theta.size)
-        step[others] = np.linalg.solve((curvature + np.diag(self.precision))[np.ix_(others, others)], slope)
+        step[others] = np.linalg.solve((curvature + prior.precision)[np.ix_(others, others)], slope)
         return step, float(slope @ step[others])
 
     def _lower(self, theta: Floats, cost: float, step: Floats) -> Floats:

@@ -118,7 +118,11 @@ def identify_gated(
             found = identify(machine, base, options, beginning=beginning)
     except NotEnoughData as reason:
         error = str(reason)
-    qualities = tuple(replace(one, findings=(*one.findings, *too_few(one))) for one in qualities)
+    # Of dwells at constant speeds, which have no times, few are enough.
+    qualities = tuple(
+        one if run.time is None else replace(one, findings=(*one.findings, *too_few(one)))
+        for one, run in zip(qualities, runs, strict=True)
+    )
     left_out = "; ".join(one.words for one in qualities if one.words) if gate else ""
     if left_out:
         error = f"{error}; {left_out}" if error else None

@@ -10,6 +10,7 @@ from pydantic import Field, ValidationError, model_validator
 from estimator.bearings.registry import place_of
 from estimator.errors import Invalid
 from estimator.field_types import Identifier, Length, Part, Text
+from estimator.machine.calibration import Calibration
 from estimator.machine.consistency import reference_problems
 from estimator.machine.films import StaticLoad
 from estimator.machine.parts import Bearing, Coupling, Disc, Material, Pedestal, Probe, RayleighDamping, Seal, Shaft
@@ -50,6 +51,7 @@ class Machine(Part):
     quality: QualityRules = QualityRules()
     damping: RayleighDamping = Field(default=RayleighDamping(), description="external damping of the shafts")
     parameters: Annotated[tuple[ParameterRule, ...], Field(max_length=200)] = ()
+    calibration: Calibration | None = Field(default=None, description="what runs with known unbalances have shown")
     impact_test: ImpactTest | None = Field(default=None, description="compared with the updated model")
     element_length: Length | None = Field(
         default=None, description="longest shaft element [m]; by default a twelfth of each shaft"

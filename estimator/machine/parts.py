@@ -186,7 +186,9 @@ class Probe(Part):
     )
     absolute: bool = Field(default=False, description="stands on the ground: measures the shaft's own motion")
     sensitivity: Positive | None = Field(default=None, description="[V/m]; needed only where a source publishes volts")
-    gain_spread: Spread = Field(default=0.0, description="how far gain and phase may be off, relative rms [-]; 0: exact")
+    gain_spread: Annotated[float, Field(ge=0, lt=10)] = Field(
+        default=0.0, description="how far gain and phase may be off, relative rms [-]; 0: exact"
+    )
     run_out_spread: NotNegative = Field(
         default=0.0, description="how large a run-out that was not subtracted may be, rms [m]; 0: none is identified"
     )

@@ -46,10 +46,13 @@ def identify_offline(
 
     Ends with status 1 when the fit is not accepted.
     """
+    from estimator.calibration.unbalance_since import unbalance_since
     from estimator.updated_model.derived_quantities import alignment_quantities
     from estimator.updated_model.model import updated_model
     from service.commands.alignment_report import alignment_text
+    from service.commands.calibration_report import since_text
     from service.commands.identification_report import advice_text, identification_text, quality_text
+    from service.sources.recording import read_circumstances
 
     if method == "regression" and advice:
         fail("--advice goes with the likelihood: the regression has no information to read it from")
@@ -66,6 +69,10 @@ def identify_offline(
         fail("\n".join([found.error or "", text]).strip())
     result = found.identification
     say_lines(identification_text(result))
+    since = unbalance_since(described, result)
+    if since is not None:
+        told = read_circumstances(files[0], sidecar)
+        say_lines(since_text(since, told.scale, direction=told.direction))
     alignment = alignment_text(alignment_quantities(updated_model(described, result))) if result.accepted else ""
     if alignment:
         say_lines(alignment)

@@ -15,6 +15,7 @@ import typer
 
 from estimator.simulation.stories import Story
 from service.commands.analysis import compare, identify_offline, model, show_slow_roll
+from service.commands.calibration import calibrate
 from service.commands.exit import fail
 from service.commands.first_steps import check, init
 from service.commands.help_panels import PanelledGroup
@@ -301,6 +302,7 @@ app.command()(check)
 app.command("identify")(identify_offline)
 app.command()(model)
 app.command()(compare)
+app.command()(calibrate)
 app.command("slow-roll")(show_slow_roll)
 
 

@@ -1,18 +1,23 @@
 """Reads recorded runs as one measurement of a machine, without a service, and subtracts their slow roll on request."""
 
+import hashlib
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
+from estimator.calibration.calibration_runs import CalibrationRun
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement, joined
+from estimator.phasors.quality import assess
 from estimator.phasors.recorded_run import RecordedRun
 from estimator.phasors.slow_roll import Capture, capture, corrected
 from estimator.units import rpm_to_rad_per_s
 from service.configuration.document_files import UnreadableFile
-from service.sources.recording import Sidecar, read_recording, read_sidecar
+from service.sources.recording import RecordedCircumstances, read_circumstances, read_recording
 from service.wire import to_samples
 from storage.clock import now
 
@@ -33,18 +38,52 @@ def read_runs(
     """
     if sidecar is not None and len(files) > 1:
         raise UnreadableFile("a sidecar can be given for one file only; with several, each has its own beside it")
-    runs: list[tuple[RecordedRun, Measurement]] = []
-    left_out: list[str] = []
-    for file in files:
-        recording = read_recording(file, sidecar)
-        if recording.machine != machine.id:
-            raise UnreadableFile(f"{file} is a recording of '{recording.machine}', the document describes '{machine.id}'")
-        samples, taken, faults = to_samples(recording, machine, received_at=now())
-        left_out += [f"{file}, row {fault.index + 1} left out: {fault.detail}" for fault in faults]
-        run = samples.pick(taken)
-        added = read_sidecar(sidecar or file.with_suffix(".yaml"))
-        runs.append((run.recorded(machine.channels), _with_trial_weights(machine, run.measurement(), added, file)))
-    return runs, left_out
+    found = [_read(machine, file, sidecar) for file in files]
+    return [(one.recorded, one.measurement) for one in found], [fault for one in found for fault in one.faults]
+
+
+def read_calibration_runs(machine: Machine, files: Sequence[Path]) -> tuple[list[CalibrationRun], list[str]]:
+    """Return each file as a run of a calibration, with descriptions of omitted rows; raises as `read_runs`."""
+    found = [_read(machine, file, None) for file in files]
+    runs = [_calibration_run(machine, file, one) for file, one in zip(files, found, strict=True)]
+    return runs, [fault for one in found for fault in one.faults]
+
+
+@dataclass(frozen=True)
+class _ReadRun:
+    """A file's run, as recorded and as a measurement, with what its sidecar states, the rows taken (R,) and the faults."""
+
+    recorded: RecordedRun
+    measurement: Measurement
+    circumstances: RecordedCircumstances
+    taken: NDArray[np.bool_]
+    faults: list[str]
+
+
+def _read(machine: Machine, file: Path, sidecar: Path | None) -> _ReadRun:
+    recording = read_recording(file, sidecar)
+    if recording.machine != machine.id:
+        raise UnreadableFile(f"{file} is a recording of '{recording.machine}', the document describes '{machine.id}'")
+    samples, taken, faults = to_samples(recording, machine, received_at=now())
+    run = samples.pick(taken)
+    circumstances = read_circumstances(file, sidecar)
+    recorded = run.recorded(machine.channels)
+    if circumstances.kind == "dwells":
+        recorded = replace(recorded, time=None)  # no sweep has gone through them
+    measurement = _with_trial_weights(machine, run.measurement(), circumstances, taken, file)
+    words = [f"{file}, row {fault.index + 1} left out: {fault.detail}" for fault in faults]
+    return _ReadRun(recorded, measurement, circumstances, taken, words)
+
+
+def _calibration_run(machine: Machine, file: Path, read: _ReadRun) -> CalibrationRun:
+    measurement, steady = read.measurement, read.circumstances.kind == "dwells"
+    if read.circumstances.stated and measurement.added is None:
+        measurement = replace(measurement, added=np.zeros((measurement.speed.size, len(machine.discs)), dtype=complex))
+    if not steady:
+        usable = assess(read.recorded, noise=machine.noise, rules=machine.quality).usable
+        measurement = replace(measurement, usable=measurement.usable & usable)
+    mounting = tuple(name for name, taken in zip(read.circumstances.mounting, read.taken, strict=True) if taken)
+    return CalibrationRun(file.name, measurement, mounting, steady, hashlib.sha256(file.read_bytes()).hexdigest())
 
 
 def speed_band(text: str) -> tuple[float, float]:
@@ -82,14 +121,21 @@ def without_slow_roll(
     return described, rest, found
 
 
-def _with_trial_weights(machine: Machine, run: Measurement, sidecar: Sidecar, file: Path) -> Measurement:
+def _with_trial_weights(
+    machine: Machine, run: Measurement, circumstances: RecordedCircumstances, taken: NDArray[np.bool_], file: Path
+) -> Measurement:
     discs = [disc.id for disc in machine.discs]
-    unknown = sorted(set(sidecar.added_unbalance) - set(discs))
+    unknown = sorted(set(circumstances.added) - set(discs))
     if unknown:
         raise UnreadableFile(f"the sidecar of {file} adds unbalance to {', '.join(unknown)}; the discs are {', '.join(discs)}")
-    if not sidecar.added_unbalance:
+    if not circumstances.added:
         return run
-    added = np.zeros(len(discs), dtype=complex)
-    for disc, unbalance in sidecar.added_unbalance.items():
-        added[discs.index(disc)] = unbalance.magnitude * np.exp(1j * math.radians(unbalance.angle_deg))
-    return run.with_trial_weight(added)
+    added = np.zeros((run.speed.size, len(discs)), dtype=complex)
+    for disc, unbalances in circumstances.added.items():
+        added[:, discs.index(disc)] = np.array(unbalances)[taken]
+    if circumstances.kind == "sweep" and np.any(np.abs(added - added[:1]) > 0.0):
+        raise UnreadableFile(
+            f"{file}: trial weights differ from row to row of one sweep; where each row was taken at a constant speed, "
+            "its sidecar says `kind: dwells`"
+        )
+    return replace(run, added=added)

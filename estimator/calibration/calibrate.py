@@ -1,0 +1,255 @@
+"""Joint calibration of a machine from several runs with known unbalances, in several mountings."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.arrays import Floats
+from estimator.calibration.calibration_runs import CalibrationRun, check_runs
+from estimator.calibration.mounted_problem import MountedProblem
+from estimator.calibration.undetermined import distinct_speeds, freed
+from estimator.calibration.variance_components import ScatterModel, ScatterSizes
+from estimator.fit.coordinates import Coordinates
+from estimator.fit.goodness_of_fit import LARGEST_ESTIMATED_NOISE
+from estimator.fit.identify import most_samples
+from estimator.fit.maximum_likelihood import descend
+from estimator.fit.multistart import best_fit
+from estimator.machine.calibration import Calibration, CalibrationRunRecord, ChannelScatter, MountingSpread
+from estimator.machine.document import Machine, parse_machine
+from estimator.machine.rules import Noise
+from estimator.phasors.measurement import Measurement, joined
+from estimator.phasors.noise import error_size
+from estimator.rotor.condensation import condense
+from estimator.units import rad_per_s_to_rpm
+
+STATED_ECCENTRICITY = 4e-6
+"""Eccentricity by which discs differ from mounting to mounting, before the runs have shown it [m]."""
+STATED_RUN_OUT = 3e-7
+"""Run-out by which a channel differs from mounting to mounting, before the runs have shown it [m]."""
+STATED_NOISE = 2e-7
+"""Rms error of a phasor at constant speed, before the runs have shown it [m]."""
+PASSES = 10
+"""Most times that the sizes of scatter are estimated anew."""
+STEPS = 40
+"""Most steps of the fit in each of these."""
+FEWEST_OF_A_RUN = 50
+"""Number of samples of each run that are always fitted."""
+STARTS = 6
+"""Most starts of the first fit."""
+
+
+@dataclass(frozen=True)
+class Calibrated:
+    """Outcome of a calibration.
+
+    Attributes:
+        machine: The machine with the calibration in its document.
+        accepted: Whether the calibration may be used.
+        verdict: The verdict in words.
+        remarks: Remarks on what the runs could not determine.
+        starts: Number of starts of the fit.
+        unique: Whether the best optimum was found twice.
+        sizes: Sizes of scatter that the runs showed.
+        speeds: Speeds (D,) that the dwells were taken at [rad/s].
+    """
+
+    machine: Machine
+    accepted: bool
+    verdict: str
+    remarks: tuple[str, ...]
+    starts: int
+    unique: bool
+    sizes: ScatterSizes
+    speeds: Floats
+
+
+@dataclass(frozen=True)
+class _Gathered:
+    """All samples in the order of their mountings: mounting (S,), whether at constant speed (S,)."""
+
+    measurement: Measurement
+    mounting: NDArray[np.intp]
+    steady: NDArray[np.bool_]
+
+
+def calibrate(machine: Machine, runs: Sequence[CalibrationRun], *, seed: int = 0) -> Calibrated:
+    """Calibrate a machine from runs with known unbalances.
+
+    A mixed model (Henderson 1975, doi:10.2307/2529430): coefficients, moduli, gains, run-outs and the machine's own unbalance
+    are common to all runs; unbalances and run-outs differ a little from mounting to mounting; noise is that of each channel,
+    and of each speed at which it dwelt.
+
+    Args:
+        machine: The machine, with what is known of it.
+        runs: The runs.
+        seed: Seed of the random starts.
+
+    Returns:
+        The calibrated machine, with the verdict on it.
+
+    Raises:
+        CalibrationImpossible: A run does not state its weights or states impossible ones, or nothing differs between runs.
+        FitFailed: No start leads to a finite misfit.
+        SingularCondensation: The train cannot be condensed at a speed.
+    """
+    remarks = check_runs(machine, runs)
+    gathered = _gathered(machine, runs)
+    fitted, held = freed(machine, gathered.measurement)
+    problem, scatter, speeds = _problem(fitted, gathered)
+    sizes = scatter.stated
+    problem = scatter.applied(problem, sizes)
+    first = best_fit(problem, starts=STARTS, seed=seed, good=lambda _: True, twice=True)
+    theta, converged = first.fit.theta, first.fit.converged
+    for _ in range(PASSES):
+        before, sizes = sizes, scatter.estimated(problem, theta, sizes)
+        problem = scatter.applied(problem, sizes)
+        weight = problem.weight(np.abs(problem.measurement.phasor), 0.0)
+        theta, converged, _ = descend(problem, theta, weight, STEPS)
+        if sizes.is_near(before):
+            break
+    remarks = (*held, *remarks, *first.remarks)
+    accepted, verdict = _verdict(problem, theta, converged)
+    calibration = _calibration(problem, theta, runs, sizes, speeds=speeds, groups=scatter.group).model_copy(
+        update={"verdict": "; ".join((verdict, *remarks))}
+    )
+    found = _with_calibration(machine, fitted, calibration)
+    return Calibrated(found, accepted, verdict, remarks, first.starts, bool(first.unique), sizes, speeds)
+
+
+def _gathered(machine: Machine, runs: Sequence[CalibrationRun]) -> _Gathered:
+    whole = joined([run.measurement for run in runs])
+    names = np.array([name for run in runs for name in run.mounting])
+    steady = np.concatenate([np.full(run.measurement.speed.size, run.steady) for run in runs])
+    kept = whole.usable.any(axis=1) & np.concatenate([_evenly(run, most_samples(machine) // len(runs)) for run in runs])
+    whole, names, steady = whole.pick(kept), names[kept], steady[kept]
+    _, mounting = np.unique(names, return_inverse=True)
+    order = np.argsort(mounting, kind="stable")
+    silenced = np.where(whole.usable, whole.phasor, 0.0)
+    return _Gathered(_sorted(replace(whole, phasor=silenced), order), mounting[order], steady[order])
+
+
+def _evenly(run: CalibrationRun, most: int) -> NDArray[np.bool_]:
+    """Return which of a run's samples (S,) are fitted: not many more than `most`, evenly."""
+    step = max(1, -(-run.measurement.speed.size // max(FEWEST_OF_A_RUN, most)))
+    return np.asarray(np.arange(run.measurement.speed.size) % step == 0)
+
+
+def _sorted(measurement: Measurement, order: NDArray[np.intp]) -> Measurement:
+    return Measurement(
+        measurement.speed[order],
+        measurement.direction[order],
+        measurement.phasor[order],
+        measurement.usable[order],
+        measurement.scatter[order],
+        None if measurement.added is None else measurement.added[order],
+    )
+
+
+def _problem(machine: Machine, gathered: _Gathered) -> tuple[MountedProblem, ScatterModel, Floats]:
+    measurement = gathered.measurement
+    train = condense(machine, speed=measurement.speed, direction=measurement.direction)
+    largest = 0.0 if measurement.added is None else float(np.max(np.abs(measurement.added)))
+    problem = MountedProblem(
+        train,
+        measurement,
+        Coordinates.of(train, unbalance_scale=largest),
+        Noise(floor=0.0),
+        np.zeros_like(measurement.usable),
+        robust=False,
+        mounting=gathered.mounting,
+        spread=np.ones(len(machine.discs) + len(machine.probes)),
+    )
+    speeds, group = _groups(gathered)
+    channels = len(machine.probes)
+    modelled = error_size(machine.noise, np.abs(measurement.phasor), np.full(measurement.phasor.shape, np.nan))
+    base = np.where(gathered.steady[:, None], 1.0, modelled)
+    noise = np.r_[np.full(speeds.size * channels, STATED_NOISE), np.ones(channels)]
+    pool = np.r_[np.zeros(speeds.size * channels, dtype=np.intp), np.ones(channels, dtype=np.intp)]
+    mass = np.array([disc.mass for disc in machine.discs])
+    stated = ScatterSizes(noise, STATED_ECCENTRICITY, np.full(channels, STATED_RUN_OUT))
+    return problem, ScatterModel(base, group, pool, mass, stated), speeds
+
+
+def _groups(gathered: _Gathered) -> tuple[Floats, NDArray[np.intp]]:
+    """Return the speeds of the dwells (D,) [rad/s], and the group of each phasor (S, m): of sweeps the last ones."""
+    speed, steady = gathered.measurement.speed, gathered.steady
+    speeds = distinct_speeds(speed[steady]) if steady.any() else np.zeros(0)
+    channels = gathered.measurement.phasor.shape[1]
+    nearest = np.full(speed.size, speeds.size, dtype=np.intp)
+    if speeds.size:
+        nearest[steady] = np.argmin(np.abs(np.log(speed[steady, None] / speeds)), axis=1)
+    return speeds, nearest[:, None] * channels + np.arange(channels)
+
+
+def _verdict(problem: MountedProblem, theta: Floats, converged: bool) -> tuple[bool, str]:
+    """Return whether a calibration may be used, and why: by what it leaves unexplained."""
+    used = problem.used
+    model = problem.model(theta)
+    amplitude = np.sqrt(np.sum(np.where(used, np.abs(problem.measurement.phasor) ** 2, 0.0), axis=0))
+    rest = np.sqrt(np.sum(np.where(used, np.abs(problem.measurement.phasor - model) ** 2, 0.0), axis=0))
+    part = np.divide(rest, amplitude, out=np.zeros_like(rest), where=amplitude > 0.0)
+    worst = int(np.argmax(part))
+    words = f"{100 * float(np.median(part)):.2g} % of the phasors unexplained, at most {100 * part[worst]:.2g} %"
+    words += f" ({problem.train.channels[worst]})"
+    if not converged:
+        return False, f"not converged, {words}"
+    if part[worst] > LARGEST_ESTIMATED_NOISE:
+        return False, f"the model does not fit the runs: {words}; are weights, angles and their sense right?"
+    return True, f"accepted: {words}"
+
+
+def _calibration(
+    problem: MountedProblem,
+    theta: Floats,
+    runs: Sequence[CalibrationRun],
+    sizes: ScatterSizes,
+    *,
+    speeds: Floats,
+    groups: NDArray[np.intp],
+) -> Calibration:
+    coordinates, train = problem.coordinates, problem.train
+    _, _, information = problem.linearised(theta, problem.weight(np.abs(problem.measurement.phasor), 0.0))
+    covariance = np.linalg.inv(information + coordinates.precision) * np.outer(coordinates.unit, coordinates.unit)
+    covariance = (covariance + covariance.T) / 2.0
+    unbalances = [f"{one.name}.{part}" for one in train.unknowns.unbalances for part in ("real", "imaginary")]
+    discs = [
+        MountingSpread(name=one.name, rms=rms) for one, rms in zip(train.unknowns.unbalances, problem.spread, strict=False)
+    ]
+    chains = [
+        MountingSpread(name=f"probe.{channel}.run_out", rms=rms)
+        for channel, rms in zip(train.channels, sizes.run_out, strict=True)
+    ]
+    rpm = [*(rad_per_s_to_rpm(speed) for speed in speeds), None]
+    shown = set(np.unique(groups).tolist())
+    scatter = [
+        ChannelScatter(channel=channel, rpm=at, rms=float(sizes.noise[len(train.channels) * row + column]))
+        for row, at in enumerate(rpm)
+        for column, channel in enumerate(train.channels)
+        if len(train.channels) * row + column in shown
+    ]
+    return Calibration(
+        parameters=coordinates.names,
+        values=tuple(map(float, coordinates.point(theta))),
+        covariance=tuple(tuple(map(float, row)) for row in covariance),
+        unbalances=tuple(name for name in unbalances if name in coordinates.names),
+        mounting=tuple(discs + chains),
+        scatter=tuple(scatter),
+        runs=tuple(
+            CalibrationRunRecord(
+                name=run.name, samples=run.measurement.speed.size, mountings=len(set(run.mounting)), sha256=run.sha256
+            )
+            for run in runs
+        ),
+    )
+
+
+def _with_calibration(machine: Machine, fitted: Machine, calibration: Calibration) -> Machine:
+    """Return the document with the calibration, and with the spreads without which its parameters would not be fitted."""
+    rms = [one.rms for one in calibration.scatter if one.rpm is not None]
+    noise = machine.noise.model_copy(update={"floor": min([machine.noise.floor, *rms])})
+    whole = machine.model_copy(
+        update={"probes": fitted.probes, "materials": fitted.materials, "noise": noise, "calibration": calibration}
+    )
+    return parse_machine(whole.model_dump(mode="json", exclude_unset=False))

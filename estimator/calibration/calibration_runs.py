@@ -1,0 +1,120 @@
+"""Runs of a calibration, and the checks that they can calibrate at all: said before a fit is paid for."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.arrays import Complexes
+from estimator.errors import Invalid
+from estimator.machine.document import Machine
+from estimator.machine.parts import Disc
+from estimator.phasors.measurement import Measurement, joined
+
+LARGEST_ECCENTRICITY = 0.05
+"""Shift of a disc's centre of mass [m] beyond which a trial weight is most likely in another unit."""
+LIKELY_ECCENTRICITY = 1e-3
+"""Shift of a disc's centre of mass [m] up to which a trial weight is likely."""
+UNITS = {"g mm": 1e-6, "kg mm": 1e-3}
+"""Smaller units of an unbalance, for what may be meant by a number in kg m [kg m]."""
+SAME_WEIGHT = 1e-6
+"""Part of the largest trial weight up to which two are the same [-]."""
+
+
+class CalibrationImpossible(Invalid):
+    """Raised when runs cannot calibrate a machine, whatever their values."""
+
+
+@dataclass(frozen=True)
+class CalibrationRun:
+    """One recording of a calibration, S samples long.
+
+    Attributes:
+        name: Name, for messages and provenance.
+        measurement: Its samples; `added` holds the known unbalances, None where they are not stated.
+        mounting: Name of the mounting (S,) in which each sample was taken.
+        steady: Whether each sample was taken at a constant speed.
+        sha256: Checksum of the file, for provenance; empty where there is none.
+    """
+
+    name: str
+    measurement: Measurement
+    mounting: tuple[str, ...]
+    steady: bool
+    sha256: str = ""
+
+
+def check_runs(machine: Machine, runs: Sequence[CalibrationRun]) -> tuple[str, ...]:
+    """Check that runs can calibrate a machine.
+
+    Args:
+        machine: The machine.
+        runs: The runs.
+
+    Returns:
+        Remarks on what they leave open.
+
+    Raises:
+        CalibrationImpossible: A run does not state its weights or states impossible ones, or nothing differs between runs.
+    """
+    if not runs:
+        raise CalibrationImpossible("a calibration needs runs: one as the machine is, and one with a known unbalance at least")
+    for run in runs:
+        _check_weights(machine, run)
+    added = joined([run.measurement for run in runs]).added
+    if added is None or not np.any(np.abs(added) > 0.0):
+        raise CalibrationImpossible(
+            "no run has a trial weight: known unbalances are what gains are calibrated with; give them as `added_unbalance`"
+        )
+    largest = float(np.max(np.abs(added)))
+    differs = np.max(np.abs(added - added[:1]), axis=0) > SAME_WEIGHT * largest
+    if not differs.any():
+        raise CalibrationImpossible(
+            "all runs have the same trial weights: nothing tells them from the machine's own unbalance. A run without them, "
+            "or with others, is needed"
+        )
+    remarks = [
+        f"no trial weight was ever put on disc {disc.id}: what it does rests on the model alone"
+        for disc, tried in zip(machine.discs, differs, strict=True)
+        if not tried
+    ]
+    return (*remarks, *_alike(machine, added, differs))
+
+
+def _check_weights(machine: Machine, run: CalibrationRun) -> None:
+    added = run.measurement.added
+    if added is None:
+        raise CalibrationImpossible(
+            f"{run.name} does not state which trial weights were on: `added_unbalance: none` for none, or by disc as in "
+            "`added_unbalance: {" + machine.discs[0].id + ": {amount: 48, unit: g mm, angle_deg: 90}}`"
+        )
+    if added.shape[1] != len(machine.discs):
+        raise CalibrationImpossible(
+            f"{run.name} adds to {added.shape[1]} discs, machine '{machine.id}' has {len(machine.discs)}"
+        )
+    for disc, size in zip(machine.discs, np.max(np.abs(added), axis=0, initial=0.0), strict=True):
+        eccentricity = float(size) / disc.mass
+        if not np.isfinite(eccentricity) or eccentricity > LARGEST_ECCENTRICITY:
+            raise CalibrationImpossible(
+                f"{run.name}: {size:g} kg m on disc {disc.id} ({disc.mass:g} kg) would move its centre of mass by "
+                f"{eccentricity:.3g} m{_meant(disc, float(size))}"
+            )
+
+
+def _meant(disc: Disc, size: float) -> str:
+    """Name the unit in which the number would be likely."""
+    for unit, factor in UNITS.items():
+        if size * factor / disc.mass <= LIKELY_ECCENTRICITY:
+            return f": {size:g} {unit} is likely, so `unit: {unit}`"
+    return ": is the unit right?"
+
+
+def _alike(machine: Machine, added: Complexes, differs: np.ndarray) -> tuple[str, ...]:
+    """Remark that discs always had weights in the same proportion, so that the model alone tells them apart."""
+    tried = np.flatnonzero(differs)
+    centred = added[:, tried] - added[:, tried].mean(axis=0)
+    values = np.linalg.svd(centred / np.max(np.abs(centred), axis=0), compute_uv=False)
+    if tried.size < 2 or values[min(values.size, tried.size) - 1] > 1e-3 * values[0]:
+        return ()
+    names = ", ".join(machine.discs[place].id for place in tried)
+    return (f"discs {names} always had weights in the same proportion: only the model tells them apart",)

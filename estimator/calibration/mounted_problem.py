@@ -1,0 +1,198 @@
+"""Fit of several mountings of a machine together, in each of which unbalances and run-outs differ a little.
+
+What differs from mounting to mounting is Gaussian with a stated size, and enters the phasors linearly. At given coordinates it
+is solved for and eliminated, mounting by mounting: χ² is that at the most likely differences with their own cost, and the
+curvature is the Schur complement (mixed model: Henderson, Biometrics 31 (1975) 423, doi:10.2307/2529430; elimination of
+linear unknowns: Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413, doi:10.1137/0710036).
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.arrays import Complexes, Floats
+from estimator.fit.fit_problem import FitProblem
+from estimator.fit.phasor_jacobian import phasor_jacobian
+from estimator.rotor.condensation import CondensedTrain
+from estimator.rotor.response import Sensitivity, sensitivity
+
+
+@dataclass(frozen=True)
+class MountedLinearisation:
+    """Linearised problem of R real residuals (two per phasor), n coordinates and q differences in each of M mountings.
+
+    Attributes:
+        residual: Weighted residuals (R,) at the most likely differences [-].
+        rows: Their derivatives (n, R) by the coordinates [-].
+        own: Their derivatives (q, R) by the differences of the mounting that each belongs to, in units of their size [-].
+        mounting: Mounting (R,) that each belongs to.
+        inverse: Inverse (M, q, q) of the curvature by the differences of each mounting, with their prior [-].
+        mixed: Curvature (M, n, q) by coordinates and differences [-].
+        difference: Most likely differences (M, q) in units of their size [-].
+    """
+
+    residual: Floats
+    rows: Floats
+    own: Floats
+    mounting: NDArray[np.intp]
+    inverse: Floats
+    mixed: Floats
+    difference: Floats
+
+
+@dataclass(frozen=True)
+class MountedProblem(FitProblem):
+    """Fit problem in which unbalances and run-outs differ from mounting to mounting.
+
+    The samples are in the order of their mountings. Each difference is complex; there are P of discs and m of channels.
+
+    Attributes:
+        mounting: Mounting (S,) of each sample, ascending from 0.
+        spread: Rms (P + m,) of the difference of each disc's unbalance [kg m] and of each channel's run-out [m].
+    """
+
+    mounting: NDArray[np.intp] = field(default_factory=lambda: np.zeros(0, dtype=np.intp))
+    spread: Floats = field(default_factory=lambda: np.zeros(0))
+
+    @property
+    def planes(self) -> int:
+        """Return the number of discs P."""
+        return len(self.train.unknowns.unbalances)
+
+    def model(self, theta: Floats) -> Complexes:
+        """Compute the phasors that the channels should show at θ, with the most likely differences.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Phasors (S, m) [m].
+        """
+        weight = np.where(self.used, self.weight(self.first_amplitude, 0.0), 0.0)
+        phasor, by_difference = self._effects(theta, self.scaled_train(theta))
+        difference = self._differences(phasor, by_difference, weight)[1]
+        return np.asarray(phasor + np.einsum("sq,qsc->sc", difference[self.mounting], by_difference))
+
+    def linearised(self, theta: Floats, weight: Floats) -> tuple[float, Floats, Floats]:
+        """Linearise the problem at θ, without the differences between mountings.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+            weight: Weights (S, m) [1/m].
+
+        Returns:
+            χ² of the data with the cost of the differences [-], -½ of its gradient (n,) [-] and its curvature (n, n) [-].
+        """
+        found = self.linearisation(theta, weight)
+        chi_square = float(found.residual @ found.residual + np.sum(found.difference**2))
+        curvature = found.rows @ found.rows.T
+        curvature -= np.einsum("mnq,mqp,mkp->nk", found.mixed, found.inverse, found.mixed, optimize=True)
+        return chi_square, found.rows @ found.residual, curvature
+
+    def chi_square(self, theta: Floats, weight: Floats) -> float:
+        """Compute χ² at the most likely differences between mountings, with their cost.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+            weight: Weights (S, m) [1/m].
+
+        Returns:
+            χ² [-].
+        """
+        weight = np.where(self.used, weight, 0.0)
+        phasor, by_difference = self._effects(theta, self.scaled_train(theta))
+        lowered = self._differences(phasor, by_difference, weight)[2]
+        residual = (self.measurement.phasor - phasor) * weight
+        return float(np.vdot(residual, residual).real) - lowered
+
+    def linearisation(self, theta: Floats, weight: Floats) -> MountedLinearisation:
+        """Linearise the problem at θ and at the differences between mountings that are most likely there.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+            weight: Weights (S, m) [1/m].
+
+        Returns:
+            The linearised problem.
+        """
+        weight = np.where(self.used, weight, 0.0)
+        train = self.scaled_train(theta)
+        phasor, by_difference = self._effects(theta, train)
+        inverse, difference, _ = self._differences(phasor, by_difference, weight)
+        moved = self.excitations(theta)
+        moved = np.tile(moved, (self.mounting.size, 1)) if moved.ndim == 1 else moved.copy()
+        unbalances = (difference[:, : 2 * self.planes : 2] + 1j * difference[:, 1 : 2 * self.planes : 2]) * self._sizes
+        moved[:, : self.planes] += unbalances[self.mounting]
+        coefficients = self.coordinates.coefficients(theta)
+        rows, residual = [], []
+        for block in train.blocks():
+            found = self._sensitivity(train, block, coefficients, moved)
+            direction = self.measurement.direction[block]
+            modelled = self.coordinates.channels.as_measured(theta, found.phasor, direction)
+            run_out = np.einsum(
+                "sq,qsc->sc", difference[self.mounting[block], 2 * self.planes :], by_difference[2 * self.planes :, block]
+            )
+            slope = phasor_jacobian(
+                self.coordinates, theta, found, coefficients=coefficients, direction=direction, block=block
+            )
+            residual.append(_real_parts((self.measurement.phasor[block] - modelled - run_out) * weight[block]))
+            rows.append(_real_parts(slope * weight[block]))
+        whole, own = np.concatenate(rows, axis=-1), _real_parts(by_difference * weight)
+        mounting = np.repeat(self.mounting, 2 * weight.shape[1])
+        edges = np.searchsorted(mounting, np.arange(len(inverse) + 1))
+        pieces = [slice(first, last) for first, last in zip(edges, edges[1:], strict=False)]
+        mixed = np.stack([whole[:, one] @ own[:, one].T for one in pieces])
+        return MountedLinearisation(np.concatenate(residual, axis=-1), whole, own, mounting, inverse, mixed, difference)
+
+    @property
+    def _sizes(self) -> Floats:
+        """Return the size of one unit of a disc's difference (P,) in each of its real parts [kg m]."""
+        return np.asarray(self.spread[: self.planes] / np.sqrt(2.0))
+
+    def _sensitivity(self, train: CondensedTrain, block: slice, coefficients: Floats, excitations: Complexes) -> Sensitivity:
+        return sensitivity(
+            train.pick(block),
+            coefficients=coefficients if coefficients.ndim == 1 else coefficients[block],
+            excitations=excitations if excitations.ndim == 1 else excitations[block],
+        )
+
+    def _effects(self, theta: Floats, train: CondensedTrain) -> tuple[Complexes, Complexes]:
+        """Compute phasors (S, m) without differences, and their derivatives (q, S, m) by those in units of their size [m]."""
+        coefficients, excitations = self.coordinates.coefficients(theta), self.excitations(theta)
+        gains, direction = self.coordinates.channels.gains(theta), self.measurement.direction
+        samples, channels = self.measurement.phasor.shape
+        phasor = np.empty((samples, channels), dtype=complex)
+        own = np.zeros((2 * (self.planes + channels), samples, channels), dtype=complex)
+        for block in train.blocks():
+            found = self._sensitivity(train, block, coefficients, excitations)
+            phasor[block] = self.coordinates.channels.as_measured(theta, found.phasor, direction[block])
+            own[: 2 * self.planes, block] = found.by_excitation[: 2 * self.planes] * gains
+        own[: 2 * self.planes] *= np.repeat(self._sizes, 2)[:, None, None]
+        size = self.spread[self.planes :] / np.sqrt(2.0)
+        for channel in range(channels):
+            first = 2 * (self.planes + channel)
+            own[first, :, channel] = size[channel]
+            own[first + 1, :, channel] = 1j * size[channel] * direction
+        return phasor, own
+
+    def _differences(self, phasor: Complexes, by_difference: Complexes, weight: Floats) -> tuple[Floats, Floats, float]:
+        """Return inverse curvature (M, q, q), most likely differences (M, q), and by how much these lower χ²."""
+        residual = (self.measurement.phasor - phasor) * weight
+        slope = by_difference * weight
+        count, size = int(self.mounting.max()) + 1, len(by_difference)
+        edges = np.searchsorted(self.mounting, np.arange(count + 1))
+        curvature, gradient = np.empty((count, size, size)), np.empty((count, size))
+        for one, (first, last) in enumerate(zip(edges, edges[1:], strict=False)):
+            rows = _real_parts(slope[:, first:last])
+            curvature[one] = rows @ rows.T + np.eye(size)
+            gradient[one] = rows @ _real_parts(residual[first:last])
+        inverse: Floats = np.asarray(np.linalg.inv(curvature), dtype=float)
+        difference: Floats = np.asarray(np.einsum("mqp,mp->mq", inverse, gradient))
+        return inverse, difference, float(np.sum(difference * gradient))
+
+
+def _real_parts(values: Complexes) -> Floats:
+    """Return the last two axes (s, m) as one of real and imaginary parts (2sm,), behind those before."""
+    flat = np.ascontiguousarray(values).reshape(*values.shape[:-2], -1)
+    return np.asarray(flat.view(float))

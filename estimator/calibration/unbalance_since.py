@@ -1,0 +1,94 @@
+"""Unbalance that a machine has gained since its calibration, with the calibration's own uncertainty in its interval.
+
+A later fit finds the whole unbalance T. What it was in the calibration, U, is known together with gains and run-outs: the
+later fit's values of these move it by the regression K of U on them, and T - U has the covariance of both, with that of a new
+mounting (conditional Gaussian: Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, app. A.2).
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.arrays import Complexes, Floats
+from estimator.fit.estimates import CONFIDENCE_95
+from estimator.fit.identify import Identification
+from estimator.machine.document import Machine
+
+
+@dataclass(frozen=True)
+class UnbalanceSince:
+    """Unbalance of P discs beyond that of the calibration.
+
+    Attributes:
+        discs: Ids of the discs.
+        value: Complex unbalances (P,) [kg m].
+        covariance: Covariance (2P, 2P) of their real and imaginary parts, one disc after the other [kg² m²].
+    """
+
+    discs: tuple[str, ...]
+    value: Complexes
+    covariance: Floats
+
+    def standard_error(self, disc: int) -> float:
+        """Return the larger standard error of a disc's two parts.
+
+        Args:
+            disc: Index of the disc.
+
+        Returns:
+            Standard error [kg m].
+        """
+        return float(np.sqrt(np.max(np.diag(self.covariance)[2 * disc : 2 * disc + 2])))
+
+    def angle_error_deg(self, disc: int) -> float:
+        """Return the half width of the 95 % interval of a disc's angle.
+
+        Args:
+            disc: Index of the disc.
+
+        Returns:
+            Half width [°]; 180 where the angle is open.
+        """
+        half, size = CONFIDENCE_95 * self.standard_error(disc), float(abs(self.value[disc]))
+        return 180.0 if half >= size else math.degrees(math.asin(half / size))
+
+
+def unbalance_since(machine: Machine, found: Identification) -> UnbalanceSince | None:
+    """Compute the unbalance that a calibrated machine has gained since (Rasmussen and Williams 2006, app. A.2).
+
+    Args:
+        machine: The machine with its calibration.
+        found: A later identification of it.
+
+    Returns:
+        The unbalance; None where the document holds no calibration.
+    """
+    calibration = machine.calibration
+    if calibration is None:
+        return None
+    discs = tuple(disc.id for disc in machine.discs)
+    own = [f"disc.{disc}.unbalance.{part}" for disc in discs for part in ("real", "imaginary")]
+    if any(name not in found.coordinates or name not in calibration.parameters for name in own):
+        return None
+    shared = [name for name in calibration.parameters if name in found.coordinates and name not in calibration.unbalances]
+    before, after = [calibration.parameters.index(one) for one in own], [found.coordinates.index(one) for one in own]
+    there, here = [calibration.parameters.index(one) for one in shared], [found.coordinates.index(one) for one in shared]
+    values, known = np.array(calibration.values), np.array(calibration.covariance)
+    moved = np.diag(calibration.moved_by_mounting)
+    gain = _regression(known, moved, before, there)
+    was = values[before] + gain @ (found.point[here] - values[there])
+    uncertain = known[np.ix_(before, before)] - gain @ known[np.ix_(there, before)]
+    uncertain += gain @ found.covariance[np.ix_(here, here)] @ gain.T
+    mixed = found.covariance[np.ix_(after, here)] @ gain.T
+    covariance = found.covariance[np.ix_(after, after)] + uncertain - mixed - mixed.T + moved[np.ix_(before, before)]
+    parts = found.point[after] - was
+    return UnbalanceSince(discs, parts[::2] + 1j * parts[1::2], covariance)
+
+
+def _regression(known: Floats, moved: Floats, before: list[int], there: list[int]) -> Floats:
+    """Return the regression (2P, k) of the calibration's unbalances on its other parameters as a later fit believes them."""
+    whole = (known + moved)[np.ix_(there, there)]
+    size = np.sqrt(np.diag(whole))
+    scaled = known[np.ix_(before, there)] / size
+    return np.asarray(np.linalg.solve(whole / np.outer(size, size), scaled.T).T / size)

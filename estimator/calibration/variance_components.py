@@ -1,0 +1,134 @@
+"""Sizes of what scatters in a calibration, from the calibration itself: noise of channels, differences between mountings.
+
+Each is the sum of squares over the number of independent values in it, those that the fit has used up taken off: MacKay's
+re-estimation (Neural Computation 4 (1992) 415, doi:10.1162/neco.1992.4.3.415), whose fixed point is restricted maximum
+likelihood (Patterson and Thompson, Biometrika 58 (1971) 545, doi:10.1093/biomet/58.3.545). A stated size counts as a part of
+one observation, so that a few mountings do not make it zero.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.arrays import Floats
+from estimator.calibration.mounted_problem import MountedLinearisation, MountedProblem
+
+STATED_WEIGHT = 0.2
+"""Number of observations that a stated size counts for [-]."""
+SHARED_WEIGHT = 0.5
+"""Number of observations that the size common to all channels counts for [-]."""
+SETTLED = 0.03
+"""Relative change of all sizes up to which they count as unchanged [-]."""
+
+
+@dataclass(frozen=True)
+class ScatterSizes:
+    """Sizes of scatter in a calibration of P discs and m channels, with G groups of phasors that scatter alike.
+
+    Attributes:
+        noise: Rms of each group's complex errors over that of `MountedProblem`'s base (G,) [-].
+        eccentricity: Rms difference of the eccentricity of all discs from mounting to mounting [m].
+        run_out: Rms difference of each channel's run-out from mounting to mounting (m,) [m].
+    """
+
+    noise: Floats
+    eccentricity: float
+    run_out: Floats
+
+    def is_near(self, other: "ScatterSizes") -> bool:
+        """Check whether all sizes are those of another.
+
+        Args:
+            other: The other sizes.
+
+        Returns:
+            Whether they are.
+        """
+        mine, theirs = (np.r_[one.noise, one.eccentricity, one.run_out] for one in (self, other))
+        return bool(np.all(np.abs(mine - theirs) <= SETTLED * theirs))
+
+
+@dataclass(frozen=True)
+class ScatterModel:
+    """What scatters alike in a calibration.
+
+    Attributes:
+        base: Rms error (S, m) of each phasor for a size of one [m].
+        group: Group (S, m) of each phasor.
+        pool: Number (G,) of the kind of each group; sizes of one kind are expected to be alike.
+        mass: Mass (P,) of each disc [kg].
+        stated: Sizes believed beforehand.
+    """
+
+    base: Floats
+    group: NDArray[np.intp]
+    pool: NDArray[np.intp]
+    mass: Floats
+    stated: ScatterSizes
+
+    def applied(self, problem: MountedProblem, sizes: ScatterSizes) -> MountedProblem:
+        """Return a problem with some sizes of scatter.
+
+        Args:
+            problem: The problem.
+            sizes: The sizes.
+
+        Returns:
+            The problem with them.
+        """
+        measurement = replace(problem.measurement, scatter=self.base * sizes.noise[self.group])
+        return replace(problem, measurement=measurement, spread=np.r_[sizes.eccentricity * self.mass, sizes.run_out])
+
+    def estimated(self, problem: MountedProblem, theta: Floats, sizes: ScatterSizes) -> ScatterSizes:
+        """Estimate the sizes anew at the end of a fit (MacKay 1992, doi:10.1162/neco.1992.4.3.415).
+
+        Args:
+            problem: The problem with the present sizes.
+            theta: The fit's end θ (n,) [-].
+            sizes: The present sizes.
+
+        Returns:
+            The new sizes.
+        """
+        weight = problem.weight(np.abs(problem.measurement.phasor), 0.0)
+        found = problem.linearisation(theta, weight)
+        curvature = found.rows @ found.rows.T + problem.coordinates.precision
+        curvature -= np.einsum("mnq,mqp,mkp->nk", found.mixed, found.inverse, found.mixed, optimize=True)
+        covariance: Floats = np.asarray(np.linalg.inv(curvature), dtype=float)
+        noise = self._noise(problem, found, covariance, sizes)
+        # Squares of the differences in units of their size, and how much of each the data determine.
+        across = np.einsum("mqp,mnp->mqn", found.inverse, found.mixed)
+        open_part = np.einsum("mqq->mq", found.inverse) + np.einsum(
+            "mqn,nk,mqk->mq", across, covariance, across, optimize=True
+        )
+        squares = np.sum(found.difference**2, axis=0).reshape(-1, 2).sum(axis=1) / 2.0
+        known = np.sum(np.maximum(0.0, 1.0 - open_part), axis=0).reshape(-1, 2).sum(axis=1) / 2.0
+        planes, stated = problem.planes, self.stated
+        of_discs = sizes.eccentricity**2 * squares[:planes].sum() + STATED_WEIGHT * stated.eccentricity**2
+        eccentricity = float(np.sqrt(of_discs / (known[:planes].sum() + STATED_WEIGHT)))
+        squares, known = squares[planes:] * sizes.run_out**2, known[planes:]
+        shared = (squares.sum() + STATED_WEIGHT * stated.run_out**2) / (known.sum() + STATED_WEIGHT)
+        run_out = np.sqrt((squares + SHARED_WEIGHT * shared) / (known + SHARED_WEIGHT))
+        return ScatterSizes(noise, eccentricity, run_out)
+
+    def _noise(self, problem: MountedProblem, found: MountedLinearisation, covariance: Floats, sizes: ScatterSizes) -> Floats:
+        """Return the noise of each group (G,) from its residuals and the part of them that the fit has used up."""
+        used = np.repeat(problem.used.reshape(-1), 2)
+        group = np.repeat(self.group.reshape(-1), 2)
+        spent = np.empty(found.residual.size)
+        for one in range(len(found.inverse)):
+            which = found.mounting == one
+            own = found.own[:, which]
+            solved = found.inverse[one] @ own
+            rest = found.rows[:, which] - found.mixed[one] @ solved
+            spent[which] = np.sum(own * solved, axis=0) + np.sum(rest * (covariance @ rest), axis=0)
+        count = sizes.noise.size
+        squares = np.bincount(group, weights=np.where(used, found.residual**2, 0.0), minlength=count) / 2.0
+        freedom = np.bincount(group, weights=np.where(used, np.maximum(0.0, 1.0 - spent), 0.0), minlength=count) / 2.0
+        squares = squares * sizes.noise**2
+        stated = STATED_WEIGHT * self.stated.noise**2
+        of_kind, free, kinds = (np.bincount(self.pool, weights=one) for one in (squares, freedom, np.ones(count)))
+        expected = np.bincount(self.pool, weights=stated) / np.maximum(kinds, 1.0)
+        shared = ((of_kind + expected) / (free + STATED_WEIGHT))[self.pool]
+        return np.asarray(np.sqrt((squares + SHARED_WEIGHT * shared) / (freedom + SHARED_WEIGHT)))

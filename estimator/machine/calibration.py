@@ -1,0 +1,78 @@
+"""Calibration of a machine: what runs with known unbalances have shown of it, from which every later fit starts."""
+
+from typing import Annotated, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, model_validator
+
+from estimator.field_types import Identifier, NotNegative, Part, Positive, Real, Text
+
+MOST_PARAMETERS = 400
+"""Most parameters of a calibration."""
+LEAST_CORRELATION_EIGENVALUE = -1e-9
+"""Eigenvalue of the correlation matrix below which a covariance is none [-]; rounding leaves some that are nearly zero."""
+
+Row = Annotated[tuple[Real, ...], Field(max_length=MOST_PARAMETERS)]
+Name = Annotated[Text, Field(min_length=1, max_length=200)]
+
+
+class ChannelScatter(Part):
+    """Scatter of a channel's phasors about the calibrated model, at constant speed or in sweeps."""
+
+    channel: Identifier
+    rpm: Positive | None = Field(default=None, description="speed of the dwells [r/min]; in sweeps at all speeds")
+    rms: Positive = Field(description="rms of the complex error 0-to-peak [m]; of sweeps a factor on the document's noise [-]")
+
+
+class MountingSpread(Part):
+    """How far something differs from one mounting of the machine to the next."""
+
+    name: Name = Field(description="of the parameter: disc.D1.unbalance [kg m] or probe.P1X.run_out [m]")
+    rms: NotNegative = Field(description="rms of the complex difference [kg m or m]")
+
+
+class CalibrationRunRecord(Part):
+    """Provenance of a calibration: one of its recordings."""
+
+    name: Name
+    samples: Annotated[int, Field(ge=1)]
+    mountings: Annotated[int, Field(ge=1)]
+    sha256: Annotated[str, Field(pattern=r"^([0-9a-f]{64})?$")] = Field(default="", description="of the recording's file")
+
+
+class Calibration(Part):
+    """Values of parameters with their joint covariance, and what varies beside them.
+
+    Parameters are the real coordinates of a fit: positive ones as logarithms, complex ones as `.real` and `.imaginary`.
+    """
+
+    parameters: Annotated[tuple[Name, ...], Field(min_length=1, max_length=MOST_PARAMETERS)]
+    values: Row = Field(description="[SI, logarithms of positive ones]")
+    covariance: Annotated[tuple[Row, ...], Field(max_length=MOST_PARAMETERS)] = Field(description="[products of their units]")
+    unbalances: tuple[Name, ...] = Field(default=(), description="parameters that later fits find anew: the machine's own")
+    mounting: Annotated[tuple[MountingSpread, ...], Field(max_length=300)] = ()
+    scatter: Annotated[tuple[ChannelScatter, ...], Field(max_length=2000)] = ()
+    runs: Annotated[tuple[CalibrationRunRecord, ...], Field(max_length=1000)] = ()
+    verdict: Annotated[Text, Field(max_length=4000)] = ""
+
+    @property
+    def moved_by_mounting(self) -> NDArray[np.float64]:
+        """Return the variance (n,) by which each parameter differs from mounting to mounting [square of its unit]."""
+        rms = {f"{one.name}.{part}": one.rms for one in self.mounting for part in ("real", "imaginary")}
+        return np.array([rms.get(name, 0.0) ** 2 / 2.0 for name in self.parameters])
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        count = len(self.parameters)
+        if len(set(self.parameters)) != count:
+            raise ValueError("a parameter stands more than once in the calibration")
+        if len(self.values) != count or len(self.covariance) != count or any(len(row) != count for row in self.covariance):
+            raise ValueError(f"{count} parameters need {count} values and a covariance of {count} rows and columns")
+        covariance = np.array(self.covariance)
+        size = np.sqrt(np.maximum(np.diag(covariance), 0.0))
+        if not np.all(size > 0.0) or not np.allclose(covariance, covariance.T, rtol=1e-6, atol=0.0):
+            raise ValueError("a covariance is symmetric, with variances above zero")
+        if float(np.linalg.eigvalsh(covariance / np.outer(size, size)).min()) < LEAST_CORRELATION_EIGENVALUE:
+            raise ValueError("the covariance is not positive definite: it was changed by hand or cut short")
+        return self
