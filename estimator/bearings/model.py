@@ -203,6 +203,7 @@ class BearingForm(Protocol):
     """Part of a machine document that chooses the model of an element's coefficients."""
 
     own_parameters: ClassVar[tuple[OwnParameter, ...]]
+    of_whole_train: ClassVar[bool]
 
     @property
     def coefficients(self) -> tuple[str, ...] | None:

@@ -8,8 +8,8 @@ from typing import Any, Protocol
 
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
-from estimator.bearings.journal import JournalForm
 from estimator.bearings.terms import TERMS
+from estimator.machine.bearings_on_films import BearingOnFilm, bearings_on_films
 from estimator.machine.films import StaticLoad
 from estimator.machine.parameter_description import describe
 from estimator.machine.part_coefficients import (
@@ -221,10 +221,12 @@ def _film_problems(train: Train) -> Iterator[InitErrorDetails]:
     """Find bearings of which the loads on films cannot be derived: one film needs those of all bearings."""
     for place in ELEMENTS:
         for i, part in enumerate(getattr(train, place)):
-            if place != "bearings" and isinstance(part.speed_dependence, JournalForm):
+            form = part.speed_dependence
+            if place != "bearings" and form is not None and form.of_whole_train:
                 message = "form 'journal' is of bearings with a film only"
                 yield _problem((place, i, "speed_dependence", "form"), "journal", message)
-    on_films = [isinstance(one.speed_dependence, JournalForm) for one in train.bearings]
+    forms = [one.speed_dependence for one in train.bearings]
+    on_films = [form is not None and form.of_whole_train for form in forms]
     films = [one.id for one, film in zip(train.bearings, on_films, strict=True) if film]
     named = [f"bearing.{one}.{term}" for one in films for term in TERMS]
     for i, rule in enumerate(train.parameters):
@@ -243,15 +245,15 @@ def _film_problems(train: Train) -> Iterator[InitErrorDetails]:
 
 def _supply_problems(train: Train) -> Iterator[InitErrorDetails]:
     """Find films of one oil supply of whose viscosities different things are believed: they have one factor."""
-    first: dict[str, JournalForm] = {}
-    for i, bearing in enumerate(train.bearings):
-        form, supply = bearing.speed_dependence, bearing.film and bearing.film.oil.supply
-        if isinstance(form, JournalForm) and supply:
-            known = first.setdefault(supply, form)
+    first: dict[str, BearingOnFilm] = {}
+    for one in bearings_on_films(train.bearings):
+        if one.film.oil.supply is not None:
+            known = first.setdefault(one.film.oil.supply, one).form
             for name in ("viscosity_spread", "viscosity_slope_spread"):
-                if getattr(form, name) != getattr(known, name):
-                    message = f"is another one than that of the first bearing of supply '{supply}', {getattr(known, name):g}"
-                    yield _problem(("bearings", i, "speed_dependence", name), getattr(form, name), message)
+                value, expected = getattr(one.form, name), getattr(known, name)
+                if value != expected:
+                    message = f"is another one than that of the first bearing of supply '{one.film.oil.supply}', {expected:g}"
+                    yield _problem(("bearings", one.number, "speed_dependence", name), value, message)
 
 
 def _matching(pattern: str, names: Iterable[str]) -> list[str]:

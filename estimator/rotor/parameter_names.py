@@ -6,9 +6,9 @@ With these a parameter that was never identified can be told from one that the m
 import re
 from collections.abc import Mapping, Sequence
 
-from estimator.bearings.journal import JournalForm
 from estimator.bearings.registry import OWN_PARAMETERS
 from estimator.bearings.terms import LATERAL
+from estimator.machine.bearings_on_films import bearings_on_films
 from estimator.machine.document import Machine
 from estimator.machine.film_parameter_names import film_parameter_names
 from estimator.machine.film_speeds import follows_films, told_rpm
@@ -49,7 +49,7 @@ def parameter_units(machine: Machine) -> dict[str, str]:
     """
     rotor = assemble_rotor(machine)
     unknown = unknowns(machine, rotor)
-    found = _coefficient_units([one for one in unknown.coefficients if not isinstance(one.form, JournalForm)])
+    found = _coefficient_units([one for one in unknown.coefficients if not one.form.of_whole_train])
     found |= _film_parameter_units(machine)
     found |= {one.name: one.unit for one in unknown.excitations}
     found |= dict.fromkeys((one.name for one in scale_factors(machine, rotor)), UNITS["scale factor"])
@@ -99,10 +99,9 @@ def derived_units(machine: Machine) -> dict[str, str]:
 def _film_parameter_units(machine: Machine) -> dict[str, str]:
     """Return the SI unit by name of the parameters of films that coefficients follow from."""
     found: dict[str, str] = {}
-    for one in machine.bearings:
-        if one.film is not None and isinstance(one.speed_dependence, JournalForm):
-            names = film_parameter_names(one.id, one.film, one.speed_dependence).values()
-            found |= {name: OWN_PARAMETERS[describe(name).quantity].unit for name in names}
+    for one in bearings_on_films(machine.bearings):
+        names = film_parameter_names(one.id, one.film, one.form).values()
+        found |= {name: OWN_PARAMETERS[describe(name).quantity].unit for name in names}
     return found
 
 

@@ -1,13 +1,13 @@
 """The seam of bearing models: what the fit relies on holds for every form that is registered."""
 
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
 from pydantic import TypeAdapter
 
 from estimator.bearings.model import BearingForm, CoefficientModel, ModelParameter
-from estimator.bearings.registry import CONSTANT, FORM_NAMES, DeclaredForm, place_of
+from estimator.bearings.registry import CONSTANT, FORMS, DeclaredForm, place_of
 from estimator.machine.document import parse_machine
 from estimator.machine.parameter_description import describe
 from estimator.rotor.coefficient_models import expects_a_law
@@ -24,9 +24,10 @@ EXAMPLES: dict[str, dict[str, Any]] = {
     },
 }
 """One document of each form; a form without one fails the tests."""
-OF_A_TRAIN = {"journal"}
-"""Forms that give the coefficients of all bearings together: tests/estimator/statics/test_film_model.py is theirs."""
-BY_ITSELF = sorted(set(FORM_NAMES) - OF_A_TRAIN)
+BY_ITSELF = sorted(
+    name for form in FORMS if not form.of_whole_train for name in get_args(form.model_fields["form"].annotation)
+)
+"""Forms that give the coefficients of each bearing by itself; tests/estimator/statics/test_film_model.py is of the others."""
 SPEED = np.linspace(40.0, 330.0, 13)
 DIRECT = ModelParameter("bearing.B1.kxx", "stiffness", "N/m", True, 2e8, 1e8, 1.0, coefficient="bearing.B1.kxx")
 CROSS = ModelParameter("bearing.B1.kxy", "stiffness", "N/m", False, 0.0, 1e8, 10.0, coefficient="bearing.B1.kxy")
