@@ -28,6 +28,14 @@ class Invalid(DomainError, ValueError):
     """Raised when the input cannot be right, or nothing can be made of it."""
 
 
+class Unreadable(DomainError, ValueError):
+    """Raised when bytes cannot be read as what they are said to be."""
+
+
+class Oversized(DomainError, ValueError):
+    """Raised when more comes at once than is taken."""
+
+
 class Missing(DomainError, LookupError):
     """Raised when the object asked for does not exist; the error's argument names it."""
 

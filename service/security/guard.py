@@ -10,6 +10,7 @@ from sqlalchemy.exc import DBAPIError
 from starlette.responses import Response
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from service.http.database_errors import categorized
 from service.http.error_status import status_of
 from service.http.problem import problem_response
 from service.resilience.rate_limit import RateLimit
@@ -90,12 +91,9 @@ class Guard:
             answer = _wait(wait) if wait else _unauthenticated(str(error), headers)
             await answer(scope, receive, send)
             return
-        except (NotThere, KeysUnavailable) as error:
-            await problem_response(status_of(error), error.detail)(scope, receive, send)
-            return
-        except DBAPIError as error:
-            detail = f"the database does not answer: {error.orig}"
-            await problem_response(HTTPStatus.SERVICE_UNAVAILABLE, detail)(scope, receive, send)
+        except (NotThere, KeysUnavailable, DBAPIError) as error:
+            told = categorized(error) if isinstance(error, DBAPIError) else error
+            await problem_response(status_of(told), told.detail)(scope, receive, send)
             return
         if refused is not None:
             if refused.status_code == HTTPStatus.FORBIDDEN and operation is not None:
