@@ -29,9 +29,9 @@ estimator/identification: estimator estimator/fit estimator/machine estimator/mo
     estimator/updated_model
 storage:
 storage/tables:
-storage/machines: estimator estimator/machine estimator/phasors storage storage/database storage/tables
 storage/encoding: estimator estimator/fit estimator/phasors
 storage/database: estimator storage storage/encoding storage/tables
+storage/machines: estimator estimator/machine estimator/phasors storage storage/database storage/tables
 storage/measurements: estimator estimator/phasors estimator/runs storage storage/encoding storage/tables
 storage/alerts: estimator storage storage/database storage/tables
 storage/backup: storage storage/database storage/encoding storage/tables

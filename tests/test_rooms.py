@@ -114,6 +114,15 @@ def test_no_room_and_no_file_is_in_a_circle() -> None:
     assert circle({one: set(others) for one, others in imports().items()}) == []
 
 
+def test_no_arrow_goes_up() -> None:
+    """The table lists the rooms from the bottom up, the ground floor of each package before its rooms."""
+    floor = {one: place for place, one in enumerate(ROOMS)}
+    assert [f"{one} -> {other}" for one, others in ROOMS.items() for other in others if floor[other] >= floor[one]] == []
+    order = {package: place for place, package in enumerate(PACKAGES)}
+    found = [(one, other) for one, others in arrows().items() for other in others]
+    assert [arrow for arrow in found if order[arrow[1].split("/")[0]] > order[arrow[0].split("/")[0]]] == []
+
+
 def test_a_circle_is_found() -> None:
     assert circle({"a": {"b"}, "b": {"c"}, "c": {"b"}}) == ["b", "c", "b"]
 
