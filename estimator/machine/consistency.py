@@ -299,7 +299,7 @@ def _value_problems(
     over_speed: Container[str],
     coefficients: Container[str],
 ) -> Iterator[str]:
-    """Say what a rule asks of parameters that their nominal values do not allow. ruled: parameters that the rule is in force
+    """Yield what a rule asks of parameters that their nominal values do not allow. ruled: parameters that the rule is in force
     for."""
     given = [name for name in ruled if name in over_speed]
     if given and rule.tied_to is None:
