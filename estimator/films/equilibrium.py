@@ -1,9 +1,9 @@
 """Positions at which a film carries a static load.
 
-The load is what acts on the journal, in any direction: a weight W is (0, -W). Newton's method with the exact stiffness, never
-past the end of the film, from the best of some hundred positions known of each film: it needs no sequence of loads and finds a
-journal that carries next to nothing as well as one close to the wall. Damping of the steps as in P. Deuflhard, Newton
-Methods for Nonlinear Problems, Springer, 2004.
+The load acts on the journal, in any direction: a weight W is (0, -W). Newton's method with the exact stiffness starts from the
+best of some hundred positions that are tabulated for each film, and never leaves the film. It needs no sequence of loads, and
+finds a nearly unloaded journal as well as one close to the wall. Damping of the steps as in P. Deuflhard, Newton Methods for
+Nonlinear Problems, Springer, 2004.
 """
 
 import numpy as np

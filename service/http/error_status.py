@@ -1,4 +1,4 @@
-"""HTTP status of each category of errors: the only table of statuses, whoever raises the error."""
+"""HTTP status of each category of errors: the only table of statuses."""
 
 from collections.abc import Mapping
 from http import HTTPStatus

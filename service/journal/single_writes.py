@@ -26,7 +26,7 @@ MAXIMUM_DOUBLINGS = 6
 
 
 class Acknowledgement(Protocol):
-    """Whoever tells that a batch is stored."""
+    """Acknowledges stored batches."""
 
     def acknowledge(self, one: HeldBatch, outcome: StoreOutcome) -> None:
         """Note that a batch's source works, and tell whoever waits for the batch."""
@@ -36,7 +36,7 @@ class SingleWrites:
     """One pass through the batches of a failed transaction. For the ingest thread only.
 
     Batches that cannot be stored are quarantined; sources of which nothing could be stored are reported to `backoff` at the
-    end of the pass. acknowledgement: is told of each batch that is stored.
+    end of the pass. acknowledgement: called with each batch that is stored.
     """
 
     def __init__(self, journal: Journal, refusals: Refusals, backoff: SourceBackoff, acknowledgement: Acknowledgement) -> None:

@@ -190,14 +190,14 @@ class Guard:
         if asked.is_recorded:
             recorded = AuditedTransactions(self._database, who.plants, asked.entry(who, "done"))
 
-        async def still() -> bool:
-            return given is None or await self._rules.authentication.still(given, who)
+        async def still_valid() -> bool:
+            return given is None or await self._rules.authentication.still_valid(given, who)
 
         state = asked.scope.setdefault("state", {})
         state["principal"] = who
         state["operation"] = asked.operation
         state["store"] = recorded or plain(self._database, who.plants)
-        state["still"] = still
+        state["still_valid"] = still_valid
         code = 0
 
         async def recording_send(message: Message) -> None:
@@ -226,7 +226,7 @@ class Guard:
 
 
 def _unauthorized(who: Principal, asked: _GuardedRequest) -> Response | None:
-    """Return the answer to whoever may not use the operation."""
+    """Return the answer to a principal who may not use the operation."""
     if asked.operation is None or asked.operation.requirement.met(who):
         return None
     words = asked.operation.requirement.words
