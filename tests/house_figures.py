@@ -62,9 +62,12 @@ def _rooms() -> Iterator[HouseFigure]:
     for place, counts in (("the packages", python), ("the page", page)):
         yield HouseFigure(f"files in the largest folder of {place}", test_rooms.LARGEST_ROOM, max(counts))
         yield HouseFigure(f"files in the median folder of {place}", test_rooms.MEDIAN_ROOM, median(counts))
-    graphs = {"files": test_rooms.imports(), "rooms": test_rooms.arrows()}
+    graphs = {
+        "files": {one: set(others) for one, others in test_rooms.imports().items()},
+        "rooms": {one: set(others) for one, others in test_rooms.arrows().items()},
+    }
     for what, graph in graphs.items():
-        found = test_rooms.circle({one: set(others) for one, others in graph.items()})
+        found = test_rooms.circle(graph)
         yield HouseFigure(f"{what} in a circle of imports", 0, max(0, len(found) - 1))
     floor = {one: place for place, one in enumerate(ROOMS)}
     arrows = [(one, other) for one, others in test_rooms.arrows().items() for other in others]
