@@ -135,6 +135,15 @@ def test_rooms_are_small() -> None:
     assert median(sizes.values()) <= MEDIAN_ROOM
 
 
+WITHOUT_TESTS = {"storage/tables": "declarations: tests/storage/database compares them with the migrations"}
+"""Rooms without tests of their own, and why."""
+
+
+def test_tests_mirror_the_rooms() -> None:
+    rooms = {path.parent.as_posix() for path in files().values()}
+    assert {one for one in rooms if not list((ROOT / "tests" / one).glob("test_*.py"))} == set(WITHOUT_TESTS)
+
+
 @pytest.mark.parametrize("package", sorted({path.parent.as_posix() for path in files().values()}))
 def test_each_room_says_what_lives_there(package: str) -> None:
     """In two or three sentences: what lives there, what it may import, where data come from and go to."""

@@ -227,7 +227,7 @@ def assemble_rotor(machine: Machine) -> Rotor:
 
 
 def _rotor_without_mass(machine: Machine) -> Rotor:
-    """Number the nodes of a machine, shaft by shaft and then the pedestals; all matrices are zero."""
+    """Lay out the nodes of a machine, shaft by shaft and then the pedestals; all matrices are zero."""
     stations = {shaft.id: node_stations(machine, shaft) for shaft in machine.shafts}
     first_node: dict[str, int] = {}
     nodes = 0
