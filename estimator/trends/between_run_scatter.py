@@ -2,9 +2,9 @@
 
 A baseline of a few runs says little about its own scatter. Each variance therefore has a prior, a scaled inverse χ² with
 PRIOR_WEIGHT degrees of freedom around the usual value, to which the baseline's n runs add n - 1. This is the conjugate
-analysis of a normal variance (Gelman et al., Bayesian Data Analysis, 3rd ed., §3.2), used to shrink the variances of many genes (Smyth
-2004, doi:10.2202/1544-6115.1027). A deviation over the root of the variance then follows Student's t. The part that the fits'
-own errors explain is subtracted first; runs whose errors are large beside the scatter count for less.
+analysis of a normal variance (Gelman et al., Bayesian Data Analysis, 3rd ed., §3.2), used to shrink the variances of many
+genes (Smyth 2004, doi:10.2202/1544-6115.1027). A deviation over the root of the variance then follows Student's t. The part
+that the fits' own errors explain is subtracted first; runs whose errors are large beside the scatter count for less.
 """
 
 import math
