@@ -1,5 +1,7 @@
 """The seam of bearing models: what the fit relies on holds for every form that is registered."""
 
+import ast
+import re
 from typing import Any, get_args
 
 import numpy as np
@@ -12,6 +14,7 @@ from estimator.machine.document import parse_machine
 from estimator.machine.parameter_description import describe
 from estimator.rotor.coefficient_models import expects_a_law
 from tests.estimator.trains import chapter_3_document
+from tests.paths import ROOT
 
 EXAMPLES: dict[str, dict[str, Any]] = {
     "piecewise": {"knots_rpm": [500, 1500, 3000]},
@@ -109,3 +112,17 @@ def test_a_place_in_a_document_does_not_name_the_class_of_a_form() -> None:
         "form",
     )
     assert place_of({"type": "missing", "loc": ("materials", "SpeedDependence", "density")})[1] == "SpeedDependence"
+
+
+def test_only_one_place_asks_for_the_class_of_a_form() -> None:
+    """All others ask what the form declares, so that one more form is no case of theirs."""
+    names = {form.__name__ for form in FORMS}
+    found = {
+        path.relative_to(ROOT).as_posix()
+        for package in ("estimator", "storage", "service")
+        for path in (ROOT / package).rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.Call) and ast.unparse(node.func) == "isinstance"
+        if names & set(re.findall(r"\w+", ast.unparse(node.args[1])))
+    }
+    assert found == {"estimator/machine/bearings_on_films.py"}
