@@ -30,7 +30,7 @@ def test_a_block_is_measured_although_it_fails() -> None:
 
 def test_it_outlives_the_end_of_a_period_and_is_then_forgotten(monkeypatch: pytest.MonkeyPatch) -> None:
     clock = [100.0]
-    monkeypatch.setattr(recent_maximum.time, "monotonic", lambda: clock[0])
+    monkeypatch.setattr("storage.recent_maximum.time.monotonic", lambda: clock[0])
     found = RecentMaximum()
     found.note(3.0)
     clock[0] += recent_maximum.PERIOD_S + 1.0
