@@ -16,9 +16,9 @@ from estimator.phasors.channel_status import ChannelStatus
 from storage.database.engine import Database
 from storage.encoding.packing import QUANTUM, on_grid
 from storage.encoding.sample_blocks import Samples
+from storage.encoding.source_key import SourceKey
 from storage.machines import machines
 from storage.measurements import runs, samples
-from storage.measurements.samples import SourceKey
 from tests.plant import KEY, START, assert_same_samples, machine
 
 COUNT, CHANNELS = 10_000, 16

@@ -42,7 +42,7 @@ storage/operation: estimator storage storage/alerts storage/database storage/enc
     storage/tables
 service/export: estimator/machine estimator/phasors storage storage/database storage/encoding storage/machines
     storage/measurements storage/tables
-service/wire: estimator estimator/machine estimator/phasors storage storage/encoding storage/measurements
+service/wire: estimator estimator/machine estimator/phasors storage storage/encoding
 service/alerts: estimator storage storage/alerts storage/tables
 service/resilience: service/wire storage storage/database storage/measurements
 service/secrets: storage/backup storage/database
@@ -51,8 +51,14 @@ service/http: estimator service/configuration service/resilience service/secrets
 service/messaging: service/configuration service/wire
 service/replication: service/configuration service/resilience storage/database storage/findings storage/operation
     storage/tables
-service/sources: estimator estimator/machine estimator/runs estimator/simulation service/configuration service/export
-    service/wire storage storage/database
+service/sources: estimator estimator/machine estimator/phasors estimator/runs estimator/simulation
+    service/configuration service/export service/wire storage storage/database
+rotorundown/environment:
+rotorundown/plots: estimator estimator/fit estimator/machine estimator/modes estimator/phasors estimator/statics
+    estimator/updated_model rotorundown/environment
+rotorundown: estimator estimator/diagnosis estimator/fit estimator/identification estimator/machine estimator/modes
+    estimator/phasors estimator/simulation estimator/updated_model rotorundown/environment rotorundown/plots
+    service/configuration service/sources service/wire storage storage/encoding
 service/workers: service/configuration
 service/delivery: estimator service/alerts service/configuration service/replication service/resilience service/secrets
     storage storage/alerts storage/backup storage/database storage/encoding storage/machines storage/operation storage/tables
@@ -75,7 +81,7 @@ service/maintenance: service/configuration service/replication service/resilienc
     storage/database storage/machines storage/measurements storage/operation
 service/api/conventions: estimator estimator/machine service/export service/http service/identification
     service/secrets service/security storage storage/findings
-service/recovery: service/journal service/replication service/resilience service/wire storage/measurements
+service/recovery: service/journal service/replication service/resilience service/wire storage/encoding
 service/api/cache: estimator service/api/conventions service/http storage/database
 service/api/measurements: estimator estimator/machine estimator/phasors service/api/conventions service/http
     service/identification service/journal service/security service/wire storage storage/encoding storage/machines
@@ -102,7 +108,8 @@ service/api: service/api/alerts service/api/cache service/api/conventions servic
     service/http service/identification service/journal service/resilience service/security storage/database
 service/doctor: service/api service/configuration service/delivery service/maintenance service/messaging
     service/security service/wire storage/alerts storage/backup storage/database storage/operation
-service/commands: estimator estimator/fit estimator/identification estimator/machine estimator/modes estimator/phasors
+service/commands: rotorundown
+    estimator estimator/fit estimator/identification estimator/machine estimator/modes estimator/phasors
     estimator/simulation estimator/statics estimator/thesis estimator/updated_model service/api service/api/operation
     service/configuration service/delivery service/doctor service/edge service/export service/http
     service/identification service/ingest service/journal service/maintenance service/messaging service/monitoring

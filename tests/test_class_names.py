@@ -8,7 +8,7 @@ from tests.imports import ROOT
 
 def test_no_two_classes_have_one_name() -> None:
     found = defaultdict[str, list[str]](list)
-    for package in ("estimator", "storage", "service", "benchmarks"):
+    for package in ("estimator", "storage", "service", "rotorundown", "benchmarks"):
         for path in sorted((ROOT / package).rglob("*.py")):
             for node in ast.walk(ast.parse(path.read_text())):
                 if isinstance(node, ast.ClassDef):

@@ -12,7 +12,7 @@ import pytest
 from tests.estimator.test_docstrings import NO_OPENING, VERBS
 
 ROOT = Path(__file__).parents[1]
-PACKAGES = ("service", "storage", "benchmarks")
+PACKAGES = ("service", "storage", "rotorundown", "benchmarks")
 OWN_VERBS = (
     "Accept Acknowledge Acquire Allow Answer Append Apply Ask Begin Bind Call Cancel Claim Clear Close Commit Complete "
     "Compose Compress Configure Confirm Copy Create Decode Decrypt Delete Deliver Demonstrate Disable Disconnect Drop "
@@ -23,7 +23,7 @@ OWN_VERBS = (
     "Suppress Tell Try Tune Unlatch Update Verify Wait Write "
     "Concatenate Do Flush Freeze Limit Lock Note Order Overwrite Pack Pickle Process Rename Restrict Rewrite Transfer "
     "Undeclare Unlock Upgrade Work Abandon Continue Declare Deregister Exclude File Forget Go Have Iterate Look Postpone "
-    "Query Reopen Request Say Warn"
+    "Query Reopen Request Say Warn Plot"
 )
 """First words of a function's docstring, beside those of the estimator; a verb that is missing may be added."""
 ALEMBIC = ("upgrade", "downgrade")

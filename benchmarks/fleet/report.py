@@ -84,7 +84,7 @@ SHORT = (
 
 
 @dataclass(frozen=True)
-class Result:
+class FleetResult:
     """One machine's outcome. changes: kind and element of what befell it. refused: identifications that were not accepted."""
 
     ordered: Ordered
@@ -93,10 +93,10 @@ class Result:
     refused: int
 
 
-def result(ordered: Ordered, *, keep: Path | None = None) -> Result:
+def result(ordered: Ordered, *, keep: Path | None = None) -> FleetResult:
     """Simulate, identify and judge one machine's history as the service would. keep: folder for what was identified."""
     one = watched(ordered) if keep is None else kept(ordered, keep)
-    return Result(
+    return FleetResult(
         ordered,
         tuple((change.kind, change.element) for change in one.history.changes),
         judged(one.history, service_rule(one.history, one.identifications)),
@@ -117,7 +117,7 @@ def part_interval(count: int, of: int) -> tuple[float, float]:
     return float(found.low), float(found.high)
 
 
-def report(found: Sequence[Result]) -> str:
+def report(found: Sequence[FleetResult]) -> str:
     """Return all figures."""
     parts = (_amount(), _false_alarms(found), _power(found), _drift(found), _names(found), _matrix(found))
     return "\n\n".join(_table(rows) for rows in parts)
@@ -149,7 +149,7 @@ def _rises(name: str, machine_id: str, place: int, growth: float) -> list[str]:
     return [f"{name}: {machine.id} {coupling.id}", f"{100 * growth:+.1f} %", *rise]
 
 
-def _false_alarms(found: Sequence[Result]) -> list[list[str]]:
+def _false_alarms(found: Sequence[FleetResult]) -> list[list[str]]:
     columns = ["machine-years", "alerts", "a year", "97.5 % below", "asked", "fits refused"]
     rows = [["false misalignment alerts", "machine", "season", *columns]]
     for name, scenarios, asked in (("healthy", HEALTHY, HEALTHY_ASKED), ("disturbed", DISTURBED, DISTURBED_ASKED)):
@@ -159,13 +159,13 @@ def _false_alarms(found: Sequence[Result]) -> list[list[str]]:
     return rows
 
 
-def _rate(group: Sequence[Result]) -> list[str]:
+def _rate(group: Sequence[FleetResult]) -> list[str]:
     years = math.fsum(one.outcome.years for one in group)
     count = sum(one.outcome.false_misalignments for one in group)
     return [f"{years:.1f}", str(count), f"{count / years:.3f}", f"{rate_bound(count, years):.3f}"]
 
 
-def _power(found: Sequence[Result]) -> list[list[str]]:
+def _power(found: Sequence[FleetResult]) -> list[list[str]]:
     rows = [[f"detected within {SOON} runs", "machine", "season", "machines", "part", "95 % interval", "asked"]]
     for scenario in STEPS:
         groups = _grouped(found, (scenario,), lambda one: (one.scenario, one.machine, one.seasonality), (scenario, "all", ""))
@@ -180,7 +180,7 @@ def _part(count: int, of: int) -> list[str]:
     return [str(of), f"{100 * count / of:.1f} %", f"{100 * low:.1f} to {100 * high:.1f} %"]
 
 
-def _drift(found: Sequence[Result]) -> list[list[str]]:
+def _drift(found: Sequence[FleetResult]) -> list[list[str]]:
     rows = [[f"drift to A1 in {DRIFT_WEEKS} weeks", "machines", "detected", "median part", "asked"]]
     groups = _grouped(found, ("misalignment drift",), lambda one: (one.machine,), ("all",))
     for (machine,), group in groups.items():
@@ -191,7 +191,7 @@ def _drift(found: Sequence[Result]) -> list[list[str]]:
     return rows
 
 
-def _names(found: Sequence[Result]) -> list[list[str]]:
+def _names(found: Sequence[FleetResult]) -> list[list[str]]:
     rows = [
         ["right kind and element", "machine", "changes", "named", "95 % interval", "asked", "first", "wrong alerts a year"]
     ]
@@ -205,13 +205,13 @@ def _names(found: Sequence[Result]) -> list[list[str]]:
     return rows
 
 
-def _wrong(group: Sequence[Result]) -> str:
+def _wrong(group: Sequence[FleetResult]) -> str:
     years = math.fsum(one.outcome.years for one in group)
     wrong = Counter(opening.named[0] for one in group for opening in one.outcome.wrong)
     return ", ".join(f"{kind} {number / years:.2f}" for kind, number in sorted(wrong.items())) or "none"
 
 
-def _matrix(found: Sequence[Result]) -> list[list[str]]:
+def _matrix(found: Sequence[FleetResult]) -> list[list[str]]:
     """Return the findings of the first alert after a change, in the scenarios with one change."""
     groups = _grouped(found, NAMED, lambda one: (one.scenario,), ())
     counts = {key[0]: Counter(_called(one) for one in group) for key, group in groups.items()}
@@ -220,7 +220,7 @@ def _matrix(found: Sequence[Result]) -> list[list[str]]:
     return [["first alert after a", *called], *rows]
 
 
-def _called(one: Result) -> str:
+def _called(one: FleetResult) -> str:
     """Return the kind, and whether it was at another element."""
     named, change = one.outcome.named[0], one.changes[0]
     if named is None:
@@ -229,10 +229,10 @@ def _called(one: Result) -> str:
 
 
 def _grouped(
-    found: Sequence[Result], scenarios: Sequence[str], key: Callable[[Ordered], tuple[str, ...]], whole: tuple[str, ...]
-) -> dict[tuple[str, ...], list[Result]]:
+    found: Sequence[FleetResult], scenarios: Sequence[str], key: Callable[[Ordered], tuple[str, ...]], whole: tuple[str, ...]
+) -> dict[tuple[str, ...], list[FleetResult]]:
     """Return the results of some scenarios by key, and all of them together at the end, if that has a name."""
-    groups: dict[tuple[str, ...], list[Result]] = defaultdict(list)
+    groups: dict[tuple[str, ...], list[FleetResult]] = defaultdict(list)
     chosen = [one for one in found if one.ordered.scenario in scenarios]
     for one in chosen:
         groups[key(one.ordered)].append(one)

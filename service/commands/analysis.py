@@ -4,7 +4,7 @@ Each imports what it computes with by itself: that takes a second, which other c
 """
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
@@ -59,7 +59,7 @@ def identify_offline(
         _regress(machine, files, sidecar, tikhonov, slow_roll)
         return
     described, measurement, found = _gated(
-        machine, files, sidecar, rules={"half_power": half_power, "accepted_rpm": accepted_rpm}, gate=gate, slow_roll=slow_roll
+        machine, files, sidecar, half_power=half_power, accepted_rpm=accepted_rpm, gate=gate, slow_roll=slow_roll
     )
     text = quality_text([file.name for file in files], found.qualities, gate=gate)
     if found.identification is None:
@@ -142,8 +142,8 @@ def compare(
 
     from estimator.identification.model_comparison import compare_misalignment
     from service.commands.identification_report import comparison_text
-    from service.commands.offline import read_measurement
     from service.configuration.document_files import UnreadableFile
+    from service.sources.recorded_runs import read_measurement
     from service.wire import Rejected
 
     described, _, healthy = _identified(machine, [baseline], None)
@@ -169,8 +169,8 @@ def show_slow_roll(
     """Print the slow-roll vectors of a recorded run. Ends with status 1 when no channel shows one."""
     from estimator.phasors.measurement import joined
     from service.commands.identification_report import slow_roll_text
-    from service.commands.offline import captured
     from service.configuration.document_files import UnreadableFile
+    from service.sources.recorded_runs import captured
     from service.wire import Rejected
 
     try:
@@ -207,8 +207,8 @@ def _runs(
     """Read a document and its recorded runs, without the slow roll of a band where one is given."""
     from service.commands.document_warnings import say_warnings
     from service.commands.identification_report import slow_roll_text
-    from service.commands.offline import read_runs, without_slow_roll
     from service.configuration.document_files import read_machine
+    from service.sources.recorded_runs import read_runs, without_slow_roll
 
     described = read_machine(machine)
     say_warnings(described)
@@ -234,28 +234,21 @@ def _gated(
     files: list[Path],
     sidecar: Path | None,
     *,
-    rules: dict[str, Any] | None = None,
+    half_power: bool | None = None,
+    accepted_rpm: tuple[float, float] | None = None,
     gate: bool = True,
     slow_roll: str | None = None,
 ) -> "tuple[Machine, Measurement, GatedIdentification]":
-    import threadpoolctl
-    from pydantic import ValidationError
-
-    from estimator.identification.quality_gate import identify_gated
-    from estimator.machine.rules import QualityRules
     from estimator.phasors.measurement import joined
+    from rotorundown.identification import identify_behind_gate
+    from rotorundown.runs import MachineRun
     from service.configuration.document_files import UnreadableFile
     from service.wire import Rejected
 
     try:
         described, runs = _runs(machine, files, sidecar, slow_roll)
-        recorded, measured = [run for run, _ in runs], [measurement for _, measurement in runs]
-        given = {name: value for name, value in (rules or {}).items() if value is not None}
-        wanted = QualityRules.model_validate(described.quality.model_dump() | given)
-        with threadpoolctl.threadpool_limits(1):
-            found = identify_gated(described, recorded, measured, rules=wanted, gate=gate)
-        return described, joined(measured), found
-    except ValidationError as error:
-        fail("\n".join(item["msg"].removeprefix("Value error, ") for item in error.errors()))
+        named = [MachineRun(file.name, described.channels, *run) for file, run in zip(files, runs, strict=True)]
+        found = identify_behind_gate(described, named, gate=gate, half_power=half_power, accepted_rpm=accepted_rpm)
+        return described, joined([run.measurement for run in named]), found
     except (UnreadableFile, Rejected, ValueError) as error:
         fail(str(error))

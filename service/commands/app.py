@@ -16,6 +16,7 @@ import typer
 from estimator.simulation.stories import Story
 from service.commands.analysis import compare, identify_offline, model, show_slow_roll
 from service.commands.exit import fail
+from service.commands.help_panels import PanelledGroup
 from service.commands.keys import audit_app, key_app
 from service.commands.retention import retention_app
 from service.commands.storage import backup, export, move, restore
@@ -27,7 +28,8 @@ from service.configuration.settings import DEFAULT_ZENOH_ENDPOINT, Role, Setting
 if TYPE_CHECKING:
     from estimator.machine.document import Machine
 
-app = typer.Typer(no_args_is_help=True, add_completion=False)
+# Markdown leaves units in brackets alone; the other markup takes them for styles and prints nothing.
+app = typer.Typer(no_args_is_help=True, cls=PanelledGroup, rich_markup_mode="markdown")
 app.add_typer(key_app, name="key")
 app.add_typer(audit_app, name="audit")
 app.add_typer(retention_app, name="retention")
@@ -37,7 +39,6 @@ for command in (backup, restore, move, export):
     app.command()(command)
 
 LINGER_S = 5.0
-SAMPLE_S = 600.0
 
 
 def _print_version(asked: bool) -> None:
@@ -68,7 +69,7 @@ def serve(
         bool | None, typer.Option("--allow-no-authentication", help="the first of two settings; see docs/security.md")
     ] = None,
 ) -> None:
-    """Run the service. Every setting can also come from the environment as RUNDOWN_<NAME>; see docs/operators.md."""
+    """Run the service. Every setting can also come from the environment as RUNDOWN_NAME; see docs/operators.md."""
     given: dict[str, Any] = {
         "database": database,
         "host": host,
@@ -282,27 +283,14 @@ def sample(
     run_seed: Annotated[int, typer.Option(min=0, help="of the run: its scatter and noise")] = 1,
 ) -> None:
     """Write one simulated run-down as a recording, to try the commands on."""
-    import numpy as np
-
-    from estimator.simulation.simulated_plant import (
-        draw_truth,
-        measured_phasors,
-        speed_law,
-        truth_at_progress,
-        truth_of_run,
-    )
-    from estimator.units import RAD_PER_S
+    from rotorundown.simulation import simulate as simulate_run
     from service.configuration.document_files import UnreadableFile
     from service.sources.recording import write_recording
 
     try:
         described, story = _machine_and_story(machine)
-        true = truth_at_progress(draw_truth(described, np.random.default_rng(seed)), described, story, progress)
-        rng = np.random.default_rng([seed, run_seed])
-        times, speed = speed_law(described, "run-down", duration=SAMPLE_S, samples=samples)
-        phasor = measured_phasors(described, truth_of_run(true, rng), speed, rng)
-        interval = float(times[1] - times[0])
-        write_recording(file, described, speed_rpm=speed / RAD_PER_S["rpm"], phasor=phasor, interval_s=interval)
+        run = simulate_run(described, story=story, progress=progress, samples=samples, seed=seed, run_seed=run_seed)
+        write_recording(file, described, speed_rpm=run.speed_rpm, phasor=run.recorded.phasor, interval_s=run.interval_s)
     except (UnreadableFile, ValueError, OSError) as error:
         fail(str(error))
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from service.wire import Fault, Rejected, SampleBatch, source_key
-from storage.measurements.samples import SourceKey
+from storage.encoding.source_key import SourceKey
 
 LARGEST_GAP = 1_000_000_000
 """A sequence number further ahead than this is an error, not a gap."""

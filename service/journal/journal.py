@@ -24,10 +24,10 @@ from service.runs.silence import SilentMachines
 from service.wire import Rejected, SampleBatch, SourceReceived, to_samples
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples, join
+from storage.encoding.source_key import SourceKey
 from storage.machines import machines
 from storage.measurements import quarantine, runs, samples
 from storage.measurements.quarantine import Rejection
-from storage.measurements.samples import SourceKey
 
 logger = logging.getLogger(__name__)
 

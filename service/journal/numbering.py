@@ -17,9 +17,9 @@ from service.journal.sequence_gaps import FilledPart, SequenceGap
 from service.resilience.bounded_dict import BoundedDict
 from service.wire import Fault, Rejected, SampleBatch, to_samples
 from storage.encoding.sample_blocks import Samples
+from storage.encoding.source_key import SourceKey
 from storage.measurements import samples
 from storage.measurements.quarantine import Rejection
-from storage.measurements.samples import SourceKey
 from storage.tables.measurements import SourceRow
 
 

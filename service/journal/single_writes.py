@@ -17,7 +17,7 @@ from service.journal.journal import Journal
 from service.journal.refusals import Refusals
 from service.journal.source_backoff import SourceBackoff
 from storage.database.errors import is_database_wide
-from storage.measurements.samples import SourceKey
+from storage.encoding.source_key import SourceKey
 
 MAXIMUM_TRIES = 50
 """Batches of a source that are tried while none of them could be stored; the rest is left in its log."""

@@ -10,7 +10,7 @@ from contextlib import contextmanager
 
 from service.resilience.backoff import Backoff
 from storage.database.errors import is_database_wide
-from storage.measurements.samples import SourceKey
+from storage.encoding.source_key import SourceKey
 
 logger = logging.getLogger(__name__)
 

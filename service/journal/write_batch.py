@@ -17,7 +17,7 @@ from service.journal.source_backoff import SourceBackoff
 from service.replication.work_share import lease_of
 from service.resilience.bounded_dict import BoundedDict
 from storage.database.errors import is_database_wide
-from storage.measurements.samples import SourceKey
+from storage.encoding.source_key import SourceKey
 
 logger = logging.getLogger(__name__)
 

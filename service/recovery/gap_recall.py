@@ -13,7 +13,7 @@ from service.recovery.protocols import BatchSink, GapRecords, ReplyReader
 from service.resilience.backoff import Backoff
 from service.resilience.bounded_dict import BoundedDict
 from service.wire import Key
-from storage.measurements.samples import SourceKey
+from storage.encoding.source_key import SourceKey
 
 
 @dataclass

@@ -23,7 +23,7 @@ from service.recovery.protocols import BatchSink, GapRecords, ReplyReader
 from service.recovery.quiet_logs import QuietLogs
 from service.replication.work_share import Share
 from service.wire import Key
-from storage.measurements.samples import SourceKey
+from storage.encoding.source_key import SourceKey
 
 PATIENCE_S = 3.0
 """Time for which batches behind a gap wait for the source's log, which may still be reconnecting."""

@@ -4,7 +4,7 @@ import math
 import time
 
 from service.resilience.bounded_dict import BoundedDict
-from storage.measurements.samples import SourceKey
+from storage.encoding.source_key import SourceKey
 
 SILENCE_S = 10.0
 """Time for which gaps of a source without a replying log are counted as lost at once.

@@ -9,7 +9,7 @@ import zenoh
 from service.recovery.log_queries import LogQueries, replies_so_far
 from service.resilience.bounded_dict import BoundedDict
 from service.wire import IDENTIFIER, Key
-from storage.measurements.samples import SourceKey
+from storage.encoding.source_key import SourceKey
 
 logger = logging.getLogger(__name__)
 

@@ -12,7 +12,7 @@ from service.recovery.log_queries import LogQueries, replies_so_far
 from service.recovery.protocols import BatchSink, ReplyReader
 from service.resilience.bounded_dict import BoundedDict
 from service.wire import Key
-from storage.measurements.samples import SourceKey
+from storage.encoding.source_key import SourceKey
 
 
 @dataclass

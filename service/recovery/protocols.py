@@ -12,7 +12,7 @@ import zenoh
 from service.journal.batch import ArrivedBatch
 from service.journal.sequence_gaps import SequenceGap
 from service.wire import Key
-from storage.measurements.samples import SourceKey
+from storage.encoding.source_key import SourceKey
 
 
 class BatchSink(Protocol):

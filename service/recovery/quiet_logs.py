@@ -14,7 +14,7 @@ from service.recovery.log_queries import LogQueries, replies_so_far
 from service.recovery.log_replay import LogReplays
 from service.recovery.protocols import ReplyReader
 from service.wire import Key
-from storage.measurements.samples import SourceKey
+from storage.encoding.source_key import SourceKey
 
 
 class QuietLogs:

@@ -7,7 +7,7 @@ import msgspec
 from estimator.phasors.channel_status import ChannelStatus
 from service.wire.keys import IDENTIFIER
 from service.wire.rejection import Rejected
-from storage.measurements.samples import SourceKey
+from storage.encoding.source_key import SourceKey
 
 WIRE_SCHEMA = 1
 LARGEST_BATCH = 5_000

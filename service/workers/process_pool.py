@@ -203,6 +203,8 @@ class _Slot:
         try:
             return self._begin()
         except (EOFError, OSError, RuntimeError) as error:
+            if self._given_up is not None:  # killed while it was starting
+                raise self._given_up from error
             logger.error("no worker process can be begun at present: %s", error)
             self._end()
             time.sleep(RETRY_S)

@@ -10,6 +10,7 @@ from sqlalchemy.orm import Session
 
 from storage.clock import latest as latest_time
 from storage.encoding.sample_blocks import DamagedBlock, Samples, decode, encode, join
+from storage.encoding.source_key import SourceKey
 from storage.paging import Keys, ordered
 from storage.tables.measurements import SampleBlockRow, SourceRow
 
@@ -17,15 +18,6 @@ logger = logging.getLogger(__name__)
 
 ALL_TIME = -(2**63), 2**63 - 1
 """Earliest and latest time that a store can hold [ns]."""
-
-
-@dataclass(frozen=True)
-class SourceKey:
-    """One start of one source of one machine."""
-
-    machine_id: str
-    source: str
-    epoch: int
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from service.journal.batch import ArrivedBatch
 from service.runs.collector import Collector
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import decode
+from storage.encoding.source_key import SourceKey
 from storage.measurements import quarantine, samples
-from storage.measurements.samples import SourceKey
 from storage.tables.measurements import SampleBlockRow, SourceRow
 from tests.plant import KEY, SECOND, START, arrived, batch
 from tests.prompt_journal import PromptJournal

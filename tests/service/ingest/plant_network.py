@@ -17,9 +17,9 @@ from service.runs.collector import Collector
 from service.sources.publisher import Source
 from service.wire import MESSAGEPACK, Key, SampleBatch, encode_batch
 from storage.database.engine import Database
+from storage.encoding.source_key import SourceKey
 from storage.measurements import quarantine
 from storage.measurements import samples as sample_store
-from storage.measurements.samples import SourceKey
 from storage.tables.measurements import SourceRow
 from tests.plant import KEY, SECOND, START, batch, listened_to, wait_until
 

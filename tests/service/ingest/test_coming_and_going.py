@@ -17,7 +17,7 @@ from service.replication.work_share import WholeShare
 from service.runs.collector import Collector
 from service.wire import ALL_LIVE, Key
 from storage.database.engine import Database
-from storage.measurements.samples import SourceKey
+from storage.encoding.source_key import SourceKey
 from tests.plant import KEY, arrived, batch, wait_until
 from tests.service.ingest.plant_network import Confused, DroppedOnTheWay, Surroundings, counts, heard, put_batch, received
 

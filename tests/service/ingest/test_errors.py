@@ -22,8 +22,8 @@ from service.runs.collector import Collector
 from service.sources.publisher import Source
 from service.wire import MESSAGEPACK, encode_body, source_key
 from storage.database.engine import Database
+from storage.encoding.source_key import SourceKey
 from storage.machines import machines
-from storage.measurements.samples import SourceKey
 from storage.tables.machines import RevisionRow
 from storage.tables.measurements import CollectorRow
 from tests.plant import KEY, batch, machine, wait_until

@@ -20,8 +20,8 @@ from service.resilience import backoff as backoff_module
 from service.runs.collector import Collector
 from service.wire import MESSAGEPACK, encode_batch, encode_body
 from storage.database.engine import Database
+from storage.encoding.source_key import SourceKey
 from storage.measurements.quarantine import Rejection
-from storage.measurements.samples import SourceKey
 from tests.failing_writes import refuse
 from tests.plant import KEY, arrived, batch, wait_until
 from tests.service.ingest.failing_journals import AWAY, AwayForOne, running

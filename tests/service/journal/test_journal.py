@@ -18,12 +18,12 @@ from service.runs.collector import Collector
 from service.wire import SampleBatch, source_key
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples
+from storage.encoding.source_key import SourceKey
 from storage.findings import jobs
 from storage.machines import machines
 from storage.measurements import quarantine, runs
 from storage.measurements import samples as sample_store
 from storage.measurements.quarantine import Rejection
-from storage.measurements.samples import SourceKey
 from storage.tables.measurements import QuarantineRow, SourceRow
 from tests.databases import Databases, NewDatabase, opened
 from tests.plant import (

@@ -15,12 +15,12 @@ from service.runs.collector import Collector
 from service.runs.late_samples import BESIDE, LARGEST_COUNT, Window, add_late
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples
+from storage.encoding.source_key import SourceKey
 from storage.findings import identifications, jobs, trends
 from storage.findings.identifications import ComparisonGroup, Origin
 from storage.machines import machines
 from storage.measurements import quarantine, runs
 from storage.measurements import samples as sample_store
-from storage.measurements.samples import SourceKey
 from storage.tables.findings import JobRow
 from storage.tables.measurements import RunRow, SourceRow
 from tests.databases import Databases, opened

@@ -8,10 +8,10 @@ from service.alerts.transitions import AlertFinding
 from service.monitoring import baseline_changes
 from storage.alerts import deliveries, suppressions
 from storage.database.engine import Database
+from storage.encoding.source_key import SourceKey
 from storage.machines import calibrations, machines
 from storage.measurements import quarantine, runs, samples
 from storage.measurements.quarantine import Rejection
-from storage.measurements.samples import SourceKey
 from tests.plant import SECOND, START, identification, machine, store_identification, sweep_rpm
 from tests.plant import samples as some_samples
 

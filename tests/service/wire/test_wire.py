@@ -20,7 +20,7 @@ from service.wire import (
     source_key,
 )
 from storage.encoding.packing import QUANTUM
-from storage.measurements.samples import SourceKey
+from storage.encoding.source_key import SourceKey
 from tests.plant import KEY, batch, few_examples
 from tests.service.wire.wire_messages import body_of, converted, decoded, packed, reason_of
 

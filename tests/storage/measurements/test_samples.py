@@ -6,9 +6,9 @@ from sqlalchemy.orm import Session
 
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples
+from storage.encoding.source_key import SourceKey
 from storage.machines import machines
 from storage.measurements import samples as sample_store
-from storage.measurements.samples import SourceKey
 from tests.plant import (
     START,
     assert_same_samples,

@@ -29,10 +29,10 @@ from service.api.cache.computation_queue import MAXIMUM_WAITING_PER_CALLER
 from service.api.conventions.problems import Unsuitable
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples
+from storage.encoding.source_key import SourceKey
 from storage.machines import machines
 from storage.measurements import runs
 from storage.measurements import samples as sample_store
-from storage.measurements.samples import SourceKey
 from storage.tables.findings import EstimateRow
 from tests.api_in_process import PREFIX, Api, fields, problem
 from tests.databases import Databases, opened

@@ -25,6 +25,7 @@ from service.runs.collector import Collector
 from service.wire import BINARY, ENCODINGS, JSON, LARGEST_MESSAGE, MESSAGEPACK, Reason, SampleBatch, encode_body
 from storage.clock import now
 from storage.database.engine import Database
+from storage.encoding.source_key import SourceKey
 from storage.machines import machines
 from storage.measurements import quarantine
 from storage.measurements import samples as sample_store
@@ -291,7 +292,7 @@ def test_metrics_show_the_machines_that_are_silent_for_longest(
     monkeypatch.setattr(metrics, "LARGEST_MACHINE_COUNT", 2)
     with plant.transaction() as session:
         for number, minutes in enumerate((1, 70, 2, 90, 80)):
-            key = sample_store.SourceKey(f"pump-{number}", "monitor", 1)
+            key = SourceKey(f"pump-{number}", "monitor", 1)
             machines.create(session, machine(id=key.machine_id))
             sample_store.source(session, key).last_time = now() - 60 * minutes * SECOND
     found = figures(http)

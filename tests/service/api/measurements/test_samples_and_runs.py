@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from storage.database.engine import Database
+from storage.encoding.source_key import SourceKey
 from storage.measurements import samples as sample_store
-from storage.measurements.samples import SourceKey
 from tests.api_in_process import Api, problem
 from tests.plant import (
     SECOND,

@@ -21,11 +21,11 @@ from service.api.trends.downsampling import min_max
 from service.client import Rundown
 from service.monitoring.parameter_catalogue import MAXIMUM_REVISIONS
 from storage.database.engine import Database
+from storage.encoding.source_key import SourceKey
 from storage.findings import jobs
 from storage.machines import baselines, machines, timeline
 from storage.measurements import runs
 from storage.measurements import samples as sample_store
-from storage.measurements.samples import SourceKey
 from tests.api_in_process import Api, fields, problem
 from tests.plant import KEY, SECOND, START, document, few_examples, identification, machine, samples, store_identification
 

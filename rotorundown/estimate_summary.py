@@ -1,0 +1,58 @@
+"""Text of estimates that fits a screen: a line per element, its direct terms and its unbalance with their errors."""
+
+import cmath
+import math
+from collections.abc import Sequence
+
+from estimator.fit.estimates import Estimate
+
+G_MM = 1e6
+"""g mm in a kg m."""
+MOST_ELEMENTS = 30
+"""Most elements that are listed."""
+MOST_TERMS = 4
+"""Most terms of an element on its line: the direct ones come first."""
+LARGEST_PER_CENT = 0.5
+"""Largest standard error that is given in per cent, as a part of the value [-]: beyond it the value may be zero."""
+UNBALANCE = "unbalance"
+
+
+def element_lines(estimates: Sequence[Estimate]) -> list[str]:
+    """Return a line per element, and what is left out of them."""
+    elements: dict[str, list[Estimate]] = {}
+    for one in estimates:
+        elements.setdefault(one.element, []).append(one)
+    width = max((len(element) for element in elements), default=0)
+    lines = [f"{element:<{width}}  {_terms(element, those)}" for element, those in elements.items()]
+    left_out = len(lines) - MOST_ELEMENTS
+    if left_out > 0:
+        lines = [*lines[:MOST_ELEMENTS], f"and {left_out} more elements"]
+    return [*lines, "", "All parameters: to_frame(); one of them: result['NAME']"]
+
+
+def _terms(element: str, estimates: Sequence[Estimate]) -> str:
+    known = [one for one in estimates if one.estimable]
+    parts = [_term(one.name.removeprefix(f"{element}."), one) for one in known[:MOST_TERMS]]
+    if len(known) > MOST_TERMS:
+        parts.append(f"+ {len(known) - MOST_TERMS} more")
+    open_ones = len(estimates) - len(known)
+    if open_ones:
+        parts.append(f"{open_ones} not estimable")
+    return ", ".join(parts)
+
+
+def _term(label: str, one: Estimate) -> str:
+    value, error = float(one.value or 0.0), float(one.standard_error or 0.0)
+    if one.imaginary is not None:
+        return _vector(label, one, complex(value, one.imaginary), max(error, float(one.imaginary_standard_error or 0.0)))
+    unit = "" if one.unit == "1" else f" {one.unit}"
+    if error < LARGEST_PER_CENT * abs(value):
+        return f"{label} {value:.3g}{unit} ±{100 * error / abs(value):.2g} %"
+    return f"{label} {value:.2g} ±{error:.2g}{unit}"
+
+
+def _vector(label: str, one: Estimate, value: complex, error: float) -> str:
+    angle = math.degrees(cmath.phase(value)) % 360.0
+    if one.quantity == UNBALANCE:
+        return f"{label} {G_MM * abs(value):.3g} ±{G_MM * error:.2g} g mm at {angle:.0f}°"
+    return f"{label} {abs(value):.3g} ±{error:.2g} {one.unit} at {angle:.0f}°"

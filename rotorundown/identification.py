@@ -1,0 +1,86 @@
+"""Identifies a machine from its runs, behind the same quality gate as the commands and the service."""
+
+from collections.abc import Sequence
+
+from pydantic import ValidationError
+
+from estimator.errors import Invalid
+from estimator.identification.quality_gate import GatedIdentification, identify_gated
+from estimator.machine.document import Machine
+from estimator.machine.rules import QualityRules
+from rotorundown.environment.blas_threads import one_blas_thread
+from rotorundown.result import Result
+from rotorundown.runs import MachineRun
+
+
+class NothingToIdentify(Invalid):
+    """Raised when the runs do not allow an identification; the message says why."""
+
+
+def identify(
+    machine: Machine,
+    runs: MachineRun | Sequence[MachineRun],
+    *,
+    gate: bool = True,
+    half_power: bool | None = None,
+    accepted_rpm: tuple[float, float] | None = None,
+) -> Result:
+    """Identify stiffness and damping of bearings and couplings, and the unbalance of discs, from one run or several together.
+
+    Args:
+        machine: The machine.
+        runs: The run, or several that are fitted together.
+        gate: Whether points of bad quality are left out.
+        half_power: Whether what lies within half-power points is left out (thesis §2.3); None for the document's rule.
+        accepted_rpm: The only speeds that count [r/min]; None for the document's rule.
+
+    Returns:
+        The result. A fit that is not accepted is returned too, and says so: look at `accepted` before using it.
+
+    Raises:
+        NothingToIdentify: The usable points do not allow an identification, or a rule is wrong.
+        ValueError: No start leads anywhere, or the train cannot be condensed at a speed.
+    """
+    several = [runs] if isinstance(runs, MachineRun) else list(runs)
+    found = identify_behind_gate(machine, several, gate=gate, half_power=half_power, accepted_rpm=accepted_rpm)
+    if found.identification is None:
+        raise NothingToIdentify(found.error or "there is nothing to identify from")
+    return Result(machine, tuple(several), found.identification, found.qualities)
+
+
+def identify_behind_gate(
+    machine: Machine,
+    runs: Sequence[MachineRun],
+    *,
+    gate: bool = True,
+    half_power: bool | None = None,
+    accepted_rpm: tuple[float, float] | None = None,
+) -> GatedIdentification:
+    """Judge runs and identify the machine; a lack of usable points is not raised but said in the outcome.
+
+    Args:
+        machine: The machine.
+        runs: The runs, fitted together.
+        gate: Whether points of bad quality are left out.
+        half_power: Whether what lies within half-power points is left out; None for the document's rule.
+        accepted_rpm: The only speeds that count [r/min]; None for the document's rule.
+
+    Returns:
+        Qualities and identification.
+
+    Raises:
+        NothingToIdentify: No run is given, or a rule is wrong.
+        ValueError: No start leads anywhere, or the train cannot be condensed at a speed.
+    """
+    if not runs:
+        raise NothingToIdentify("no run is given: identify needs one at least")
+    rules = {"half_power": half_power, "accepted_rpm": accepted_rpm}
+    given = {name: value for name, value in rules.items() if value is not None}
+    try:
+        wanted = QualityRules.model_validate(machine.quality.model_dump() | given)
+    except ValidationError as error:
+        raise NothingToIdentify("\n".join(item["msg"].removeprefix("Value error, ") for item in error.errors())) from None
+    with one_blas_thread():
+        return identify_gated(
+            machine, [run.recorded for run in runs], [run.measurement for run in runs], rules=wanted, gate=gate
+        )

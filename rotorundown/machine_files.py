@@ -1,0 +1,40 @@
+"""Reads machine documents, from files or from what a program has made."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from estimator.errors import Invalid
+from estimator.machine.document import DocumentError, Machine
+from estimator.machine.document_size import accepted_machine
+from service.configuration.document_files import UnreadableFile
+from service.configuration.document_files import read_machine as read_machine_file
+
+
+class WrongMachine(Invalid):
+    """Raised for something that describes no machine; the message names every wrong field."""
+
+
+def read_machine(source: str | Path | Mapping[str, Any] | Machine) -> Machine:
+    """Return the machine that a document describes.
+
+    Args:
+        source: Path of a YAML or JSON file, or the content of one as a mapping; a machine is returned as it is.
+
+    Returns:
+        The machine.
+
+    Raises:
+        WrongMachine: The file cannot be read, or something in it is wrong; the message names each wrong field.
+    """
+    if isinstance(source, Machine):
+        return source
+    try:
+        if isinstance(source, Mapping):
+            return accepted_machine(dict(source))
+        return read_machine_file(Path(source))
+    except UnreadableFile as error:
+        raise WrongMachine(str(error)) from None
+    except DocumentError as error:
+        problems = "\n".join(f"  {field}: {message}" for field, message in error.problems)
+        raise WrongMachine(f"this is not a machine document:\n{problems}") from None

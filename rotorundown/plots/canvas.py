@@ -1,0 +1,37 @@
+"""Figures to draw on: matplotlib is asked for only when a plot is made, and no window is opened by itself."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from estimator.close_matches import did_you_mean
+from rotorundown.environment.optional_packages import optional_package
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+MEASURED, FITTED = "0.45", "tab:blue"
+"""Colours of measured points and of the model."""
+
+
+class UnknownChannel(KeyError):
+    """Raised for a channel that the machine does not have; the message suggests names like it."""
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+def figure(rows: int, columns: int, **layout: Any) -> "tuple[Figure, Any]":
+    """Return a figure with an array (rows, columns) of axes. Raises PackageMissing without matplotlib."""
+    pyplot = optional_package("matplotlib.pyplot", needed_for="plots")
+    size = (min(4.0 * columns, 14.0), 3.0 * rows)
+    return pyplot.subplots(rows, columns, squeeze=False, figsize=size, layout="constrained", **layout)  # type: ignore[no-any-return]
+
+
+def channel_numbers(known: Sequence[str], wanted: Sequence[str] | None) -> list[int]:
+    """Return the indices of the wanted channels, all by default. Raises UnknownChannel."""
+    if wanted is None:
+        return list(range(len(known)))
+    unknown = next((one for one in wanted if one not in known), None)
+    if unknown is not None:
+        raise UnknownChannel(f"'{unknown}' is no channel; there are {', '.join(known)}{did_you_mean(unknown, known)}")
+    return [list(known).index(one) for one in wanted]

@@ -1,0 +1,144 @@
+"""Result of an identification: estimates by name, as a table, as text that fits a screen, and as plots."""
+
+import html
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from estimator.close_matches import did_you_mean
+from estimator.fit.estimates import Estimate
+from estimator.fit.identify import Identification
+from estimator.machine.document import Machine
+from estimator.phasors.quality import Quality
+from estimator.units import rad_per_s_to_rpm
+from estimator.updated_model.model import updated_model
+from rotorundown.environment.optional_packages import optional_package
+from rotorundown.estimate_summary import element_lines
+from rotorundown.machine_model import Model
+from rotorundown.runs import MachineRun
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+COLUMNS = ("element", "quantity", "value", "standard_error", "lower", "upper", "imaginary", "imaginary_standard_error", "unit")
+"""Columns of a table of estimates, beside `reason`."""
+
+
+class UnknownName(KeyError):
+    """Raised for a name that the result does not have; the message suggests names like it."""
+
+    def __str__(self) -> str:
+        return str(self.args[0])
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """Identification of a machine from its runs.
+
+    Attributes:
+        machine: The machine.
+        runs: The runs that were fitted together.
+        identification: The fit: estimates, covariance, χ².
+        qualities: Quality of each run.
+    """
+
+    machine: Machine
+    runs: tuple[MachineRun, ...]
+    identification: Identification
+    qualities: tuple[Quality, ...]
+
+    @property
+    def accepted(self) -> bool:
+        """Return whether the fit passed its tests; the estimates of one that did not are not to be used."""
+        return self.identification.accepted
+
+    @property
+    def verdict(self) -> str:
+        """Return the verdict in words."""
+        return self.identification.verdict
+
+    @cached_property
+    def model(self) -> Model:
+        """Return the model of the machine with the values found and their covariance."""
+        return Model(updated_model(self.machine, self.identification))
+
+    def __getitem__(self, name: str) -> Estimate:
+        """Return the estimate of a name such as `coupling.C1.kxx`. Raises UnknownName with close matches."""
+        known = list(self)
+        for one in self.identification.estimates:
+            if one.name == name:
+                return one
+        raise UnknownName(f"'{name}' is not estimated{did_you_mean(name, known)}")
+
+    def __iter__(self) -> Iterator[str]:
+        return (one.name for one in self.identification.estimates)
+
+    def __len__(self) -> int:
+        return len(self.identification.estimates)
+
+    def __contains__(self, name: object) -> bool:
+        return any(one == name for one in self)
+
+    def to_frame(self) -> Any:
+        """Return a pandas DataFrame with a row per parameter, in SI units. Raises PackageMissing without pandas."""
+        pandas = optional_package("pandas", needed_for="data frames")
+        rows = [[getattr(one, column) for column in (*COLUMNS, "reason")] for one in self.identification.estimates]
+        names = pandas.Index(list(self), name="parameter")
+        return pandas.DataFrame(rows, index=names, columns=[*COLUMNS, "reason"])
+
+    def plot_bode(self, channels: list[str] | None = None) -> "Figure":
+        """Plot measured and fitted 1× amplitude and phase of some channels over speed, with the fit's 95 % band."""
+        from rotorundown.plots.bode import bode
+
+        return bode(self, channels)
+
+    def plot_polar(self, channels: list[str] | None = None) -> "Figure":
+        """Plot measured and fitted 1× vectors of some channels in the polar plane, with speeds at some points."""
+        from rotorundown.plots.polar import polar
+
+        return polar(self, channels)
+
+    def plot_train(self) -> "Figure":
+        """Plot the train to scale, from driver to driven."""
+        from rotorundown.plots.train import train
+
+        return train(self.machine)
+
+    def plot_campbell(self) -> "Figure":
+        """Plot the Campbell diagram of the updated model."""
+        from rotorundown.plots.campbell import campbell_diagram
+
+        return campbell_diagram(self.model.campbell())
+
+    def plot_orbit(self, speed_rpm: float) -> "Figure":
+        """Plot the fitted 1× orbits at all stations with two probes, at one speed [r/min]."""
+        from rotorundown.plots.orbit import orbits
+
+        return orbits(self, speed_rpm)
+
+    def plot_centreline(self) -> "Figure":
+        """Plot where each journal stands in its clearance over speed; for bearings described by their film."""
+        from rotorundown.plots.centreline import centreline
+
+        return centreline(self.model.updated)
+
+    def __str__(self) -> str:
+        found = self.identification
+        head = found.verdict if found.accepted else f"NOT ACCEPTED, not to be used: {found.verdict}"
+        size = (
+            f"{found.samples} samples, {rad_per_s_to_rpm(found.speed_minimum):.0f} to "
+            f"{rad_per_s_to_rpm(found.speed_maximum):.0f} r/min, {len(self)} parameters"
+        )
+        findings = [
+            f"{run.name}: {words}"
+            for run, quality in zip(self.runs, self.qualities, strict=True)
+            for words in quality.findings
+        ]
+        return "\n".join([f"{self.machine.id}: {head}", size, *findings, "", *element_lines(found.estimates)])
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return the text for a notebook; names come from documents, so everything is escaped."""
+        return f"<pre>{html.escape(str(self))}</pre>"

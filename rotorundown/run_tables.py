@@ -1,0 +1,209 @@
+"""Tables of a run without a sidecar: which columns hold what, and what is wrong with their numbers."""
+
+import csv
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from estimator.arrays import Floats
+from estimator.close_matches import did_you_mean
+from estimator.errors import Invalid
+from estimator.machine.document import Machine
+from estimator.units import RAD_PER_S, AmplitudeKind, AmplitudeUnit, PhaseConvention, PhaseUnit, SpeedUnit, rad_per_s_to_rpm
+from service.wire import WIRE_SCHEMA, SampleBatch, to_samples
+from storage.clock import now
+from storage.encoding.sample_blocks import Samples
+
+SPEED_COLUMNS = ("speed", "speed_rpm", "rpm")
+TIME_COLUMNS = ("time", "time_s")
+AMPLITUDE_ENDS = ("_amplitude", "_um_pp")
+PHASE_ENDS = ("_phase", "_lag_deg")
+FIXED_UNITS = {"speed_rpm": "rpm", "rpm": "rpm"}
+"""Columns whose names give the unit of the speed."""
+BEGINNING_NS = 946_771_200_000_000_000
+"""Time [ns since 1970] given to the first sample: 2 January 2000, as in recordings without a date."""
+LARGEST_ANGLE_RAD = 4.0 * np.pi
+"""Largest phase that may be one in radians [rad]: two turns."""
+FULL_TURN_RAD = 2.0 * np.pi
+WIDEST_SMALL_PHASES = 3.0
+"""Spread of phases within one turn in radians from which on they are not in degrees, in several channels."""
+FEWEST_PHASES = 40
+"""Number of phases from which on their spread says something about their unit."""
+
+
+class WrongRun(Invalid):
+    """Raised for a file, a table or numbers that cannot be a run of the machine."""
+
+
+@dataclass(frozen=True)
+class TableUnits:
+    """Units of a table's columns."""
+
+    speed: SpeedUnit = "rpm"
+    amplitude: AmplitudeUnit = "um"
+    kind: AmplitudeKind = "peak-to-peak"
+    convention: PhaseConvention = "lag"
+    phase: PhaseUnit = "deg"
+
+    @property
+    def words(self) -> str:
+        """Return the units in words."""
+        return f"{self.speed}, {self.amplitude} {self.kind}, phase {self.convention} in {self.phase}"
+
+
+@dataclass(frozen=True)
+class RunTable:
+    """Columns (S,) of a run by name."""
+
+    columns: Mapping[str, Floats]
+
+    @classmethod
+    def of(cls, source: Any) -> "RunTable":
+        """Return the columns of a data frame or a mapping. Raises WrongRun."""
+        if not hasattr(source, "keys") or not hasattr(source, "__getitem__"):
+            raise WrongRun(f"a run is a file's path, a data frame or a mapping of columns, not {type(source).__name__}")
+        columns = {str(name): _numbers(str(name), source[name]) for name in source.keys()}  # noqa: SIM118 - a frame's too
+        if not columns or not all(column.ndim == 1 and column.size for column in columns.values()):
+            raise WrongRun("the run has no samples: each column must hold at least one number")
+        if len({column.size for column in columns.values()}) > 1:
+            raise WrongRun(f"columns differ in length: {', '.join(f'{name} {one.size}' for name, one in columns.items())}")
+        return cls(columns)
+
+    @property
+    def time(self) -> Floats | None:
+        """Return the seconds (S,) where a column holds them."""
+        return next((self.columns[name] for name in TIME_COLUMNS if name in self.columns), None)
+
+    def samples(self, machine: Machine, units: TableUnits, name: str) -> tuple[Samples, tuple[str, ...]]:
+        """Return the run's good samples in SI, and what was left out. Raises WrongRun, Rejected."""
+        speed_column = self._first(SPEED_COLUMNS, "the speed")
+        if FIXED_UNITS.get(speed_column, units.speed) != units.speed:
+            raise WrongRun(f"column '{speed_column}' is in {FIXED_UNITS[speed_column]}, but speed_unit says {units.speed}")
+        speed = self.columns[speed_column]
+        _require_speed_unit(machine, speed, units)
+        channels = [one for one in machine.channels if any(f"{one}{end}" in self.columns for end in AMPLITUDE_ENDS)]
+        if not channels:
+            wanted = " or ".join(f"{machine.channels[0]}{end}" for end in AMPLITUDE_ENDS)
+            raise WrongRun(
+                f"no column holds an amplitude of a channel of '{machine.id}' ({', '.join(machine.channels)}): "
+                f"name it such as {wanted}; there are {', '.join(self.columns)}"
+            )
+        amplitude = np.column_stack([self._of_channel(one, AMPLITUDE_ENDS, "amplitude") for one in channels])
+        phase = np.column_stack([self._of_channel(one, PHASE_ENDS, "phase") for one in channels])
+        _require_phase_unit(phase, units.phase)
+        seconds = np.arange(speed.size, dtype=float) if self.time is None else _seconds(self.time)
+        batch = SampleBatch(
+            schema=WIRE_SCHEMA,
+            plant=machine.plant,
+            machine=machine.id,
+            source="table",
+            epoch=0,
+            sequence=0,
+            channels=channels,
+            speed_unit=units.speed,
+            amplitude_unit=units.amplitude,
+            amplitude_kind=units.kind,
+            phase_convention=units.convention,
+            phase_unit=units.phase,
+            direction=machine.rotation,
+            time_ns=[BEGINNING_NS + round(float(one) * 1e9) for one in seconds - seconds[0]],
+            speed=speed.tolist(),
+            amplitude=_blank(amplitude),
+            phase=_blank(phase),
+        )
+        samples, taken, faults = to_samples(batch, machine, received_at=now())
+        left_out = tuple(f"{name}, row {fault.index + 1} left out: {fault.detail}" for fault in faults)
+        if not np.any(taken):
+            raise WrongRun(f"no sample of the run can be used: {left_out[0]}")
+        return samples.pick(taken), left_out
+
+    def _of_channel(self, channel: str, ends: tuple[str, ...], what: str) -> Floats:
+        return self.columns[self._first(tuple(f"{channel}{end}" for end in ends), f"the {what} of {channel}")]
+
+    def _first(self, names: tuple[str, ...], what: str) -> str:
+        found = next((name for name in names if name in self.columns), None)
+        if found is None:
+            close = did_you_mean(names[0], self.columns)
+            raise WrongRun(f"no column holds {what}: name it {' or '.join(names)}; there are {', '.join(self.columns)}{close}")
+        return found
+
+
+def read_csv_table(path: Path) -> RunTable:
+    """Read a CSV file with a header line. Raises WrongRun."""
+    try:
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            rows = list(csv.reader(file, strict=True))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise WrongRun(f"{path}: {getattr(error, 'strerror', None) or error}") from None
+    if len(rows) < 2:
+        raise WrongRun(f"{path} has no rows below a header line")
+    header, *body = rows
+    if len(header) == 1 and ";" in header[0]:
+        raise WrongRun(f"{path} is separated by semicolons: write it with commas, and numbers with a decimal point")
+    for line, row in enumerate(body, start=2):
+        if row and len(row) != len(header):
+            raise WrongRun(
+                f"{path}, line {line} has {len(row)} cells, its header {len(header)}; where numbers have a decimal comma, "
+                "write a point"
+            )
+    return RunTable.of({name: [row[i] for row in body if row] for i, name in enumerate(header)})
+
+
+def _seconds(values: Floats) -> Floats:
+    if not np.all(np.isfinite(values)):
+        raise WrongRun(f"the time has no number in row {int(np.argmin(np.isfinite(values))) + 1}")
+    return values
+
+
+def _numbers(name: str, values: Iterable[Any]) -> Floats:
+    """Return a column's numbers, NaN for blanks. Raises WrongRun."""
+    listed = list(values)
+    found = np.full(len(listed), np.nan)
+    for number, value in enumerate(listed):
+        if value is None or (isinstance(value, str) and not value.strip()):
+            continue
+        try:
+            found[number] = float(value)
+        except (TypeError, ValueError):
+            comma = ": write numbers with a decimal point" if "," in str(value) else ""
+            raise WrongRun(f"column '{name}', row {number + 1}: '{value}' is not a number{comma}") from None
+    return found
+
+
+def _blank(table: Floats) -> list[list[float | None]]:
+    return [[None if np.isnan(one) else float(one) for one in row] for row in table]
+
+
+def _require_speed_unit(machine: Machine, speed: Floats, units: TableUnits) -> None:
+    """Raise WrongRun for speeds that never enter the machine's range, and would in another unit."""
+    limits = machine.speed_range
+    if not np.all(np.isfinite(speed)):
+        raise WrongRun(f"the speed has no number in row {int(np.argmin(np.isfinite(speed))) + 1}")
+    if _enters(speed, units.speed, machine):
+        return
+    others = [unit for unit in RAD_PER_S if unit != units.speed and _enters(speed, unit, machine)]
+    hint = f": are these in {' or '.join(others)}? Say so with speed_unit" if others else ""
+    highest = rad_per_s_to_rpm(float(np.max(np.abs(speed))) * RAD_PER_S[units.speed])
+    raise WrongRun(
+        f"the run reaches {highest:.0f} r/min and never enters the range of '{machine.id}', "
+        f"{limits.minimum_rpm:g} to {limits.maximum_rpm:g} r/min{hint}"
+    )
+
+
+def _enters(speed: Floats, unit: SpeedUnit, machine: Machine) -> bool:
+    rpm = np.abs(speed) * RAD_PER_S[unit] / RAD_PER_S["rpm"]
+    return bool(np.any((rpm >= machine.speed_range.minimum_rpm) & (rpm <= machine.speed_range.maximum_rpm)))
+
+
+def _require_phase_unit(phase: Floats, unit: PhaseUnit) -> None:
+    known = phase[np.isfinite(phase)]
+    if known.size == 0:
+        return
+    if unit == "rad" and np.max(np.abs(known)) > LARGEST_ANGLE_RAD:
+        raise WrongRun(f"phases reach {np.max(np.abs(known)):.0f}, which are degrees and not radians: say phase_unit='deg'")
+    narrow = known.size >= FEWEST_PHASES and np.max(np.abs(known)) <= FULL_TURN_RAD
+    if unit == "deg" and narrow and np.ptp(known) > WIDEST_SMALL_PHASES:
+        raise WrongRun(f"all phases lie within {np.max(np.abs(known)):.2f}, which looks like radians: say phase_unit='rad'")

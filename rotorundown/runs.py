@@ -1,0 +1,163 @@
+"""Runs as the library takes them: recordings with a sidecar, plain CSV tables, data frames, or arrays."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from estimator.arrays import Floats
+from estimator.machine.document import Machine
+from estimator.phasors.measurement import Measurement
+from estimator.phasors.recorded_run import RecordedRun
+from estimator.units import (
+    METRES,
+    PEAK,
+    RAD_PER_S,
+    AmplitudeKind,
+    AmplitudeUnit,
+    PhaseConvention,
+    PhaseUnit,
+    SpeedUnit,
+)
+from rotorundown.environment.optional_packages import optional_package
+from rotorundown.run_tables import RunTable, TableUnits, WrongRun, read_csv_table
+from service.configuration.document_files import UnreadableFile
+from service.sources.recorded_runs import read_runs
+from service.wire import Rejected
+
+__all__ = ["MachineRun", "WrongRun", "read_run"]
+
+
+MOST_LEFT_OUT = 5
+"""Most left-out samples that are printed."""
+
+
+@dataclass(frozen=True, eq=False)
+class MachineRun:
+    """A recorded run of a machine, S samples of its m channels.
+
+    Attributes:
+        name: Name of the run: that of its file, or `run`.
+        channels: Ids of the m channels.
+        recorded: The samples as they were measured, by which their quality is judged.
+        measurement: The same samples as input of a fit, with the trial weights that were on.
+        left_out: What was left out when it was read, with the reason of each.
+        units: Units in which it was read.
+    """
+
+    name: str
+    channels: tuple[str, ...]
+    recorded: RecordedRun
+    measurement: Measurement
+    left_out: tuple[str, ...] = ()
+    units: str = "as its sidecar says"
+
+    def __len__(self) -> int:
+        return int(self.recorded.speed.size)
+
+    @property
+    def speed_rpm(self) -> Floats:
+        """Return the speeds (S,) [r/min]."""
+        return np.asarray(self.recorded.speed / RAD_PER_S["rpm"])
+
+    @property
+    def amplitude_um_pp(self) -> Floats:
+        """Return the amplitudes (S, m) [µm peak-to-peak]."""
+        return np.asarray(np.abs(self.recorded.phasor) / (METRES["um"] * PEAK["peak-to-peak"]))
+
+    @property
+    def phase_lag_deg(self) -> Floats:
+        """Return the phase lags (S, m) [°], from 0 to 360."""
+        return np.asarray(-np.degrees(np.angle(self.recorded.phasor)) % 360.0)
+
+    @property
+    def interval_s(self) -> float:
+        """Return the time between the first two samples [s]. Raises WrongRun where no times are known."""
+        if self.recorded.time is None or len(self) < 2:
+            raise WrongRun(f"the run '{self.name}' has no times")
+        return float(self.recorded.time[1] - self.recorded.time[0])
+
+    def to_frame(self) -> Any:
+        """Return a pandas DataFrame: speed [r/min], then amplitude [µm pp] and phase lag [°] of each channel.
+
+        Raises PackageMissing without pandas.
+        """
+        columns: dict[str, Floats] = {"speed_rpm": self.speed_rpm}
+        for number, channel in enumerate(self.channels):
+            columns[f"{channel}_um_pp"] = self.amplitude_um_pp[:, number]
+            columns[f"{channel}_lag_deg"] = self.phase_lag_deg[:, number]
+        return optional_package("pandas", needed_for="data frames").DataFrame(columns)
+
+    def __str__(self) -> str:
+        lines = [f"{self.name}: {len(self)} samples, {', '.join(self.channels)}; read as {self.units}"]
+        if len(self):
+            lines.append(
+                f"{self.speed_rpm.min():.0f} to {self.speed_rpm.max():.0f} r/min; "
+                f"largest amplitude {np.nanmax(self.amplitude_um_pp):.3g} µm pp"
+            )
+        lines += self.left_out[:MOST_LEFT_OUT]
+        if len(self.left_out) > MOST_LEFT_OUT:
+            lines.append(f"and {len(self.left_out) - MOST_LEFT_OUT} more left out")
+        return "\n".join(lines)
+
+    __repr__ = __str__
+
+
+def read_run(
+    source: Any,
+    *,
+    machine: Machine,
+    sidecar: str | Path | None = None,
+    speed_unit: SpeedUnit = "rpm",
+    amplitude_unit: AmplitudeUnit = "um",
+    amplitude_kind: AmplitudeKind = "peak-to-peak",
+    phase_convention: PhaseConvention = "lag",
+    phase_unit: PhaseUnit = "deg",
+) -> MachineRun:
+    """Return a run of a machine.
+
+    Without a sidecar the units are those given here, and a table needs a column `speed` (or `speed_rpm`, `rpm`), where known
+    `time` (or `time_s`) [s], and for each channel such as `B1L` the columns `B1L_amplitude` and `B1L_phase` (or `B1L_um_pp`
+    and `B1L_lag_deg`, as `rundown sample` writes them). Without times the rate of the sweep is not judged.
+
+    Args:
+        source: Path of a CSV file, whose sidecar is used where one stands beside it; or a data frame, or a mapping of columns.
+        machine: The machine.
+        sidecar: Path of another sidecar, for a file.
+        speed_unit: Unit of the speeds.
+        amplitude_unit: Unit of the amplitudes.
+        amplitude_kind: Whether amplitudes are 0-to-peak (`peak`) or peak-to-peak.
+        phase_convention: Whether phases lag or lead.
+        phase_unit: Unit of the phases.
+
+    Returns:
+        The run.
+
+    Raises:
+        WrongRun: The file cannot be read, or its columns or numbers cannot be a run of this machine.
+    """
+    units = TableUnits(speed_unit, amplitude_unit, amplitude_kind, phase_convention, phase_unit)
+    if not isinstance(source, str | Path):
+        return _run_of_table(RunTable.of(source), "run", machine, units)
+    path = Path(source)
+    beside = path.with_suffix(".yaml") if sidecar is None else Path(sidecar)
+    if sidecar is None and not beside.exists():
+        return _run_of_table(read_csv_table(path), path.name, machine, units)
+    try:
+        runs, left_out = read_runs(machine, [path], beside)
+    except (UnreadableFile, Rejected) as error:
+        raise WrongRun(str(error)) from None
+    recorded, measurement = runs[0]
+    return MachineRun(path.name, machine.channels, recorded, measurement, tuple(left_out))
+
+
+def _run_of_table(table: RunTable, name: str, machine: Machine, units: TableUnits) -> MachineRun:
+    try:
+        samples, left_out = table.samples(machine, units, name)
+    except Rejected as error:
+        raise WrongRun(f"{name}: {error}") from None
+    recorded = samples.recorded(machine.channels)
+    if table.time is None:
+        recorded = replace(recorded, time=None)
+    return MachineRun(name, machine.channels, recorded, samples.measurement(), left_out, units.words)

@@ -1,0 +1,58 @@
+"""Help of `rundown`: its commands in panels, in the order in which a person meets them, each with an example."""
+
+from typing import Any
+
+from typer.core import TyperGroup
+
+PANELS: dict[str, tuple[str, ...]] = {
+    "Try it": ("demo", "document", "sample"),
+    "Analyse recorded runs": ("identify", "model", "compare", "slow-roll"),
+    "Run the service": ("serve", "doctor", "key", "audit"),
+    "Connect machines": ("edge", "replay", "simulate", "router"),
+    "Keep the data": ("backup", "restore", "move", "export", "retention"),
+    "Grow": ("worker",),
+}
+"""Commands by panel; a command that is in none would not be shown where people look, and a test says so."""
+
+EXAMPLES: dict[str, str] = {
+    "demo": "rundown demo --exit",
+    "document": "rundown document examples/motor-pump.yaml",
+    "sample": "rundown sample examples/motor-pump.yaml:misalignment later.csv --run-seed 2",
+    "identify": "rundown identify examples/motor-pump.yaml healthy.csv --advice",
+    "model": "rundown model examples/motor-pump.yaml healthy.csv --service-rpm 2980",
+    "compare": "rundown compare examples/motor-pump.yaml healthy.csv later.csv --coupling C1",
+    "slow-roll": "rundown slow-roll examples/motor-pump.yaml healthy.csv 300:400",
+    "serve": "rundown serve --port 8080",
+    "doctor": "rundown doctor --url http://localhost:8080",
+    "edge": "rundown edge edge.yaml --exit",
+    "replay": "rundown replay healthy.csv --speedup 10",
+    "simulate": "rundown simulate examples/motor-pump.yaml:misalignment --rate 200",
+    "router": "rundown router --listen tcp/127.0.0.1:7446",
+    "backup": "rundown backup /backup/monday",
+    "restore": "rundown restore /backup/monday",
+    "move": "rundown move sqlite:///rundown.db postgresql+psycopg://rundown@db/rundown",
+    "export": "rundown export motor-pump /export/motor-pump",
+    "worker": "rundown worker tcp://10.0.0.5:8786 --processes 4",
+}
+"""An example of each command that has no commands of its own."""
+
+
+class PanelledGroup(TyperGroup):
+    """Group of commands that are listed by panel."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the names of the commands in the order of their panels, then any others."""
+        order = [name for names in PANELS.values() for name in names]
+        return sorted(super().list_commands(ctx), key=lambda name: order.index(name) if name in order else len(order))
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Return a command with its panel and its example; None where there is none of that name."""
+        found = super().get_command(ctx, cmd_name)
+        if found is None:
+            return None
+        panel = next((panel for panel, names in PANELS.items() if cmd_name in names), None)
+        if panel is not None:
+            found.rich_help_panel = panel  # type: ignore[attr-defined]
+        if cmd_name in EXAMPLES:
+            found.epilog = f"Example: `{EXAMPLES[cmd_name]}`"
+        return found

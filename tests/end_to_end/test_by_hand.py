@@ -1,0 +1,66 @@
+"""The commands of the README, run as printed."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.end_to_end.processes import EXAMPLES, ROOT
+from tests.ports import free_port
+
+SCRIPT = EXAMPLES / "by-hand.sh"
+LONGEST_S = 240.0
+
+
+def blocks(language: str) -> list[str]:
+    """Return the README's blocks in a language."""
+    return re.findall(rf"^```{language}\n(.*?)^```", (ROOT / "README.md").read_text(), re.MULTILINE | re.DOTALL)
+
+
+@pytest.fixture(scope="module")
+def checkout(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with the examples and the command `rundown`, as a checkout has them."""
+    folder = tmp_path_factory.mktemp("checkout")
+    (folder / "examples").symlink_to(EXAMPLES)
+    (folder / "bin").mkdir()
+    command = folder / "bin" / "rundown"
+    command.write_text(f'#!/bin/sh\nexec {sys.executable} -m service "$@"\n')
+    command.chmod(0o755)
+    return folder
+
+
+def test_the_readme_prints_the_script() -> None:
+    assert any(block in SCRIPT.read_text() for block in blocks("sh"))
+
+
+def test_by_hand_runs_as_printed_and_python_after_it(checkout: Path) -> None:
+    around = os.environ | {
+        "PATH": f"{checkout / 'bin'}:{os.environ['PATH']}",
+        "PYTHONPATH": str(ROOT),
+        "PORT": str(free_port()),
+        "STREAM": f"tcp/127.0.0.1:{free_port()}",
+        "MPLBACKEND": "Agg",
+    }
+    done = subprocess.run(
+        ["sh", str(SCRIPT)], cwd=checkout, env=around, capture_output=True, text=True, timeout=LONGEST_S, check=False
+    )
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert "accepted: χ²/dof" in done.stdout
+    assert "changed coefficients: better than equivalent load" in done.stdout
+    assert '"parameter":"coupling.C1.kxx"' in done.stdout
+    assert (checkout / "by-hand" / "monday.db").stat().st_size > 0
+    (python,) = blocks("python")
+    shown = subprocess.run(
+        [sys.executable, "-c", python],
+        cwd=checkout,
+        env=around,
+        capture_output=True,
+        text=True,
+        timeout=LONGEST_S,
+        check=False,
+    )
+    assert shown.returncode == 0, shown.stderr
+    assert shown.stdout.startswith("motor-pump: accepted")

@@ -1,0 +1,91 @@
+"""Plots hold the numbers that they claim to show, and say what is missing."""
+
+import sys
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+import rotorundown as rd
+from estimator.machine.document import Machine
+from rotorundown.environment.optional_packages import PackageMissing
+from rotorundown.plots.centreline import NoFilms
+from tests.paths import ROOT
+
+
+def curve(figure: Figure, axes: int, line: int) -> tuple[np.ndarray, np.ndarray]:
+    """Return the points of a line of a figure."""
+    x, y = figure.axes[axes].lines[line].get_data()
+    return np.asarray(x, dtype=float), np.asarray(y, dtype=float)
+
+
+def test_bode_shows_the_run_and_the_fit(run: rd.MachineRun, result: rd.Result) -> None:
+    figure = result.plot_bode(["B1L", "B2L"])
+    assert [one.get_title() for one in figure.axes] == ["B1L", "B2L", "", ""]
+    speed, amplitude = curve(figure, 0, 0)
+    np.testing.assert_allclose(speed, run.speed_rpm)
+    np.testing.assert_allclose(amplitude, run.amplitude_um_pp[:, 0])
+    fit_speed, fit = curve(figure, 0, 1)
+    measured = np.interp(fit_speed, run.speed_rpm[::-1], run.amplitude_um_pp[::-1, 0])
+    np.testing.assert_allclose(fit, measured, rtol=0.1, atol=0.5)
+
+
+def test_an_unknown_channel_is_named(result: rd.Result) -> None:
+    with pytest.raises(KeyError, match=r"'B1' is no channel; there are B1L.*did you mean"):
+        result.plot_bode(["B1"])
+
+
+def test_polar_shows_the_vectors(run: rd.MachineRun, result: rd.Result) -> None:
+    angle, size = curve(result.plot_polar(["B1R"]), 0, 0)
+    np.testing.assert_allclose(size * np.exp(-1j * angle) / 2e6, run.recorded.phasor[:, 1], atol=1e-12)
+
+
+def test_orbits_are_as_large_as_the_probes_say(run: rd.MachineRun, result: rd.Result) -> None:
+    figure = result.plot_orbit(2000.0)
+    assert len(figure.axes) == 4
+    x, y = curve(figure, 0, 0)
+    probes = result.machine.probes[:2]
+    for number, probe in enumerate(probes):
+        along = x * np.cos(np.radians(probe.angle_deg)) + y * np.sin(np.radians(probe.angle_deg))
+        measured = np.interp(2000.0, run.speed_rpm[::-1], run.amplitude_um_pp[::-1, number])
+        assert np.ptp(along) == pytest.approx(measured, rel=0.1)
+
+
+def test_campbell_marks_the_critical_speeds(result: rd.Result) -> None:
+    figure = result.plot_campbell()
+    marks, _ = curve(figure, 0, -1)
+    np.testing.assert_allclose(marks, [one.speed * 30 / np.pi for one in result.model.critical_speeds()], rtol=1e-6)
+
+
+def test_the_train_shows_every_part(pump: Machine, result: rd.Result) -> None:
+    words = {text.get_text() for text in result.plot_train().axes[0].texts}
+    named = [one.id for one in pump.discs] + [one.id for one in pump.bearings] + [one.id for one in pump.couplings]
+    assert words == set(named)
+
+
+def test_a_trend_shows_values_and_leaves_gaps(result: rd.Result) -> None:
+    figure = rd.plot_trend([result, result], "coupling.C1.kxx", when=[2024, 2025])
+    when, value = curve(figure, 0, 0)
+    np.testing.assert_allclose(when, [2024, 2025])
+    assert value.tolist() == [result["coupling.C1.kxx"].value] * 2
+    with pytest.raises(ValueError, match="1 times for 2 results"):
+        rd.plot_trend([result, result], "coupling.C1.kxx", when=[1])
+
+
+def test_the_centreline_stays_within_the_clearance(result: rd.Result) -> None:
+    machine = rd.read_machine(ROOT / "examples/motor-compressor.yaml")
+    figure = rd.identify(machine, rd.simulate(machine)).plot_centreline()
+    for number in range(len(machine.bearings)):
+        circle, place = curve(figure, number, 0), curve(figure, number, 1)
+        assert np.max(np.hypot(*place)) < np.max(np.hypot(*circle))
+    with pytest.raises(NoFilms, match="say nothing of their films"):
+        result.plot_centreline()
+
+
+def test_a_missing_package_is_named(result: rd.Result, run: rd.MachineRun, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "matplotlib.pyplot", None)
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(PackageMissing, match="plots need matplotlib: pip install matplotlib"):
+        result.plot_bode()
+    with pytest.raises(PackageMissing, match="data frames need pandas"):
+        run.to_frame()

@@ -1,0 +1,83 @@
+"""The public surface: its names, what importing it needs, and what it says where something is in its way."""
+
+import inspect
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import rotorundown as rd
+from tests.paths import ROOT
+
+SURFACE = [
+    "CausesFound",
+    "CouplingComparison",
+    "Machine",
+    "MachineRun",
+    "Model",
+    "Result",
+    "compare",
+    "diagnose",
+    "identify",
+    "model",
+    "plot_trend",
+    "read_machine",
+    "read_run",
+    "simulate",
+]
+SERVICE_ONLY = ("sqlalchemy", "alembic", "fastapi", "zenoh", "typer", "uvicorn", "httpx", "aiohttp", "pydantic_settings")
+
+
+def python(code: str, *, folder: Path = ROOT) -> subprocess.CompletedProcess[str]:
+    """MachineRun code in a fresh interpreter that finds the packages of this checkout."""
+    return subprocess.run(
+        [sys.executable, "-c", f"import sys; sys.path.append({str(ROOT)!r})\n{code}"],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+
+
+def test_the_surface_is_what_users_rely_on() -> None:
+    assert sorted(rd.__all__) == SURFACE
+    assert dir(rd) == SURFACE
+
+
+@pytest.mark.parametrize("name", SURFACE)
+def test_each_name_is_documented(name: str) -> None:
+    found = getattr(rd, name)
+    assert callable(found)
+    assert len(inspect.getdoc(found) or "") > 20
+
+
+def test_a_wrong_name_gets_its_close_matches() -> None:
+    with pytest.raises(AttributeError, match=r"no 'identfy'; did you mean 'identify'"):
+        rd.identfy  # noqa: B018
+
+
+def test_importing_needs_nothing_but_python() -> None:
+    done = python("import rotorundown; print([one for one in ('numpy', 'scipy', 'pydantic') if one in sys.modules])")
+    assert done.stdout == "[]\n", done.stderr
+
+
+def test_identifying_needs_nothing_of_the_service() -> None:
+    done = python(
+        f"import rotorundown as rd\n"
+        f"pump = rd.read_machine({str(ROOT / 'examples/motor-pump.yaml')!r})\n"
+        f"run = rd.simulate(pump)\n"
+        f"rd.read_run({{'speed': run.speed_rpm, 'B1L_amplitude': run.amplitude_um_pp[:, 0], "
+        f"'B1L_phase': run.phase_lag_deg[:, 0]}}, machine=pump)\n"
+        f"rd.identify, rd.compare, rd.diagnose, rd.model\n"
+        f"print([one for one in {SERVICE_ONLY!r} if one in sys.modules])"
+    )
+    assert done.stdout == "[]\n", done.stderr
+
+
+def test_a_file_that_hides_one_of_our_packages_is_named_in_one_line(tmp_path: Path) -> None:
+    (tmp_path / "storage.py").write_text("")
+    done = python("import rotorundown", folder=tmp_path)
+    assert done.returncode == 1
+    assert done.stderr.splitlines()[-1].startswith(f"ImportError: {tmp_path / 'storage.py'} hides rotorundown's own package")

@@ -1,0 +1,111 @@
+"""Results: estimates by name, text, tables, models, comparison and diagnosis."""
+
+import math
+
+import numpy as np
+import pytest
+
+import rotorundown as rd
+from estimator.identification.quality_gate import identify_gated
+from estimator.machine.document import Machine
+from rotorundown.comparison import NotComparable
+from rotorundown.diagnosis import NotDiagnosable
+from rotorundown.identification import NothingToIdentify
+from tests.paths import ROOT
+
+SCREEN_LINES, SCREEN_COLUMNS = 40, 160
+
+
+def test_the_result_is_that_of_the_gated_fit(pump: Machine, run: rd.MachineRun, result: rd.Result) -> None:
+    gated = identify_gated(pump, [run.recorded], [run.measurement]).identification
+    assert gated is not None
+    assert result.accepted
+    assert result["coupling.C1.kxx"] == gated.estimate("coupling.C1.kxx")
+    assert list(result) == [one.name for one in gated.estimates]
+
+
+def test_a_wrong_name_gets_its_close_matches(result: rd.Result) -> None:
+    with pytest.raises(KeyError, match=r"'coupling\.C1\.kx' is not estimated; did you mean 'coupling\.C1\.k"):
+        result["coupling.C1.kx"]
+    assert "coupling.C1.kxx" in result
+    assert "coupling.C1.kx" not in result
+
+
+@pytest.mark.parametrize("name", ["motor-pump", "turbine-compressor-generator", "motor-compressor"])
+def test_the_text_fits_a_screen(name: str) -> None:
+    machine = rd.read_machine(ROOT / f"examples/{name}.yaml")
+    lines = str(rd.identify(machine, rd.simulate(machine))).splitlines()
+    assert len(lines) <= SCREEN_LINES
+    assert max(map(len, lines[3:])) <= SCREEN_COLUMNS
+
+
+def test_the_text_gives_unbalances_as_people_say_them(result: rd.Result) -> None:
+    one = result["disc.core-1.unbalance"]
+    assert one.value is not None
+    assert one.imaginary is not None
+    size, angle = math.hypot(one.value, one.imaginary) * 1e6, math.degrees(math.atan2(one.imaginary, one.value)) % 360
+    line = next(line for line in str(result).splitlines() if line.startswith("disc.core-1"))
+    assert f"{size:.3g} ±" in line
+    assert f"g mm at {angle:.0f}°" in line
+
+
+def test_html_escapes_what_a_document_says(pump: Machine, run: rd.MachineRun) -> None:
+    named = rd.MachineRun("<script>", run.channels, run.recorded, run.measurement)
+    shown = rd.identify(pump, named)._repr_html_()
+    assert "<script>" not in shown
+    assert "&lt;script&gt;" in shown
+
+
+def test_a_table_holds_every_estimate(result: rd.Result) -> None:
+    frame = result.to_frame()
+    assert list(frame.index) == list(result)
+    assert frame.loc["bearing.B1.kxx", "value"] == result["bearing.B1.kxx"].value
+    assert frame.loc["bearing.B1.kxx", "unit"] == "N/m"
+
+
+def test_too_little_data_is_named(pump: Machine) -> None:
+    with pytest.raises(NothingToIdentify, match="no run is given"):
+        rd.identify(pump, [])
+    few = rd.simulate(pump, samples=10)
+    with pytest.raises(NothingToIdentify, match=r"\d"):
+        rd.identify(pump, few, accepted_rpm=(3500.0, 3600.0))
+    with pytest.raises(NothingToIdentify):
+        rd.identify(pump, few, accepted_rpm=(3600.0, 3500.0))
+
+
+def test_a_model_gives_what_follows(pump: Machine, result: rd.Result) -> None:
+    model = rd.model(result)
+    speeds = [one.speed for one in model.critical_speeds()]
+    assert speeds == sorted(speeds)
+    assert [one.speed for one in model.campbell().critical_speeds] == pytest.approx(speeds)
+    response = model.response([1500.0, 3000.0])
+    assert response.value.shape == (2, len(pump.probes))
+    assert np.all(response.lower <= response.upper)
+    correction = model.balance([1500.0, 3000.0])
+    assert np.max(correction.after.amplitude) < np.max(correction.before.amplitude)
+    assert {one.coupling for one in model.coupling_loads([3000.0])} == {"C1"}
+    assert len(model.balance_grades(3000.0)) == len(pump.shafts)
+    assert model.modes(3000.0).eigenvalue.size > 0
+    assert rd.model(pump).critical_speeds() != ()
+
+
+def test_a_misaligned_coupling_is_compared_and_diagnosed(pump: Machine) -> None:
+    healthy = [rd.identify(pump, rd.simulate(pump, run_seed=seed)) for seed in range(1, 4)]
+    later = rd.simulate(pump, story="misalignment", run_seed=9)
+    compared = rd.compare(healthy[0], later, coupling="C1")
+    assert compared.verdict.startswith("changed coefficients")
+    assert compared.verdict in str(compared)
+    found = rd.diagnose(healthy, [rd.identify(pump, later)])
+    assert [(one.kind, one.element) for one in found.causes] == [("misalignment", "coupling.C1")]
+    assert "misalignment at coupling.C1" in str(found)
+    assert rd.diagnose(healthy[:2], healthy[2:]).causes == ()
+
+
+def test_what_cannot_be_compared_is_named(run: rd.MachineRun, result: rd.Result) -> None:
+    with pytest.raises(NotComparable, match="'C2' is no coupling of 'motor-pump'; there are C1; did you mean 'C1'"):
+        rd.compare(result, run, coupling="C2")
+    with pytest.raises(NotDiagnosable, match="needs results"):
+        rd.diagnose([], [result])
+    other = rd.read_machine(ROOT / "examples/motor-compressor.yaml")
+    with pytest.raises(NotDiagnosable, match="several machines"):
+        rd.diagnose([result], [rd.identify(other, rd.simulate(other))])

@@ -1,0 +1,138 @@
+"""Runs from tables and files: what is read, in which units, and what is said of wrong ones."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas
+import pytest
+
+import rotorundown as rd
+from estimator.arrays import Floats
+from estimator.machine.document import Machine
+from rotorundown.run_tables import WrongRun
+from service.sources.recording import write_recording
+
+
+def table(run: rd.MachineRun) -> dict[str, Floats]:
+    """Return a run as a table of columns in the default units."""
+    columns = {"speed": run.speed_rpm}
+    for number, channel in enumerate(run.channels):
+        columns[f"{channel}_amplitude"] = run.amplitude_um_pp[:, number]
+        columns[f"{channel}_phase"] = run.phase_lag_deg[:, number]
+    return columns
+
+
+def same(one: rd.MachineRun, other: rd.MachineRun) -> None:
+    """Assert that two runs hold the same samples."""
+    np.testing.assert_allclose(one.recorded.phasor, other.recorded.phasor, rtol=1e-6, atol=2e-11)
+    np.testing.assert_allclose(one.recorded.speed, other.recorded.speed, rtol=1e-6)
+
+
+def test_a_mapping_and_a_data_frame_hold_the_same_run(pump: Machine, run: rd.MachineRun) -> None:
+    same(rd.read_run(table(run), machine=pump), run)
+    same(rd.read_run(pandas.DataFrame(table(run)), machine=pump), run)
+    same(rd.read_run(run.to_frame(), machine=pump), run)
+
+
+def test_units_are_converted(pump: Machine, run: rd.MachineRun) -> None:
+    columns = table(run)
+    columns["speed"] = columns["speed"] / 60
+    for channel in run.channels:
+        columns[f"{channel}_amplitude"] = columns[f"{channel}_amplitude"] / 25.4 / 2
+        columns[f"{channel}_phase"] = np.radians(-columns[f"{channel}_phase"])
+    read = rd.read_run(
+        columns,
+        machine=pump,
+        speed_unit="Hz",
+        amplitude_unit="mil",
+        amplitude_kind="peak",
+        phase_convention="lead",
+        phase_unit="rad",
+    )
+    same(read, run)
+
+
+def test_a_file_with_a_sidecar_and_one_without_hold_the_same_run(pump: Machine, run: rd.MachineRun, tmp_path: Path) -> None:
+    with_sidecar = tmp_path / "run.csv"
+    write_recording(with_sidecar, pump, speed_rpm=run.speed_rpm, phasor=run.recorded.phasor, interval_s=run.interval_s)
+    without = tmp_path / "plain.csv"
+    run.to_frame().to_csv(without, index=False)
+    np.testing.assert_allclose(
+        rd.read_run(with_sidecar, machine=pump).recorded.phasor, run.recorded.phasor, rtol=1e-5, atol=1e-11
+    )
+    same(rd.read_run(str(without), machine=pump), run)
+
+
+def test_a_table_without_times_has_none(pump: Machine, run: rd.MachineRun) -> None:
+    assert rd.read_run(table(run), machine=pump).recorded.time is None
+    timed = {**table(run), "time": np.arange(len(run)) * 3.0}
+    assert rd.read_run(timed, machine=pump).interval_s == pytest.approx(3.0)
+
+
+def test_a_run_says_in_which_units_it_was_read(pump: Machine, run: rd.MachineRun) -> None:
+    assert "read as rpm, um peak-to-peak, phase lag in deg" in str(rd.read_run(table(run), machine=pump))
+
+
+def without(name: str, columns: dict[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in columns.items() if key != name}
+
+
+WRONG: dict[str, tuple[Callable[[dict[str, Any]], dict[str, Any]], dict[str, Any], str]] = {
+    "wrong columns": (lambda c: {**without("speed", c), "sped": c["speed"]}, {}, "no column holds the speed.*'sped'"),
+    "no channel": (lambda c: {"speed": c["speed"]}, {}, "no column holds an amplitude of a channel of 'motor-pump'"),
+    "no phase": (lambda c: without("B2L_phase", c), {}, "no column holds the phase of B2L"),
+    "degrees given for radians": (lambda c: c, {"phase_unit": "rad"}, "say phase_unit='deg'"),
+    "radians given for degrees": (
+        lambda c: {name: np.radians(one) if name.endswith("_phase") else one for name, one in c.items()},
+        {},
+        "say phase_unit='rad'",
+    ),
+    "a speed in Hz": (lambda c: {**c, "speed": c["speed"] / 60}, {}, "in rad/s or Hz.*speed_unit|in Hz.*speed_unit"),
+    "a name that contradicts": (
+        lambda c: {**without("speed", c), "speed_rpm": c["speed"]},
+        {"speed_unit": "Hz"},
+        "'speed_rpm' is in rpm, but speed_unit says Hz",
+    ),
+    "no rows": (lambda c: {name: one[:0] for name, one in c.items()}, {}, "no samples"),
+    "columns of different length": (lambda c: {**c, "speed": c["speed"][1:]}, {}, "differ in length"),
+    "decimal commas": (lambda c: {**c, "speed": ["1500,5"] * len(c["speed"])}, {}, "decimal point"),
+    "words": (lambda c: {**c, "speed": ["fast"] * len(c["speed"])}, {}, "row 1: 'fast' is not a number"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_a_wrong_table_is_named_with_what_would_be_right(pump: Machine, run: rd.MachineRun, name: str) -> None:
+    change, units, words = WRONG[name]
+    with pytest.raises(WrongRun, match=words) as raised:
+        rd.read_run(change(table(run)), machine=pump, **units)
+    assert "\n" not in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", "no rows"),
+        ("speed,B1L_amplitude,B1L_phase\n", "no rows"),
+        ("speed;B1L_amplitude;B1L_phase\n1500,5;1;2\n", "semicolons"),
+        ("speed,B1L_amplitude,B1L_phase\n1500,5,1,2\n", "decimal comma"),
+    ],
+)
+def test_a_wrong_file_is_named_with_what_would_be_right(pump: Machine, tmp_path: Path, text: str, words: str) -> None:
+    file = tmp_path / "run.csv"
+    file.write_text(text)
+    with pytest.raises(WrongRun, match=words):
+        rd.read_run(file, machine=pump)
+
+
+def test_what_is_no_table_is_named(pump: Machine) -> None:
+    with pytest.raises(WrongRun, match="not int"):
+        rd.read_run(5, machine=pump)
+
+
+def test_a_wrong_machine_is_named() -> None:
+    with pytest.raises(ValueError, match="not a machine document"):
+        rd.read_machine({"id": "pump"})
+    with pytest.raises(ValueError, match="No such file"):
+        rd.read_machine("nowhere.yaml")
