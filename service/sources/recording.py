@@ -3,8 +3,7 @@
 import cmath
 import csv
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Literal
@@ -64,11 +63,36 @@ class Sidecar(BaseModel):
 
 def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
     """Return all rows of a recording as one batch, numbered from 0. Raises UnreadableFile."""
-    sidecar = _sidecar_of(path, sidecar_path)
-    columns = _Columns.of(path)
-    speed = columns.complete(sidecar.speed)
-    seconds = _seconds(columns, sidecar, len(speed))
+    if path.is_dir():
+        raise UnreadableFile(f"{path} is a folder, not a recording")
+    beside = sidecar_path or path.with_suffix(".yaml")
+    if not path.exists():
+        raise UnreadableFile(f"{path}: no such file")
+    if not beside.exists():
+        raise UnreadableFile(f"{path} needs a sidecar {beside} that says what its columns mean; see docs/integrators.md")
+    sidecar = read_sidecar(beside)
+    if (sidecar.time is None) == (sidecar.interval_s is None):
+        raise UnreadableFile(f"{path}: its sidecar must give either the column `time` or `interval_s`")
+    rows = _rows(path)
+
+    def gappy(name: str) -> list[float | None]:
+        if name not in rows[0]:
+            raise UnreadableFile(f"{path} has no column '{name}'; it has {', '.join(rows[0])}")
+        return [_number(path, line, name, row[name]) for line, row in enumerate(rows, start=2)]
+
+    def column(name: str) -> list[float]:
+        values = gappy(name)
+        if None in values:
+            raise UnreadableFile(f"{path}, line {values.index(None) + 2}: column '{name}' has no value")
+        return [value for value in values if value is not None]
+
+    speed = column(sidecar.speed)
+    seconds = column(sidecar.time) if sidecar.time is not None else [i * (sidecar.interval_s or 0) for i in range(len(speed))]
     start = from_datetime(sidecar.start)
+    if not all(abs(s) < LONGEST_S for s in seconds):
+        raise UnreadableFile(f"{path}: column '{sidecar.time}' must hold seconds since the start, below {LONGEST_S:.0e}")
+    amplitude = [gappy(channel.amplitude) for channel in sidecar.channels]
+    phase = [gappy(channel.phase) for channel in sidecar.channels]
     return SampleBatch(
         schema=WIRE_SCHEMA,
         plant=sidecar.plant,
@@ -85,75 +109,10 @@ def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
         direction=sidecar.direction,
         time_ns=[start + round(s * 1e9) for s in seconds],
         speed=speed,
-        amplitude=columns.table([channel.amplitude for channel in sidecar.channels]),
-        phase=columns.table([channel.phase for channel in sidecar.channels]),
-        conditions={name: columns.with_gaps(column) for name, column in sidecar.conditions.items()} or None,
+        amplitude=[list(row) for row in zip(*amplitude, strict=True)],
+        phase=[list(row) for row in zip(*phase, strict=True)],
+        conditions={name: gappy(column) for name, column in sidecar.conditions.items()} or None,
     )
-
-
-def _sidecar_of(path: Path, sidecar_path: Path | None) -> Sidecar:
-    """Return the sidecar of a recording, by default the one beside it. Raises UnreadableFile."""
-    if path.is_dir():
-        raise UnreadableFile(f"{path} is a folder, not a recording")
-    beside = sidecar_path or path.with_suffix(".yaml")
-    if not path.exists():
-        raise UnreadableFile(f"{path}: no such file")
-    if not beside.exists():
-        raise UnreadableFile(f"{path} needs a sidecar {beside} that says what its columns mean; see docs/integrators.md")
-    sidecar = read_sidecar(beside)
-    if (sidecar.time is None) == (sidecar.interval_s is None):
-        raise UnreadableFile(f"{path}: its sidecar must give either the column `time` or `interval_s`")
-    return sidecar
-
-
-def _seconds(columns: "_Columns", sidecar: Sidecar, count: int) -> list[float]:
-    """Return the times of `count` rows since the start [s]. Raises UnreadableFile."""
-    if sidecar.time is None:
-        return [i * (sidecar.interval_s or 0) for i in range(count)]
-    seconds = columns.complete(sidecar.time)
-    if not all(abs(s) < LONGEST_S for s in seconds):
-        raise UnreadableFile(
-            f"{columns.path}: column '{sidecar.time}' must hold seconds since the start, below {LONGEST_S:.0e}"
-        )
-    return seconds
-
-
-@dataclass(frozen=True)
-class _Columns:
-    """The columns of a recording's CSV file. rows: cells by their column's name."""
-
-    path: Path
-    rows: Sequence[Mapping[str, str | None]]
-
-    @classmethod
-    def of(cls, path: Path) -> "_Columns":
-        """Read a file. Raises UnreadableFile."""
-        try:
-            # Spreadsheets put a byte order mark in front.
-            with path.open(encoding="utf-8-sig", newline="") as file:
-                rows = list(csv.DictReader(file, strict=True))
-        except (OSError, UnicodeDecodeError, csv.Error) as error:
-            raise UnreadableFile(f"{path}: {error}") from error
-        if not rows:
-            raise UnreadableFile(f"{path} has no rows below its header")
-        return cls(path, rows)
-
-    def with_gaps(self, name: str) -> list[float | None]:
-        """Return the numbers of a column, None for blank cells. Raises UnreadableFile."""
-        if name not in self.rows[0]:
-            raise UnreadableFile(f"{self.path} has no column '{name}'; it has {', '.join(self.rows[0])}")
-        return [_number(self.path, line, name, row[name]) for line, row in enumerate(self.rows, start=2)]
-
-    def complete(self, name: str) -> list[float]:
-        """Return the numbers of a column that may not have blank cells. Raises UnreadableFile."""
-        values = self.with_gaps(name)
-        if None in values:
-            raise UnreadableFile(f"{self.path}, line {values.index(None) + 2}: column '{name}' has no value")
-        return [value for value in values if value is not None]
-
-    def table(self, names: Sequence[str]) -> list[list[float | None]]:
-        """Return the numbers of some columns, row by row, None for blank cells. Raises UnreadableFile."""
-        return [list(row) for row in zip(*map(self.with_gaps, names), strict=True)]
 
 
 def write_recording(path: Path, machine: Machine, *, speed_rpm: Floats, phasor: Complexes, interval_s: float) -> None:
@@ -210,6 +169,18 @@ def split(batch: SampleBatch, size: int) -> Iterator[SampleBatch]:
             else {name: values[piece] for name, values in batch.conditions.items()},
             **{name: rows if rows is None else rows[piece] for name in TABLES for rows in [getattr(batch, name)]},
         )
+
+
+def _rows(path: Path) -> list[dict[str, str | None]]:
+    try:
+        # Spreadsheets put a byte order mark in front.
+        with path.open(encoding="utf-8-sig", newline="") as file:
+            rows = list(csv.DictReader(file, strict=True))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise UnreadableFile(f"{path}: {error}") from error
+    if not rows:
+        raise UnreadableFile(f"{path} has no rows below its header")
+    return rows
 
 
 def _number(path: Path, line: int, name: str, text: str | None) -> float | None:
