@@ -64,6 +64,11 @@ class Estimate:
     imaginary_standard_error: float | None = None
     reason: str | None = None
 
+    @property
+    def estimable(self) -> bool:
+        """Return whether the data determine this parameter."""
+        return self.value is not None
+
 
 def determined(coordinates: Coordinates, error: Floats) -> tuple[int, ...]:
     """List the coordinates of coefficients whose standard error alone does not rule an estimate out.

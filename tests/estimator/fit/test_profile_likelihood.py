@@ -53,4 +53,4 @@ def test_flat_directions_are_said_to_be_open(narrow: list[Identification]) -> No
 def test_a_full_run_down_needs_no_such_check() -> None:
     result = found(0, np.arange(4.0, 300.0, 4.0))
     assert result.condition_number < LARGEST_CONDITION
-    assert all(one.value is not None for one in result.estimates)
+    assert all(one.estimable for one in result.estimates)

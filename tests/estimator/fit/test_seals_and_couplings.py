@@ -161,7 +161,7 @@ def test_seal_is_identified_with_its_inertia() -> None:
     assert found.accepted, found.verdict
     expected = true_values(real)
     inertia = [found.estimate(f"seal.N1.{name}") for name in ("mxx", "myy")]
-    assert all(one.value is not None and one.unit == "kg" and one.quantity == "inertia" for one in inertia)
+    assert all(one.estimable and one.unit == "kg" and one.quantity == "inertia" for one in inertia)
     assert np.abs(deviations(found, expected)).max() < 4.5
     assert 0.75 < math.sqrt(np.mean(deviations(found, expected) ** 2)) < 1.25
 
@@ -193,7 +193,7 @@ def test_coupling_terms_are_identified_from_all_that_a_coupling_moves() -> None:
     measurement = Measurement.of(speed=SPEED, phasor=noisy(full_response(real, SPEED), seed=4))
     found = identify(nominal, measurement)
     assert found.accepted, found.verdict
-    estimable = [name for name in soft if found.estimate(f"coupling.C1.{name}").value is not None]
+    estimable = [name for name in soft if found.estimate(f"coupling.C1.{name}").estimable]
     assert set(estimable) >= {"k_phix", "k_phiy", "k_phixy", "k_phiyx"}
     assert np.abs(deviations(found, true_values(real))).max() < 4.5
     # Without the halves' masses the model cannot follow.

@@ -109,7 +109,7 @@ def assert_found(found: Identification, expected: dict[str, complex]) -> None:
     assert found.accepted, found.verdict
     assert abs(found.chi_square / found.degrees_of_freedom - 1) < 5 * math.sqrt(2 / found.degrees_of_freedom)
     for name in expected:
-        assert found.estimate(name).value is not None
+        assert found.estimate(name).estimable
     assert np.abs(deviations(found, expected)).max() < 4.0
     assert np.abs(deviations(found, true_values(chapter_3()))).max() < 4.5
 
