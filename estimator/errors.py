@@ -1,6 +1,6 @@
-"""Categories of errors: each base class is one, and every error that is told to whoever asked derives from one of them.
+"""Categories of errors: each base class is one, and every error that is reported to a caller derives from one of them.
 
-How a category is told, such as by which status of HTTP, is up to whoever answers.
+How a category is reported, such as by a status of HTTP, is decided where the answer is made.
 """
 
 from collections.abc import Sequence
@@ -11,7 +11,7 @@ class DomainError(Exception):
     """Base of all categories; no error derives from it directly."""
 
     retry_after_s: ClassVar[int | None] = None
-    """Time after which it makes sense to ask again [s]; None where nobody knows."""
+    """Time after which it makes sense to ask again [s]; None where it is unknown."""
 
     @property
     def detail(self) -> str:
@@ -26,6 +26,14 @@ class DomainError(Exception):
 
 class Invalid(DomainError, ValueError):
     """Raised when the input cannot be right, or nothing can be made of it."""
+
+
+class Unreadable(DomainError, ValueError):
+    """Raised when bytes cannot be read as what they are said to be."""
+
+
+class Oversized(DomainError, ValueError):
+    """Raised when more comes at once than is taken."""
 
 
 class Missing(DomainError, LookupError):
@@ -45,7 +53,7 @@ class Conflict(DomainError, ValueError):
 
 
 class NotAllowed(DomainError):
-    """Raised when whoever asks may not do this."""
+    """Raised when the caller may not do this."""
 
 
 class Gone(DomainError):

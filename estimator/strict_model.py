@@ -1,7 +1,7 @@
 """Strict models of documents and requests: an unknown field is refused, and a truth value is no number.
 
-Each wrong item and each unknown field is an error of its own, and errors cost more than what they are about: a list or an
-object that is too long is refused as a whole, before its items are looked at.
+Each wrong item and each unknown field is an error of its own, and an error takes more memory and time than the item. A list or
+an object that is too long is therefore refused as a whole, before its items are checked.
 """
 
 import functools

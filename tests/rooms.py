@@ -30,16 +30,16 @@ estimator/identification: estimator estimator/fit estimator/machine estimator/mo
     estimator/updated_model
 storage:
 storage/tables:
-storage/machines: estimator estimator/machine estimator/phasors storage storage/database storage/tables
 storage/encoding: estimator estimator/fit estimator/phasors
 storage/database: estimator storage storage/encoding storage/tables
+storage/machines: estimator estimator/machine estimator/phasors storage storage/database storage/tables
 storage/measurements: estimator estimator/phasors estimator/runs storage storage/encoding storage/tables
 storage/alerts: estimator storage storage/database storage/tables
 storage/backup: storage storage/database storage/encoding storage/tables
 storage/findings: estimator estimator/diagnosis estimator/fit estimator/machine estimator/trends
     estimator/updated_model storage storage/database storage/encoding storage/machines storage/measurements
     storage/tables
-storage/operation: storage storage/alerts storage/database storage/encoding storage/findings storage/machines
+storage/operation: estimator storage storage/alerts storage/database storage/encoding storage/findings storage/machines
     storage/tables
 service/export: estimator/machine estimator/phasors storage storage/database storage/encoding storage/machines
     storage/measurements storage/tables
@@ -81,7 +81,7 @@ service/journal: estimator estimator/machine service/replication service/resilie
 service/maintenance: service/configuration service/replication service/resilience service/runs storage storage/backup
     storage/database storage/machines storage/measurements storage/operation
 service/api/conventions: estimator estimator/machine service/export service/http service/identification
-    service/secrets service/security storage storage/database storage/findings
+    service/secrets service/security storage storage/findings
 service/recovery: service/journal service/replication service/resilience service/wire storage/encoding
 service/api/cache: estimator service/api/conventions service/http storage/database
 service/api/measurements: estimator estimator/machine estimator/phasors service/api/conventions service/http

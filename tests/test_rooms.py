@@ -114,6 +114,12 @@ def test_no_room_and_no_file_is_in_a_circle() -> None:
     assert circle({one: set(others) for one, others in imports().items()}) == []
 
 
+def test_no_arrow_goes_up() -> None:
+    """The table lists the rooms from the bottom up, the ground floor of each package before its rooms."""
+    floor = {one: place for place, one in enumerate(ROOMS)}
+    assert [f"{one} -> {other}" for one, others in ROOMS.items() for other in others if floor[other] >= floor[one]] == []
+
+
 def test_a_circle_is_found() -> None:
     assert circle({"a": {"b"}, "b": {"c"}, "c": {"b"}}) == ["b", "c", "b"]
 
@@ -124,6 +130,19 @@ def test_rooms_are_small() -> None:
         sizes[path.parent.as_posix()] += path.name != "__init__.py"
     assert {one: size for one, size in sizes.items() if size > LARGEST_ROOM} == {}
     assert median(sizes.values()) <= MEDIAN_ROOM
+
+
+WITHOUT_TESTS = {
+    "storage/tables": "declarations: tests/storage/database compares them with the migrations",
+    "rotorundown/environment": "tests/rotorundown asks it through the library",
+    "rotorundown/plots": "tests/rotorundown/test_plots.py",
+}
+"""Rooms without tests of their own, and why."""
+
+
+def test_tests_mirror_the_rooms() -> None:
+    rooms = {path.parent.as_posix() for path in files().values()}
+    assert {one for one in rooms if not list((ROOT / "tests" / one).glob("test_*.py"))} == set(WITHOUT_TESTS)
 
 
 @pytest.mark.parametrize("package", sorted({path.parent.as_posix() for path in files().values()}))

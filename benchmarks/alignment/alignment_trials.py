@@ -9,7 +9,7 @@ from benchmarks.fluid_film.film_trials import OPTIONS
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.fit.identify import Identification, identify
 from estimator.machine.document import Machine, parse_machine
-from estimator.machine.film_speeds import told_rpm
+from estimator.machine.film_speeds import reported_rpm
 from estimator.updated_model.alignment_change import alignment_changes
 from estimator.updated_model.derived_quantities import Derived, derived_quantities
 from estimator.updated_model.model import updated_model
@@ -111,7 +111,7 @@ def _told(one: Derived, true: float) -> Told:
 
 def _loads(plant: Plant, machine: Machine) -> dict[str, complex]:
     """Return the true loads at running speed by name."""
-    return {name: value for name, value in film_result_truths(plant, told_rpm(machine)).items() if ".load_" in name}
+    return {name: value for name, value in film_result_truths(plant, reported_rpm(machine)).items() if ".load_" in name}
 
 
 def _changes(machine: Machine, fits: Sequence[Identification], plant: Plant, later: Plant) -> list[Told]:

@@ -11,7 +11,7 @@ import numpy as np
 from benchmarks.fluid_film.film_bound import film_bound
 from estimator.fit.identify import Identification, Options, identify
 from estimator.machine.document import parse_machine
-from estimator.machine.film_speeds import told_rpm
+from estimator.machine.film_speeds import reported_rpm
 from estimator.machine.parameter_description import describe
 from estimator.updated_model.derived_quantities import derived_quantities
 from tests.film_plant.documents import film_document, measured
@@ -74,7 +74,7 @@ def film_trial(plant: Plant, *, seed: int, bounded: bool = False, document: Desc
     if not found.accepted:
         return FilmTrial(False, found.verdict, took)
     derived = derived_quantities(machine, found)
-    truth, of_films = film_truths(plant), film_result_truths(plant, told_rpm(machine))
+    truth, of_films = film_truths(plant), film_result_truths(plant, reported_rpm(machine))
     inside: dict[str, list[bool]] = defaultdict(list)
     for kind in KINDS:
         inside[kind] += score(found, _of_kind(truth, kind)).inside
@@ -85,7 +85,7 @@ def film_trial(plant: Plant, *, seed: int, bounded: bool = False, document: Desc
     bound = film_bound(plant, data.speed)
     told = {one.name: one.value for one in found.estimates if one.imaginary is None and one.value is not None}
     told |= {one.name: one.value for one in derived if one.value is not None}
-    place = {f"{rpm:g}rpm": number for number, rpm in enumerate(told_rpm(machine))}
+    place = {f"{rpm:g}rpm": number for number, rpm in enumerate(reported_rpm(machine))}
     errors = {
         f"{describe(name).whole}@{place.get(describe(name).knot or '', '')}": (told[name] - true.real) / bound[name]
         for name, true in (truth | of_films).items()

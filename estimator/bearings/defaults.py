@@ -12,9 +12,12 @@ class FormDefaults:
 
     Attributes:
         own_parameters: Kinds of parameters that its models have beside coefficients: none.
+        of_whole_train: Whether one model gives the coefficients of all bearings of a train together, so that the form makes
+            none of one element alone: no.
     """
 
     own_parameters: ClassVar[tuple[OwnParameter, ...]] = ()
+    of_whole_train: ClassVar[bool] = False
 
     def nominal(self, term: str, rpm: float) -> float | None:  # noqa: ARG002
         """Return None: the element's own nominal values hold, at every speed.

@@ -37,6 +37,8 @@ class JournalForm(FormDefaults, Part):
         OwnParameter("elevation_y", "elevation", UNITS["elevation"], positive=False),
     )
 
+    of_whole_train: ClassVar[bool] = True
+
     form: Literal["journal"]
     clearance_spread: Spread = Field(default=0.15, description="how far the radial clearance may be off, relative rms [-]")
     viscosity_spread: Spread = Field(default=0.15, description="how far the film's viscosity may be off, relative rms [-]")

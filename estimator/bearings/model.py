@@ -31,7 +31,7 @@ class ModelParameter:
         spread: Prior standard deviation of the fitted number [-].
         coefficient: Name of the coefficient whose value it is, everywhere or at a knot; None for any other parameter.
         speed: Speed at which it is the coefficient's value [rad/s]; None where it is everywhere, and for any other parameter.
-        nuisance: Whether it is fitted only so that the others get their due uncertainty, and told to nobody.
+        nuisance: Whether it is fitted only so that the others get their due uncertainty, and not reported.
     """
 
     name: str
@@ -203,6 +203,7 @@ class BearingForm(Protocol):
     """Part of a machine document that chooses the model of an element's coefficients."""
 
     own_parameters: ClassVar[tuple[OwnParameter, ...]]
+    of_whole_train: ClassVar[bool]
 
     @property
     def coefficients(self) -> tuple[str, ...] | None:

@@ -1,19 +1,16 @@
-"""Positions at which a film carries a static load, and their derivatives.
+"""Positions at which a film carries a static load.
 
-The load is what acts on the journal, in any direction: a weight W is (0, -W). Newton's method with the exact stiffness, never
-past the end of the film, from the best of some hundred positions known of each film: it needs no sequence of loads and finds a
-journal that carries next to nothing as well as one close to the wall. Damping of the steps as in P. Deuflhard, Newton
-Methods for Nonlinear Problems, Springer, 2004.
+The load acts on the journal, in any direction: a weight W is (0, -W). Newton's method with the exact stiffness starts from the
+best of some hundred positions that are tabulated for each film, and never leaves the film. It needs no sequence of loads, and
+finds a nearly unloaded journal as well as one close to the wall. Damping of the steps as in P. Deuflhard, Newton Methods for
+Nonlinear Problems, Springer, 2004.
 """
-
-from dataclasses import dataclass
 
 import numpy as np
 
 from estimator.arrays import Floats
 from estimator.errors import Invalid
-from estimator.films.dimensional_film import FilmScale, film_scale
-from estimator.films.film import FilmCoefficients, FilmOverPosition
+from estimator.films.film import FilmOverPosition
 from estimator.films.pad_table import THINNEST_FILM
 from estimator.films.reynolds import Bools
 
@@ -21,7 +18,6 @@ _DIRECTIONS = 36
 _DISTANCES = np.array([1e-4, 1e-3, 0.01, 0.03, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.88, 0.94, 0.97, 0.99])
 _STEPS, _HALVINGS, _STARTS = 60, 30, 6
 _RESIDUAL = 1e-11
-_SAME = 1e-6
 
 
 class FilmOverloaded(Invalid):
@@ -36,25 +32,6 @@ class FilmOverloaded(Invalid):
         """
         super().__init__(text)
         self.carried = carried
-
-
-@dataclass(frozen=True)
-class JournalEquilibrium:
-    """Positions of equilibrium under loads (...) in SI units, with their derivatives.
-
-    Attributes:
-        position: Positions (..., 2) relative to the bearing's centre [m].
-        by_load: Derivatives (..., 2, 2) by the components of the load on the journal [m/N].
-        by_clearance: Derivatives (..., 2) by the pads' radial clearance [-].
-        by_viscosity: Derivatives (..., 2) by the dynamic viscosity [m/(Pa s)].
-        by_speed: Derivatives (..., 2) by the spin speed [m s/rad].
-    """
-
-    position: Floats
-    by_load: Floats
-    by_clearance: Floats
-    by_viscosity: Floats
-    by_speed: Floats
 
 
 class EquilibriumSearch:
@@ -106,22 +83,6 @@ class EquilibriumSearch:
             raise FilmOverloaded(_overload(loads[~carried][0]), carried.reshape(given.shape[:-1]))
         return found.reshape(given.shape)
 
-    def all_positions(self, load: Floats) -> Floats:
-        """Find every position of equilibrium under one load that Newton's method reaches from the survey.
-
-        Args:
-            load: Load (2,) on the journal; shape (component,) with components x, y [μ ω R L (R/c)²].
-
-        Returns:
-            Positions (n, 2), none where the load is not carried [c].
-        """
-        ends = self._newton(np.broadcast_to(load, self._survey.shape), self._survey)
-        distinct: list[Floats] = []
-        for one in ends[~np.isnan(ends[:, 0])]:
-            if all(np.hypot(*(one - other)) > _SAME for other in distinct):
-                distinct.append(one)
-        return np.array(distinct).reshape(-1, 2)
-
     def _nearest(self, loads: Floats) -> np.ndarray[tuple[int, ...], np.dtype[np.intp]]:
         """Return the surveyed positions (n, starts) whose forces come closest to carrying the loads."""
         missing = np.linalg.norm(self._forces + loads[:, None], axis=-1)
@@ -166,60 +127,6 @@ class EquilibriumSearch:
             if (part >= 0.0).all():
                 break
         return part
-
-
-def journal_equilibrium(
-    search: EquilibriumSearch,
-    load: Floats,
-    *,
-    radius: float,
-    length: float,
-    clearance: Floats | float,
-    viscosity: Floats | float,
-    speed: Floats | float,
-    start: Floats | None = None,
-) -> JournalEquilibrium:
-    """Find positions of equilibrium in SI units.
-
-    The derivatives are those of the implicit function: F(x) + W = 0 with F = U f(x/c), where the unit U = μ ω R L (R/c)².
-
-    Args:
-        search: Search in the film, whose slenderness is length over twice the radius.
-        load: Loads (..., 2) on the journal [N].
-        radius: Radius of the journal [m].
-        length: Length of the bearing [m].
-        clearance: Radial clearance of the pads (...) [m].
-        viscosity: Dynamic viscosity (...) [Pa s].
-        speed: Spin speed, without sign (...) [rad/s].
-        start: Positions (..., 2) from which to search first [m]; None for those of the film's survey only.
-
-    Returns:
-        The positions and their derivatives.
-
-    Raises:
-        FilmOverloaded: A load is not carried.
-    """
-    scale = film_scale(radius=radius, length=length, clearance=clearance, viscosity=viscosity, speed=speed)
-    number = np.asarray(load, dtype=float) / scale.force[..., None]
-    first = None if start is None else np.asarray(start) / scale.clearance[..., None]
-    place = search.position(number, start=first)
-    return _with_derivatives(search.film.at(place), place, number, scale, np.asarray(viscosity, dtype=float))
-
-
-def _with_derivatives(
-    state: FilmCoefficients, place: Floats, number: Floats, scale: FilmScale, viscosity: Floats
-) -> JournalEquilibrium:
-    """Return the equilibrium at positions in clearances under loads in the film's unit."""
-    compliance = np.linalg.inv(state.static_stiffness)
-    c = scale.clearance[..., None]
-    moved = c * np.einsum("...ij,...j->...i", compliance, number)  # by the logarithm of the load
-    return JournalEquilibrium(
-        position=c * place,
-        by_load=compliance * (scale.clearance / scale.force)[..., None, None],
-        by_clearance=place + 2.0 * moved / c,
-        by_viscosity=-moved / viscosity[..., None],
-        by_speed=-moved / scale.speed[..., None],
-    )
 
 
 def _step(stiffness: Floats, unbalanced: Floats) -> Floats:

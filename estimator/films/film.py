@@ -45,9 +45,9 @@ class FilmCoefficients:
 
     Where pads tilt this holds for motions at the spin speed; slow ones meet `static_stiffness` instead of K.
 
-    Units are those of who gives it: of `Film` in terms of the clearance, of `dimensional_film` SI. At the centre of curvature
-    of a pad that is not 360° long, and in the centre of a plain bearing, a film that ruptures has a stiffness that depends on
-    the direction in which the journal leaves: there all is that of a journal that leaves towards x, with no derivatives by y.
+    `Film` gives it in units of the clearance, `dimensional_film` in SI. The stiffness of a film that ruptures depends on the
+    direction in which the journal leaves the centre of a plain bearing, or the centre of curvature of a pad that is shorter
+    than 360°. At these points the values are those of a journal that leaves towards x, with no derivatives by y.
 
     Attributes:
         force: Forces (..., 2) [μ ω R L (R/c)², or N].

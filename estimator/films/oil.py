@@ -84,46 +84,6 @@ class WaltherOil:
         return (value - 0.7) * _CENTISTOKES, slope * _CENTISTOKES
 
 
-@dataclass(frozen=True)
-class ConstantOil:
-    """Oil of one viscosity at every temperature.
-
-    Attributes:
-        dynamic_viscosity: Dynamic viscosity [Pa s].
-    """
-
-    dynamic_viscosity: float
-
-    def __post_init__(self) -> None:
-        if not 1e-4 < self.dynamic_viscosity < 10.0:
-            raise InvalidOil(
-                f"a dynamic viscosity of {self.dynamic_viscosity:g} Pa s: oils in bearings have 0.005 to 0.1 Pa s (1 mPa s is "
-                "0.001 Pa s)"
-            )
-
-    def viscosity(self, temperature: Floats | float) -> Floats:
-        """Return the dynamic viscosity.
-
-        Args:
-            temperature: Temperatures (...) [°C].
-
-        Returns:
-            Dynamic viscosities (...), all the same [Pa s].
-        """
-        return np.full(np.shape(_checked(temperature)), self.dynamic_viscosity)
-
-    def slope(self, temperature: Floats | float) -> Floats:
-        """Return the derivative of the dynamic viscosity by the temperature.
-
-        Args:
-            temperature: Temperatures (...) [°C].
-
-        Returns:
-            Derivatives (...), all 0 [Pa s/K].
-        """
-        return np.zeros(np.shape(_checked(temperature)))
-
-
 def grade_oil(grade: int, *, viscosity_at_100: float | None = None, density: float = STANDARD_DENSITY) -> WaltherOil:
     """Return the oil of an ISO VG grade.
 

@@ -1,9 +1,9 @@
 """Film of a pad that tilts about a pivot: without inertia and friction its force passes through the pivot.
 
-A tilt moves the pad's surface as a motion of the journal across the line through its pivot would: the film is that of a fixed
-pad with the journal at (e, δ) from the pad's centre of curvature, e towards the pivot and δ across, in the sense of rotation,
-with δ = tilt × radius. e is given by the journal, δ follows from the moment about the pivot, which is that of the force across
-(J. W. Lund, ASLE Trans. 7 (1964) 342, doi:10.1080/05698196408972064). So all that a pad does is a function of e.
+Tilting the pad changes its film as a motion of the journal across the line through the pivot does. The film is therefore that
+of a fixed pad with the journal at (e, δ) from the pad's centre of curvature: e towards the pivot, and δ = tilt × radius across
+it, in the sense of rotation. The journal gives e; δ follows from the moment about the pivot, which is that of the force across
+(J. W. Lund, ASLE Trans. 7 (1964) 342, doi:10.1080/05698196408972064). So a pad's film is a function of e alone.
 
 Below some e there is no such δ: a pad with its pivot in the middle loses its film where the journal leaves its centre of
 curvature (e = 0), one with its pivot behind the middle later.

@@ -1,12 +1,12 @@
 """Reynolds' equation of a finite pad with rupture of the film.
 
-Where the oil is incompressible and as viscous everywhere, with angles θ around the journal, ζ = 2 z / L along it, and pressure
-in μ ω (R/c)²,
+The oil is incompressible and of one viscosity. With the angle θ around the journal, ζ = 2 z / L along it, and pressure in
+μ ω (R/c)²,
 
     ∂/∂θ(h³ ∂p/∂θ) + (D/L)² ∂/∂ζ(h³ ∂p/∂ζ) = 6 ∂h/∂θ + 12 ∂h/∂(ω t),    p ≥ 0,
 
-and where p > 0 it holds; elsewhere the right side is larger: pressure and its gradient vanish at the edge of the film
-(Reynolds', Swift's and Stieber's condition). Forces are in μ ω R L (R/c)²: a Sommerfeld number S = μ N L D (R/c)²/W (N in
+where p > 0; elsewhere the right side is larger. Pressure and its gradient vanish at the edge of the film (Reynolds', Swift's
+and Stieber's condition). Forces are in μ ω R L (R/c)²: a Sommerfeld number S = μ N L D (R/c)²/W (N in
 rev/s) is one over π times the force in this unit.
 
 Discretisation: cells around the pad that are exact in the limit of a long one, and even polynomials along it, both in weak
@@ -190,9 +190,9 @@ class PadSolver:
 def edge_conductance(links: Floats, *, pressure: Floats, residual: Floats, active: Bools) -> Floats:
     """Compute the conductance that a cell with the film's edge in it has beyond that to its far node.
 
-    At the edge p = κ d²/2, where d is the distance and κ the source over h³. The discrete equation at the last node with
-    pressure, equal to that of this parabola, puts the edge at d = (1/2 + τ) Δ behind it, where Δ is the width of the cell and
-    τ = p/(κ Δ²), which goes from 0 to 1 while the edge passes the cell. κ Δ² follows from the residual at the first node
+    Near the edge p = κ d²/2, where d is the distance and κ the source over h³. Equating the discrete equation at the last
+    node with pressure to that of this parabola puts the edge at d = (1/2 + τ) Δ behind the node. Δ is the width of the cell,
+    and τ = p/(κ Δ²) goes from 0 to 1 while the edge passes the cell. κ Δ² follows from the residual at the first node
     without pressure. Where p = 0 at the distance d instead of Δ, the conductance is Δ/d times as large.
 
     Args:

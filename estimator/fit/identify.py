@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.bearings.journal import JournalForm
 from estimator.fit.calibrated_scatter import with_calibrated_scatter
 from estimator.fit.channel_sensitivity import ChannelEffects, channel_effects
 from estimator.fit.coordinates import Coordinates
@@ -21,6 +20,7 @@ from estimator.fit.nuisance_parameters import excessive_deviations
 from estimator.fit.omitted_warming import viscosity_trend
 from estimator.fit.physical_limits import Limits, limits_for, without_growing_modes
 from estimator.fit.profile_likelihood import flat_coordinates
+from estimator.machine.bearings_on_films import bearings_on_films
 from estimator.machine.document import Machine
 from estimator.machine.document_size import FEWEST_SAMPLES, document_size
 from estimator.machine.rules import Noise
@@ -296,8 +296,7 @@ def _without_empty_samples(measurement: Measurement) -> Measurement:
 
 def _on_films(machine: Machine, measurement: Measurement) -> Measurement:
     """Pick the samples at speeds at which the films of the document carry their journals. Raises NotEnoughData."""
-    films = [one.film for one in machine.bearings if one.film is not None and isinstance(one.speed_dependence, JournalForm)]
-    slowest = rpm_to_rad_per_s(max((one.valid_above_rpm for one in films), default=0.0))
+    slowest = rpm_to_rad_per_s(max((one.film.valid_above_rpm for one in bearings_on_films(machine.bearings)), default=0.0))
     found = measurement.pick(np.asarray(measurement.speed >= slowest))
     if found.speed.size == 0 < measurement.speed.size:
         raise NotEnoughData(f"no sample is above valid_above_rpm of a film, {rad_per_s_to_rpm(slowest):.0f} r/min")

@@ -1,6 +1,5 @@
 """Models of a train's coefficients: those of its elements one by one, and that of all its oil films together."""
 
-from estimator.bearings.journal import JournalForm
 from estimator.rotor.coefficient_models import GoverningModel, governing_models
 from estimator.rotor.condensation import CondensedTrain
 from estimator.statics.film_model import film_model
@@ -17,7 +16,7 @@ def train_models(train: CondensedTrain) -> tuple[GoverningModel, ...]:
     """
     coefficients = train.unknowns.coefficients
     found = governing_models(coefficients)
-    if train.machine is None or not any(isinstance(one.form, JournalForm) for one in coefficients):
+    if train.machine is None or not any(one.form.of_whole_train for one in coefficients):
         return found
     index = {one.name: k for k, one in enumerate(coefficients)}
     model = film_model(train.machine)

@@ -2,14 +2,15 @@
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase, translate
 from typing import Any, Protocol
 
 from pydantic_core import InitErrorDetails, PydanticCustomError
 
-from estimator.bearings.journal import JournalForm
+from estimator.bearings.model import BearingForm
 from estimator.bearings.terms import TERMS
+from estimator.machine.bearings_on_films import BearingOnFilm, bearings_on_films
 from estimator.machine.films import StaticLoad
 from estimator.machine.parameter_description import describe
 from estimator.machine.part_coefficients import (
@@ -221,37 +222,45 @@ def _film_problems(train: Train) -> Iterator[InitErrorDetails]:
     """Find bearings of which the loads on films cannot be derived: one film needs those of all bearings."""
     for place in ELEMENTS:
         for i, part in enumerate(getattr(train, place)):
-            if place != "bearings" and isinstance(part.speed_dependence, JournalForm):
+            if place != "bearings" and _is_of_films(part.speed_dependence):
                 message = "form 'journal' is of bearings with a film only"
                 yield _problem((place, i, "speed_dependence", "form"), "journal", message)
-    on_films = [isinstance(one.speed_dependence, JournalForm) for one in train.bearings]
-    films = [one.id for one, film in zip(train.bearings, on_films, strict=True) if film]
-    named = [f"bearing.{one}.{term}" for one in films for term in TERMS]
-    for i, rule in enumerate(train.parameters):
-        if any(fnmatchcase(name, rule.names) for name in named):
-            message = "coefficients of films follow from form 'journal': its own spreads say how well they are known"
-            yield _problem(("parameters", i), rule.names, message)
+    on_films = [one for one in train.bearings if _is_of_films(one.speed_dependence)]
+    yield from _ruled_film_problems(train, [f"bearing.{one.id}.{term}" for one in on_films for term in TERMS])
     yield from _supply_problems(train)
     for i, bearing in enumerate(train.bearings):
-        if any(on_films) and not on_films[i]:
+        if on_films and not _is_of_films(bearing.speed_dependence):
             message = "needs the form 'journal', as the other bearings: loads on films follow from the whole train's statics"
             yield _problem(("bearings", i, "speed_dependence"), None, message)
-        elif on_films[i] and bearing.film is None:
+        elif on_films and bearing.film is None:
             message = "form 'journal' needs the bearing's film: diameter, length, radial_clearance [m] and oil"
             yield _problem(("bearings", i, "film"), None, message)
 
 
+def _is_of_films(form: BearingForm | None) -> bool:
+    """Return whether an element's coefficients follow from the films of the whole train."""
+    return form is not None and form.of_whole_train
+
+
+def _ruled_film_problems(train: Train, coefficients: Sequence[str]) -> Iterator[InitErrorDetails]:
+    """Find rules for coefficients that follow from films."""
+    for i, rule in enumerate(train.parameters):
+        if any(fnmatchcase(name, rule.names) for name in coefficients):
+            message = "coefficients of films follow from form 'journal': its own spreads say how well they are known"
+            yield _problem(("parameters", i), rule.names, message)
+
+
 def _supply_problems(train: Train) -> Iterator[InitErrorDetails]:
     """Find films of one oil supply of whose viscosities different things are believed: they have one factor."""
-    first: dict[str, JournalForm] = {}
-    for i, bearing in enumerate(train.bearings):
-        form, supply = bearing.speed_dependence, bearing.film and bearing.film.oil.supply
-        if isinstance(form, JournalForm) and supply:
-            known = first.setdefault(supply, form)
+    first: dict[str, BearingOnFilm] = {}
+    for one in bearings_on_films(train.bearings):
+        if one.film.oil.supply is not None:
+            known = first.setdefault(one.film.oil.supply, one).form
             for name in ("viscosity_spread", "viscosity_slope_spread"):
-                if getattr(form, name) != getattr(known, name):
-                    message = f"is another one than that of the first bearing of supply '{supply}', {getattr(known, name):g}"
-                    yield _problem(("bearings", i, "speed_dependence", name), getattr(form, name), message)
+                value, expected = getattr(one.form, name), getattr(known, name)
+                if value != expected:
+                    message = f"is another one than that of the first bearing of supply '{one.film.oil.supply}', {expected:g}"
+                    yield _problem(("bearings", one.number, "speed_dependence", name), value, message)
 
 
 def _matching(pattern: str, names: Iterable[str]) -> list[str]:
@@ -277,21 +286,30 @@ def _rule_problems(train: Train) -> Iterator[InitErrorDetails]:
         if not fitting[rule.names]:
             message = f"'{rule.names}' matches no parameter; one of them is {next(iter(values))}"
             yield _problem(("parameters", i, "names"), rule.names, message)
-        ruled = by_rule.get(i, [])
-        given = [name for name in ruled if name in over_speed]
-        if given and rule.tied_to is None:
-            message = f"{', '.join(given)} follow a table: its scale_spread says how far it may be off, 0 that it is exact"
-            yield _problem(("parameters", i), rule.names, message)
-        unknown = [name for name in ruled if values[name] is None and name not in over_speed]
-        if unknown and rule.tied_to is None:
-            message = f"needs a nominal value of {', '.join(unknown)}"
-            yield _problem(("parameters", i), rule.names, message)
-        nothing = [name for name in ruled if name not in coefficients and values[name] == 0.0]
-        if nothing and rule.spread is not None:
-            message = f"a part of {', '.join(nothing)} is no spread: its nominal magnitude is zero"
+        for message in _value_problems(rule, by_rule.get(i, []), values, over_speed, frozenset(coefficients)):
             yield _problem(("parameters", i), rule.names, message)
     tied = {name: i for name, i in in_force.items() if train.parameters[i].tied_to is not None}
     yield from _tie_problems(train, coefficients, tied)
+
+
+def _value_problems(
+    rule: ParameterRule,
+    ruled: Sequence[str],
+    values: Mapping[str, float | None],
+    over_speed: Container[str],
+    coefficients: Container[str],
+) -> Iterator[str]:
+    """Yield what a rule asks of parameters that their nominal values do not allow. ruled: parameters that the rule is in force
+    for."""
+    given = [name for name in ruled if name in over_speed]
+    if given and rule.tied_to is None:
+        yield f"{', '.join(given)} follow a table: its scale_spread says how far it may be off, 0 that it is exact"
+    unknown = [name for name in ruled if values[name] is None and name not in over_speed]
+    if unknown and rule.tied_to is None:
+        yield f"needs a nominal value of {', '.join(unknown)}"
+    nothing = [name for name in ruled if name not in coefficients and values[name] == 0.0]
+    if nothing and rule.spread is not None:
+        yield f"a part of {', '.join(nothing)} is no spread: its nominal magnitude is zero"
 
 
 def _tie_problems(train: Train, coefficients: dict[str, float | None], tied: dict[str, int]) -> Iterator[InitErrorDetails]:

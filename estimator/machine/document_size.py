@@ -14,8 +14,8 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from estimator.bearings.journal import JournalForm
 from estimator.bearings.registry import CONSTANT
+from estimator.machine.bearings_on_films import bearings_on_films
 from estimator.machine.document import DocumentError, Machine, parse_machine
 from estimator.machine.films import JournalFilm
 from estimator.machine.mesh import element_count
@@ -235,7 +235,7 @@ def _places(machine: Machine) -> int:
 
 def _pads(machine: Machine) -> int:
     """Count the pads whose films are tabulated; where bearings are alike but for size, clearance and oil, they have one."""
-    films = [one.film for one in machine.bearings if one.film is not None and isinstance(one.speed_dependence, JournalForm)]
+    films = [one.film for one in bearings_on_films(machine.bearings)]
     return len({(_shape(film), film.length / film.diameter) for film in films})
 
 

@@ -1,6 +1,6 @@
-"""Speeds at which the films of a machine's journal bearings are known and told, by its document alone."""
+"""Speeds at which the films of a machine's journal bearings carry and are reported, by its document alone."""
 
-from estimator.bearings.journal import JournalForm
+from estimator.machine.bearings_on_films import bearings_on_films
 from estimator.machine.document import Machine
 
 
@@ -13,7 +13,7 @@ def follows_films(machine: Machine) -> bool:
     Returns:
         Whether they do.
     """
-    return any(isinstance(one.speed_dependence, JournalForm) for one in machine.bearings)
+    return bool(bearings_on_films(machine.bearings))
 
 
 def slowest_rpm(machine: Machine) -> float:
@@ -29,8 +29,8 @@ def slowest_rpm(machine: Machine) -> float:
     return max(machine.speed_range.minimum_rpm, lifted)
 
 
-def told_rpm(machine: Machine) -> tuple[float, ...]:
-    """Return the speeds at which an identification tells the films' coefficients: the lowest, a middle and the running speed.
+def reported_rpm(machine: Machine) -> tuple[float, ...]:
+    """Return the speeds at which an identification reports the films' coefficients: lowest, middle and running speed.
 
     They follow from the document alone, so that trends are of the same quantities whatever a run covered.
 

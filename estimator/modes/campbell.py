@@ -2,8 +2,8 @@
 
 Curves are followed by the shapes, not by the order of the frequencies: between neighbouring speeds modes are paired by the
 modal assurance criterion (Allemang & Brown, 1st IMAC, 1982, weighted with the mass matrix) and by how little the frequency
-moved. Where shapes change too much from one speed to the next, speeds between are looked at, so that curves which approach
-and veer away from each other are told apart from curves which cross.
+moved. Where shapes change too much from one speed to the next, speeds between them are computed too: this distinguishes
+curves that veer away from each other from curves that cross.
 """
 
 from dataclasses import dataclass

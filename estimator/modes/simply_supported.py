@@ -118,21 +118,6 @@ def disc_at_midspan_frequency(shaft: SimplySupportedShaft, *, disc_mass: float, 
     return math.sqrt(shaft.midspan_stiffness / (disc_mass + (0.0 if massless else 17 / 35 * shaft.mass)))
 
 
-def diameter_for(*, frequency: float, span: float, disc_mass: float, young_modulus: float) -> float:
-    """Compute the diameter of the solid massless shaft whose disc at mid span has a natural frequency (thesis Eq. C.1-C.2).
-
-    Args:
-        frequency: Natural frequency [rad/s].
-        span: Distance of the supports [m].
-        disc_mass: Mass of the disc [kg].
-        young_modulus: Young's modulus [N/m²].
-
-    Returns:
-        Diameter [m].
-    """
-    return float((frequency**2 * disc_mass * span**3 / (48 * young_modulus) * 64 / math.pi) ** 0.25)
-
-
 def span_for(*, frequency: float, diameter: float, disc_mass: float, young_modulus: float) -> float:
     """Compute the span of the solid massless shaft whose disc at mid span has a natural frequency (thesis Eq. C.1-C.2).
 

@@ -1,12 +1,13 @@
 """Beating behind a resonance that was crossed quickly, found in the 1× vector alone: no model and no clock are needed.
 
-At a steady rate α the rotor that still rings at its natural frequency ω_n adds to the phasor, seen from the turning shaft,
+The speed changes at a steady rate α, and the rotor still rings at its natural frequency ω_n. Seen from the turning shaft this
+adds to the phasor
 
     a e^{-ζ ω_n t} e^{-j∫(ω - ω_n) dt} = a e^{-d x} e^{∓j b x²},  x = |ω - ω_n|, b = 1/(2|α|), d = ζ ω_n / |α|
 
-which is a pure sinusoid over x². It turns against the phase's lead in a run-up and with it in a run-down, ever faster: no
-steady state does that, whose every mode makes one loop. The sinusoid is looked for behind each peak, over a background that
-falls off as a mode's response does.
+a pure sinusoid over x². It turns against the phase's lead in a run-up and with it in a run-down, ever faster. No steady state
+does that: there each mode makes one loop. The sinusoid is searched behind each peak, over a background that falls off as a
+mode's response does.
 """
 
 from dataclasses import dataclass

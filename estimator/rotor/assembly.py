@@ -209,25 +209,7 @@ def assemble_rotor(machine: Machine) -> Rotor:
     Returns:
         The rotor, read-only.
     """
-    stations = {shaft.id: node_stations(machine, shaft) for shaft in machine.shafts}
-    first_node: dict[str, int] = {}
-    nodes = 0
-    for shaft in machine.shafts:
-        first_node[shaft.id] = nodes
-        nodes += len(stations[shaft.id])
-    pedestal_node = {one.id: node for node, one in enumerate(machine.pedestals, start=nodes)}
-    nodes += len(pedestal_node)
-    used = {section.material for shaft in machine.shafts for section in shaft.sections}
-    names = [name for name in machine.materials if name in used]
-    rotor = Rotor(
-        stations=stations,
-        first_node=first_node,
-        pedestal_node=pedestal_node,
-        discs=PlaneMatrices.zero(PLANE_DOFS * nodes),
-        materials={name: PlaneMatrices.zero(PLANE_DOFS * nodes) for name in names},
-        internal={name: machine.materials[name].internal_damping for name in names},
-        rayleigh=(machine.damping.alpha, machine.damping.beta),
-    )
+    rotor = _rotor_without_mass(machine)
     for shaft in machine.shafts:
         _add_shaft(rotor, machine, shaft)
     for disc in machine.discs:
@@ -242,6 +224,29 @@ def assemble_rotor(machine: Machine) -> Rotor:
     for part in (rotor.discs, *rotor.materials.values()):
         part.freeze()
     return rotor
+
+
+def _rotor_without_mass(machine: Machine) -> Rotor:
+    """Lay out the nodes of a machine, shaft by shaft and then the pedestals; all matrices are zero."""
+    stations = {shaft.id: node_stations(machine, shaft) for shaft in machine.shafts}
+    first_node: dict[str, int] = {}
+    nodes = 0
+    for shaft in machine.shafts:
+        first_node[shaft.id] = nodes
+        nodes += len(stations[shaft.id])
+    pedestal_node = {one.id: node for node, one in enumerate(machine.pedestals, start=nodes)}
+    nodes += len(pedestal_node)
+    used = {section.material for shaft in machine.shafts for section in shaft.sections}
+    names = [name for name in machine.materials if name in used]
+    return Rotor(
+        stations=stations,
+        first_node=first_node,
+        pedestal_node=pedestal_node,
+        discs=PlaneMatrices.zero(PLANE_DOFS * nodes),
+        materials={name: PlaneMatrices.zero(PLANE_DOFS * nodes) for name in names},
+        internal={name: machine.materials[name].internal_damping for name in names},
+        rayleigh=(machine.damping.alpha, machine.damping.beta),
+    )
 
 
 def _section_at(shaft: Shaft, station: float) -> Section:

@@ -1,12 +1,11 @@
 """Reduction of a long train's mesh to the shapes that its slow motions need: eigenvalue problems of a fraction of the size.
 
 Component mode synthesis with free interfaces (MacNeal, Comput. Struct. 1 (1971) 581, doi:10.1016/0045-7949(71)90031-9;
-Rubin, AIAA J. 13 (1975) 995, doi:10.2514/3.60497): the plane modes of the shafts and discs without bearings and couplings
-up to several times the highest frequency of interest, and the deflection under a load at each degree of freedom that a
-coefficient acts at, so that a bearing may have any stiffness. Beside them the deflections under the gyroscopic moments and
-the internal damping that come with the modes, and under those that these deflections bring with them: a heavy wheel that
-overhangs needs both. Both bending planes have the same shapes: the reduced matrices look like
-those of a shorter train.
+Rubin, AIAA J. 13 (1975) 995, doi:10.2514/3.60497). The shapes are the plane modes of the shafts and discs without bearings and
+couplings, up to several times the highest frequency of interest, and the deflection under a load at each degree of freedom
+that a coefficient acts at, so that a bearing may have any stiffness. Further shapes are the deflections under the gyroscopic
+moments and the internal damping of the modes, and under those of these deflections: a heavy overhung wheel needs both. Both
+bending planes have the same shapes, so that the reduced matrices look like those of a shorter train.
 """
 
 from collections.abc import Iterator

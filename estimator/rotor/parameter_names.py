@@ -1,17 +1,17 @@
 """Names and SI units of a machine's parameters and of the quantities derived from them, by the document alone.
 
-With these a parameter that was never identified can be told from one that the machine does not have.
+They tell a parameter that was never identified from one that the machine does not have.
 """
 
 import re
 from collections.abc import Mapping, Sequence
 
-from estimator.bearings.journal import JournalForm
 from estimator.bearings.registry import OWN_PARAMETERS
 from estimator.bearings.terms import LATERAL
+from estimator.machine.bearings_on_films import bearings_on_films
 from estimator.machine.document import Machine
 from estimator.machine.film_parameter_names import film_parameter_names
-from estimator.machine.film_speeds import follows_films, told_rpm
+from estimator.machine.film_speeds import follows_films, reported_rpm
 from estimator.machine.parameter_description import describe
 from estimator.quantities import UNITS
 from estimator.rotor.assembly import assemble_rotor
@@ -23,16 +23,16 @@ NUMBER = re.compile(r"[1-9][0-9]{0,2}")
 PAIR = re.compile(rf"({NUMBER.pattern})-({NUMBER.pattern})")
 """Pattern of two numbers of critical speeds."""
 JOURNAL_UNITS = {"load_vertical": "N", "load_horizontal": "N", "journal_x": "m", "journal_y": "m", "eccentricity_ratio": "1"}
-"""SI unit of what is told of a journal in its film at running speed."""
+"""SI unit of each reported quantity of a journal in its film at running speed."""
 ALIGNMENT_UNITS = {"offset_vertical": "m", "offset_horizontal": "m", "angle_vertical": "rad", "angle_horizontal": "rad"}
-"""SI unit of what is told of a coupling's alignment on oil films."""
+"""SI unit of each reported quantity of a coupling's alignment on oil films."""
 STATIC_LOAD_UNITS = {
     "static_shear_vertical": "N",
     "static_shear_horizontal": "N",
     "static_moment_vertical": "N m",
     "static_moment_horizontal": "N m",
 }
-"""SI unit of what is told of the static load in a coupling on oil films."""
+"""SI unit of each reported quantity of the static load in a coupling on oil films."""
 PLACES = {".N": ".1", ".M-N": ".1-2"}
 """Placeholder for the number of a critical speed, or of two, in names of derived quantities, and the first number it
 can be."""
@@ -49,7 +49,7 @@ def parameter_units(machine: Machine) -> dict[str, str]:
     """
     rotor = assemble_rotor(machine)
     unknown = unknowns(machine, rotor)
-    found = _coefficient_units([one for one in unknown.coefficients if not isinstance(one.form, JournalForm)])
+    found = _coefficient_units([one for one in unknown.coefficients if not one.form.of_whole_train])
     found |= _film_parameter_units(machine)
     found |= {one.name: one.unit for one in unknown.excitations}
     found |= dict.fromkeys((one.name for one in scale_factors(machine, rotor)), UNITS["scale factor"])
@@ -99,15 +99,14 @@ def derived_units(machine: Machine) -> dict[str, str]:
 def _film_parameter_units(machine: Machine) -> dict[str, str]:
     """Return the SI unit by name of the parameters of films that coefficients follow from."""
     found: dict[str, str] = {}
-    for one in machine.bearings:
-        if one.film is not None and isinstance(one.speed_dependence, JournalForm):
-            names = film_parameter_names(one.id, one.film, one.speed_dependence).values()
-            found |= {name: OWN_PARAMETERS[describe(name).quantity].unit for name in names}
+    for one in bearings_on_films(machine.bearings):
+        names = film_parameter_names(one.id, one.film, one.form).values()
+        found |= {name: OWN_PARAMETERS[describe(name).quantity].unit for name in names}
     return found
 
 
 def _film_units(machine: Machine) -> dict[str, str]:
-    """Return the SI unit by name of what is told of oil films: coefficients at some speeds, journals at running speed,
+    """Return the SI unit by name of what is reported of oil films: coefficients at some speeds, journals at running speed,
     alignment.
     """
     if not follows_films(machine):
@@ -115,7 +114,7 @@ def _film_units(machine: Machine) -> dict[str, str]:
     found: dict[str, str] = {}
     for bearing in machine.bearings:
         element = f"bearing.{bearing.id}"
-        found |= {f"{element}.{one.name}@{rpm:g}rpm": UNITS[one.quantity] for one in LATERAL for rpm in told_rpm(machine)}
+        found |= {f"{element}.{one.name}@{rpm:g}rpm": UNITS[one.quantity] for one in LATERAL for rpm in reported_rpm(machine)}
         found |= {f"{element}.{name}": unit for name, unit in JOURNAL_UNITS.items()}
     for coupling in machine.couplings:
         found |= {f"coupling.{coupling.id}.{name}": unit for name, unit in (ALIGNMENT_UNITS | STATIC_LOAD_UNITS).items()}

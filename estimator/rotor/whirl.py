@@ -11,9 +11,6 @@ import numpy as np
 from estimator.arrays import Complexes, Floats
 from estimator.rotor.shaft_element import NODE_DOFS
 
-PLANAR = 0.05
-"""Whirl below which a mode is called planar, on a scale from 0 (in a plane) to 1 (circular) [-]."""
-
 
 @dataclass(frozen=True)
 class Orbit:
@@ -78,17 +75,3 @@ def whirl(shapes: Complexes, mass: Floats, *, direction: int) -> Floats:
     weighted = mass @ shapes
     with_rotation = np.imag(np.sum(np.conj(weighted) * turned, axis=0))
     return np.asarray(direction * with_rotation / np.real(np.sum(np.conj(weighted) * shapes, axis=0)))
-
-
-def whirl_name(value: float) -> str:
-    """Name the sense of a whirl: 'forward', 'backward' or 'planar'.
-
-    Args:
-        value: Whirl, -1 to 1 [-].
-
-    Returns:
-        The name.
-    """
-    if abs(value) < PLANAR:
-        return "planar"
-    return "forward" if value > 0 else "backward"

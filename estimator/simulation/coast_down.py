@@ -1,11 +1,11 @@
 """A train that runs up or coasts down, integrated in time: what its probes see when nothing is in a steady state.
 
 M q̈ + d/dt(Ω G q) + C q̇ + (K + Ω H) q = Re(F e^{jφ}) with the angle φ(t) of a given speed law, Ω = ±φ̇ and the force of
-synchronous_force.py, whose acceleration terms are in. The motion is written q = Re(Q(t) e^{jφ}), which loses nothing: Q obeys
+synchronous_force.py with its terms of acceleration. The motion is written as q = Re(Q(t) e^{jφ}) without any approximation:
 
     M Q̈ + (C + ΩG + 2jω M) Q̇ + (K + ΩH + Ω̇ G + jω (C + ΩG) + (jα - ω²) M) Q = F
 
-and is integrated by the trapezoidal rule (Newmark's of average acceleration, J. Eng. Mech. Div. 85 (1959) 67,
+which is integrated by the trapezoidal rule (Newmark's of average acceleration, J. Eng. Mech. Div. 85 (1959) 67,
 doi:10.1061/JMCEA3.0000098). In the rotating frame a free vibration at the natural frequency ω_n turns with ω_n - ω only, which
 a step must resolve.
 """

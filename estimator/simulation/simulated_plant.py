@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.bearings.journal import JournalForm
 from estimator.bearings.model import ModelParameter
 from estimator.machine.coupling_neighbours import neighbouring_bearings
 from estimator.machine.document import Machine
@@ -89,7 +88,7 @@ def draw_truth(machine: Machine, rng: np.random.Generator) -> Truth:
         ValueError: The document leaves a direct term or a disc's unbalance without a nominal value.
     """
     unknown = unknowns(machine, assemble_rotor(machine))
-    missing = [c.name for c in unknown.coefficients if c.direct and c.nominal is None and not isinstance(c.form, JournalForm)]
+    missing = [c.name for c in unknown.coefficients if c.direct and c.nominal is None and not c.form.of_whole_train]
     missing += [p.name for p in unknown.unbalances if p.nominal is None]
     if missing:
         raise ValueError(f"to simulate '{machine.id}' its document must give nominal values of {', '.join(missing)}")

@@ -1,9 +1,9 @@
 """Alignment of a train's couplings: offset and angle of their shafts against each other, from the elevations of the bearings.
 
-Each of the two shafts is taken as it would lie on its own bearings without the coupling: a shaft on two bearings keeps its
-shape and is extended to its end by the lever rule, one on more is bent by them (condensed as in `train_statics`). Elevations
-are over the aligned state, so that zero is where the coupling carries neither shear nor moment with journals in their
-bearings' centres, whatever the shafts sag by (Piotrowski, Shaft Alignment Handbook, 3rd ed., CRC Press 2006).
+Each of the two shafts is taken as it would lie on its own bearings without the coupling. A shaft on two bearings keeps its
+shape and is extended to its end by the lever rule; one on more bearings is bent by them (condensed as in `train_statics`).
+Elevations are measured from the aligned state. At zero the coupling carries neither shear nor moment when all journals are in
+their bearings' centres, whatever the shafts sag by (Piotrowski, Shaft Alignment Handbook, 3rd ed., CRC Press 2006).
 """
 
 from dataclasses import dataclass

@@ -12,7 +12,7 @@ import numpy as np
 from estimator.arrays import Floats
 from estimator.films.film import FilmCoefficients
 from estimator.machine.document import Machine
-from estimator.machine.film_speeds import slowest_rpm, told_rpm
+from estimator.machine.film_speeds import reported_rpm, slowest_rpm
 from estimator.statics.journal_bearing import JournalBearing, journal_bearing
 from estimator.statics.train_statics import MissingFilm, TrainStatics, train_statics
 from estimator.units import rpm_to_rad_per_s
@@ -206,7 +206,7 @@ def film_train(machine: Machine) -> FilmTrain:
     films = [(one.id, one.film) for one in machine.bearings if one.film is not None]
     at_rest = statics.film_force(statics.aligned)
     low, high = slowest_rpm(machine), machine.speed_range.maximum_rpm
-    speeds = rpm_to_rad_per_s(low), rpm_to_rad_per_s(high), rpm_to_rad_per_s(told_rpm(machine)[-1])
+    speeds = rpm_to_rad_per_s(low), rpm_to_rad_per_s(high), rpm_to_rad_per_s(reported_rpm(machine)[-1])
     bearings = tuple(
         journal_bearing(name, said, direction=machine.direction, load=-force, speeds=speeds)
         for (name, said), force in zip(films, at_rest, strict=True)

@@ -1,7 +1,7 @@
 """Deviations of real films from their model, by some per cent: Gaussian processes over speed.
 
 Kennedy and O'Hagan, J. R. Stat. Soc. B 63 (2001) 425, doi:10.1111/1467-9868.00294. Their numbers are fitted with the others
-and told to nobody.
+and not reported.
 """
 
 from dataclasses import dataclass

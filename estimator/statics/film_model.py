@@ -3,7 +3,7 @@
 The loads on the films follow from the statics of the whole train, so that one model gives the coefficients of all bearings.
 Equilibria are solved at a few speeds, with exact derivatives; between them coefficients follow splines. Films of real
 bearings deviate from any model by some per cent: each term may be off by a Gaussian process over speed (Kennedy and O'Hagan,
-J. R. Stat. Soc. B 63 (2001) 425, doi:10.1111/1467-9868.00294), whose numbers are fitted with the others and told to nobody.
+J. R. Stat. Soc. B 63 (2001) 425, doi:10.1111/1467-9868.00294), whose numbers are fitted with the others and not reported.
 """
 
 from dataclasses import dataclass, replace
@@ -14,8 +14,8 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.bearings.defaults import NeverLevel
-from estimator.bearings.journal import JournalForm
 from estimator.bearings.model import ModelParameter
+from estimator.machine.bearings_on_films import bearings_on_films
 from estimator.machine.document import Machine
 from estimator.machine.film_speeds import slowest_rpm
 from estimator.rotor.identity_cache import cached_by_identity
@@ -100,7 +100,7 @@ def film_model(machine: Machine) -> FilmModel:
 def _untouched(machine: Machine) -> FilmModel:
     """Return a model with which no films but the nominal ones are solved."""
     train = film_train(machine)
-    forms = tuple(one.speed_dependence for one in machine.bearings if isinstance(one.speed_dependence, JournalForm))
+    forms = tuple(one.form for one in bearings_on_films(machine.bearings))
     slowest, fastest = rpm_to_rad_per_s(slowest_rpm(machine)), rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
     names = tuple(one.name for one in train.bearings)
     return FilmModel(

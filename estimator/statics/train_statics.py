@@ -1,7 +1,7 @@
 """The train at rest, condensed to its journals: what their films have to carry.
 
-Loads are derived, never free: the film forces f on the journals at u obey S u = w + f, with S the stiffness of shafts and
-couplings seen at the journals, which no rigid motion of the whole train strains, and w the weight that arrives there.
+Loads are derived, never free. The film forces f on the journals at u obey S u = w + f: S is the stiffness of shafts and
+couplings at the journals, which a rigid motion of the whole train does not strain; w is the weight carried there.
 Pedestals with compliances D give way: u = p - D (f - f₀) for bearings at p, with f₀ the forces at rest, when the train was
 aligned. So S becomes (1 + S D)⁻¹ S.
 """

@@ -1,10 +1,10 @@
 """Scatter of a machine's parameters from run to run while nothing happens to it, beyond the errors of the fits.
 
-A baseline of a few runs says little about its own scatter. So each variance begins as a belief, a scaled inverse χ² with
-PRIOR_WEIGHT degrees of freedom around what is usual, and the baseline's n runs add n - 1 of their own: the conjugate analysis
-of a normal variance (Gelman et al., Bayesian Data Analysis, 3rd ed., §3.2), as it shrinks the variances of many genes (Smyth
-2004, doi:10.2202/1544-6115.1027). A deviation divided by its root then follows Student's t. The part that the fits' own errors
-explain is taken off first; where these are large beside the scatter the runs say little about it and count for less.
+A baseline of a few runs says little about its own scatter. Each variance therefore has a prior, a scaled inverse χ² with
+PRIOR_WEIGHT degrees of freedom around the usual value, to which the baseline's n runs add n - 1. This is the conjugate
+analysis of a normal variance (Gelman et al., Bayesian Data Analysis, 3rd ed., §3.2), used to shrink the variances of many
+genes (Smyth 2004, doi:10.2202/1544-6115.1027). A deviation over the root of the variance then follows Student's t. The part
+that the fits' own errors explain is subtracted first; runs whose errors are large beside the scatter count for less.
 """
 
 import math

@@ -7,11 +7,9 @@ doi:10.1080/00401706.1987.10488267).
 """
 
 import math
-from collections.abc import Callable
 from functools import cache
 
 import numpy as np
-import scipy.optimize
 import scipy.special
 
 from estimator.arrays import Floats
@@ -20,8 +18,6 @@ NODES_PER_WIDTH, NODE_STEP, MAXIMUM_NODES = 2.0, 24, 360
 """Nodes of the quadrature per standard deviation of one value's effect on the chart, the step in which nodes are added, and
 their largest number; five digits hold.
 """
-LARGEST_LIMIT = 30.0
-"""Limit at which the search for a chart's limit stops [standard deviations]."""
 
 
 def cusum(deviation: Floats, *, reference: float) -> Floats:
@@ -139,56 +135,3 @@ def _rule(count: int) -> tuple[Floats, Floats]:
 def _density(value: Floats) -> Floats:
     """Compute the density of the standard normal distribution."""
     return np.asarray(np.exp(-0.5 * value**2) / math.sqrt(2.0 * math.pi))
-
-
-@cache
-def cusum_limit(*, reference: float, run_length: float) -> float:
-    """Solve for the limit at which the upper CUSUM has a stated average run length.
-
-    Args:
-        reference: Reference of the CUSUM, in standard deviations [-].
-        run_length: Average number of values from one false alarm to the next, at least 2 [-].
-
-    Returns:
-        Limit [-].
-
-    Raises:
-        ValueError: The run length is below 2.
-    """
-    if run_length < 2.0:
-        raise ValueError(f"run_length is {run_length}: it must be at least 2")
-
-    def off(limit: float) -> float:
-        return math.log(cusum_run_length(reference=reference, limit=limit) / run_length)
-
-    return float(scipy.optimize.brentq(off, 1e-3, _large_enough(off), xtol=1e-6))
-
-
-@cache
-def ewma_limit(*, weight: float, run_length: float) -> float:
-    """Solve for the limit at which the two-sided EWMA has a stated average run length.
-
-    Args:
-        weight: Weight of the newest deviation [-].
-        run_length: Average number of values from one false alarm to the next, at least 2 [-].
-
-    Returns:
-        Limit in long-run standard deviations of the mean [-].
-
-    Raises:
-        ValueError: The run length is below 2.
-    """
-    if run_length < 2.0:
-        raise ValueError(f"run_length is {run_length}: it must be at least 2")
-
-    def off(limit: float) -> float:
-        return math.log(ewma_run_length(weight=weight, limit=limit) / run_length)
-
-    return float(scipy.optimize.brentq(off, 1e-3, _large_enough(off), xtol=1e-6))
-
-
-def _large_enough(off: Callable[[float], float]) -> float:
-    limit = 1.0
-    while limit < LARGEST_LIMIT and off(limit) < 0.0:
-        limit *= 1.5
-    return limit

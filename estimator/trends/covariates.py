@@ -1,8 +1,8 @@
 """Operating conditions as covariates: parameters as they would have been under the baseline's mean conditions.
 
-Over the baseline's runs ln p = mean + B (c - c̄) + error, with the errors of the fits and the run-to-run scatter together in V
-and a normal prior on B: a usual change of a condition is expected to move ln p by PRIOR_EFFECT rms. In the principal axes of V
-the errors are independent and the prior stays what it is, so that each axis has the ridge regression
+Over the baseline's runs ln p = mean + B (c - c̄) + error. The covariance V of the error is that of the fits and of the
+run-to-run scatter. B has a normal prior: a usual change of a condition is expected to move ln p by PRIOR_EFFECT rms. In the
+principal axes of V the errors are independent and the prior is the same, so that each axis has the ridge regression
 (CᵀC/λ + D⁻¹)⁻¹ Cᵀy/λ with its own covariance (Hoerl & Kennard, Technometrics 12 (1970) 55, doi:10.1080/00401706.1970.10488634;
 as a posterior mean: Lindley & Smith, J. R. Stat. Soc. B 34 (1972) 1).
 """

@@ -1,8 +1,8 @@
 """Deviation of every parameter of an identification from the machine's baseline, and of each element as a whole.
 
-A change is measured in the parameter's own size: of a direct term it is that of its logarithm, of a cross-coupled one it is
-part of the direct terms beside it, of an unbalance the vector's change as part of its magnitude. Its variance is that of the
-fit, of the baseline's mean and of the run-to-run scatter. An element's distance is Mahalanobis's (1936), with these
+A change is relative: of a direct term, the change of its logarithm; of a cross-coupled term, the change over the direct terms
+beside it; of an unbalance, the change of the vector over its magnitude. Its variance is the sum of those of the fit, of the
+baseline's mean and of the run-to-run scatter. An element's distance is Mahalanobis's (1936), with these
 variances and the fits' correlations. Scatter that is estimated makes the tails heavier than χ²: t for one number, F with the
 first two moments matched for several, both with the scatter's degrees of freedom over its part of the variance. These are
 fewer than Satterthwaite's (1946, doi:10.2307/3002019), which divide by the square of that part and hold in the middle of the

@@ -1,8 +1,8 @@
 """Rate of change of parameters over the newest runs, on which a person may set a limit.
 
-The slope of the newest runs by Theil and Sen (doi:10.1080/01621459.1968.10480934), which a few outliers and a single step
-hardly move, and only where the test of Mann and Kendall, corrected after Hamed and Rao (doi:10.1016/S0022-1694(97)00125-X),
-leaves no doubt that there is a drift at all.
+It is the slope of the newest runs by Theil and Sen (doi:10.1080/01621459.1968.10480934), which a few outliers and a single
+step hardly change. There is none unless the test of Mann and Kendall, corrected after Hamed and Rao
+(doi:10.1016/S0022-1694(97)00125-X), is significant.
 """
 
 import math

@@ -1,7 +1,7 @@
 """Offset and angle at each coupling from an identification by oil films, with what was believed of them before it.
 
 Both follow linearly from the elevations of all bearings, so that their errors come exactly from the covariance of these
-(JCGM 100:2008, 5.2): single elevations may be known by what is believed of them alone while an offset is known well.
+(JCGM 100:2008, 5.2). An offset may be known well although the data say nothing of a single elevation.
 """
 
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from estimator.updated_model.model import UpdatedModel
 from estimator.updated_model.uncertainty import standard_errors
 
 PLANES = (("vertical", "elevation_y"), ("horizontal", "elevation_x"))
-"""Planes in which alignment is told, with the number of a film that it follows from."""
+"""Planes in which alignment is reported, with the number of a film that it follows from."""
 
 
 @dataclass(frozen=True)

@@ -89,14 +89,7 @@ def followed_crossings(model: UpdatedModel) -> FollowedCrossings:
     nominal = _nominal(model.machine.model_dump_json())
     begins = [_in_basis(model.basis, one) for one in _single_modes(nominal.modes)]
     way = _ModelPath.between(expected_model(model.machine), model)
-    ends = [way.followed(one) for one in begins]
-    for place, end in enumerate(ends):
-        if end is None:
-            continue
-        # Two ways that end at one crossing: one of them has gone astray.
-        astray = any(other is not None and _coincide(other, end, way.mass) for other in ends[:place])
-        if astray or end.damping_ratio[0] >= HEAVILY_DAMPED:
-            ends[place] = None
+    ends = _distinct([way.followed(one) for one in begins], way.mass)
     for place in sorted({place for pair in nominal.pairs for place in pair}):
         if ends[place] is None:
             known = [end for end in ends if end is not None]
@@ -104,6 +97,17 @@ def followed_crossings(model: UpdatedModel) -> FollowedCrossings:
     found = [end for end in ends if end is not None]
     number = np.array([place for place, end in enumerate(ends) if end is not None], dtype=np.intp)
     return FollowedCrossings(_joined(found, way.mass.shape[0]), number, len(ends), nominal.pairs)
+
+
+def _distinct(ends: Sequence[Modes | None], mass: Floats) -> list[Modes | None]:
+    """Return the felt crossings at which ways end, None for the others; of two ways that end at one, the later went astray."""
+    found: list[Modes | None] = []
+    for end in ends:
+        if end is not None:
+            astray = any(other is not None and _coincide(other, end, mass) for other in found)
+            end = None if astray or end.damping_ratio[0] >= HEAVILY_DAMPED else end
+        found.append(end)
+    return found
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ import numpy as np
 from estimator.arrays import Floats
 from estimator.bearings.terms import LATERAL
 from estimator.fit.coordinates import Coordinates, PlacedModel
-from estimator.machine.film_speeds import told_rpm
+from estimator.machine.film_speeds import reported_rpm
 from estimator.quantities import UNITS
 from estimator.statics.film_model import FilmModel
 from estimator.statics.journal_states import JournalStates, journal_states
@@ -51,7 +51,7 @@ def film_results(model: UpdatedModel) -> tuple[FilmResult, ...]:
     Returns:
         The numbers, film by film; none of a train whose coefficients do not follow from films.
     """
-    speed = np.array([rpm_to_rad_per_s(one) for one in told_rpm(model.machine)])
+    speed = np.array([rpm_to_rad_per_s(one) for one in reported_rpm(model.machine)])
     coordinates = model.coordinates_at(speed)
     with_films = placed_films(coordinates)
     if with_films is None:
@@ -92,7 +92,7 @@ def _coefficients(model: UpdatedModel, placed: PlacedModel, theta: Floats, covar
     """Yield each term at each speed, film by film."""
     values = placed.values(theta)
     errors = standard_errors(placed.derivatives(theta, slice(None)), covariance)
-    speeds = told_rpm(model.machine)
+    speeds = reported_rpm(model.machine)
     column = {name: c for c, name in enumerate(placed.model.coefficients)}
     for bearing in model.machine.bearings:
         for term in LATERAL:

@@ -77,13 +77,6 @@ class ImpactComparison:
     unmatched: tuple[MeasuredFrequency, ...]
     unseen: tuple[float, ...]
 
-    @property
-    def rms_deviation(self) -> float | None:
-        """Return the root mean square of the deviations [-]; None where nothing was matched."""
-        if not self.compared:
-            return None
-        return math.sqrt(math.fsum(one.deviation**2 for one in self.compared) / len(self.compared))
-
 
 def measured_frequencies(test: ImpactTest) -> tuple[MeasuredFrequency, ...]:
     """Convert the impact test of a machine document.

@@ -6,7 +6,7 @@ all that these have in common (JCGM 100:2008, 5.2).
 
 import numpy as np
 
-from estimator.machine.film_speeds import told_rpm
+from estimator.machine.film_speeds import reported_rpm
 from estimator.rotor.parameter_names import STATIC_LOAD_UNITS
 from estimator.statics.coupling_balance import coupling_balances
 from estimator.statics.journal_states import journal_states
@@ -28,7 +28,7 @@ def static_coupling_loads(model: UpdatedModel) -> tuple[FilmResult, ...]:
     Returns:
         Shears [N] and moments [N m], coupling by coupling; none of a train whose coefficients do not follow from films.
     """
-    speed = np.array([rpm_to_rad_per_s(told_rpm(model.machine)[-1])])
+    speed = np.array([rpm_to_rad_per_s(reported_rpm(model.machine)[-1])])
     coordinates = model.coordinates_at(speed)
     found = placed_films(coordinates)
     if found is None:

@@ -4,20 +4,17 @@ First order ("delta method"; JCGM 100:2008, 5.2), in the coordinates of the fit:
 uncertain stiffness stays positive.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 import scipy.special
 
 from estimator.arrays import Complexes, Floats
 from estimator.fit.estimates import CONFIDENCE_95
-from estimator.updated_model.model import UpdatedModel
 
 UPPER_97_5 = 0.975
 """Probability of the upper bound of a 95 % interval [-]."""
-STEP = 1e-2
-"""Step of the central differences, in standard deviations [-]."""
 
 
 @dataclass(frozen=True)
@@ -105,39 +102,3 @@ def standard_errors(slope: Floats, covariance: Floats) -> Floats:
         Standard errors (...) [unit of the prediction].
     """
     return np.asarray(np.sqrt(np.sum((slope @ covariance) * slope, axis=-1)))
-
-
-def propagated(function: Callable[[UpdatedModel], Floats], model: UpdatedModel) -> Floats:
-    """Compute the covariance of any function's real values by central differences.
-
-    Differences run along the principal axes of the covariance, a hundredth of a standard deviation to either side, so that no
-    step size has to be chosen for parameters of different units.
-
-    Args:
-        function: Function of a model that returns q values (q,) [any unit].
-        model: Model at whose values, and with whose covariance, errors are propagated.
-
-    Returns:
-        Covariance (q, q) [unit²].
-    """
-    columns = []
-    for axis in principal_axes(model.covariance).T:
-        ahead, behind = (function(replace(model, values=model.values + sign * STEP * axis)) for sign in (1.0, -1.0))
-        columns.append((ahead - behind) / (2 * STEP))
-    slope = np.array(columns).T
-    return np.asarray(slope @ slope.T)
-
-
-def principal_axes(covariance: Floats) -> Floats:
-    """Separate a covariance into independent errors of one standard deviation each.
-
-    Args:
-        covariance: Covariance (n, n) [unit²].
-
-    Returns:
-        Columns A (n, n) with A Aᵀ = covariance [unit].
-    """
-    size = np.sqrt(np.diag(covariance))
-    unit = np.where(size > 0.0, size, 1.0)
-    values, vectors = np.linalg.eigh(covariance / np.outer(unit, unit))
-    return np.asarray(unit[:, None] * vectors * np.sqrt(np.maximum(values, 0.0)))

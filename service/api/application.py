@@ -69,7 +69,7 @@ from service.journal.http_queue import SubmissionSink
 from service.resilience.rate_limit import RateLimit
 from service.security.authentication import Authentication
 from service.security.configuration import Security
-from service.security.guard import Guard
+from service.security.guard import AccessRules, Guard, RequestLimits
 from service.security.login import router as login
 from service.security.operations import Operations
 from service.security.repeated_entries import RepeatedEntries
@@ -237,13 +237,16 @@ def _guard(app: FastAPI, database: Database, security: Security) -> None:
     app.add_middleware(
         Guard,
         database=database,
-        operations=app.state.operations,
-        authentication=app.state.authentication,
-        visibility=app.state.visibility,
-        requests=RateLimit(per_s=security.requests[0], burst=security.requests[1]),
-        failures=app.state.failures,
+        rules=AccessRules(
+            app.state.operations,
+            app.state.authentication,
+            app.state.visibility,
+            public_url=security.public_url,
+            names_checked=security.names_checked,
+        ),
+        limits=RequestLimits(
+            requests=RateLimit(per_s=security.requests[0], burst=security.requests[1]), failures=app.state.failures
+        ),
         repeated=app.state.repeated,
-        public_url=security.public_url,
-        names_checked=security.names_checked,
     )
     app.add_middleware(SecurityHeaders)

@@ -92,7 +92,7 @@ def rotate_key(
             with opened.transaction() as session:
                 row, text = api_keys.rotate(session, prefix, overlap_days=overlap_days, days=days)
         except (KeyUnknown, ValueError) as error:
-            fail(f"no key {prefix}" if isinstance(error, KeyUnknown) else str(error))
+            fail(error.detail if isinstance(error, KeyUnknown) else str(error))
         say(text)
         say(f"{row.prefix} takes the place of {prefix}, which is good for {overlap_days:g} days more", err=True)
 
@@ -121,7 +121,7 @@ def confirm_key(
                 for one in chosen:
                     api_keys.confirm(session, one)
         except (KeyUnknown, ValueError) as error:
-            fail(f"no key {error.args[0]}" if isinstance(error, KeyUnknown) else str(error))
+            fail(error.detail if isinstance(error, KeyUnknown) else str(error))
     say(f"{', '.join(chosen)} confirmed" if chosen else "no key waits for a confirmation")
 
 
@@ -135,8 +135,8 @@ def revoke_key(prefix: Prefix, database: Store = None) -> None:
         try:
             with opened.transaction() as session:
                 api_keys.revoke(session, prefix)
-        except KeyUnknown:
-            fail(f"no key {prefix}")
+        except KeyUnknown as error:
+            fail(error.detail)
     say(f"{prefix} is revoked")
 
 

@@ -162,7 +162,7 @@ class Settings(BaseSettings):
         return self
 
     @model_validator(mode="after")
-    def _complete(self) -> Self:
+    def _complete_issuer(self) -> Self:
         if self.oidc_issuer and not self.oidc_audience:
             raise ValueError("oidc_issuer needs oidc_audience: without it tokens made for other services would be taken")
         if self.oidc_client_id and not self.public_url:
@@ -171,6 +171,10 @@ class Settings(BaseSettings):
             url = getattr(self, name)
             if url.startswith("http://") and not encrypted(url):
                 raise ValueError(f"{name}: {url} must be https: who sits between could make tokens")
+        return self
+
+    @model_validator(mode="after")
+    def _complete_certificates(self) -> Self:
         if bool(self.tls_certificate) != bool(self.tls_key):
             raise ValueError("tls_certificate and tls_key: both, or neither")
         zenoh_tls = {bool(one) for one in (self.zenoh_tls_ca, self.zenoh_tls_certificate, self.zenoh_tls_key)}

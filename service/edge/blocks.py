@@ -1,8 +1,8 @@
 """Cutting a stream of waveforms into blocks that become phasors, in bounded memory and independent of the chunks.
 
-Blocks follow each other without a gap, from the first sample on. Each is computed from a window of samples around it and
-nothing else (with several marks per turn: and from the count of the marks), so that the same samples give the same phasors
-however they are cut into chunks, and wherever reading resumes after the agent was killed.
+Blocks follow each other without a gap, from the first sample on. Each is computed only from a window of samples around it and,
+with several marks per turn, from the count of the marks. The same samples therefore give the same phasors, however they are
+cut into chunks and wherever reading resumes after the agent was killed.
 """
 
 import math

@@ -84,23 +84,34 @@ def decode_waveforms(payload: bytes) -> WaveformMessage:
     if len(payload) < _HEADER.size or payload[:4] != MAGIC:
         raise BadMessage("does not begin with RDWF and a header of 56 bytes")
     _, version, kind, length, checksum, first, time_ns, rate, unit, samples, channels, named = _HEADER.unpack_from(payload)
+    _require_whole(payload, version, length, checksum)
+    if kind >= len(TYPES):
+        raise BadMessage(f"values of type {kind}; there are 0 to {len(TYPES) - 1}")
+    if not all(math.isfinite(one) and one > 0.0 for one in (rate, unit)):
+        raise BadMessage(f"sampling rate {rate:g} Hz and unit {unit:g} must be positive")
+    if _HEADER.size + named + channels * samples * np.dtype(TYPES[kind]).itemsize != length or not samples:
+        raise BadMessage(f"{channels} channels of {samples} samples are not what {length} bytes hold")
+    names = _names(payload[_HEADER.size : _HEADER.size + named], channels)
+    values = np.frombuffer(payload, TYPES[kind], channels * samples, _HEADER.size + named)
+    return WaveformMessage(first, time_ns, rate, names, values.reshape(channels, samples) * unit)
+
+
+def _require_whole(payload: bytes, version: int, length: int, checksum: int) -> None:
+    """Raise BadMessage for a message of another version, or one that was changed on its way."""
     if version != VERSION:
         raise BadMessage(f"version {version}; this agent knows {VERSION}")
     if length != len(payload):
         raise BadMessage(f"says {length} bytes, {len(payload)} came")
     if zlib.crc32(payload[_FROM_CHECKSUM_ON:]) != checksum:
         raise BadMessage("the checksum does not fit")
-    if kind >= len(TYPES):
-        raise BadMessage(f"values of type {kind}; there are 0 to {len(TYPES) - 1}")
-    if not (math.isfinite(rate) and rate > 0.0 and math.isfinite(unit) and unit > 0.0):
-        raise BadMessage(f"sampling rate {rate:g} Hz and unit {unit:g} must be positive")
-    if _HEADER.size + named + channels * samples * np.dtype(TYPES[kind]).itemsize != length or not samples:
-        raise BadMessage(f"{channels} channels of {samples} samples are not what {length} bytes hold")
+
+
+def _names(text: bytes, count: int) -> tuple[str, ...]:
+    """Return the names of the channels. Raises BadMessage."""
     try:
-        names = tuple(payload[_HEADER.size : _HEADER.size + named].decode().split("\n"))
+        names = tuple(text.decode().split("\n"))
     except UnicodeDecodeError:
         raise BadMessage("the names of the channels are not UTF-8") from None
-    if len(names) != channels or len(set(names)) != channels:
-        raise BadMessage(f"{len(set(names))} different names for {channels} channels")
-    values = np.frombuffer(payload, TYPES[kind], channels * samples, _HEADER.size + named)
-    return WaveformMessage(first, time_ns, rate, names, values.reshape(channels, samples) * unit)
+    if len(names) != count or len(set(names)) != count:
+        raise BadMessage(f"{len(set(names))} different names for {count} channels")
+    return names

@@ -1,4 +1,4 @@
-"""HTTP status of each category of errors."""
+"""HTTP status of each category of errors: the only table of statuses."""
 
 from collections.abc import Mapping
 from http import HTTPStatus
@@ -13,12 +13,16 @@ from estimator.errors import (
     Missing,
     NotAllowed,
     Outdated,
+    Oversized,
     Unavailable,
     Unconditional,
+    Unreadable,
 )
 
 STATUS: Mapping[type[DomainError], HTTPStatus] = {
     Invalid: HTTPStatus.UNPROCESSABLE_ENTITY,
+    Unreadable: HTTPStatus.BAD_REQUEST,
+    Oversized: HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
     Missing: HTTPStatus.NOT_FOUND,
     Conflict: HTTPStatus.CONFLICT,
     NotAllowed: HTTPStatus.FORBIDDEN,
@@ -26,7 +30,7 @@ STATUS: Mapping[type[DomainError], HTTPStatus] = {
     Outdated: HTTPStatus.PRECONDITION_FAILED,
     Unconditional: HTTPStatus.PRECONDITION_REQUIRED,
     LimitReached: HTTPStatus.TOO_MANY_REQUESTS,
-    Damaged: HTTPStatus.INTERNAL_SERVER_ERROR,
+    Damaged: HTTPStatus.SERVICE_UNAVAILABLE,
     Unavailable: HTTPStatus.SERVICE_UNAVAILABLE,
 }
 

@@ -7,6 +7,7 @@ taking messages.
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterable
+from typing import Protocol
 
 from sqlalchemy.exc import IntegrityError
 
@@ -24,25 +25,25 @@ MAXIMUM_DOUBLINGS = 6
 """Largest number of doublings of MAXIMUM_TRIES, one per earlier failure: some batches after many bad ones may be good."""
 
 
+class Acknowledgement(Protocol):
+    """Acknowledges stored batches."""
+
+    def acknowledge(self, one: HeldBatch, outcome: StoreOutcome) -> None:
+        """Note that a batch's source works, and tell whoever waits for the batch."""
+
+
 class SingleWrites:
     """One pass through the batches of a failed transaction. For the ingest thread only.
 
     Batches that cannot be stored are quarantined; sources of which nothing could be stored are reported to `backoff` at the
-    end of the pass. acknowledge: called with each batch that is stored.
+    end of the pass. acknowledgement: called with each batch that is stored.
     """
 
-    def __init__(
-        self,
-        journal: Journal,
-        refusals: Refusals,
-        backoff: SourceBackoff,
-        *,
-        acknowledge: Callable[[HeldBatch, StoreOutcome], None],
-    ) -> None:
+    def __init__(self, journal: Journal, refusals: Refusals, backoff: SourceBackoff, acknowledgement: Acknowledgement) -> None:
         self._journal = journal
         self._refusals = refusals
         self._backoff = backoff
-        self._acknowledge = acknowledge
+        self._acknowledgement = acknowledgement
         self._waiting: deque[HeldBatch] = deque()
         self._left: list[HeldBatch] = []
         self._stored: set[SourceKey] = set()
@@ -59,7 +60,7 @@ class SingleWrites:
     def turn(self, *, ends: float) -> set[SourceKey]:
         """Store batches until the time is over; return the sources that are paused, once the pass has ended.
 
-        ends: by the monotonic clock [s]; at least one batch is tried. Raises errors that affect all batches; then `take_back`
+        ends: by the monotonic clock [s]; at least one batch is tried. Raises errors that affect all batches; then `abandon`
         returns the rest.
         """
         while self._waiting:
@@ -101,7 +102,7 @@ class SingleWrites:
                 raise
             self._refusals.quarantine(one.arrived, error, one.promise)
             return False
-        self._acknowledge(one, outcome)
+        self._acknowledgement.acknowledge(one, outcome)
         return True
 
     def _end(self) -> set[SourceKey]:

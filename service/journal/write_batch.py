@@ -39,7 +39,7 @@ class WriteBatch:
         self._at_once = FEWEST_AT_ONCE
         self._expected: BoundedDict[SourceKey, int] = BoundedDict()
         self.refusals = Refusals(journal)
-        self._single_writes = SingleWrites(journal, self.refusals, backoff, acknowledge=self._acknowledge)
+        self._single_writes = SingleWrites(journal, self.refusals, backoff, self)
         backoff.call_on_pause(self._forget_progress_of)
 
     def __len__(self) -> int:
@@ -125,7 +125,7 @@ class WriteBatch:
             arrived = [one.arrived for one in self._held[: self._at_once]]
             outcomes = self._journal.store(arrived, self.refusals.rejections, within_s=LONGEST_TRANSACTION_S)
             for one, outcome in zip(self._held, outcomes, strict=False):
-                self._acknowledge(one, outcome)
+                self.acknowledge(one, outcome)
             del self._held[: len(outcomes)]
             # What a transaction looks up for batches that it has no time for is looked up in vain.
             fitted = len(outcomes) == len(arrived)
@@ -153,7 +153,8 @@ class WriteBatch:
             if one.promise is not None:
                 self.refusals.refuse(one.promise, NotStoring(UNFORESEEN))
 
-    def _acknowledge(self, one: HeldBatch, outcome: StoreOutcome) -> None:
+    def acknowledge(self, one: HeldBatch, outcome: StoreOutcome) -> None:
+        """Note that a batch's source works, and tell whoever waits for the batch."""
         self._backoff.succeeded(one.source)
         if one.promise is not None:
             one.promise.set_result(outcome)

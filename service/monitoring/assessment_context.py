@@ -13,9 +13,8 @@ from service.monitoring.comparison import WEEK, ComparisonTerms, baseline_of, co
 from service.monitoring.finding_rules import DIAGNOSIS_RULES, RATE_OF_CHANGE, is_finding
 from service.monitoring.limits_in_force import limits_of
 from storage.alerts import alerts
-from storage.clock import now
 from storage.findings import identifications, jobs
-from storage.machines import baselines, limits, machines
+from storage.machines import limits, machines
 from storage.tables.alerting import AlertRow
 from storage.tables.findings import IdentificationRow
 from storage.tables.machines import LimitsRow
@@ -87,14 +86,9 @@ def diagnosed_kind(alert: AlertRow) -> str:
 
 def _is_current(session: Session, terms: ComparisonTerms) -> bool:
     stored = terms.identification
-    newest = machines.get(session, stored.machine_id).revision
-    revisions: Sequence[int] = terms.like.revisions
-    if newest != stored.revision:
-        revisions = machines.comparable_revisions(session, stored.machine_id, newest)
-    if stored.revision not in revisions:
+    if stored.revision not in terms.revisions.comparable(machines.get(session, stored.machine_id).revision):
         return False
-    today = baselines.in_force(session, stored.machine_id, at=now())
-    return today is terms.began and identifications.is_newest(session, stored)
+    return terms.today is terms.began and identifications.is_newest(session, stored)
 
 
 def _runs(

@@ -6,9 +6,11 @@ from dataclasses import dataclass
 
 from sqlalchemy.orm import Session
 
+from storage.clock import now
 from storage.findings import identifications
 from storage.findings.identifications import ComparisonGroup
 from storage.machines import baselines, machines
+from storage.machines.machines import RevisionHistory
 from storage.tables.findings import IdentificationRow
 from storage.tables.machines import BaselineRow
 
@@ -24,14 +26,17 @@ WEEK = 7 * 86_400 * 1_000_000_000
 class ComparisonTerms:
     """The conditions under which an identification of a single run is compared.
 
-    began: the baseline in force with its author and reason; None for the machine's first runs. like: criteria of comparable
-    runs: under revisions of the document that describe the same machine, of the same kind of run, with the same slow-roll
-    vectors, after the beginning of the baseline.
+    began: the baseline in force with its author and reason; None for the machine's first runs. today: the baseline for what
+    is measured now. like: criteria of comparable runs: under revisions of the document that describe the same machine, of the
+    same kind of run, with the same slow-roll vectors, after the beginning of the baseline. revisions: the revisions that
+    describe this train.
     """
 
     identification: IdentificationRow
     began: BaselineRow | None
+    today: BaselineRow | None
     like: ComparisonGroup
+    revisions: RevisionHistory
 
 
 @dataclass(frozen=True)
@@ -64,14 +69,15 @@ class Compared:
 
 def terms_of(session: Session, stored: IdentificationRow) -> ComparisonTerms:
     """Read the conditions under which an identification is compared. Raises MachineUnknown."""
-    began = baselines.in_force(session, stored.machine_id, at=stored.measured_at)
+    began, today = baselines.in_force_at(session, stored.machine_id, (stored.measured_at, now()))
+    revisions = machines.revision_history(session, stored.machine_id, stored.revision)
     like = ComparisonGroup(
-        revisions=tuple(machines.comparable_revisions(session, stored.machine_id, stored.revision)),
+        revisions=tuple(revisions.comparable(stored.revision)),
         run_kind=stored.run_kind,
         slow_roll_version=stored.slow_roll_version,
         since=0 if began is None else began.since,
     )
-    return ComparisonTerms(stored, began, like)
+    return ComparisonTerms(stored, began, today, like, revisions)
 
 
 def compared(session: Session, stored: IdentificationRow, *, baseline_runs: int) -> Compared:

@@ -9,7 +9,7 @@ more: samples that trickle in over a day cost a dozen identifications, not one e
 """
 
 import logging
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -114,21 +114,28 @@ def plan(session: Session, machine_id: str, window: Window, *, patience_s: float
     before = round(1e9 * machine.collection.pre_trigger_s)
     # So near to a run they may lengthen it.
     near = max(OperatingLimits.of(machine).sweep.gap, before)
-    if any(_is_unfinished(row) or (_overlaps(row, first - near, last + near) and _waits(row, patience_s)) for row in beside):
+    if any(_must_wait(row, first - near, last + near, patience_s) for row in beside):
         return None
     if beside and (machines.get(session, machine_id).blocks_since or 0) > beside[0].time_first:
         return replace(found, left_out=[row.id for row in beside], why="were deleted")
-    begin = min([first, *(row.time_first for row in beside)]) - BESIDE
-    end = max([last, *(row.time_last or row.time_first for row in beside)]) + BESIDE
-    sweeps = _sweeps(session, machine, revision, begin, end, found.damaged)
+    sweeps = _sweeps(session, machine, revision, *_evaluated_stretch(window, beside), found.damaged)
     if beside and found.damaged:
         return replace(found, left_out=[row.id for row in beside], why="cannot all be read any more")
-
-    def concerned(start: int, stop: int) -> bool:
-        return start - before <= last and stop >= first
-
-    _match(found, beside, [one for one in sweeps if concerned(one[0].start, one[0].time)], concerned)
+    _match(found, beside, sweeps, before)
     return found
+
+
+def _must_wait(row: RunRow, first: int, last: int, patience_s: float) -> bool:
+    """Return whether late samples from first to last [ns] must wait for a run."""
+    return _is_unfinished(row) or (_overlaps(row, first, last) and _waits(row, patience_s))
+
+
+def _evaluated_stretch(window: Window, beside: Sequence[RunRow]) -> tuple[int, int]:
+    """Return the first and last time that are evaluated again [ns]: around the window and the runs beside it."""
+    _, first, last, _ = window
+    begin = min([first, *(row.time_first for row in beside)]) - BESIDE
+    end = max([last, *(row.time_last or row.time_first for row in beside)]) + BESIDE
+    return begin, end
 
 
 def still_holds(session: Session, found: LateSamplesPlan) -> bool:
@@ -143,15 +150,18 @@ def _basis(session: Session, machine_id: str, window: Window) -> tuple[object, .
     return machines.get(session, machine_id).blocks_since, *known
 
 
-def _match(
-    found: LateSamplesPlan,
-    beside: Sequence[RunRow],
-    sweeps: Sequence[tuple[RunEnded, int]],
-    concerned: Callable[[int, int], bool],
-) -> None:
-    """Add to a plan which runs the sweeps found now rebuild, join, or add."""
+def _match(found: LateSamplesPlan, beside: Sequence[RunRow], sweeps: Sequence[tuple[RunEnded, int]], before: int) -> None:
+    """Add to a plan which runs the sweeps found now rebuild, join, or add. before: length of what a run has before its sweep
+    [ns]."""
+    _, first, last, _ = found.window
+
+    def concerned(sweep: RunEnded) -> bool:
+        return sweep.start - before <= last and sweep.time >= first
+
     left = list(beside)
     for sweep, direction in sweeps:
+        if not concerned(sweep):
+            continue
         known = [row for row in left if row.kind == sweep.kind and _overlap(row, sweep)]
         left = [row for row in left if row not in known]
         if not known:
@@ -162,7 +172,7 @@ def _match(
     for row in left:
         # With the late samples the sweep looks otherwise; it keeps its bounds and gets its samples.
         same = RunEnded(row.time_first, row.time_last or row.time_first, _kind(row), row.reason or "")
-        if concerned(same.start, same.time):
+        if concerned(same):
             found.remade[row.id] = same
 
 

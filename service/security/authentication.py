@@ -123,7 +123,7 @@ class Authentication:
         self._identities[place] = self._clock() + IDENTITY_CACHE_S, found
         return found
 
-    async def still(self, given: Credentials, who: Principal) -> bool:
+    async def still_valid(self, given: Credentials, who: Principal) -> bool:
         """Check whether credentials still stand for the same principal, for long-lived answers."""
         try:
             return await self.principal(given) == who

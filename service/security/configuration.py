@@ -14,7 +14,7 @@ class Security:
     """Access settings.
 
     required: credentials are needed even where there is neither a key nor an issuer. tls: whether the service itself speaks
-    TLS. names_checked: see `Guard`. requests, failures: rate per second and burst, see `RateLimit`.
+    TLS. names_checked: see `AccessRules`. requests, failures: rate per second and burst, see `RateLimit`.
     """
 
     required: bool = False

@@ -55,19 +55,13 @@ def _operations(
     for context in iter_route_contexts(app.routes):
         route: Any = context
         path = str(getattr(route, "path", "") or "")
-        requirement = strictest(getattr(route, "dependencies", None)) or public.get(path)
-        if requirement is None:
-            raise Undeclared(
-                f"route {path or route} does not say which role it needs: give it one of service.security.requirement"
-            )
         methods = frozenset(getattr(route, "methods", None) or {"GET", "HEAD"})
-        if requirement.role is Role.VIEWER and not methods <= SAFE_METHODS:
-            raise Undeclared(f"route {path}: {', '.join(methods)} changes something, and viewers change nothing")
+        requirement = _requirement(route, path, methods, public)
         pattern = getattr(route, "path_regex", None)
         if pattern is None:
             raise Undeclared(f"route {path or route} has no pattern: it cannot be guarded")
         names = tuple(pattern.groupindex)
-        unknown = [name for name in names if name not in scoped and name not in free]
+        unknown = [name for name in names if name not in scoped | free]
         if unknown:
             raise Undeclared(f"route {path}: say in service.security.scope which plant {{{unknown[0]}}} belongs to")
         yield ApiOperation(
@@ -78,3 +72,15 @@ def _operations(
             requirement=requirement,
             scoped=tuple(name for name in names if name in scoped),
         )
+
+
+def _requirement(route: Any, path: str, methods: frozenset[str], public: Mapping[str, Requirement]) -> Requirement:
+    """Return what a route requires. Raises Undeclared."""
+    found = strictest(getattr(route, "dependencies", None)) or public.get(path)
+    if found is None:
+        raise Undeclared(
+            f"route {path or route} does not say which role it needs: give it one of service.security.requirement"
+        )
+    if found.role is Role.VIEWER and not methods <= SAFE_METHODS:
+        raise Undeclared(f"route {path}: {', '.join(methods)} changes something, and viewers change nothing")
+    return found

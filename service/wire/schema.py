@@ -1,5 +1,7 @@
 """The schema of a message, the same for all encodings, with its version and limits."""
 
+from collections.abc import Mapping
+
 import msgspec
 
 from estimator.phasors.channel_status import ChannelStatus
@@ -83,12 +85,21 @@ def require_shape(batch: SampleBatch) -> None:
         raise Rejected("wrong_shape", "epoch and sequence must not be negative and must fit 63 bits")
     if len(batch.speed) != count:
         raise Rejected("wrong_shape", f"speed has {len(batch.speed)} values for {count} samples")
-    if batch.conditions is not None:
-        if len(batch.conditions) > LARGEST_CONDITION_COUNT:
-            raise Rejected("wrong_shape", f"{len(batch.conditions)} conditions; at most {LARGEST_CONDITION_COUNT} ride along")
-        for name, values in batch.conditions.items():
-            if len(values) != count:
-                raise Rejected("wrong_shape", f"condition {name[:64]} has {len(values)} values for {count} samples")
+    _require_conditions(batch.conditions or {}, count)
+    _require_tables(batch, count, channels)
+
+
+def _require_conditions(conditions: Mapping[str, list[float | None]], count: int) -> None:
+    """Raise Rejected for too many operating conditions, or one that has not a value for each sample."""
+    if len(conditions) > LARGEST_CONDITION_COUNT:
+        raise Rejected("wrong_shape", f"{len(conditions)} conditions; at most {LARGEST_CONDITION_COUNT} ride along")
+    for name, values in conditions.items():
+        if len(values) != count:
+            raise Rejected("wrong_shape", f"condition {name[:64]} has {len(values)} values for {count} samples")
+
+
+def _require_tables(batch: SampleBatch, count: int, channels: int) -> None:
+    """Raise Rejected for a table that has not a value for each sample and channel."""
     if (batch.amplitude_2x is None) != (batch.phase_2x is None):
         raise Rejected("wrong_shape", "amplitude_2x and phase_2x come together or not at all")
     for name in TABLES:

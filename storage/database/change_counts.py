@@ -32,11 +32,6 @@ WATCHED = (
 WRITES = ("INSERT", "UPDATE", "DELETE")
 
 
-def trigger_name(table: str, write: str) -> str:
-    """Return the name of the trigger that counts one kind of write to a table."""
-    return f"count_{write.lower()}_{table}"
-
-
 class Changes:
     """Marks of the committed state. waits: whether reading a mark waits for another process and belongs into a thread."""
 

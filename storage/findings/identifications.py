@@ -296,21 +296,6 @@ def fit(row: IdentificationRow) -> ObservedFit | None:
     )
 
 
-def logarithmic_point(session: Session, row: IdentificationRow) -> Point:
-    """Return the direct terms that the data determined, as logarithms, with their covariance."""
-    query = (
-        select(EstimateRow.parameter, EstimateRow.value)
-        .where(EstimateRow.identification_id == row.id)
-        .where(EstimateRow.value.is_not(None), EstimateRow.quantity != "unbalance")
-    )
-    values = {name: value for name, value in session.execute(query) if value is not None and is_direct(name)}
-    names = [name for name in row.coordinates if name in values]
-    index = [row.coordinates.index(name) for name in names]
-    return Point(
-        tuple(names), np.log(np.array([values[name] for name in names])), covariance(row)[np.ix_(index, index)].copy()
-    )
-
-
 def points(session: Session, rows: Sequence[IdentificationRow]) -> dict[int, Point]:
     """Return per identification all coordinates that the data determined, with covariance; direct terms as logarithms, else
     SI."""

@@ -117,7 +117,7 @@ def comparable_revisions(session: Session, machine_id: str, number: int) -> list
 
     Raises MachineUnknown.
     """
-    return [one for span in _spans(session, machine_id, number) for one in span.revisions]
+    return revision_history(session, machine_id, number).comparable(number)
 
 
 def revisions_with_same_channels(session: Session, machine_id: str, number: int) -> list[int]:
@@ -126,21 +126,46 @@ def revisions_with_same_channels(session: Session, machine_id: str, number: int)
 
     Raises MachineUnknown.
     """
-    spans = _spans(session, machine_id, number)
-    own = next(span.conditions for span in spans if number in span.revisions)
-    return [one for span in spans if span.conditions == own for one in span.revisions]
+    spans = revision_history(session, machine_id, number).around(number)
+    own = next(span.document.condition_names for span in spans if number in span.revisions)
+    return [one for span in spans if span.document.condition_names == own for one in span.revisions]
 
 
 @dataclass(frozen=True)
-class _Span:
-    """Contiguous revisions of the same train with the same operating conditions. conditions: their names."""
+class RevisionSpan:
+    """Contiguous revisions of the same train with the same operating conditions. document: that of the first of them."""
 
     revisions: range
-    conditions: tuple[str, ...]
+    document: Machine
 
 
-def _spans(session: Session, machine_id: str, number: int) -> list[_Span]:
-    """Return the spans of revisions comparable with a given one.
+@dataclass(frozen=True)
+class RevisionHistory:
+    """All revisions of one train, in spans of the same operating conditions, ascending."""
+
+    spans: Sequence[RevisionSpan]
+
+    def comparable(self, number: int) -> list[int]:
+        """Return the contiguous revisions around a given one whose identifications are comparable with its own, ascending;
+        none for a revision of another train."""
+        return [one for span in self.around(number) for one in span.revisions]
+
+    def around(self, number: int) -> Sequence[RevisionSpan]:
+        """Return the spans of the revisions that are comparable with a given one."""
+        own = next((place for place, span in enumerate(self.spans) if number in span.revisions), None)
+        if own is None:
+            return ()
+        documents = [span.document for span in self.spans]
+        first = last = own
+        while first > 0 and documents[first - 1].describes_the_same_as(documents[own]):
+            first -= 1
+        while last + 1 < len(documents) and documents[last + 1].describes_the_same_as(documents[own]):
+            last += 1
+        return self.spans[first : last + 1]
+
+
+def revision_history(session: Session, machine_id: str, number: int) -> RevisionHistory:
+    """Return the revisions of the train that a given one describes. Raises MachineUnknown.
 
     Only the first document of each span is read: their number is that of the changes of operating conditions, however many
     revisions there are.
@@ -153,14 +178,7 @@ def _spans(session: Session, machine_id: str, number: int) -> list[_Span]:
         .order_by(RevisionRow.alike_since)
     )
     ranges = [range(first, last + 1) for first, last in session.execute(query)]
-    documents = [document(session, machine_id, one.start) for one in ranges]
-    own = next(place for place, one in enumerate(ranges) if number in one)
-    first = last = own
-    while first > 0 and documents[first - 1].describes_the_same_as(documents[own]):
-        first -= 1
-    while last + 1 < len(ranges) and documents[last + 1].describes_the_same_as(documents[own]):
-        last += 1
-    return [_Span(ranges[place], documents[place].condition_names) for place in range(first, last + 1)]
+    return RevisionHistory([RevisionSpan(one, document(session, machine_id, one.start)) for one in ranges])
 
 
 def _add_revision(session: Session, machine: Machine, number: int, before: tuple[RevisionRow, Machine] | None) -> RevisionRow:

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
+from estimator.errors import Missing
 from storage.clock import now
 from storage.tables.operation import ApiKeyRow
 
@@ -12,8 +13,10 @@ USE_INTERVAL_NS = 600 * 1_000_000_000
 """Shortest interval at which the last use of a key is stored [ns]: reading must not become writing."""
 
 
-class KeyUnknown(KeyError):
+class KeyUnknown(Missing):
     """Raised when no key has this prefix."""
+
+    subject = "key"
 
 
 def add(

@@ -114,16 +114,7 @@ def _breaks(session: Session, known: Collection[tuple[int, str]]) -> Iterator[Br
     number, previous = 0, BEGINNING
     last_number, last_hash = head(session)
     for row in session.scalars(select(AuditRow).order_by(AuditRow.number).execution_options(yield_per=1000)):
-        wrong = _of_another_kind(row)
-        if row.number != number + 1:
-            yield Break(number + 1, f"missing: the entry behind {number} is {row.number}")
-        elif row.previous != previous and wrong is None:
-            yield Break(row.number, "does not follow the entry before it")
-        # An entry of an older release may hold NUL, which a move to PostgreSQL has escaped.
-        if wrong is not None:
-            yield Break(row.number, f"was changed: its `{wrong[0]}` is no {wrong[1]}")
-        elif row.hash != digest(row) and row.hash != digest(row, text_as=nul_unescaped):
-            yield Break(row.number, "was changed")
+        yield from _breaks_at(row, number, previous)
         if noted.get(row.number, set()) - {row.hash}:
             yield Break(row.number, "is not the entry that was noted")
         number, previous = row.number, row.hash
@@ -134,6 +125,20 @@ def _breaks(session: Session, known: Collection[tuple[int, str]]) -> Iterator[Br
     for one in sorted(noted):
         if one > number:
             yield Break(one, f"was noted, and there are only {number}")
+
+
+def _breaks_at(row: AuditRow, number: int, previous: str) -> Iterator[Break]:
+    """Find what is wrong with an entry. number, previous: number and hash of the entry before it."""
+    wrong = _of_another_kind(row)
+    if row.number != number + 1:
+        yield Break(number + 1, f"missing: the entry behind {number} is {row.number}")
+    elif row.previous != previous and wrong is None:
+        yield Break(row.number, "does not follow the entry before it")
+    # An entry of an older release may hold NUL, which a move to PostgreSQL has escaped.
+    if wrong is not None:
+        yield Break(row.number, f"was changed: its `{wrong[0]}` is no {wrong[1]}")
+    elif row.hash != digest(row) and row.hash != digest(row, text_as=nul_unescaped):
+        yield Break(row.number, "was changed")
 
 
 def _of_another_kind(row: AuditRow) -> tuple[str, str] | None:

@@ -41,8 +41,8 @@ def test_docstrings_state_arguments_units_shapes_and_errors(path: Path) -> None:
 def faults(source: str) -> Iterator[str]:
     """Name what the docstrings of a file leave out, with the line."""
     tree = ast.parse(source)
-    for name, function in _public_functions(tree):
-        for fault in _faults_of_function(function):
+    for name, function in public_functions(tree):
+        for fault in faults_of_function(function):
             yield f"{function.lineno} {name}: {fault}"
     for node in tree.body:
         if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
@@ -65,7 +65,8 @@ def _faults_of_openings(tree: ast.Module) -> Iterator[str]:
             yield f"{line}: the sentence does not end"
 
 
-def _public_functions(tree: ast.Module) -> Iterator[tuple[str, Function]]:
+def public_functions(tree: ast.Module) -> Iterator[tuple[str, Function]]:
+    """Yield the public functions and methods of a file with their names."""
     for node in tree.body:
         if isinstance(node, Function) and not node.name.startswith("_"):
             yield node.name, node
@@ -75,7 +76,8 @@ def _public_functions(tree: ast.Module) -> Iterator[tuple[str, Function]]:
                     yield f"{node.name}.{one.name}", one
 
 
-def _faults_of_function(function: Function) -> Iterator[str]:
+def faults_of_function(function: Function) -> Iterator[str]:
+    """Name what a public function's docstring leaves out."""
     text = ast.get_docstring(function)
     if not text:
         yield "has no docstring"

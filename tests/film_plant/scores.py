@@ -110,15 +110,15 @@ def film_truths(plant: Plant) -> Truths:
     return found
 
 
-def film_result_truths(plant: Plant, told_rpm: Sequence[float]) -> Truths:
+def film_result_truths(plant: Plant, reported_rpm: Sequence[float]) -> Truths:
     """What follows from the plant's films: coefficients at some speeds [r/min], loads and journals' positions at the last."""
-    films = plant.films(np.array(told_rpm) * RPM)
+    films = plant.films(np.array(reported_rpm) * RPM)
     found: Truths = {}
     for number, bearing in enumerate(plant.train.bearings):
         name, place, load = f"bearing.B{number + 1}", films.position[-1, number], films.load[-1, number]
         for term in (*STIFFNESS, *DAMPING):
             values = _term(films.stiffness, films.damping, term)[:, number]
-            found |= {f"{name}.{term}@{rpm:g}rpm": complex(value) for rpm, value in zip(told_rpm, values, strict=True)}
+            found |= {f"{name}.{term}@{rpm:g}rpm": complex(value) for rpm, value in zip(reported_rpm, values, strict=True)}
         found |= {f"{name}.load_vertical": complex(load[1]), f"{name}.load_horizontal": complex(load[0])}
         found |= {f"{name}.journal_x": complex(place[0]), f"{name}.journal_y": complex(place[1])}
         found[f"{name}.eccentricity_ratio"] = complex(np.hypot(*place) / bearing.clearance)

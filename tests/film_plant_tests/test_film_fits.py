@@ -10,7 +10,7 @@ from estimator.fit.identify import Identification, Options, identify
 from estimator.identification.pooling import combine
 from estimator.identification.sweep_correction import sweep_transient
 from estimator.machine.document import parse_machine
-from estimator.machine.film_speeds import told_rpm
+from estimator.machine.film_speeds import reported_rpm
 from estimator.rotor.parameter_names import derived_unit, parameter_units
 from estimator.updated_model.derived_quantities import derived_quantities
 from estimator.updated_model.model import updated_model
@@ -43,7 +43,7 @@ def test_right_documents_are_accepted_and_most_intervals_hold() -> None:
         told = score(found, film_truths(plant))
         assert len(told.inside) >= 16
         inside += told.inside
-        derived = score_derived(derived_quantities(machine, found), film_result_truths(plant, told_rpm(machine)))
+        derived = score_derived(derived_quantities(machine, found), film_result_truths(plant, reported_rpm(machine)))
         assert len(derived.inside) >= 4 * 26
         of_films += derived.inside
     assert np.mean(inside) > 0.85
@@ -65,7 +65,7 @@ def test_by_the_document_alone_names_and_units_are_those_that_are_told() -> None
     assert parameter_units(machine) == {one.name: one.unit for one in found.estimates}
     derived = {one.name: one for one in derived_quantities(machine, found)}
     assert {name: derived_unit(machine, name) for name in derived} == {name: one.unit for name, one in derived.items()}
-    low, middle, running = told_rpm(machine)
+    low, middle, running = reported_rpm(machine)
     assert derived[f"bearing.B1.kxx@{middle:g}rpm"].unit == "N/m"
     assert derived[f"bearing.B4.cyx@{low:g}rpm"].unit == "N s/m"
     assert derived["bearing.B2.load_vertical"].unit == "N"

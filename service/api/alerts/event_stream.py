@@ -194,12 +194,12 @@ async def stream(
     after: int | None,
     *,
     sees: Callable[[AlertEvent], bool] = _all_visible,
-    still: Callable[[], Awaitable[bool]] = _always_valid,
+    still_valid: Callable[[], Awaitable[bool]] = _always_valid,
 ) -> AsyncGenerator[bytes]:
     """Yield events behind `after` that the client sees, or from now on, without end; first the id behind which they begin.
 
     An `after` beyond the newest event belongs to another store, such as the one before a restore: the stream then begins now.
-    It ends when the client does not keep up, or when `still` finds its credentials no longer valid.
+    It ends when the client does not keep up, or when `still_valid` finds its credentials no longer valid.
     """
     client = await broadcaster.join()
     try:
@@ -217,11 +217,11 @@ async def stream(
             try:
                 news = await asyncio.wait_for(client.queue.get(), KEEP_ALIVE_S)
             except TimeoutError:
-                if not await still():
+                if not await still_valid():
                     return
                 yield b": still here\n\n"
                 continue
-            if not await still():
+            if not await still_valid():
                 return
             if news is not None and news.number > last:
                 if _is_visible(sees, news):
@@ -247,6 +247,8 @@ async def stream_alert_events(
     database(request).check()
     begin = last_event_id if last_event_id is not None else after
     who, visibility = principal(request), cast(Visibility, request.app.state.visibility)
-    events = stream(broadcaster, begin, sees=lambda event: visibility.sees(who, event.machine), still=request.state.still)
+    events = stream(
+        broadcaster, begin, sees=lambda event: visibility.sees(who, event.machine), still_valid=request.state.still_valid
+    )
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
     return StreamingResponse(events, media_type="text/event-stream", headers=headers)

@@ -8,17 +8,17 @@ from typing import Any
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
-from sqlalchemy.exc import DataError, DBAPIError
+from sqlalchemy.exc import DBAPIError
 from starlette.exceptions import HTTPException as StarletteHTTPException
 
-from estimator.errors import DomainError, Missing
+from estimator.errors import Damaged, DomainError, Missing
 from estimator.machine.document import problems_of
 from service.api.conventions.many_problems import MOST_PROBLEMS
 from service.api.conventions.patterns import WORDS
+from service.http.database_errors import categorized
 from service.http.error_status import status_of
 from service.http.problem import FieldProblem, problem_response
 from service.http.security_headers import ALWAYS
-from storage.database.damage import error_text, is_damage
 
 UNREADABLE = "There was an error parsing the body"
 """Detail that the framework gives for a body that is not JSON."""
@@ -34,6 +34,7 @@ LISTED: Mapping[str, str] = {
     "alert": ": GET /api/v1/alerts lists those there are",
     "suppression": f": {OF_MACHINE}/suppressions lists those in force",
     "subscription": ": GET /api/v1/subscriptions lists those there are",
+    "key": ": `rundown key list` shows them",
     "delivery": ": GET /api/v1/subscriptions/<id>/deliveries lists them",
 }
 """Hint on where existing objects are listed, by the subject of the missing one."""
@@ -44,8 +45,7 @@ def add_handlers(app: FastAPI) -> None:
     app.exception_handler(DomainError)(_domain_error)
     app.exception_handler(RequestValidationError)(_wrong_request)
     app.exception_handler(StarletteHTTPException)(_http_error)
-    app.exception_handler(DataError)(_unstorable)
-    app.exception_handler(DBAPIError)(_no_database)
+    app.exception_handler(DBAPIError)(_database_error)
     app.exception_handler(Exception)(_unexpected)
 
 
@@ -84,14 +84,12 @@ async def _http_error(request: Request, error: StarletteHTTPException) -> JSONRe
     return problem_response(error.status_code, detail, headers)
 
 
-async def _unstorable(_request: Request, error: DataError) -> JSONResponse:
-    return problem_response(HTTPStatus.UNPROCESSABLE_ENTITY, f"the database cannot hold or look for that: {error.orig}")
-
-
-async def _no_database(request: Request, error: DBAPIError) -> JSONResponse:
-    if is_damage(error):
-        return _damaged(request, error)
-    return problem_response(HTTPStatus.SERVICE_UNAVAILABLE, f"the database does not answer: {error.orig}")
+async def _database_error(request: Request, error: DBAPIError) -> JSONResponse:
+    """Answer a database's error. Where data of the machine in the path are damaged, the health reports it as well."""
+    told, machine_id = categorized(error), request.path_params.get("machine_id")
+    if isinstance(told, Damaged) and machine_id is not None:
+        request.app.state.database.damage.record_machine(machine_id)
+    return await _domain_error(request, told)
 
 
 async def _unexpected(_request: Request, error: Exception) -> JSONResponse:
@@ -100,15 +98,6 @@ async def _unexpected(_request: Request, error: Exception) -> JSONResponse:
         f"unexpected {type(error).__name__}; the log has the details",
         {name.decode(): value.decode() for name, value in ALWAYS},  # answered outside of all middleware
     )
-
-
-def _damaged(request: Request, error: DBAPIError) -> JSONResponse:
-    """Answer that stored data are damaged. A machine named in the path is reported in the service's health as well."""
-    machine_id = request.path_params.get("machine_id")
-    if machine_id is not None:
-        request.app.state.database.damage.record_machine(machine_id)
-    detail = f"what is stored is damaged, and cannot be read: {error_text(error)}; look at the disk, and restore a backup"
-    return problem_response(HTTPStatus.SERVICE_UNAVAILABLE, detail)
 
 
 def _mislabelled(request: Request, error: RequestValidationError) -> bool:

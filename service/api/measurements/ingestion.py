@@ -11,9 +11,11 @@ from typing import Any, cast
 
 from fastapi import APIRouter, HTTPException, Request, status
 
+from estimator.errors import Conflict, DomainError, Invalid, Missing, Oversized, Unavailable, Unreadable
 from service.api.conventions.dependencies import MachineId
 from service.api.conventions.problems import RESPONSES
 from service.api.measurements import schemas
+from service.http.error_status import STATUS
 from service.http.problem import Problem
 from service.journal.http_queue import RETRY_AFTER_S, SubmissionSink
 from service.security.requirement import SOURCE
@@ -24,14 +26,21 @@ router = APIRouter(tags=["measurements"], responses=RESPONSES)
 PATIENCE_S = 15.0
 """Longest time that a request waits for its batch to be durable [s]."""
 
-STATUS: Mapping[Reason, HTTPStatus] = {
-    "too_large": HTTPStatus.REQUEST_ENTITY_TOO_LARGE,
-    "bad_frame": HTTPStatus.BAD_REQUEST,
-    "undecodable": HTTPStatus.BAD_REQUEST,
-    "unknown_machine": HTTPStatus.NOT_FOUND,
-    "sequence_out_of_range": HTTPStatus.CONFLICT,
+CATEGORY: Mapping[Reason, type[DomainError]] = {
+    "too_large": Oversized,
+    "bad_frame": Unreadable,
+    "undecodable": Unreadable,
+    "unknown_machine": Missing,
+    "sequence_out_of_range": Conflict,
 }
-"""Status of a rejected batch by reason; 422 for all others."""
+"""Category of a batch rejected as a whole, by its reason; all others are `Invalid`."""
+
+
+class NotConfirmed(Unavailable):
+    """Raised when a batch is not known to be durable, so that the source sends it again."""
+
+    retry_after_s = RETRY_AFTER_S
+
 
 _DIGEST = re.compile(r"\s*([a-z0-9-]+)=:([A-Za-z0-9+/=]*):\s*\Z")
 _HASHES = {"sha-256": hashlib.sha256, "sha-512": hashlib.sha512}
@@ -63,7 +72,7 @@ async def add_samples(request: Request, machine_id: MachineId) -> schemas.Submit
     """
     submissions = cast(SubmissionSink | None, request.app.state.submissions)
     if submissions is None:
-        raise _unavailable("this process takes no samples")
+        raise NotConfirmed("this process takes no samples")
     encoding = request.headers.get("content-type", "")
     if encoding.split(";")[0].strip().lower() not in ENCODINGS:
         raise HTTPException(
@@ -76,11 +85,10 @@ async def add_samples(request: Request, machine_id: MachineId) -> schemas.Submit
         if outcome.rejected is not None:
             raise outcome.rejected
     except Rejected as rejected:
-        code = STATUS.get(rejected.reason, HTTPStatus.UNPROCESSABLE_ENTITY)
+        code = STATUS[CATEGORY.get(rejected.reason, Invalid)]
         raise HTTPException(code, f"{rejected.reason}: {rejected.detail}") from None
     except TimeoutError:
-        detail = f"not known to be durable after {PATIENCE_S:.0f} s; send it again"
-        raise _unavailable(detail) from None
+        raise NotConfirmed(f"not known to be durable after {PATIENCE_S:.0f} s; send it again") from None
     return schemas.Submitted(
         received=outcome.received,
         duplicates=outcome.duplicates,
@@ -90,7 +98,7 @@ async def add_samples(request: Request, machine_id: MachineId) -> schemas.Submit
 
 
 async def _body(request: Request) -> bytes:
-    """Read the whole body. Raises HTTPException when it is too large or does not match its digest."""
+    """Read the whole body. Raises HTTPException when it is too large, Unreadable when it does not match its digest."""
     announced = request.headers.get("content-length", "")
     if announced.isdigit() and int(announced) > LARGEST_MESSAGE:
         raise _too_large(int(announced))
@@ -109,7 +117,7 @@ async def _body(request: Request) -> bytes:
 
 def _too_large(size: int) -> HTTPException:
     return HTTPException(
-        status.HTTP_413_CONTENT_TOO_LARGE,
+        STATUS[Oversized],
         f"too_large: {size} bytes or more; at most {LARGEST_MESSAGE} are taken",
         {"Connection": "close"},  # the rest is not read
     )
@@ -119,16 +127,12 @@ def _require_digest(entry: str, body: bytes) -> None:
     """Require that the body matches one digest of RFC 9530; unknown algorithms are ignored, as the RFC asks."""
     match = _DIGEST.match(entry)
     if match is None:
-        raise HTTPException(status.HTTP_400_BAD_REQUEST, "bad_frame: Content-Digest is not of the form sha-256=:<base64>:")
+        raise Unreadable("bad_frame: Content-Digest is not of the form sha-256=:<base64>:")
     if match[1] not in _HASHES:
         return
     try:
         expected = base64.b64decode(match[2], validate=True)
     except binascii.Error:
-        raise HTTPException(status.HTTP_400_BAD_REQUEST, "bad_frame: Content-Digest holds no base64") from None
+        raise Unreadable("bad_frame: Content-Digest holds no base64") from None
     if _HASHES[match[1]](body).digest() != expected:
-        raise HTTPException(status.HTTP_400_BAD_REQUEST, f"bad_frame: the body does not fit its {match[1]} digest")
-
-
-def _unavailable(detail: str) -> HTTPException:
-    return HTTPException(status.HTTP_503_SERVICE_UNAVAILABLE, detail, {"Retry-After": str(RETRY_AFTER_S)})
+        raise Unreadable(f"bad_frame: the body does not fit its {match[1]} digest")

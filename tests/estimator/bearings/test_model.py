@@ -1,17 +1,20 @@
 """The seam of bearing models: what the fit relies on holds for every form that is registered."""
 
-from typing import Any
+import ast
+import re
+from typing import Any, get_args
 
 import numpy as np
 import pytest
 from pydantic import TypeAdapter
 
 from estimator.bearings.model import BearingForm, CoefficientModel, ModelParameter
-from estimator.bearings.registry import CONSTANT, FORM_NAMES, DeclaredForm, place_of
+from estimator.bearings.registry import CONSTANT, FORMS, DeclaredForm, place_of
 from estimator.machine.document import parse_machine
 from estimator.machine.parameter_description import describe
 from estimator.rotor.coefficient_models import expects_a_law
 from tests.estimator.trains import chapter_3_document
+from tests.paths import ROOT
 
 EXAMPLES: dict[str, dict[str, Any]] = {
     "piecewise": {"knots_rpm": [500, 1500, 3000]},
@@ -24,9 +27,10 @@ EXAMPLES: dict[str, dict[str, Any]] = {
     },
 }
 """One document of each form; a form without one fails the tests."""
-OF_A_TRAIN = {"journal"}
-"""Forms that give the coefficients of all bearings together: tests/estimator/statics/test_film_model.py is theirs."""
-BY_ITSELF = sorted(set(FORM_NAMES) - OF_A_TRAIN)
+BY_ITSELF = sorted(
+    name for form in FORMS if not form.of_whole_train for name in get_args(form.model_fields["form"].annotation)
+)
+"""Forms that give the coefficients of each bearing by itself; tests/estimator/statics/test_film_model.py is of the others."""
 SPEED = np.linspace(40.0, 330.0, 13)
 DIRECT = ModelParameter("bearing.B1.kxx", "stiffness", "N/m", True, 2e8, 1e8, 1.0, coefficient="bearing.B1.kxx")
 CROSS = ModelParameter("bearing.B1.kxy", "stiffness", "N/m", False, 0.0, 1e8, 10.0, coefficient="bearing.B1.kxy")
@@ -108,3 +112,17 @@ def test_a_place_in_a_document_does_not_name_the_class_of_a_form() -> None:
         "form",
     )
     assert place_of({"type": "missing", "loc": ("materials", "SpeedDependence", "density")})[1] == "SpeedDependence"
+
+
+def test_only_one_place_asks_for_the_class_of_a_form() -> None:
+    """All others ask what the form declares, so that one more form is no case of theirs."""
+    names = {form.__name__ for form in FORMS}
+    found = {
+        path.relative_to(ROOT).as_posix()
+        for package in ("estimator", "storage", "service")
+        for path in (ROOT / package).rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.Call) and ast.unparse(node.func) == "isinstance"
+        if names & set(re.findall(r"\w+", ast.unparse(node.args[1])))
+    }
+    assert found == {"estimator/machine/bearings_on_films.py"}

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from estimator.films.oil import ConstantOil, InvalidOil, WaltherOil, grade_oil
+from estimator.films.oil import InvalidOil, WaltherOil, grade_oil
 
 
 def test_a_grade_has_its_viscosity_at_40_and_at_100_degrees() -> None:
@@ -38,7 +38,6 @@ def test_warmer_oil_is_thinner_at_the_rate_of_its_slope() -> None:
         (lambda: grade_oil(47), r"no ISO VG grade 47: there are 10, 15, .*680; others need"),
         (lambda: WaltherOil(46.0, 68.0), "100 °C must be the smaller"),
         (lambda: WaltherOil(46.0, 6.8, 0.87), "oils have 800 to 1000"),
-        (lambda: ConstantOil(20.0), "a dynamic viscosity of 20 Pa s: oils in bearings have"),
         (lambda: grade_oil(46).viscosity(323.0), "in another unit"),
         (lambda: grade_oil(46).slope(np.array([40.0, np.nan])), "outside -20 to 180"),
     ],
@@ -47,12 +46,6 @@ def test_what_no_oil_has_is_refused(made: object, said: str) -> None:
     assert callable(made)
     with pytest.raises(InvalidOil, match=said):
         made()
-
-
-def test_a_viscosity_may_be_given() -> None:
-    oil, temperature = ConstantOil(0.02), np.array([30.0, 70.0])
-    assert oil.viscosity(temperature).tolist() == [0.02, 0.02]
-    assert not oil.slope(temperature).any()
 
 
 def test_another_grade_needs_its_second_viscosity() -> None:

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from estimator.rotor.whirl import orbit, whirl, whirl_name
+from estimator.rotor.whirl import orbit, whirl
 from tests.estimator.trains import few_examples
 
 part = st.floats(-1.0, 1.0).filter(lambda value: abs(value) > 1e-3)
@@ -54,8 +54,3 @@ def test_whirl_of_circles_and_lines() -> None:
     found = whirl(shapes, np.eye(4), direction=1)
     assert found == pytest.approx([1.0, -1.0, 0.0])
     assert whirl(shapes, np.eye(4), direction=-1) == pytest.approx([-1.0, 1.0, 0.0])
-
-
-@pytest.mark.parametrize(("value", "name"), [(0.4, "forward"), (-0.06, "backward"), (0.04, "planar"), (-0.04, "planar")])
-def test_names(value: float, name: str) -> None:
-    assert whirl_name(value) == name

@@ -24,6 +24,7 @@ from estimator.trends.trend_tests import (
     time_to_change,
     trend_tests,
 )
+from tests.estimator.trends.chart_limits import cusum_limit, ewma_limit
 
 NAME = "coupling.C1.kxx"
 NAMES = (NAME, "coupling.C1.kyy", "bearing.B2.kxx")
@@ -122,9 +123,9 @@ def test_small_baselines_need_wider_limits() -> None:
     runs, freedom = RUNS, PRIOR_WEIGHT + RUNS - 1
     assert step_limit(runs=runs, degrees_of_freedom=freedom) > step_limit(runs=4 * runs, degrees_of_freedom=4 * freedom)
     assert creep_limit(runs=runs, degrees_of_freedom=freedom) > creep_limit(runs=4 * runs, degrees_of_freedom=4 * freedom)
-    exact = control_charts.cusum_limit(reference=CUSUM_REFERENCE, run_length=RUN_LENGTH)
+    exact = cusum_limit(reference=CUSUM_REFERENCE, run_length=RUN_LENGTH)
     assert step_limit(runs=10**6, degrees_of_freedom=1e6) == pytest.approx(exact, rel=0.01)
-    exact = control_charts.ewma_limit(weight=EWMA_WEIGHT, run_length=RUN_LENGTH)
+    exact = ewma_limit(weight=EWMA_WEIGHT, run_length=RUN_LENGTH)
     assert creep_limit(runs=10**6, degrees_of_freedom=1e6) == pytest.approx(exact, rel=0.01)
 
 
@@ -161,7 +162,7 @@ def test_false_alarms_come_as_rarely_as_stated_though_the_baseline_is_small() ->
 
     assert 0.75 < steps(step_limit(runs=RUNS, degrees_of_freedom=freedom)) / RUN_LENGTH < 1.33
     assert 0.75 < creeps(creep_limit(runs=RUNS, degrees_of_freedom=freedom)) / RUN_LENGTH < 1.33
-    textbook = control_charts.cusum_limit(reference=CUSUM_REFERENCE, run_length=RUN_LENGTH)
+    textbook = cusum_limit(reference=CUSUM_REFERENCE, run_length=RUN_LENGTH)
     assert steps(textbook) < RUN_LENGTH / 5
 
 

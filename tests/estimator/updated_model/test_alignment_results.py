@@ -10,9 +10,9 @@ from estimator.rotor.parameter_names import derived_unit
 from estimator.updated_model.alignment_results import AlignmentResult, alignment_results
 from estimator.updated_model.derived_quantities import Derived, model_quantities
 from estimator.updated_model.model import UpdatedModel, expected_model
-from estimator.updated_model.uncertainty import propagated
 from tests.estimator.models import rich_model
 from tests.estimator.statics.films import Kind, motor_compressor_document
+from tests.estimator.updated_model.propagation import propagated
 from tests.film_plant.motor_compressor import ANGLE, PARALLEL
 
 SPREAD = 150e-6

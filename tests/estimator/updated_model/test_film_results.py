@@ -7,16 +7,16 @@ import pytest
 
 from estimator.arrays import Floats
 from estimator.machine.document import Machine, parse_machine
-from estimator.machine.film_speeds import told_rpm
+from estimator.machine.film_speeds import reported_rpm
 from estimator.statics.equilibrium import FilmEquilibrium
 from estimator.statics.film_model import film_model
 from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model.derived_quantities import model_quantities
 from estimator.updated_model.film_results import FilmResult, film_results
 from estimator.updated_model.model import UpdatedModel, expected_model
-from estimator.updated_model.uncertainty import propagated
 from tests.estimator.models import rich_model
 from tests.estimator.statics.test_film_model import document
+from tests.estimator.updated_model.propagation import propagated
 
 
 def machine_of(**form: float) -> Machine:
@@ -50,18 +50,18 @@ def solved(model: UpdatedModel, rpm: float) -> FilmEquilibrium:
 
 
 def test_speeds_are_the_lowest_a_middle_and_the_running_one() -> None:
-    assert told_rpm(machine_of()) == (700.0, 1850.0, 3000.0)
+    assert reported_rpm(machine_of()) == (700.0, 1850.0, 3000.0)
     said = document()
     said["bearings"][1]["film"]["valid_above_rpm"] = 1000
-    assert told_rpm(parse_machine(said)) == (1000.0, 2800.0, 4600.0)
+    assert reported_rpm(parse_machine(said)) == (1000.0, 2800.0, 4600.0)
     said["operation"] = {"running_rpm": 1000}
-    assert told_rpm(parse_machine(said)) == (1000.0,)
+    assert reported_rpm(parse_machine(said)) == (1000.0,)
 
 
 def test_coefficients_loads_and_positions_are_those_of_the_equilibrium() -> None:
     model = uncertain(machine_of(discrepancy=0.0))
     found = by_name(model)
-    for rpm in told_rpm(model.machine):
+    for rpm in reported_rpm(model.machine):
         exact = solved(model, rpm)
         for number, name in enumerate(("B1", "B2", "B3", "B4")):
             for matrix, letter in ((exact.stiffness[number], "k"), (exact.damping[number], "c")):

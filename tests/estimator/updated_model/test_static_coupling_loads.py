@@ -10,9 +10,9 @@ from estimator.statics.train_statics import GRAVITY
 from estimator.updated_model.film_results import film_results
 from estimator.updated_model.model import expected_model
 from estimator.updated_model.static_coupling_loads import static_coupling_loads
-from estimator.updated_model.uncertainty import propagated
 from tests.estimator.models import rich_model
 from tests.estimator.statics.films import Kind, motor_compressor_document
+from tests.estimator.updated_model.propagation import propagated
 from tests.estimator.updated_model.test_alignment_results import before, machine_of
 from tests.film_plant.motor_compressor import PARALLEL, motor_compressor
 from tests.paths import DATA

@@ -13,9 +13,10 @@ from estimator.modes.eigenmodes import natural_frequencies
 from estimator.phasors.measurement import Measurement
 from estimator.updated_model.forced_response import forced_response
 from estimator.updated_model.model import UpdatedModel, updated_model
-from estimator.updated_model.uncertainty import phasor_band, principal_axes, propagated, standard_errors
+from estimator.updated_model.uncertainty import phasor_band, standard_errors
 from tests.estimator.models import draws, model_of
 from tests.estimator.trains import chapter_3, chapter_3_document, noisy, ross, truth
+from tests.estimator.updated_model.propagation import principal_axes, propagated
 
 SPEED, CLEAN = ross()
 SPEED, CLEAN = SPEED[1::2], CLEAN[1::2]

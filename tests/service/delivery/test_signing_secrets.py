@@ -14,7 +14,7 @@ from service.delivery import secret_upkeep, signing_secrets
 from service.delivery.secret_upkeep import SecretReport
 from service.delivery.signing import new_secret
 from service.delivery.signing_secrets import SecretUnusable, SigningSecrets, key_file
-from service.secrets.sealing import SealBroken, Sealing, make_key
+from service.secrets.sealing import Sealing
 from storage.alerts import deliveries
 from storage.database.engine import Database
 from storage.operation import idempotency
@@ -93,24 +93,6 @@ def test_without_a_key_a_webhook_is_refused_with_words_about_what_to_set(plant: 
     assert "secret_env" in told["detail"]
     assert api.value("/subscriptions") == []
     assert api("POST", "/subscriptions", 201, json={"kind": "zenoh", "name": "network"})["secret"] is None
-
-
-def test_what_is_sealed_opens_in_its_own_place_with_its_own_key_only() -> None:
-    sealing, later = Sealing([FIRST]), Sealing([SECOND, FIRST])
-    sealed = sealing.seal(b"whsec_x", place="subscription 1")
-    assert sealed != sealing.seal(b"whsec_x", place="subscription 1")
-    assert later.open(sealed, place="subscription 1") == b"whsec_x"
-    assert sealing.is_current(sealed, place="subscription 1")
-    assert not later.is_current(sealed, place="subscription 1")
-    for other, place, text in (
-        (Sealing([SECOND]), "subscription 1", sealed),
-        (sealing, "subscription 2", sealed),
-        (sealing, "subscription 1", sealed[:-8] + "AAAAAAA="),
-        (sealing, "subscription 1", "sealed:"),
-        (sealing, "subscription 1", "sealed:%"),
-    ):
-        with pytest.raises(SealBroken, match="another one, or changed"):
-            other.open(text, place=place)
 
 
 @pytest.mark.parametrize(
@@ -249,16 +231,6 @@ def test_a_file_that_holds_no_keys_is_refused_as_a_setting(tmp_path: Path, text:
     with pytest.raises(SettingsWrong, match="openssl rand") as refused:
         settings_of(sealing_key_file=str(tmp_path / "keys"))
     assert not text.strip() or text.strip() not in str(refused.value)
-
-
-def test_a_key_that_was_half_written_by_a_process_that_was_killed_does_not_stay(tmp_path: Path) -> None:
-    file = tmp_path / "x.key"
-    file.with_name("x.key.part").write_text("half")
-    make_key(file)
-    Sealing.of(file)
-    assert [one.name for one in tmp_path.iterdir()] == ["x.key"]
-    with pytest.raises(FileExistsError):
-        make_key(file)
 
 
 def test_on_a_server_of_databases_a_key_must_be_set() -> None:

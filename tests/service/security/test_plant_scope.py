@@ -167,7 +167,7 @@ def test_the_event_stream_tells_of_ones_own_plants_and_ends_with_the_key(api: Ap
 
     async def read() -> list[str]:
         found = []
-        events = stream(broadcaster, 0, sees=lambda event: visibility.sees(who, event.machine), still=still)
+        events = stream(broadcaster, 0, sees=lambda event: visibility.sees(who, event.machine), still_valid=still)
         async for part in events:
             if part.startswith(b"id:"):
                 found.append(part.decode())

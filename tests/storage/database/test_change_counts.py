@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from sqlalchemy import text, update
 
-from storage.database.change_counts import WATCHED, WRITES, Changes, trigger_name
+from storage.database.change_counts import WATCHED, WRITES, Changes
 from storage.database.engine import Database
 from storage.machines import machines
 from storage.tables.machines import MachineRow
@@ -75,7 +75,7 @@ def test_every_commit_changes_the_mark(plant: Database) -> None:
 def test_every_watched_table_has_its_triggers(file: Database) -> None:
     with file.reading() as session:
         found = session.scalars(text("SELECT name FROM sqlite_master WHERE type = 'trigger' AND name LIKE 'count_%'")).all()
-    assert sorted(found) == sorted(trigger_name(table, write) for table in WATCHED for write in WRITES)
+    assert sorted(found) == sorted(f"count_{write.lower()}_{table}" for table in WATCHED for write in WRITES)
 
 
 @pytest.mark.parametrize("table", WATCHED)

@@ -87,21 +87,6 @@ def test_only_accepted_single_runs_of_one_kind_and_revision_make_a_baseline(plan
         assert ids(identifications.newest(session, "pump-7", like, limit=2)) == good[:2]
 
 
-def test_a_logarithmic_point_holds_the_direct_terms_that_are_known(plant: Database) -> None:
-    outcome = identification({"bearing.B1.kxx": 2.0}, unknown=["bearing.B2.kyy"])
-    outcome.covariance[:] = np.arange(outcome.covariance.size).reshape(outcome.covariance.shape)
-    with plant.transaction() as session:
-        stored = store_identification(session, outcome, run_id=1).id
-    with plant.reading() as session:
-        point = identifications.logarithmic_point(session, identifications.get(session, stored))
-    assert "bearing.B2.kyy" not in point.names
-    assert not any(name.endswith(("kxy", "kyx", "cxy", "cyx", "unbalance")) for name in point.names)
-    assert len(point.names) == 4 * 4 + 6 - 1
-    assert point.value[point.names.index("bearing.B1.kxx")] == pytest.approx(math.log(4e6))
-    at = [outcome.coordinates.index(name) for name in point.names]
-    assert np.array_equal(point.covariance, outcome.covariance[np.ix_(at, at)])
-
-
 def test_history_of_parameters_oldest_first(plant: Database) -> None:
     with plant.transaction() as session:
         for run_id, (moment, factor) in enumerate([(20, 1.2), (0, 1.0), (10, 1.1)]):

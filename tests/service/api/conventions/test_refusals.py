@@ -76,7 +76,7 @@ def test_stored_data_that_cannot_be_read_is_a_problem_too(changing: Api) -> None
     with changing.database.transaction() as session:
         session.execute(update(RunRow).where(RunRow.state == "closed").values(data=b"\0"))
     down = changing.value("/machines/pump-7/runs")[1]
-    problem(changing.get(f"/runs/{down['id']}/phasors"), 500)
+    problem(changing.get(f"/runs/{down['id']}/phasors"), 503)
 
 
 def test_of_very_many_problems_the_first_are_listed(told: Api) -> None:

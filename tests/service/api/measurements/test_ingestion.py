@@ -139,7 +139,7 @@ def test_every_reason_for_a_whole_batch_has_been_tried() -> None:
     of_samples = {"not_finite", "speed_out_of_range", "speed_out_of_order", "amplitude_out_of_range"}
     of_samples |= {"time_out_of_range", "time_out_of_order"}
     assert set(get_args(Reason)) == {*REFUSED, "too_large", "bad_frame"} | of_samples
-    assert set(ingestion.STATUS) <= set(get_args(Reason))
+    assert set(ingestion.CATEGORY) <= set(get_args(Reason))
 
 
 def test_other_content_types_and_sizes_are_refused(http: Http) -> None:

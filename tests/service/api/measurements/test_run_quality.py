@@ -98,7 +98,7 @@ def test_samples_that_can_no_longer_be_read_are_said_to_be_damaged(database: Dat
         run_id = closed(session, kit, measured(kit))
         runs.get(session, run_id).data = b"\x01\x00nonsense"
     answer = get(database, f"/api/v1/runs/{run_id}/phasors")
-    assert answer.status_code == 500
+    assert answer.status_code == 503
     assert answer.json()["detail"].startswith(f"the samples of run {run_id} cannot be read")
     assert answer.json()["detail"].endswith("restore a backup")
 
