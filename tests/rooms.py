@@ -20,7 +20,9 @@ estimator/fit: estimator estimator/bearings estimator/machine estimator/modes es
     estimator/statics
 estimator/runs: estimator estimator/machine estimator/phasors
 estimator/thesis: estimator estimator/bearings estimator/machine estimator/modes estimator/phasors estimator/rotor
-estimator/diagnosis: estimator estimator/fit estimator/machine estimator/rotor estimator/trends
+estimator/alignment: estimator estimator/bearings estimator/fit estimator/machine estimator/statics estimator/updated_model
+estimator/diagnosis: estimator estimator/alignment estimator/fit estimator/machine estimator/rotor estimator/trends
+    estimator/updated_model
 estimator/simulation: estimator estimator/bearings estimator/machine estimator/phasors estimator/rotor estimator/runs
     estimator/statics estimator/trends
 estimator/updated_model: estimator estimator/bearings estimator/fit estimator/machine estimator/modes estimator/phasors
