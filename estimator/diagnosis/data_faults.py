@@ -100,7 +100,8 @@ def fits(one: Observation, channels: frozenset[str]) -> bool:
     if sum(others.values()) > LARGEST_OUTLIER_PART * usable:
         return False
     if accepted(one.chi_square, one.degrees_of_freedom):  # it was refused for what it left out, or else for no channel's fault
-        return sum(one.outliers.values()) > LARGEST_OUTLIER_PART * usable
+        # A train's films explain it then with large deviations, which are a cause by themselves.
+        return one.believed is not None or sum(one.outliers.values()) > LARGEST_OUTLIER_PART * usable
     return accepted(one.chi_square - _explained(one, channels), one.degrees_of_freedom)
 
 

@@ -14,7 +14,7 @@ import numpy as np
 from estimator.arrays import Floats
 from estimator.diagnosis.change_columns import ChangeColumns
 from estimator.diagnosis.finding_kind import BaselineValues, Cause, ChangeSize, ExpectedChange
-from estimator.machine.coupling_neighbours import shafts_behind
+from estimator.machine.coupling_neighbours import neighbouring_bearings, shafts_behind
 from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe
 from estimator.machine.parts import Coupling
@@ -26,6 +26,8 @@ SMALL = 0.25
 """Size of small changes that are looked for beside those expected, as a part of these [-]."""
 SETTLEMENT = 50e-6
 """Expected change of a bearing's elevation, in either plane, and what is counted as allowed of it [m]."""
+DEVIATION = 2.0
+"""Expected change of a film's deviations, in units of what the document allows for [-]."""
 WEAR = 0.15
 """Expected change of the logarithm of a clearance [-]."""
 OIL = 0.7
@@ -66,7 +68,9 @@ def moved_alignments(columns: ChangeColumns) -> Iterator[ExpectedChange]:
             for plane in PLANES
         ]
         whole = np.column_stack(planes)
-        yield ExpectedChange(f"coupling.{coupling.id}", (whole, SMALL * whole, *planes))
+        beside = [f"bearing.{one}" for one in neighbouring_bearings(columns.machine, coupling)]
+        elements = frozenset([f"coupling.{coupling.id}", *beside])
+        yield ExpectedChange(f"coupling.{coupling.id}", (whole, SMALL * whole, *planes), elements)
 
 
 def settlements(columns: ChangeColumns) -> Iterator[ExpectedChange]:
@@ -86,6 +90,22 @@ def settlements(columns: ChangeColumns) -> Iterator[ExpectedChange]:
         if all(_lies_beside(machine, coupling, lifted) for coupling in machine.couplings):
             whole = np.column_stack([SETTLEMENT * _raised(columns, plane, lifted) for plane in PLANES])
             yield ExpectedChange(f"bearing.{bearing.id}", (whole,))
+
+
+def film_changes(columns: ChangeColumns) -> Iterator[ExpectedChange]:
+    """Yield the change of each bearing's film that is neither wear nor oil nor load: that of its deviations from its model.
+
+    Args:
+        columns: The columns.
+
+    Yields:
+        The change at each bearing.
+    """
+    for bearing in columns.machine.bearings:
+        own = [name.startswith(f"films.{bearing.id}.") for name in columns.names]
+        if any(own):
+            each = DEVIATION * np.eye(len(columns.names))[:, own]
+            yield ExpectedChange(f"bearing.{bearing.id}", (each,), frozenset([f"bearing.{bearing.id}"]))
 
 
 def wears(columns: ChangeColumns) -> Iterator[ExpectedChange]:
@@ -166,6 +186,19 @@ def wear_size(cause: Cause, baseline: BaselineValues) -> ChangeSize:
         "after_um": 1e6 * before * (1.0 + growth),
     }
     return ChangeSize(100.0 * growth, quantities)
+
+
+def film_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
+    """Return the root mean square of the change of a film's deviations, in units of what the document allows for.
+
+    Args:
+        cause: The change of the film.
+
+    Returns:
+        The size.
+    """
+    times = float(np.sqrt(np.mean(cause.change**2)))
+    return ChangeSize(None, {"deviation_times_allowed": times}, tolerance_per_cent=100.0 * times)
 
 
 def oil_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:

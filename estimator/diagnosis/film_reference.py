@@ -103,7 +103,7 @@ def _mean(
     """Return the baseline's mean (N,) and its covariance (N, N), in units of the run-to-run variation [-]."""
     believed = np.array([channel_precision(name, baseline) for name in baseline[0].names]) * unit**2
     believed[known] += (unit[known] / (coordinates.spread * coordinates.unit)) ** 2
-    precision = np.diag(UNKNOWN_PRECISION + believed)
+    precision = np.diag(np.where(believed > 0.0, believed, UNKNOWN_PRECISION))
     pull = np.zeros(len(unit))
     pull[known] = believed[known] * (coordinates.point(coordinates.centre) - origin[known]) / unit[known]
     for one in baseline:

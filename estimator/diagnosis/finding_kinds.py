@@ -19,6 +19,8 @@ from estimator.arrays import Complexes, Floats
 from estimator.diagnosis.change_columns import RISE, TERM_ORDER, ChangeColumns, Term
 from estimator.diagnosis.data_faults import lost_channels, many_outliers, misfit
 from estimator.diagnosis.film_findings import (
+    film_changes,
+    film_size,
     moved_alignments,
     oil_size,
     oils,
@@ -71,8 +73,9 @@ def _couplings(columns: ChangeColumns) -> Iterator[ExpectedChange]:
 
 
 def _bearings(columns: ChangeColumns) -> Iterator[ExpectedChange]:
+    yield from film_changes(columns)
     bearings = [f"bearing.{one.id}" for one in columns.machine.bearings]
-    return _single_elements(columns, [*bearings, *(f"seal.{one.id}" for one in columns.machine.seals)])
+    yield from _single_elements(columns, [*bearings, *(f"seal.{one.id}" for one in columns.machine.seals)])
 
 
 def _pedestals(columns: ChangeColumns) -> Iterator[ExpectedChange]:
@@ -99,6 +102,8 @@ def _misalignment_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
 def _element_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
     """Return the surest of the growths of stiffness and damping, beside both."""
     growths = _growths(cause)
+    if not growths:
+        return film_size(cause, _baseline)
     surest = max(growths, key=lambda one: (one.certainty, one.per_cent), default=None)
     return ChangeSize(None if surest is None else surest.per_cent, {one.name: one.per_cent for one in growths})
 

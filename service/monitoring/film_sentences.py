@@ -49,6 +49,15 @@ def wear_sentence(bearing: str, size: "ChangeSize") -> str:
     )
 
 
+def film_sentence(bearing: str, size: "ChangeSize") -> str:
+    """Return the sentence on a film that has changed otherwise than by wear, oil or load."""
+    times = size.quantities["deviation_times_allowed"]
+    return (
+        f"The oil film of bearing {bearing} has changed, and neither by wear nor by oil nor by load: its coefficients deviate "
+        f"{times:.1f} times as far from the model as its document says"
+    )
+
+
 def oil_sentence(size: "ChangeSize") -> str:
     """Return the sentence on an oil that is another one."""
     return (

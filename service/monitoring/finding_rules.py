@@ -10,7 +10,13 @@ from typing import TYPE_CHECKING, Protocol
 
 from estimator.diagnosis.finding_kinds import FINDING_KINDS, finding_kind
 from estimator.machine.parameter_description import describe
-from service.monitoring.film_sentences import alignment_sentence, oil_sentence, settlement_sentence, wear_sentence
+from service.monitoring.film_sentences import (
+    alignment_sentence,
+    film_sentence,
+    oil_sentence,
+    settlement_sentence,
+    wear_sentence,
+)
 from service.monitoring.limit_rule import Level, Quantity, Rule
 
 if TYPE_CHECKING:
@@ -95,6 +101,8 @@ def _misalignment_sentence(one: SizedCause) -> str:
 
 
 def _element_sentence(one: SizedCause) -> str:
+    if "deviation_times_allowed" in one.size.quantities:
+        return film_sentence(_id(one), one.size)
     described = [(describe(name), value) for name, value in one.size.quantities.items()]
     parts = [f"{own.quantity.removesuffix('_per_cent')} {value:+.0f} %" for own, value in described]
     return f"{describe(one.cause.element).element_kind.capitalize()} {_id(one)} has changed by itself: {', '.join(parts)}"
@@ -186,9 +194,10 @@ OIL = AlertRule(
 )
 BEARING = AlertRule(
     "bearing",
-    # An oil film's stiffness and damping follow oil temperature and load more than a coupling's do.
-    limits=Rule(alert=Level(sigma=4, per_cent=5), danger=Level(per_cent=25)),
-    quantities=("sigma", "per_cent"),
+    # An oil film's stiffness and damping follow oil temperature and load more than a coupling's do. Films that are described
+    # by geometry and oil may deviate from their model by what the document says.
+    limits=Rule(alert=Level(sigma=4, per_cent=5, tolerance_per_cent=100), danger=Level(per_cent=25, tolerance_per_cent=300)),
+    quantities=("sigma", "per_cent", "tolerance_per_cent"),
     deviations=("bearing", "seal"),
 )
 PEDESTAL = AlertRule(
