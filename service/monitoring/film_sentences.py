@@ -103,11 +103,11 @@ def _undetermined(q: Mapping[str, float]) -> Iterator[str]:
 def _loads(q: Mapping[str, float]) -> Iterator[str]:
     loads = {describe(name).element_id: value for name, value in q.items() if name.endswith(".load_per_cent")}
     parts = [
-        f"{'bearing ' if place == 0 else ''}{bearing} carries {abs(value):.0f} % {'more' if value > 0 else 'less'}"
+        f"{bearing} {'carries ' if place == 0 else ''}{abs(value):.0f} % {'more' if value > 0 else 'less'}"
         for place, (bearing, value) in enumerate(one for one in loads.items() if abs(one[1]) >= LEAST_LOAD)
     ]
     if parts:
-        yield ", ".join(parts)
+        yield f"bearing {', '.join(parts)}"
 
 
 def _equivalents(q: Mapping[str, float]) -> Iterator[str]:
