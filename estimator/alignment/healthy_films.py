@@ -1,4 +1,4 @@
-"""How a healthy train on oil films varies, in its own coordinates: from run to run, and over the seasons.
+"""Variation of a healthy train on oil films, in its own coordinates: from run to run, and over the seasons.
 
 From run to run, films' stiffness and damping scatter by some per cent, the oil is warmer or colder for all films together,
 and each bearing moves by a micrometre. How much is learnt from a baseline: variance components by expectation and
@@ -39,7 +39,7 @@ KNOWN_OIL = 2.0
 
 @dataclass(frozen=True)
 class CoordinateScales:
-    """What a train's n coordinates vary with.
+    """Scales by which a train's n coordinates vary.
 
     Attributes:
         numbers: Number of `HealthyVariation` that each follows from run to run, such as `stiffness`; None of what stays.
@@ -56,22 +56,44 @@ class CoordinateScales:
     slow_scales: Floats
 
     def own(self, variation: HealthyVariation) -> Floats:
-        """Return the standard deviation of each coordinate by itself from run to run (n,) [-]."""
+        """Return the standard deviation of each coordinate by itself from run to run.
+
+        Args:
+            variation: Variation of the machine.
+
+        Returns:
+            Standard deviations (n,) [-].
+        """
         return self.scales * _numbers(self.numbers, variation)
 
     def between_runs(self, variation: HealthyVariation) -> Floats:
-        """Return the covariance (n, n) from run to run [-]."""
+        """Return the covariance of the coordinates from run to run.
+
+        Args:
+            variation: Variation of the machine.
+
+        Returns:
+            Covariance (n, n) [-].
+        """
         return np.diag(self.own(variation) ** 2) + variation.oil**2 * np.outer(self.oil, self.oil)
 
     def over_seasons(self, variation: HealthyVariation) -> Floats:
-        """Return the covariance (n, n) between two times of the year, elevations included [-]."""
+        """Return the covariance of the coordinates between two times of the year, elevations included.
+
+        Args:
+            variation: Variation of the machine.
+
+        Returns:
+            Covariance (n, n) [-].
+        """
         own = self.slow_scales * _numbers(self.slow_numbers, variation)
         return np.diag(own**2) + variation.slow_oil**2 * np.outer(self.oil, self.oil)
 
 
 def stated_variation(machine: Machine) -> HealthyVariation:
-    """Return what a machine's document says of its healthy variation; where the oil's temperature is measured, its season is
-    known.
+    """Return what a machine's document says of its healthy variation.
+
+    Where the oil's temperature is measured, its season is known.
 
     Args:
         machine: The machine.

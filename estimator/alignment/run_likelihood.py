@@ -1,4 +1,4 @@
-"""What the data of one run alone say of a train on oil films: its fit less what was believed beforehand.
+"""Likelihood of one run of a train on oil films: its fit less what was believed beforehand.
 
 Priors on clearances, viscosities, elevations and deviations are alike in all fits of one machine. Runs that are taken together
 must count them once, so that they are taken off each fit: of the logarithm of a posterior's density, that of the prior.
@@ -62,11 +62,11 @@ def taken_off(covariance: Floats, spread: Floats) -> Floats:
     """Compute the precisions of the prior that a fit's covariance contains, widened as this was (derived here).
 
     Args:
-        covariance: Covariance (n, n) of the fit.
-        spread: Standard deviations (n,) of the prior, in the same units.
+        covariance: Covariance (n, n) of the fit [unit²].
+        spread: Standard deviations (n,) of the prior [unit].
 
     Returns:
-        Precisions (n,).
+        Precisions (n,) [1/unit²].
     """
     widened = float(np.linalg.eigvalsh(covariance / np.outer(spread, spread))[-1])
     return np.asarray(spread**-2 / max(1.0, widened))

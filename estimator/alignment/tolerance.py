@@ -1,4 +1,4 @@
-"""What is allowed at a coupling, and how probably its alignment lies beyond it.
+"""Tolerance of a coupling's alignment, and the probability that it lies beyond (JCGM 106:2012, conformance probability).
 
 Where the document says nothing, the values are common practice and no standard: the acceptable ones of the table for short
 flexible couplings that Prüftechnik prints in its manuals (Rotalign, Machinery alignment tolerance tables), which rests on the
@@ -29,7 +29,7 @@ USUAL_ANGLE = (1.3e-3, 0.7e-3, 0.4e-3, 0.3e-3)
 
 @dataclass(frozen=True)
 class AllowedAlignment:
-    """What is allowed at a coupling, in either plane.
+    """Alignment that is allowed at a coupling, in either plane.
 
     Attributes:
         offset: Offset [m].

@@ -1,6 +1,7 @@
 """Settled bearings that a change of a coupling's alignment might be as well, which no data of two bearings a shaft tell apart.
 
-With two bearings a shaft, one that settles moves offset and angle in a fixed proportion (lever rule). Where a change's own
+With two bearings a shaft, one that settles moves offset and angle in a fixed proportion (lever rule;
+Piotrowski, Shaft Alignment Handbook, CRC Press, 3rd ed. 2006). Where a change's own
 covariance allows that proportion, the settlement explains it as well (χ² of what is left, with one degree of freedom).
 """
 

@@ -1,7 +1,7 @@
-"""What can happen to a train on oil films, as changes of its own numbers: alignment, settlement, wear, oil.
+"""Changes that can happen to a train on oil films, in its own numbers: alignment, settlement, wear, oil.
 
 A misaligned coupling has everything behind it moved as one rigid body: by an offset at the coupling, and by an angle about it
-(Piotrowski, Shaft Alignment Handbook, 3rd ed., CRC Press 2006). A shaft on two bearings stays straight when one of them
+(Piotrowski, Shaft Alignment Handbook, CRC Press, 3rd ed. 2006). A shaft on two bearings stays straight when one of them
 settles, so that this is a mix of offset and angle at its couplings: only on trains with more bearings, or between two
 couplings, is a settled bearing something of its own.
 """

@@ -38,7 +38,7 @@ def film_observation(fit: ObservedFit, machine: Machine, conditions: Mapping[str
     Args:
         fit: The run's fit.
         machine: The machine as its document describes it.
-        conditions: Operating conditions of the run.
+        conditions: Operating conditions of the run [unit of the document].
 
     Returns:
         The observation, without what the document believes of the films.

@@ -16,7 +16,7 @@ VariedElevation = Annotated[float, Field(ge=0, le=1e-3)]
 
 
 class AlignmentTolerance(Part):
-    """What is allowed at one coupling, in either plane; in place of the usual values over speed."""
+    """Tolerance at one coupling, in either plane; in place of the usual values over speed."""
 
     coupling: Identifier
     offset: Annotated[float, Field(gt=0, le=LARGEST_OFFSET)] | None = Field(default=None, description="[m]")
@@ -30,7 +30,7 @@ class AlignmentTolerance(Part):
 
 
 class HealthyVariation(Part):
-    """How much a healthy machine on oil films varies, as standard deviations.
+    """Variation of a healthy machine on oil films, as standard deviations.
 
     Those from run to run are learnt from the baseline, from these on, which count as much as ten runs.
     """

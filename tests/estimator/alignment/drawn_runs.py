@@ -1,4 +1,4 @@
-"""Runs of a motor and compressor on oil films as a linear model draws them: each measures more or fewer numbers of the truth."""
+"""Runs of a motor and compressor on oil films as a linear model draws them: each measures some numbers of the truth."""
 
 from dataclasses import replace
 

@@ -127,7 +127,7 @@ def test_a_clearance_that_shrinks_is_no_wear() -> None:
 
 
 def test_a_coupling_that_softens_is_a_coupling() -> None:
-    cause = only(after({"coupling.C1.kxx": -0.3, "coupling.C1.kyy": -0.3, "coupling.C1.k_phix": -0.3, "coupling.C1.k_phiy": -0.3}))
+    cause = only(after({f"coupling.C1.{term}": -0.3 for term in ("kxx", "kyy", "k_phix", "k_phiy")}))
     assert (cause.kind, cause.element) == ("coupling", "coupling.C1")
 
 

@@ -1,7 +1,7 @@
 """A coupling on oil films that goes out of alignment, from stored identifications to the words of the alert."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -74,10 +74,10 @@ def sunk(by: float) -> dict[str, float]:
 
 
 @pytest.fixture
-def weeks(plant: Database) -> Iterator[Weeks]:
+def weeks(plant: Database) -> Weeks:
     one = Weeks(plant)
     one.file({}, times=BASELINE + 2)
-    yield one
+    return one
 
 
 def test_a_shaft_beyond_tolerance_is_a_danger_with_the_numbers_of_the_table(weeks: Weeks) -> None:
@@ -122,7 +122,8 @@ def test_wear_is_told_in_per_cent_of_the_clearance(weeks: Weeks) -> None:
     weeks.file({"bearing.B2.clearance": np.log(1.15)}, times=2)
     (alert,) = weeks.alerts()
     assert (alert.rule, alert.element) == ("wear", "bearing.B2")
-    assert re.match(r"Bearing B2 is worn: its radial clearance is 1[2-8] ± \d(\.\d)? % larger, \d+ µm in place of", alert.message)
+    words = r"Bearing B2 is worn: its radial clearance is 1[2-8] ± \d(\.\d)? % larger, \d+ µm in place of"
+    assert re.match(words, alert.message)
 
 
 def test_an_alert_ends_when_the_shaft_is_put_back(weeks: Weeks) -> None:
