@@ -46,7 +46,7 @@ class CoordinateScales:
         scales: Each one's standard deviation per unit of that number (n,) [1/unit].
         oil: Change (n,) of each per unit of the logarithm of all viscosities together [-].
         slow_numbers: Number that each follows over the seasons; None of what stays.
-        slow_scales: As `scales` (n,).
+        slow_scales: As `scales` (n,) [1/unit].
     """
 
     numbers: tuple[str | None, ...]

@@ -76,7 +76,7 @@ class Reference:
         doubt: Covariance (N, N) of the healthy machine around it: the mean's own error and the slow variation [-].
         hypotheses: Everything that can have happened.
         together: Run-to-run variations (N, t) in which quantities go together, besides each by itself [-].
-        slow: Slow variations (N, s) that a run by itself is allowed [-].
+        slow: Slow variations and errors of the mean (N, s) that a run by itself is allowed [-].
     """
 
     names: tuple[str, ...]
@@ -104,7 +104,7 @@ class Reference:
         return self._spoken[one]
 
     def alone(self, one: Observation) -> tuple[Floats, Floats]:
-        """Return the likelihood of a run by itself, which is allowed the slow variations.
+        """Return the likelihood of a run by itself, which is allowed the slow variations and the mean's own error.
 
         Args:
             one: Observation of the run.

@@ -94,7 +94,8 @@ def film_reference(machine: Machine, baseline: Sequence[Observation], variation:
     amplitude = {probe.id: typical_amplitude(probe.id, baseline) for probe in machine.probes}
     found = hypotheses(machine, unknown, names, typical=origin, amplitude=amplitude)
     doubt = error + season
-    return Reference(names, origin, unit, centre, (doubt + doubt.T) / 2, found, oil, _columns(season))
+    doubt = (doubt + doubt.T) / 2
+    return Reference(names, origin, unit, centre, doubt, found, oil, _columns(doubt))
 
 
 def _mean(
