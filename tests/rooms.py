@@ -21,7 +21,9 @@ estimator/fit: estimator estimator/bearings estimator/machine estimator/modes es
 estimator/runs: estimator estimator/machine estimator/phasors
 estimator/calibration: estimator estimator/fit estimator/machine estimator/phasors estimator/rotor
 estimator/thesis: estimator estimator/bearings estimator/machine estimator/modes estimator/phasors estimator/rotor
-estimator/diagnosis: estimator estimator/fit estimator/machine estimator/rotor estimator/trends
+estimator/alignment: estimator estimator/bearings estimator/fit estimator/machine estimator/statics estimator/updated_model
+estimator/diagnosis: estimator estimator/alignment estimator/fit estimator/machine estimator/rotor estimator/statics
+    estimator/trends estimator/updated_model
 estimator/simulation: estimator estimator/bearings estimator/machine estimator/phasors estimator/rotor estimator/runs
     estimator/statics estimator/trends
 estimator/updated_model: estimator estimator/bearings estimator/fit estimator/machine estimator/modes estimator/phasors
@@ -65,7 +67,8 @@ service/delivery: estimator service/alerts service/configuration service/replica
     storage storage/alerts storage/backup storage/database storage/encoding storage/machines storage/operation storage/tables
 service/edge: estimator estimator/machine estimator/phasors estimator/signal service/configuration service/sources
     service/wire storage
-service/monitoring: estimator estimator/diagnosis estimator/fit estimator/machine estimator/rotor estimator/trends
+service/monitoring: estimator estimator/alignment estimator/diagnosis estimator/fit estimator/machine estimator/rotor
+    estimator/trends estimator/updated_model
     service/alerts service/configuration service/replication service/resilience service/workers storage storage/alerts
     storage/database storage/findings storage/machines storage/measurements storage/tables
 service/runs: estimator estimator/machine estimator/runs service/replication service/resilience storage
@@ -92,9 +95,9 @@ service/api/operation: service/api/conventions service/configuration service/htt
     storage/tables
 service/ingest: service/journal service/recovery service/replication service/resilience service/wire storage
     storage/database storage/machines storage/measurements
-service/api/findings: estimator estimator/diagnosis estimator/fit estimator/machine estimator/modes estimator/phasors
-    estimator/rotor estimator/trends estimator/updated_model service/api/cache service/api/conventions service/http
-    service/identification service/monitoring service/security service/workers storage storage/findings
+service/api/findings: estimator estimator/alignment estimator/diagnosis estimator/fit estimator/machine estimator/modes
+    estimator/phasors estimator/rotor estimator/trends estimator/updated_model service/api/cache service/api/conventions
+    service/http service/identification service/monitoring service/security service/workers storage storage/findings
     storage/machines storage/tables
 service/api/machines: estimator estimator/machine estimator/phasors estimator/runs service/alerts service/api/cache
     service/api/conventions service/http service/identification service/monitoring service/runs service/security

@@ -5,15 +5,21 @@ in damping and 5 % in the viscosity of their oil. One half of the plants are mot
 other half of random proportions. One line a figure; status 1 where one falls short. Coverage is judged from 20 plants on.
 `--short` takes one plant of each kind and less than a minute.
 
+`--fleet N` lets N machines of each kind live through weeks of run-downs for each thing that can happen, through the gate and
+the service's own assessment; with `--results FOLDER` what was computed is not computed again.
+
     python -m benchmarks.alignment [--short] [--plants N] [--only flexible|rigid …]
+    python -m benchmarks.alignment --fleet N [--weeks W] [--results FOLDER] [--only …]
 """
 
 import argparse
 from collections.abc import Sequence
+from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
 from benchmarks.alignment.alignment_figures import figures
+from benchmarks.alignment.fleet_figures import fleet_figures
 from tests.film_plant.motor_compressor import CouplingKind
 
 KINDS: tuple[CouplingKind, ...] = ("rigid", "flexible")
@@ -25,13 +31,21 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.alignment", description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--short", action="store_true", help="one plant with each kind of coupling")
     parser.add_argument("--plants", type=int, default=40, help="number of plants with each kind of coupling, seeds 0, 1, …")
+    parser.add_argument("--fleet", type=int, help="number of machines with each kind of coupling, for each thing that happens")
+    parser.add_argument("--weeks", type=int, default=26, help="weeks that they live, the baseline's six included")
+    parser.add_argument("--results", type=Path, help="folder that keeps what became of each machine")
     parser.add_argument("--only", nargs="*", choices=KINDS)
     chosen = parser.parse_args(arguments)
     kept = True
     print(f"  {'alignment':<76}{'asked':>12}{'measured':>24}")
     with threadpool_limits(limits=1):
         for kind in chosen.only or KINDS:
-            for figure in figures(kind, SHORT_PLANTS if chosen.short else chosen.plants):
+            told = (
+                figures(kind, SHORT_PLANTS if chosen.short else chosen.plants)
+                if chosen.fleet is None
+                else fleet_figures(kind, chosen.fleet, weeks=chosen.weeks, folder=chosen.results)
+            )
+            for figure in told:
                 print(figure, flush=True)
                 kept &= figure.kept
     if not kept:

@@ -122,7 +122,7 @@ def _updated(
             kind=cause.kind,
             element=cause.element,
             sigma=cause.distance,
-            per_cent=size.per_cent,
+            size=size,
             force=None,
             present=before.get(key),
         )

@@ -75,6 +75,8 @@ class Reference:
         centre: Mean of the baseline (N,) [-].
         doubt: Covariance (N, N) of the healthy machine around it: the mean's own error and the slow variation [-].
         hypotheses: Everything that can have happened.
+        together: Run-to-run variations (N, t) in which quantities go together, besides each by itself [-].
+        slow: Slow variations and errors of the mean (N, s) that a run by itself is allowed [-].
     """
 
     names: tuple[str, ...]
@@ -83,6 +85,8 @@ class Reference:
     centre: Floats
     doubt: Floats
     hypotheses: tuple[Hypothesis, ...]
+    together: Floats
+    slow: Floats
     _spoken: dict[Observation, tuple[Floats, Floats]] = field(default_factory=dict, repr=False)
 
     def likelihood(self, one: Observation) -> tuple[Floats, Floats]:
@@ -95,9 +99,20 @@ class Reference:
             Precision (N, N) [-] and pull (N,) away from the mean [-].
         """
         if one not in self._spoken:
-            seen, drawn = _through_variation(one, self.origin, self.unit)
+            seen, drawn = through_variation(one, self.origin, self.unit, self.together)
             self._spoken[one] = seen, drawn - seen @ self.centre
         return self._spoken[one]
+
+    def alone(self, one: Observation) -> tuple[Floats, Floats]:
+        """Return the likelihood of a run by itself, which is allowed the slow variations and the mean's own error.
+
+        Args:
+            one: Observation of the run.
+
+        Returns:
+            Precision (N, N) [-] and pull (N,) away from the mean [-].
+        """
+        return _allowing(*self.likelihood(one), self.slow)
 
     @property
     def mean(self) -> Floats:
@@ -126,17 +141,18 @@ def reference(machine: Machine, baseline: Sequence[Observation]) -> Reference:
     unknown = unknowns(machine, assemble_rotor(machine))
     origin = np.median([one.reference for one in baseline], axis=0)
     unit = run_variation(baseline)
-    precision = np.diag(UNKNOWN_PRECISION + unit**2 * np.array([_prior_precision(name, baseline) for name in names]))
+    nothing = np.zeros((len(names), 0))
+    precision = np.diag(UNKNOWN_PRECISION + unit**2 * np.array([channel_precision(name, baseline) for name in names]))
     pull = np.zeros(len(names))
     for one in baseline:
-        seen, drawn = _through_variation(one, origin, unit)
+        seen, drawn = through_variation(one, origin, unit, nothing)
         precision += seen
         pull += drawn
     error = np.linalg.inv(precision)
     doubt = error + slow_variation(unknown, names, origin) / np.outer(unit, unit)
     amplitude = {probe.id: typical_amplitude(probe.id, baseline) for probe in machine.probes}
     found = hypotheses(machine, unknown, names, typical=origin, amplitude=amplitude)
-    return Reference(names, origin, unit, error @ pull, (doubt + doubt.T) / 2, found)
+    return Reference(names, origin, unit, error @ pull, (doubt + doubt.T) / 2, found, nothing, nothing)
 
 
 def diagnose(baseline: Reference, window: Sequence[Observation]) -> Diagnosis:
@@ -236,7 +252,8 @@ class Deviation:
         precision = np.sum([seen for seen, _ in runs], axis=0)
         pull = np.sum([drawn for _, drawn in runs], axis=0)
         kept = np.linalg.inv(np.eye(len(pull)) + precision @ baseline.doubt)
-        return cls(baseline, _symmetric(kept @ precision), kept @ pull, tuple(runs))
+        alone = tuple(baseline.alone(one) for one in window)
+        return cls(baseline, _symmetric(kept @ precision), kept @ pull, alone)
 
     def allowing_for(self, causes: Sequence[Hypothesis]) -> "Deviation":
         """Return the deviation with some causes allowed for.
@@ -341,24 +358,51 @@ def agreement(baseline: Reference, cause: Cause, one: Observation) -> float:
     white = np.zeros(len(baseline.names))
     white[[baseline.names.index(name) for name in cause.names]] = cause.change
     white /= baseline.unit
-    seen, drawn = baseline.likelihood(one)
+    seen, drawn = baseline.alone(one)
     return float(white @ drawn - 0.5 * white @ seen @ white)
 
 
-def _through_variation(one: Observation, origin: Floats, unit: Floats) -> tuple[Floats, Floats]:
-    """Compute precision (N, N) and pull (N,), in units of the variation, of the point around which a run's quantities vary."""
+def through_variation(one: Observation, origin: Floats, unit: Floats, together: Floats) -> tuple[Floats, Floats]:
+    """Compute the likelihood of the point around which a run's quantities vary, in units of the variation.
+
+    Args:
+        one: Observation of the run.
+        origin: Point (N,) from which everything is counted [SI, logarithms of direct terms].
+        unit: Run-to-run standard deviations (N,) of each quantity by itself [SI, 1 for logarithms].
+        together: Variations (N, t) in which quantities go together [-].
+
+    Returns:
+        Precision (N, N) [-] and pull (N,) [-].
+    """
     information = one.information * np.outer(unit, unit)
     pull = unit * (one.gradient + one.information @ (one.reference - origin))
     reach = np.linalg.inv(np.eye(len(origin)) + information)
-    return _symmetric(np.eye(len(origin)) - reach), np.asarray(reach @ pull)
+    return _allowing(_symmetric(np.eye(len(origin)) - reach), np.asarray(reach @ pull), together)
+
+
+def _allowing(seen: Floats, drawn: Floats, columns: Floats) -> tuple[Floats, Floats]:
+    """Return a precision and a pull with variations (N, t) allowed for."""
+    if not columns.size:
+        return seen, drawn
+    reach = seen @ columns
+    gain = reach @ np.linalg.inv(np.eye(columns.shape[1]) + columns.T @ reach)
+    return _symmetric(seen - gain @ reach.T), np.asarray(drawn - gain @ (columns.T @ drawn))
 
 
 def _symmetric(matrix: Floats) -> Floats:
     return np.asarray((matrix + matrix.T) / 2)
 
 
-def _prior_precision(name: str, baseline: Sequence[Observation]) -> float:
-    """Return the precision of a channel's error as believed before the baseline; 0 for everything else."""
+def channel_precision(name: str, baseline: Sequence[Observation]) -> float:
+    """Return the precision of a channel's error as believed before the baseline.
+
+    Args:
+        name: Name of the quantity.
+        baseline: Observations of the baseline.
+
+    Returns:
+        Precision [1/unit²]; 0 for everything that is no channel's error.
+    """
     described = describe(name)
     if described.channel is None:
         return 0.0

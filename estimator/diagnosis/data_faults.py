@@ -100,20 +100,22 @@ def fits(one: Observation, channels: frozenset[str]) -> bool:
     if sum(others.values()) > LARGEST_OUTLIER_PART * usable:
         return False
     if accepted(one.chi_square, one.degrees_of_freedom):  # it was refused for what it left out, or else for no channel's fault
-        return sum(one.outliers.values()) > LARGEST_OUTLIER_PART * usable
+        # A train's films explain it then with large deviations, which are a cause by themselves.
+        return one.believed is not None or sum(one.outliers.values()) > LARGEST_OUTLIER_PART * usable
     return accepted(one.chi_square - _explained(one, channels), one.degrees_of_freedom)
 
 
 def _explained(one: Observation, channels: frozenset[str]) -> float:
     """Compute the fall of χ² when the gains and run-outs of these channels are fitted along."""
     left_out = {channel for channel, count in one.outliers.items() if count > MOSTLY_LEFT_OUT * _usable(one, channel)}
-    known = np.diag(one.information) > 0.0  # of a channel without phasors nothing is
+    information = one.fitted
+    known = np.diag(information) > 0.0  # of a channel without phasors nothing is
     free = known & np.array([describe(name).channel in channels - left_out for name in one.names])
     machine = np.array([describe(name).channel is None for name in one.names])
     if not free.any():
         return 0.0
-    across = one.information[np.ix_(free, machine)]
-    own = one.information[np.ix_(free, free)] - across @ np.linalg.solve(one.information[np.ix_(machine, machine)], across.T)
+    across = information[np.ix_(free, machine)]
+    own = information[np.ix_(free, free)] - across @ np.linalg.solve(information[np.ix_(machine, machine)], across.T)
     score = one.gradient[free]
     return float(score @ np.linalg.solve(own, score))
 

@@ -72,10 +72,19 @@ class ChangeSize:
         per_cent: Change in per cent of the element's values in the baseline [%]; None where the cause has no size.
         quantities: Parts of the size by name with the unit at its end, such as `stiffness_per_cent`, `magnitude_g_mm`,
             `angle_deg` [unit of the name].
+        tolerance_per_cent: Change in per cent of what is allowed [%]; None where nothing is.
+        beyond_tolerance: Probability that it is larger than what is allowed [-]; None where nothing is.
     """
 
     per_cent: float | None
     quantities: Mapping[str, float] = field(default_factory=dict)
+    tolerance_per_cent: float | None = None
+    beyond_tolerance: float | None = None
+
+    @property
+    def unknown(self) -> bool:
+        """Return whether the cause has no size that a limit could name."""
+        return self.per_cent is None and self.tolerance_per_cent is None
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,8 @@ To add one, write its changes (or its fault of the data) and its size here and d
 
 The signs of misalignment are the thesis's (§5.7-5.8): direct and cross-coupled coefficients of the coupling and of the
 bearings beside it grow together. A bearing or a coupling that changes alone is no misalignment; an unbalance moves no
-coefficient; an error of a channel moves everything that this channel measures, in proportions that the fit itself can tell.
+coefficient; an error of a channel moves everything that this channel measures, in proportions that the fit itself can tell. Of
+a train on oil films misalignment is what moves its bearings (`film_findings`).
 """
 
 import math
@@ -17,6 +18,17 @@ import numpy as np
 from estimator.arrays import Complexes, Floats
 from estimator.diagnosis.change_columns import RISE, TERM_ORDER, ChangeColumns, Term
 from estimator.diagnosis.data_faults import lost_channels, many_outliers, misfit
+from estimator.diagnosis.film_findings import (
+    film_changes,
+    film_size,
+    moved_alignments,
+    oil_size,
+    oils,
+    settlement_size,
+    settlements,
+    wear_size,
+    wears,
+)
 from estimator.diagnosis.finding_kind import BaselineValues, Cause, ChangeSize, ExpectedChange, FindingKind
 from estimator.machine.coupling_neighbours import neighbouring_bearings
 from estimator.machine.parameter_description import describe
@@ -36,7 +48,8 @@ FORM_SIGNIFICANCE = 2.0
 
 
 def _misalignments(columns: ChangeColumns) -> Iterator[ExpectedChange]:
-    """Yield the common growth of each coupling and of the bearings beside it."""
+    """Yield the common growth of each coupling and of the bearings beside it; on oil films what moves the bearings."""
+    yield from moved_alignments(columns)
     for coupling in columns.machine.couplings:
         own = f"coupling.{coupling.id}"
         neighbours = [f"bearing.{bearing}" for bearing in neighbouring_bearings(columns.machine, coupling)]
@@ -60,8 +73,9 @@ def _couplings(columns: ChangeColumns) -> Iterator[ExpectedChange]:
 
 
 def _bearings(columns: ChangeColumns) -> Iterator[ExpectedChange]:
+    yield from film_changes(columns)
     bearings = [f"bearing.{one.id}" for one in columns.machine.bearings]
-    return _single_elements(columns, [*bearings, *(f"seal.{one.id}" for one in columns.machine.seals)])
+    yield from _single_elements(columns, [*bearings, *(f"seal.{one.id}" for one in columns.machine.seals)])
 
 
 def _pedestals(columns: ChangeColumns) -> Iterator[ExpectedChange]:
@@ -76,8 +90,11 @@ def _single_elements(columns: ChangeColumns, elements: Sequence[str]) -> Iterato
 
 
 def _misalignment_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
-    """Return the mean growth of the stiffness of the elements, beside that of each stiffness and damping."""
+    """Return the mean growth of the stiffness of the elements, beside that of each stiffness and damping; nothing of what
+    moves bearings, which is told by the change of the alignment."""
     growths = _growths(cause)
+    if not growths:
+        return ChangeSize(None)
     stiffness = [one.per_cent for one in growths if one.term == "stiffness"]
     return ChangeSize(float(np.mean(stiffness)), {one.name: one.per_cent for one in growths})
 
@@ -85,6 +102,8 @@ def _misalignment_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
 def _element_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
     """Return the surest of the growths of stiffness and damping, beside both."""
     growths = _growths(cause)
+    if not growths:
+        return film_size(cause, _baseline)
     surest = max(growths, key=lambda one: (one.certainty, one.per_cent), default=None)
     return ChangeSize(None if surest is None else surest.per_cent, {one.name: one.per_cent for one in growths})
 
@@ -236,6 +255,9 @@ FINDING_KINDS: tuple[FindingKind, ...] = (
     FindingKind("coupling", ("coupling",), "machine", changes=_couplings, size=_element_size),
     FindingKind("bearing", ("bearing", "seal"), "machine", changes=_bearings, size=_element_size),
     FindingKind("pedestal", ("pedestal",), "machine", changes=_pedestals, size=_element_size),
+    FindingKind("settlement", ("bearing",), "machine", changes=settlements, size=settlement_size),
+    FindingKind("wear", ("bearing",), "machine", changes=wears, size=wear_size),
+    FindingKind("oil", ("machine",), "machine", changes=oils, size=oil_size),
     FindingKind("unbalance", ("disc",), "machine", changes=_unbalances, size=_unbalance_size, linear=True),
     FindingKind("bow", ("shaft",), "channels", changes=_bows, size=_run_out_size),
     FindingKind("run_out", ("probe",), "channels", changes=_run_outs, size=_run_out_size),

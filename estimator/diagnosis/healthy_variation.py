@@ -45,7 +45,7 @@ def run_variation(baseline: Sequence[Observation]) -> Floats:
         Standard deviations (N,) [unit of the quantity, 1 for logarithms].
     """
     points = [one.point for one in baseline]
-    unit = np.array([_of_channel(name, baseline) for name in baseline[0].names])
+    unit = np.array([channel_variation(name, baseline) for name in baseline[0].names])
     own = np.sqrt(between_run_scatter(points).variance)
     steel = [describe(name).quantity in SCALE_FACTORS for name in points[0].names]
     unit[: own.size] = np.where(steel, SCALE_FACTOR, own)
@@ -99,7 +99,16 @@ def typical_amplitude(channel: str, baseline: Sequence[Observation]) -> float:
     return own or max((size for one in baseline for size in one.amplitude.values()), default=0.0) or 1e-6
 
 
-def _of_channel(name: str, baseline: Sequence[Observation]) -> float:
+def channel_variation(name: str, baseline: Sequence[Observation]) -> float:
+    """Return the run-to-run standard deviation of a channel's error.
+
+    Args:
+        name: Name of the quantity.
+        baseline: Observations of the baseline's runs.
+
+    Returns:
+        Standard deviation [unit of the quantity]; 0 for everything that is no channel's error.
+    """
     said = describe(name)
     if said.element_kind != "probe":
         return 0.0

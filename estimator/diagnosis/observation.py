@@ -35,6 +35,8 @@ class Observation:
         phasors: Number of phasors used, by channel.
         outliers: Number of phasors left out, by channel.
         amplitude: Median amplitude of the used phasors, by channel [m].
+        believed: Precision (N,) that the fit took from what was believed beforehand, and that the information lacks [1/unit²];
+            None for none.
     """
 
     names: tuple[str, ...]
@@ -49,12 +51,18 @@ class Observation:
     phasors: dict[str, int]
     outliers: dict[str, int]
     amplitude: dict[str, float]
+    believed: Floats | None = None
+
+    @property
+    def fitted(self) -> Floats:
+        """Return the information (N, N) of the fit, with what was believed beforehand [1/unit²]."""
+        return self.information if self.believed is None else self.information + np.diag(self.believed)
 
     @property
     def point(self) -> Point:
         """Return the fit's own estimates, with their covariance when the channels are as the document has them."""
         own = slice(self.coordinates)
-        return Point(self.names[own], self.reference[own], inverse(self.information[own, own]))
+        return Point(self.names[own], self.reference[own], inverse(self.fitted[own, own]))
 
     def at(self, point: Point) -> "Observation":
         """Return the observation with another estimate of the fit's own coordinates.

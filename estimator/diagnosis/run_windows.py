@@ -11,12 +11,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from estimator.alignment.healthy_films import stated_variation
 from estimator.diagnosis.bayes_factors import STRONG, Diagnosis, Reference, agreement, diagnose, reference
 from estimator.diagnosis.data_faults import DataFault, fits
+from estimator.diagnosis.film_reference import film_reference
 from estimator.diagnosis.finding_kind import Cause, FindingKind
 from estimator.diagnosis.finding_kinds import FINDING_KINDS, finding_kind
 from estimator.diagnosis.observation import Observation
+from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.document import Machine
+from estimator.machine.film_speeds import follows_films
 from estimator.machine.parameter_description import describe
 
 LONGEST = 3
@@ -41,12 +45,15 @@ class RunWindows:
     _explained: dict[tuple[Observation, ...], Diagnosis] = field(default_factory=dict, repr=False)
 
     @classmethod
-    def over(cls, machine: Machine, baseline: Sequence[Observation]) -> "RunWindows":
+    def over(
+        cls, machine: Machine, baseline: Sequence[Observation], *, variation: HealthyVariation | None = None
+    ) -> "RunWindows":
         """Build the watch from the observations of a healthy machine.
 
         Args:
             machine: The machine.
-            baseline: Its observations.
+            baseline: Its observations; of a train on oil films as `film_observation` returns them.
+            variation: How such a train varies while it is healthy; None for what its document says.
 
         Returns:
             The watch.
@@ -54,7 +61,9 @@ class RunWindows:
         Raises:
             ValueError: The baseline does not make a reference, see `reference`.
         """
-        return cls(tuple(baseline), reference(machine, baseline))
+        if not follows_films(machine):
+            return cls(tuple(baseline), reference(machine, baseline))
+        return cls(tuple(baseline), film_reference(machine, baseline, variation or stated_variation(machine)))
 
     def found(self, after: Sequence[Observation], *, on_delay: Delay) -> Diagnosis:
         """Find the causes that the newest of the runs after the baseline agree on.

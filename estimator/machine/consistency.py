@@ -92,6 +92,7 @@ def reference_problems(train: Train) -> Iterator[InitErrorDetails]:
         message = f"lies above the speed range, which ends at {highest:g} r/min"
         yield _problem(("operation", "running_rpm"), running, message)
     yield from _coupling_problems(train)
+    yield from _tolerance_problems(train)
     yield from _pedestal_problems(train)
     yield from _dependence_problems(train)
     yield from _film_problems(train)
@@ -169,6 +170,17 @@ def _coupling_problems(train: Train) -> Iterator[InitErrorDetails]:
             if counts[getattr(coupling, end)] > 1:
                 message = f"shaft '{getattr(coupling, end)}' is the {end} of more than one coupling"
                 yield _problem(("couplings", i, end), getattr(coupling, end), message)
+
+
+def _tolerance_problems(train: Train) -> Iterator[InitErrorDetails]:
+    known = [coupling.id for coupling in train.couplings]
+    named = Counter(one.coupling for one in train.operation.alignment_tolerances)
+    for i, one in enumerate(train.operation.alignment_tolerances):
+        place = ("operation", "alignment_tolerances", i, "coupling")
+        if one.coupling not in known:
+            yield _problem(place, one.coupling, f"'{one.coupling}' is not one of the couplings: {', '.join(known) or 'none'}")
+        elif named[one.coupling] > 1:
+            yield _problem(place, one.coupling, f"tolerances of coupling '{one.coupling}' stand here more than once")
 
 
 def _pedestal_problems(train: Train) -> Iterator[InitErrorDetails]:

@@ -5,6 +5,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from estimator.field_types import Identifier, NotNegative, Part, Positive, Text
+from estimator.machine.alignment_rules import AlignmentTolerance, HealthyVariation
 
 
 class Condition(Part):
@@ -55,6 +56,12 @@ class Operation(Part):
     )
     longest_pause_s: Annotated[float, Field(ge=1, le=86_400)] = Field(
         default=120.0, description="a pause in the data that is longer ends a run [s]"
+    )
+    alignment_tolerances: Annotated[tuple[AlignmentTolerance, ...], Field(max_length=20)] = Field(
+        default=(), description="what is allowed at couplings of a train on oil films; by default what is usual at its speed"
+    )
+    healthy_variation: HealthyVariation = Field(
+        default=HealthyVariation(), description="of a train on oil films, as long as nothing happens to it"
     )
 
 

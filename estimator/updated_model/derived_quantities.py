@@ -21,7 +21,6 @@ from estimator.fit.identify import Identification
 from estimator.machine.document import Machine
 from estimator.phasors.harmonic_ratio import FEWEST, NEAR, Orders, measures_second, second_over_first
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
-from estimator.updated_model.alignment_change import AlignmentChange, alignment_changes
 from estimator.updated_model.alignment_results import AlignmentResult, alignment_results
 from estimator.updated_model.amplification import UncertainPeak, peaks_with_errors
 from estimator.updated_model.coupling_loads import coupling_forces
@@ -110,22 +109,6 @@ def alignment_quantities(model: UpdatedModel) -> tuple[Derived, ...]:
         Derived quantities [m, rad]; none of a train whose coefficients do not follow from films.
     """
     return tuple(map(_of_alignment, alignment_results(model)))
-
-
-def alignment_change_quantities(baseline: Sequence[UpdatedModel], later: UpdatedModel) -> tuple[Derived, ...]:
-    """Derive by how much offset and angle of each coupling have changed against a baseline, or why that is not determined.
-
-    Args:
-        baseline: Models of the baseline's runs, at least one, of the same machine.
-        later: Model of the later run.
-
-    Returns:
-        Changes [m, rad], named as alignment is; none of a train whose coefficients do not follow from films.
-
-    Raises:
-        ValueError: There is no baseline, or it is of another machine.
-    """
-    return tuple(map(_of_alignment, alignment_changes(baseline, later)))
 
 
 def running_speed(machine: Machine, identification: Identification) -> float:
@@ -233,13 +216,29 @@ def _of_film(one: FilmResult) -> Derived:
     return Derived(one.name, one.unit, one.value, one.value - half, one.value + half)
 
 
-def _of_alignment(one: AlignmentResult | AlignmentChange) -> Derived:
-    """State an offset or angle by the rule of levels: not where the run says hardly more than what was believed before."""
-    why = one.undefined or (prior_alone_reason(one.believed, one.unit) if prior_alone(one.error, one.believed) else None)
+def _of_alignment(one: AlignmentResult) -> Derived:
+    return interval(one.name, one.unit, one.value, error=one.error, believed=one.believed, undefined=one.undefined)
+
+
+def interval(name: str, unit: str, value: float, *, error: float, believed: float, undefined: str | None) -> Derived:
+    """State an offset or angle by the rule of levels: not where runs say hardly more than what was believed before.
+
+    Args:
+        name: Name of the quantity.
+        unit: SI unit.
+        value: Value [unit].
+        error: Its standard error [unit].
+        believed: Its standard deviation before the runs [unit].
+        undefined: Reason why there is none; None where there is one.
+
+    Returns:
+        The quantity with its 95 % interval, or the reason why it has no value.
+    """
+    why = undefined or (prior_alone_reason(believed, unit) if prior_alone(error, believed) else None)
     if why is not None:
-        return Derived(one.name, one.unit, None, None, None, why)
-    half = CONFIDENCE_95 * one.error
-    return Derived(one.name, one.unit, one.value, one.value - half, one.value + half)
+        return Derived(name, unit, None, None, None, why)
+    half = CONFIDENCE_95 * error
+    return Derived(name, unit, value, value - half, value + half)
 
 
 def _second_orders(machine: Machine, runs: Sequence[Orders], speed: float) -> Iterator[Derived]:

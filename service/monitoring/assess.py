@@ -4,15 +4,19 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from estimator.diagnosis.bayes_factors import Diagnosis
+from estimator.diagnosis.film_reference import film_observation
+from estimator.diagnosis.finding_kind import Cause, ChangeSize
 from estimator.diagnosis.healthy_variation import typical_amplitude
 from estimator.diagnosis.observation import Observation, fit_observation
 from estimator.diagnosis.run_windows import RunWindows
 from estimator.diagnosis.severity_measures import change_form, change_size
-from estimator.machine.document import Machine
+from estimator.machine.alignment_rules import HealthyVariation
+from estimator.machine.film_speeds import follows_films
 from estimator.rotor.parameter_names import change_unit, parameter_units
 from estimator.trends.covariates import Adjustment, adjustment
 from estimator.trends.trend_tests import Reading
 from service.alerts.lifecycle import Severity
+from service.monitoring.alignment_size import alignment_size, learnt
 from service.monitoring.assessment import (
     AssessedRun,
     Assessment,
@@ -23,7 +27,7 @@ from service.monitoring.assessment import (
     RateAssessment,
 )
 from service.monitoring.diagnosis_rules import delays
-from service.monitoring.finding_rules import RATE_OF_CHANGE
+from service.monitoring.finding_rules import MISALIGNMENT, RATE_OF_CHANGE
 from service.monitoring.limits import Limits
 from service.monitoring.rate_of_change import RateFinding, rate_findings
 
@@ -46,24 +50,26 @@ def readings(history: BaselineHistory) -> list[Reading]:
 
 @dataclass(frozen=True)
 class BaselineComparison:
-    """A machine's newest runs compared with its baseline, oldest first."""
+    """A machine's newest runs compared with its baseline, oldest first. variation: of a healthy train on oil films."""
 
     watch: RunWindows
     after: tuple[AssessedRun, ...]
     observations: tuple[Observation, ...]
+    variation: HealthyVariation | None = None
 
 
 def compare(context: AssessmentContext) -> BaselineComparison | None:
     """Compare the newest runs with their baseline, under its mean operating conditions; return None when they are not
     comparable."""
+    if follows_films(context.machine):
+        return _compare_films(context)
     channels = tuple(probe.id for probe in context.machine.probes)
     baseline = [(run, fit_observation(run.fit, channels)) for run in context.baseline]
     if not baseline:
         return None
     names = baseline[0][1].names
     after = [(run, said) for run in context.after if (said := fit_observation(run.fit, channels)).names == names]
-    newest = context.after[-1].id if context.after else None
-    if not after or after[-1][0].id != newest or any(said.names != names for _, said in baseline):
+    if not _comparable(context, [run for run, _ in after], [said for _, said in baseline]):
         return None
     follows = adjustment(
         [said.point for _, said in baseline], [run.conditions for run, _ in baseline], context.machine.conditions
@@ -72,6 +78,28 @@ def compare(context: AssessmentContext) -> BaselineComparison | None:
     return BaselineComparison(
         watch, tuple(run for run, _ in after), tuple(_adjusted(said, run, follows) for run, said in after)
     )
+
+
+def _compare_films(context: AssessmentContext) -> BaselineComparison | None:
+    """Compare a train on oil films: viscosities count from each run's own temperature, so that nothing is adjusted."""
+    machine = context.machine
+    baseline = [film_observation(run.fit, machine, run.conditions) for run in context.baseline]
+    if not baseline:
+        return None
+    told = [(run, film_observation(run.fit, machine, run.conditions)) for run in context.after]
+    after = [(run, said) for run, said in told if said.names == baseline[0].names]
+    if not _comparable(context, [run for run, _ in after], baseline):
+        return None
+    variation = learnt(machine, context.baseline)
+    watch = RunWindows.over(machine, baseline, variation=variation)
+    return BaselineComparison(watch, tuple(run for run, _ in after), tuple(said for _, said in after), variation)
+
+
+def _comparable(context: AssessmentContext, after: Sequence[AssessedRun], baseline: Sequence[Observation]) -> bool:
+    """Return whether the newest run is among those that can be compared, and the baseline is of the same quantities."""
+    newest = context.after[-1].id if context.after else None
+    same = all(said.names == baseline[0].names for said in baseline)
+    return same and bool(after) and after[-1].id == newest
 
 
 def _adjusted(said: Observation, run: AssessedRun, follows: Adjustment) -> Observation:
@@ -87,21 +115,32 @@ def _diagnosis(context: AssessmentContext) -> MachineDiagnosis | None:
         return None
     limits = context.limits
     diagnosis = compared.watch.found(compared.observations, on_delay=lambda kind, element: delays(limits, kind, element)[0])
-    causes = _causes(context.machine, compared, diagnosis)
+    causes = _causes(context, compared, diagnosis)
     return MachineDiagnosis(tuple(run.id for run in context.baseline), causes, _cleared_causes(context, compared, diagnosis))
 
 
-def _causes(machine: Machine, compared: BaselineComparison, diagnosis: Diagnosis) -> tuple[DiagnosedCause, ...]:
+def _causes(context: AssessmentContext, compared: BaselineComparison, diagnosis: Diagnosis) -> tuple[DiagnosedCause, ...]:
     """Return the causes of a diagnosis with their size, their form and the run with which each began."""
+    machine = context.machine
     amplitude = {probe.id: typical_amplitude(probe.id, compared.watch.baseline) for probe in machine.probes}
     units = parameter_units(machine)
     causes = []
     for cause, runners_up in zip(diagnosis.causes, diagnosis.runners_up, strict=True):
-        size = change_size(cause, compared.watch.reference, amplitude=amplitude)
+        size = _size(context, compared, cause, amplitude)
         began = compared.after[compared.watch.began(cause, compared.observations)]
         of_names = {name: change_unit(name, units) for name in cause.names}
         causes.append(DiagnosedCause(cause, runners_up, size, change_form(cause), of_names, began.measured_at, began.id))
     return tuple(causes)
+
+
+def _size(
+    context: AssessmentContext, compared: BaselineComparison, cause: Cause, amplitude: Mapping[str, float]
+) -> ChangeSize:
+    """Return the size of a cause; that of a misalignment on oil films is the change of alignment that is told elsewhere."""
+    if cause.kind != MISALIGNMENT.name or compared.variation is None:
+        return change_size(cause, compared.watch.reference, amplitude=amplitude)
+    newest = next((run for run in reversed(compared.after) if run.fit.accepted), compared.after[-1])
+    return alignment_size(context.machine, cause, context.baseline, newest, compared.variation)
 
 
 def _cleared_causes(

@@ -3,8 +3,9 @@
 `conclusions` is a pure function of the context, the assessment and the machine's present state; `apply` reads and writes.
 """
 
+import statistics
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from typing import TYPE_CHECKING
 
@@ -16,7 +17,7 @@ from service.alerts.transitions import AlertFinding
 from service.monitoring.assessment import Assessment, AssessmentContext, DiagnosedCause, MachineDiagnosis, RateAssessment
 from service.monitoring.assessment_context import MonitoringState, diagnosed_kind
 from service.monitoring.diagnosis_rules import cause_severity
-from service.monitoring.finding_rules import DIAGNOSIS_RULES, RATE_OF_CHANGE, finding_rule
+from service.monitoring.finding_rules import DIAGNOSIS_RULES, MISALIGNMENT, RATE_OF_CHANGE, finding_rule
 from service.monitoring.finding_text import Statement
 from service.monitoring.limits import Limits
 from storage.clock import from_datetime
@@ -58,7 +59,8 @@ def apply(
     """Store the diagnosis of an identification; open, update or clear the machine's alerts. state: the machine's present
     state."""
     forces = _forces(session, stored, assessment.diagnosis)
-    found = conclusions(context, assessment, state, forces)
+    loads = _loads(session, stored, context, assessment.diagnosis)
+    found = conclusions(context, assessment, state, forces, loads)
     if assessment.diagnosis is not None and found.statements is not None:
         diagnoses.add(
             session,
@@ -77,9 +79,15 @@ def apply(
 
 
 def conclusions(
-    context: AssessmentContext, assessment: Assessment, state: MonitoringState, forces: Mapping[str, float | None]
+    context: AssessmentContext,
+    assessment: Assessment,
+    state: MonitoringState,
+    forces: Mapping[str, float | None],
+    loads: Mapping[str, float],
 ) -> Conclusions:
     """Return the consequences of an assessment. forces: force by element [N], for those whose finding has one.
+
+    loads: change of each bearing's vertical load against the baseline, by bearing [%].
 
     Alerts show the machine's present state: a late run is diagnosed, and affects alerts with the next run.
     """
@@ -89,7 +97,7 @@ def conclusions(
     if diagnosis is None:
         return Conclusions(None, changes)
     opened = {(alert.rule, alert.element): alert for alert in state.open_alerts}
-    statements = [_statement(one, forces, opened) for one in diagnosis.causes]
+    statements = [_statement(one, forces, loads, opened) for one in diagnosis.causes]
     if state.current:
         changes += _cause_changes(context.limits, diagnosis, statements, state, opened)
     return Conclusions(statements, changes)
@@ -101,15 +109,35 @@ def _forces(session: Session, stored: IdentificationRow, diagnosis: MachineDiagn
     return {element: derived.value(session, stored.id, f"{element}.{force}") for element, force in named.items()}
 
 
+def _loads(
+    session: Session, stored: IdentificationRow, context: AssessmentContext, diagnosis: MachineDiagnosis | None
+) -> Mapping[str, float]:
+    """Read by how much the vertical load of each bearing differs from the baseline's mean [%]: of couplings on oil films."""
+    if diagnosis is None or all(one.size.tolerance_per_cent is None for one in diagnosis.causes):
+        return {}
+    found = {}
+    for bearing in context.machine.bearings:
+        name = f"bearing.{bearing.id}.load_vertical"
+        now = derived.value(session, stored.id, name)
+        before = [one for run in context.baseline if (one := derived.value(session, run.id, name)) is not None]
+        if now is not None and before and (mean := statistics.fmean(before)) != 0.0:
+            found[f"bearing.{bearing.id}.load_per_cent"] = 100.0 * (now - mean) / abs(mean)
+    return found
+
+
 _OpenAlerts = Mapping[tuple[str, str], AlertRow]
 """Open alerts by rule and element."""
 
 
-def _statement(found: DiagnosedCause, forces: Mapping[str, float | None], opened: _OpenAlerts) -> Statement:
-    cause = found.cause
+def _statement(
+    found: DiagnosedCause, forces: Mapping[str, float | None], loads: Mapping[str, float], opened: _OpenAlerts
+) -> Statement:
+    cause, size = found.cause, found.size
+    if finding_rule(cause.kind).rule is MISALIGNMENT and loads:
+        size = replace(size, quantities={**size.quantities, **loads})
     since, first = _first_run_of(found, opened)
     force = None if finding_rule(cause.kind).force is None else forces[cause.element]
-    return Statement(cause, found.runners_up, found.size, since, first, force, found.form, found.units)
+    return Statement(cause, found.runners_up, size, since, first, force, found.form, found.units)
 
 
 def _first_run_of(found: DiagnosedCause, opened: _OpenAlerts) -> tuple[int, int]:
@@ -157,7 +185,7 @@ def _alert_of(
         kind=one.cause.kind,
         element=element,
         sigma=one.cause.distance,
-        per_cent=one.size.per_cent,
+        size=one.size,
         force=one.force,
         present=None if present is None else Severity(present.severity),
     )

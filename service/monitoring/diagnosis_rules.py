@@ -1,8 +1,13 @@
 """Delays of a diagnosis's alerts, and the severity of a cause, by the limits of its alert rule."""
 
+from typing import TYPE_CHECKING
+
 from service.alerts.lifecycle import Severity
 from service.monitoring.finding_rules import finding_rule
 from service.monitoring.limits import Limits, severity_of
+
+if TYPE_CHECKING:
+    from estimator.diagnosis.finding_kind import ChangeSize
 
 UNLIMITED_DELAY = 2
 """Runs in a row that open, and good ones that clear, an alert of a finding without limits."""
@@ -23,15 +28,25 @@ def cause_severity(
     kind: str,
     element: str,
     sigma: float,
-    per_cent: float | None,
+    size: "ChangeSize",
     force: float | None,
     present: Severity | None,
 ) -> Severity | None:
     """Return the severity of a cause; None while it reaches no limit. sigma: standard deviations of its change.
 
-    per_cent: its size, None without one. force: in the coupling [N]. present: severity of its open alert.
+    size: its size; one without any is always an alert. force: in the coupling [N]. present: severity of its open alert.
     """
     rule = finding_rule(kind).rule
-    if rule.limits is None or per_cent is None:
+    if rule.limits is None or size.unknown:
         return Severity.ALERT
-    return severity_of(limits, rule.name, sigma=sigma, per_cent=per_cent, force=force, present=present, element=element)
+    return severity_of(
+        limits,
+        rule.name,
+        sigma=sigma,
+        per_cent=size.per_cent,
+        force=force,
+        tolerance_per_cent=size.tolerance_per_cent,
+        beyond_tolerance=size.beyond_tolerance,
+        present=present,
+        element=element,
+    )

@@ -10,6 +10,13 @@ from typing import TYPE_CHECKING, Protocol
 
 from estimator.diagnosis.finding_kinds import FINDING_KINDS, finding_kind
 from estimator.machine.parameter_description import describe
+from service.monitoring.film_sentences import (
+    alignment_sentence,
+    film_sentence,
+    oil_sentence,
+    settlement_sentence,
+    wear_sentence,
+)
 from service.monitoring.limit_rule import Level, Quantity, Rule
 
 if TYPE_CHECKING:
@@ -85,6 +92,8 @@ class FindingRule:
 
 
 def _misalignment_sentence(one: SizedCause) -> str:
+    if "allowed_at_rpm" in one.size.quantities:
+        return alignment_sentence(_id(one), one.size)
     described = [(describe(name), value) for name, value in one.size.quantities.items()]
     parts = [f"{own.element} {value:+.0f} %" for own, value in described if own.quantity == "stiffness_per_cent"]
     form = f" ({one.form})" if one.form else ""
@@ -92,9 +101,23 @@ def _misalignment_sentence(one: SizedCause) -> str:
 
 
 def _element_sentence(one: SizedCause) -> str:
+    if "deviation_times_allowed" in one.size.quantities:
+        return film_sentence(_id(one), one.size)
     described = [(describe(name), value) for name, value in one.size.quantities.items()]
     parts = [f"{own.quantity.removesuffix('_per_cent')} {value:+.0f} %" for own, value in described]
     return f"{describe(one.cause.element).element_kind.capitalize()} {_id(one)} has changed by itself: {', '.join(parts)}"
+
+
+def _settlement_sentence(one: SizedCause) -> str:
+    return settlement_sentence(_id(one), one.size)
+
+
+def _wear_sentence(one: SizedCause) -> str:
+    return wear_sentence(_id(one), one.size)
+
+
+def _oil_sentence(one: SizedCause) -> str:
+    return oil_sentence(one.size)
 
 
 def _unbalance_sentence(one: SizedCause) -> str:
@@ -148,15 +171,33 @@ def rounded(value: float, digits: int) -> str:
 MISALIGNMENT = AlertRule(
     "misalignment",
     # Thermal seasons move stiffnesses by some 2 %. The thesis's smallest misalignment raises natural frequencies by up to 2 %,
-    # hence stiffnesses by 4 % at least.
-    limits=Rule(alert=Level(sigma=3, per_cent=3), danger=Level(per_cent=15)),
-    quantities=("sigma", "per_cent", "force"),
+    # hence stiffnesses by 4 % at least. On oil films a quarter of what is allowed is told, and more than that is a danger.
+    limits=Rule(alert=Level(sigma=3, per_cent=3, tolerance_per_cent=25), danger=Level(per_cent=15, beyond_tolerance=0.95)),
+    quantities=("sigma", "per_cent", "force", "tolerance_per_cent", "beyond_tolerance"),
+)
+SETTLEMENT = AlertRule(
+    "settlement",
+    limits=Rule(alert=Level(sigma=4, tolerance_per_cent=50), danger=Level(tolerance_per_cent=200)),
+    quantities=("sigma", "tolerance_per_cent"),
+)
+WEAR = AlertRule(
+    "wear",
+    # A clearance is known to some 3 % against its baseline; makers replace bearings at about twice the new clearance.
+    limits=Rule(alert=Level(sigma=4, per_cent=8), danger=Level(per_cent=50)),
+    quantities=("sigma", "per_cent"),
+)
+OIL = AlertRule(
+    "oil",
+    # Grades of ISO 3448 are 50 % apart; 10 K are some 50 % as well.
+    limits=Rule(alert=Level(sigma=4, per_cent=60)),
+    quantities=("sigma", "per_cent"),
 )
 BEARING = AlertRule(
     "bearing",
-    # An oil film's stiffness and damping follow oil temperature and load more than a coupling's do.
-    limits=Rule(alert=Level(sigma=4, per_cent=5), danger=Level(per_cent=25)),
-    quantities=("sigma", "per_cent"),
+    # An oil film's stiffness and damping follow oil temperature and load more than a coupling's do. Films that are described
+    # by geometry and oil may deviate from their model by what the document says.
+    limits=Rule(alert=Level(sigma=4, per_cent=5, tolerance_per_cent=100), danger=Level(per_cent=25, tolerance_per_cent=300)),
+    quantities=("sigma", "per_cent", "tolerance_per_cent"),
     deviations=("bearing", "seal"),
 )
 PEDESTAL = AlertRule(
@@ -206,6 +247,9 @@ FINDING_RULES: tuple[FindingRule, ...] = (
     FindingRule("bearing", BEARING, _element_sentence),
     FindingRule("coupling", COUPLING, _element_sentence),
     FindingRule("pedestal", PEDESTAL, _element_sentence),
+    FindingRule("settlement", SETTLEMENT, _settlement_sentence),
+    FindingRule("wear", WEAR, _wear_sentence),
+    FindingRule("oil", OIL, _oil_sentence),
     FindingRule("unbalance", UNBALANCE, _unbalance_sentence),
     FindingRule("bow", RUN_OUT, _bow_sentence),
     FindingRule("run_out", RUN_OUT, _run_out_sentence),

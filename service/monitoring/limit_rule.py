@@ -10,10 +10,10 @@ from pydantic import ConfigDict, Field, model_validator
 
 from estimator.strict_model import StrictModel
 
-Quantity = Literal["sigma", "per_cent", "force", "rate_per_cent_per_week"]
+Quantity = Literal["sigma", "per_cent", "force", "rate_per_cent_per_week", "tolerance_per_cent", "beyond_tolerance"]
 QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
 """Quantities that a level can name."""
-SIZES = ("per_cent", "force", "rate_per_cent_per_week")
+SIZES = ("per_cent", "force", "rate_per_cent_per_week", "tolerance_per_cent", "beyond_tolerance")
 """Quantities of a level that are alternatives; `sigma` is required in addition."""
 LONGEST_DELAY = 20
 """Largest delay of a rule, in identifications in a row."""
@@ -37,6 +37,12 @@ class Level(StrictModel):
     )
     rate_per_cent_per_week: Annotated[Limit, Field(le=10_000)] | None = Field(
         default=None, description="rate_of_change only: how fast a parameter drifts [%/week]"
+    )
+    tolerance_per_cent: Annotated[Limit, Field(le=10_000)] | None = Field(
+        default=None, description="on oil films: size of the change against what is allowed at the coupling [%]"
+    )
+    beyond_tolerance: Annotated[Limit, Field(lt=1)] | None = Field(
+        default=None, description="on oil films: probability that the change is larger than what is allowed [-]"
     )
 
     @property

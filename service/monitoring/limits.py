@@ -109,17 +109,21 @@ def severity_of(
     per_cent: float | None = None,
     force: float | None = None,
     rate: float | None = None,
+    tolerance_per_cent: float | None = None,
+    beyond_tolerance: float | None = None,
     present: Severity | None = None,
     element: str | None = None,
 ) -> Severity | None:
     """Return the severity of a change; None while it reaches no limit. Unknown quantities are None and reach nothing.
 
-    sigma: standard deviations. per_cent: of the baseline. force: in the coupling at running speed [N]. rate: [%/week]. All are
-    taken by their magnitude. present: severity of the open alert, None without one: a reached level is left only below the
-    hysteresis. element: such as `coupling.C1`, which may have limits of its own.
+    sigma: standard deviations. per_cent: of the baseline. force: in the coupling at running speed [N]. rate: [%/week].
+    tolerance_per_cent: of what is allowed. beyond_tolerance: probability of more than that. All are taken by their magnitude.
+    present: severity of the open alert, None without one: a reached level is left only below the hysteresis. element: such as
+    `coupling.C1`, which may have limits of its own.
     """
     chosen = limits.rule(rule, element)
     found = {"sigma": sigma, "per_cent": per_cent, "force": force, "rate_per_cent_per_week": rate}
+    found |= {"tolerance_per_cent": tolerance_per_cent, "beyond_tolerance": beyond_tolerance}
     for severity, level in ((Severity.DANGER, chosen.danger), (Severity.ALERT, chosen.alert)):
         held = present is not None and present >= severity
         part = 1.0 - chosen.hysteresis if held else 1.0

@@ -11,6 +11,9 @@ from service.alerts.lifecycle import Severity
 from service.monitoring.finding_rules import RATE_OF_CHANGE
 from service.monitoring.limits import Limits, severity_of
 
+FILM_NUMBERS = frozenset({"clearance", "viscosity", "viscosity_factor", "viscosity_slope", "elevation_x", "elevation_y"})
+"""Numbers of oil films, whose drifts are the seasons' or are judged by the diagnosis in their own units."""
+
 
 @dataclass(frozen=True)
 class RateFinding:
@@ -41,6 +44,8 @@ def rate_findings(
     fastest: dict[str, ParameterRate] = {}
     for rate in rates_of_change(readings):
         if not rate.certain or describe(rate.element).element_kind not in RATE_OF_CHANGE.elements:
+            continue
+        if describe(rate.name).quantity in FILM_NUMBERS:
             continue
         if rate.element not in fastest or abs(rate.per_week) > abs(fastest[rate.element].per_week):
             fastest[rate.element] = rate

@@ -31,6 +31,8 @@ METHODS = re.compile(
 """Names of authors whose methods are meant where they occur."""
 OWN = {
     "diagnosis/data_faults.py": "probabilities of counts and of χ², stated at each function",
+    "alignment/run_likelihood.py": "a posterior over its prior, in the module's docstring",
+    "diagnosis/film_reference.py": "the same, and what the diagnosis makes of it",
     "diagnosis/observation.py": "a second-order expansion of the likelihood, in the module's docstring",
     "films/pad_table.py": "coordinates of an interpolation, in the module's docstring",
     "fit/fit_problem.py": "χ² and its derivatives, which the fit's method minimises",

@@ -6,10 +6,10 @@ from functools import cache
 import numpy as np
 import pytest
 
+from estimator.alignment.alignment_change import alignment_changes
 from estimator.fit.identify import Identification, Options, identify
 from estimator.machine.document import Machine, parse_machine
 from estimator.statics.alignment import coupling_alignments
-from estimator.updated_model.alignment_change import alignment_changes
 from estimator.updated_model.derived_quantities import Derived, derived_quantities
 from estimator.updated_model.model import updated_model
 from tests.film_plant.discrepancy import DiscrepancySize

@@ -67,7 +67,14 @@ function ruleOf(kind: FindingKind, before: Rule, form: FormData): Rule {
 }
 
 function levelOf(kind: FindingKind, which: string, form: FormData): Level {
-  const level: Level = { sigma: null, per_cent: null, force: null, rate_per_cent_per_week: null };
+  const level: Level = {
+    sigma: null,
+    per_cent: null,
+    force: null,
+    rate_per_cent_per_week: null,
+    tolerance_per_cent: null,
+    beyond_tolerance: null,
+  };
   for (const { name } of limitQuantities(kind)) {
     const text = String(form.get(`${which}.${name}`) ?? "").trim();
     level[name] = text === "" ? null : Number(text);

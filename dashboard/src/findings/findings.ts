@@ -18,7 +18,7 @@ export function causeLabel({ kind, element }: { kind: string; element: string })
 
 export const LEVELS = ["alert", "danger"] as const;
 
-export type LimitName = "sigma" | "per_cent" | "force" | "rate_per_cent_per_week";
+export type LimitName = "sigma" | "per_cent" | "force" | "rate_per_cent_per_week" | "tolerance_per_cent" | "beyond_tolerance";
 
 export interface LimitQuantity {
   name: LimitName;
@@ -31,6 +31,8 @@ const LIMIT_QUANTITIES: LimitQuantity[] = [
   { name: "per_cent", label: "change", unit: "%" },
   { name: "force", label: "force in the coupling", unit: "N" },
   { name: "rate_per_cent_per_week", label: "rate", unit: "% per week" },
+  { name: "tolerance_per_cent", label: "change on oil films", unit: "% of what is allowed" },
+  { name: "beyond_tolerance", label: "probability of more than is allowed", unit: "(probability)" },
 ];
 
 /** The quantities that may be limited for a kind. */

@@ -5,9 +5,10 @@ from collections.abc import Iterator
 from fastapi import APIRouter, Request
 from pydantic import BaseModel, Field
 
+from estimator.alignment.alignment_change import alignment_change_quantities
 from estimator.machine.film_speeds import follows_films
 from estimator.machine.parameter_description import describe
-from estimator.updated_model.derived_quantities import Derived, alignment_change_quantities, alignment_quantities
+from estimator.updated_model.derived_quantities import Derived, alignment_quantities
 from service.api.conventions.dependencies import MachineId, database
 from service.api.conventions.problems import RESPONSES
 from service.api.findings.deviation_schemas import ComparedOut

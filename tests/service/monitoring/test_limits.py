@@ -148,8 +148,8 @@ def test_a_document_that_contradicts_itself_is_refused(rules: dict[str, Any], sa
 
 @pytest.mark.parametrize("name", list(DEFAULTS))
 def test_every_default_can_be_reached(name: RuleName) -> None:
-    assert severity_of(Limits(), name, sigma=99.0, per_cent=1e4, rate=1e4) is not None
-    assert severity_of(Limits(), name, sigma=0.1, per_cent=0.1, rate=0.01) is None
+    assert severity_of(Limits(), name, sigma=99.0, per_cent=1e4, rate=1e4, tolerance_per_cent=1e4) is not None
+    assert severity_of(Limits(), name, sigma=0.1, per_cent=0.1, rate=0.01, tolerance_per_cent=0.1) is None
 
 
 def test_a_force_needs_a_coupling_that_carries_it() -> None:

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from estimator.alignment.alignment_change import alignment_change_quantities
 from estimator.arrays import Floats
-from estimator.updated_model.derived_quantities import Derived, alignment_change_quantities, alignment_quantities
+from estimator.updated_model.derived_quantities import Derived, alignment_quantities
 from estimator.updated_model.model import UpdatedModel, expected_model
 from service.monitoring.comparison import WEEK
 from storage.database.engine import Database

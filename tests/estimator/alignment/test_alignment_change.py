@@ -5,10 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from estimator.alignment.alignment_change import alignment_changes
 from estimator.arrays import Floats
 from estimator.fit.coordinates import Coordinates
+from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.parameter_description import describe
-from estimator.updated_model.alignment_change import RunVariation, alignment_changes
 from estimator.updated_model.alignment_results import alignment_results
 from estimator.updated_model.model import UpdatedModel, expected_model
 from tests.estimator.models import rich_model
@@ -16,7 +17,7 @@ from tests.estimator.updated_model.test_alignment_results import NAMES, machine_
 
 MODEL = expected_model(machine_of())
 COORDINATES = MODEL.coordinates_at(np.ones(1))
-VARIATION = RunVariation(elevation=5e-6)
+VARIATION = HealthyVariation(elevation=5e-6, slow_oil=0.0, slow_viscosity=0.0, slow_clearance=0.0)
 ROWS = 120
 """Numbers that each run measures: fewer than there are coordinates."""
 TRIALS = 60
@@ -79,14 +80,14 @@ def test_what_the_runs_have_in_common_cancels() -> None:
     """The same fit twice has not changed, and its change is known better than its alignment where runs vary by little."""
     rng = np.random.default_rng(1)
     one = fitted(COORDINATES.centre, 2.0 * rng.standard_normal((ROWS, COORDINATES.size)) / COORDINATES.spread, rng)
-    still = RunVariation(stiffness=0.0, damping=0.0, oil=0.0, viscosity=0.0, unbalance=0.0, elevation=0.0)
+    still = HealthyVariation.model_validate(dict.fromkeys(HealthyVariation.model_fields, 0.0))
     found = alignment_changes([one] * 6, one, variation=still)
     assert [change.name for change in found] == list(NAMES)
     for change, alone in zip(found, alignment_results(one), strict=True):
         assert abs(change.value) < change.error
         assert change.error < 1.1 * alone.error
         assert change.unit == alone.unit
-    wide = alignment_changes([one] * 6, one, variation=replace(VARIATION, elevation=50e-6))
+    wide = alignment_changes([one] * 6, one, variation=VARIATION.model_copy(update={"elevation": 50e-6}))
     assert all(more.error > less.error for more, less in zip(wide, found, strict=True))
 
 

@@ -1,0 +1,234 @@
+"""A fleet on oil films: every week through the gate, the real fit, and the service's own assessment, without a database."""
+
+import json
+import time
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from benchmarks.alignment.film_histories import FilmHistory
+from estimator.diagnosis.observation import ObservedFit
+from estimator.fit.identify import Identification, Options
+from estimator.identification.quality_gate import identify_gated
+from estimator.machine.under_conditions import under_conditions
+from estimator.phasors.channel_status import ChannelStatus
+from estimator.phasors.measurement import Measurement
+from estimator.phasors.recorded_run import RecordedRun
+from service.alerts.lifecycle import Severity
+from service.monitoring.assess import assess
+from service.monitoring.assessment import AssessedRun, AssessmentBasis, AssessmentContext, DiagnosedCause
+from service.monitoring.diagnosis_rules import cause_severity
+from service.monitoring.finding_rules import finding_rule
+from service.monitoring.limits import Limits
+from tests.film_plant.plant import noisy
+from tests.film_plant.scatter import run_of
+from tests.film_plant.statics import NoEquilibrium
+
+BASELINE = 6
+"""Runs of a baseline."""
+SAMPLES = 150
+OPTIONS = Options(starts=2)
+WEEK_NS = 7 * 86_400 * 1_000_000_000
+GAIN = 1.1
+
+
+@dataclass(frozen=True)
+class OpenedAlert:
+    """An alert that was opened, or got worse.
+
+    Attributes:
+        week: Week in which it was.
+        rule: Its rule.
+        element: Its element.
+        severity: Its severity.
+        offset_um: Change of the vertical offset that it tells [µm]; None where it tells none.
+    """
+
+    week: int
+    rule: str
+    element: str
+    severity: str
+    offset_um: float | None
+
+
+@dataclass(frozen=True)
+class FleetRecord:
+    """What became of one machine.
+
+    Attributes:
+        seed, kind, happening, onset: Of its history.
+        weeks: Weeks of it, the baseline's included.
+        refused: Weeks whose fit was refused.
+        opened: Alerts that were opened or got worse.
+        standing: Per week after the baseline, rule, element and severity of the alerts that stand.
+        offsets: Per week the true change of the vertical offset against the baseline's mean, over what is allowed [-].
+        told_um: Change of the vertical offset as told three runs after the onset [µm]; None where none is.
+        true_um: The truth of that [µm].
+        named: Rule and element of the right alert; None for none.
+        processor_s: Processor time of fits and assessments [s].
+    """
+
+    seed: int
+    kind: str
+    happening: str
+    onset: int
+    weeks: int
+    refused: tuple[int, ...]
+    opened: tuple[OpenedAlert, ...]
+    standing: tuple[tuple[tuple[str, str, str], ...], ...]
+    offsets: tuple[float, ...]
+    told_um: float | None
+    true_um: float
+    named: tuple[str, str] | None
+    processor_s: float
+
+
+def record_of(history: FilmHistory, *, weeks: int, folder: Path | None) -> FleetRecord:
+    """Return what became of a machine; from the folder where it was computed before."""
+    path = None if folder is None else folder / f"{history.kind}-{history.happening}-{history.seed}-{weeks}.json"
+    if path is not None and path.exists():
+        return _restored(json.loads(path.read_text(encoding="utf-8")))
+    found = _lived(history, weeks)
+    if path is not None:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps(asdict(found)), encoding="utf-8")
+    return found
+
+
+def _restored(said: dict[str, Any]) -> FleetRecord:
+    standing = tuple(tuple((rule, element, severity) for rule, element, severity in week) for week in said["standing"])
+    named = None if said["named"] is None else (said["named"][0], said["named"][1])
+    opened = tuple(OpenedAlert(**one) for one in said["opened"])
+    whole = {"opened": opened, "standing": standing, "named": named}
+    whole |= {name: tuple(said[name]) for name in ("refused", "offsets")}
+    return FleetRecord(**(said | whole))
+
+
+class _Life:
+    """A machine that lives from week to week: its runs, and the alerts that stand."""
+
+    def __init__(self, history: FilmHistory) -> None:
+        self.history = history
+        self.rng = np.random.default_rng([history.seed, 2])
+        self.runs: list[AssessedRun] = []
+        self.first: Identification | None = None
+        self.processor = 0.0
+        self.standing: dict[tuple[str, str], Severity] = {}
+        self.opened: list[OpenedAlert] = []
+        self.told: float | None = None
+
+    def live(self, week: int) -> None:
+        """Measure and identify one week's run, and assess it."""
+        try:
+            plant = run_of(self.history.plant_in(week), self.rng)
+        except (RuntimeError, NoEquilibrium):
+            return  # it whirls in such oil, or its journals touch: nobody runs it down
+        films = plant.films(plant.speeds(SAMPLES))
+        phasor = noisy(plant.phasors(films), self.rng)
+        if self.history.happening == "gain" and week >= self.history.onset:
+            phasor[:, self.history.number] *= GAIN
+        conditions = self.history.conditions(week)
+        began = time.process_time()
+        found = self._identified(films.speed, phasor, conditions)
+        if found is not None:
+            self.runs.append(AssessedRun(week, week * WEEK_NS, conditions, _observed(found)))
+            self._judge(week)
+        self.processor += time.process_time() - began
+
+    def _identified(self, speed: Any, phasor: Any, conditions: dict[str, float | None]) -> Identification | None:
+        machine = under_conditions(self.history.machine, conditions)
+        measurement = Measurement.of(speed=speed, phasor=phasor)
+        status = np.full(phasor.shape, ChannelStatus.GOOD, np.uint8)
+        run = RecordedRun(None, speed, phasor, status, measurement.scatter, machine.channels)
+        begin = None if self.first is None else self.first.point
+        found = identify_gated(machine, [run], [measurement], options=OPTIONS, beginning=begin).identification
+        if self.first is None and found is not None and found.accepted:
+            self.first = found
+        return found
+
+    def _judge(self, week: int) -> None:
+        accepted = [one for one in self.runs if one.fit.accepted]
+        baseline = accepted[:BASELINE]
+        after = [one for one in self.runs if len(baseline) == BASELINE and one.id > baseline[-1].id]
+        if not after or after[-1].id != week:
+            return
+        context = AssessmentContext(
+            machine=self.history.machine,
+            limits=Limits(),
+            basis=AssessmentBasis(None, None),
+            baseline=tuple(baseline),
+            after=tuple(after),
+            open_causes=tuple(self.standing),
+            history=None,
+            open_rates={},
+        )
+        diagnosis = assess(context).diagnosis
+        if diagnosis is None:
+            return
+        now = {key: severity for key, severity in self.standing.items() if key not in diagnosis.gone}
+        for one in diagnosis.causes:
+            key = one.cause.kind, one.cause.element
+            severity = _severity(one, self.standing.get(key))
+            if severity is None:
+                continue
+            now[key] = severity
+            if severity > self.standing.get(key, 0):
+                told = one.size.quantities.get("offset_vertical_um")
+                rule = finding_rule(one.cause.kind).rule.name
+                self.opened.append(OpenedAlert(week, rule, one.cause.element, severity.label, told))
+            if one.cause.kind == "misalignment" and week == self.history.onset + 2:
+                self.told = one.size.quantities.get("offset_vertical_um")
+        self.standing = now
+
+
+def _lived(history: FilmHistory, weeks: int) -> FleetRecord:
+    life, standing = _Life(history), []
+    for week in range(weeks):
+        life.live(week)
+        standing.append(
+            tuple((finding_rule(kind).rule.name, element, one.label) for (kind, element), one in life.standing.items())
+        )
+    before = float(np.mean([history.offset(week) for week in range(BASELINE)]))
+    return FleetRecord(
+        seed=history.seed,
+        kind=history.kind,
+        happening=history.happening,
+        onset=history.onset,
+        weeks=weeks,
+        refused=tuple(one.id for one in life.runs if not one.fit.accepted),
+        opened=tuple(life.opened),
+        standing=tuple(standing),
+        offsets=tuple((history.offset(week) - before) / history.allowed.offset for week in range(weeks)),
+        told_um=life.told,
+        true_um=1e6 * (history.offset(history.onset + 2) - before),
+        named=history.named,
+        processor_s=life.processor,
+    )
+
+
+def _severity(one: DiagnosedCause, present: Severity | None) -> Severity | None:
+    return cause_severity(
+        Limits(),
+        kind=one.cause.kind,
+        element=one.cause.element,
+        sigma=one.cause.distance,
+        size=one.size,
+        force=None,
+        present=present,
+    )
+
+
+def _observed(found: Identification) -> ObservedFit:
+    return ObservedFit(
+        coordinates=found.coordinates,
+        point=found.point,
+        covariance=found.covariance,
+        effects=found.channel_effects,
+        accepted=found.accepted,
+        chi_square=found.chi_square,
+        degrees_of_freedom=found.degrees_of_freedom,
+        samples=found.samples,
+        outliers=found.outliers,
+    )

@@ -1,0 +1,179 @@
+"""Histories of machines on oil films, run after run: seasons of oil, pedestals that grow, and what happens to them.
+
+Weekly run-downs. Films scatter by 1 % in stiffness and 5 % in damping, the oil's weather by 5 % of viscosity (some 2 K); over
+the year the oil is up to 10 K warmer and colder, and the second shaft's pedestals grow by 1 µm/K against the first's, with
+either sign. A third of the machines is misaligned by half of what is allowed from the beginning. In every other machine the
+oil's temperature is sent.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+import scipy.optimize
+
+from estimator.alignment.tolerance import AllowedAlignment, allowed_alignment
+from estimator.machine.document import Machine, parse_machine
+from tests.film_plant.discrepancy import DiscrepancySize
+from tests.film_plant.documents import film_document
+from tests.film_plant.misalignment import SETTLED, moved
+from tests.film_plant.motor_compressor import CouplingKind
+from tests.film_plant.oil import walther
+from tests.film_plant.plant import Plant
+from tests.film_plant.plants import Priors, motor_compressor_plant, random_plant
+from tests.film_plant.proportions import Design
+from tests.film_plant.train import ConstantOil, Train
+
+Happening = Literal["healthy", "step", "beyond", "within", "wear", "unbalance", "gain"]
+HAPPENINGS: tuple[Happening, ...] = ("healthy", "step", "beyond", "within", "wear", "unbalance", "gain")
+"""What happens: nothing; the second shaft sinks by the step that is asked, by twice and by half of what is allowed; a
+clearance grows by 15 %, an unbalance by half, a probe's gain by 10 %."""
+STEPS: dict[CouplingKind, float] = {"rigid": 20e-6, "flexible": 100e-6}
+"""Steps of the offset that are asked to be seen [m]."""
+BELIEVED = Priors(elevation=150e-6, rigid_elevation=150e-6)
+SEASON_K, GROWTH = 10.0, 1e-6
+"""Amplitude of the oil's season [K], and growth of pedestals against each other [m/K]."""
+WEEKS_A_YEAR = 52
+GRADE = 46
+
+
+@dataclass(frozen=True)
+class FilmHistory:
+    """One machine's history.
+
+    Attributes:
+        seed: Seed of everything that is drawn; of even ones the plant is a motor and compressor, of odd ones a random train.
+        kind: Kind of its coupling.
+        happening: What happens to it.
+        onset: Week from which on it has happened.
+    """
+
+    seed: int
+    kind: CouplingKind
+    happening: Happening
+    onset: int
+
+    @cached_property
+    def sent(self) -> bool:
+        """Return whether the oil's temperature is sent."""
+        return self.seed // 2 % 2 == 1
+
+    @cached_property
+    def plant(self) -> Plant:
+        """Return the plant as it begins: a third of them misaligned by half of what is allowed."""
+        size = DiscrepancySize()
+        if self.seed % 2 == 0:
+            found = motor_compressor_plant(self.seed, self.kind, priors=SETTLED, discrepancy=size)
+        else:
+            found = random_plant(self.seed, design=Design(coupling=self.kind), priors=SETTLED, discrepancy=size)
+        left = 0.5 * self.allowed_by(found).offset if self.seed % 3 == 0 else 0.0
+        return replace(found, train=moved(found.train, offset=np.array([0.0, left]), angle=np.zeros(2)))
+
+    @cached_property
+    def machine(self) -> Machine:
+        """Return the machine that the plant's document describes."""
+        return parse_machine(self.document)
+
+    @cached_property
+    def document(self) -> dict[str, Any]:
+        """Return the plant's document, with the oil's temperature where it is sent."""
+        said = film_document(self.plant, priors=BELIEVED)
+        if self.sent:
+            said["conditions"] = [{"name": "oil", "unit": "degC"}]
+            for bearing in said["bearings"]:
+                bearing["film"]["oil"] = {"iso_vg": GRADE, "temperature_c": self.mean_oil, "temperature_from": "oil"}
+        return said
+
+    @cached_property
+    def mean_oil(self) -> float:
+        """Return the temperature at which the grade has the believed viscosity [°C]."""
+        oil = self.plant.believed.bearings[0].oil
+        assert isinstance(oil, ConstantOil)
+        value = oil.value
+        return float(scipy.optimize.brentq(lambda one: walther(GRADE, one) - value, 10.0, 130.0))
+
+    def allowed_by(self, plant: Plant) -> AllowedAlignment:
+        """Return what is allowed at the coupling of a plant."""
+        return allowed_alignment(parse_machine(film_document(plant, priors=BELIEVED)), "C1")
+
+    @cached_property
+    def allowed(self) -> AllowedAlignment:
+        """Return what is allowed at the coupling."""
+        return allowed_alignment(self.machine, "C1")
+
+    def warmer(self, week: int) -> float:
+        """Return by how much the oil is warmer in a week than over the year [K]."""
+        phase = np.random.default_rng([self.seed, 1]).uniform(0.0, 2.0 * math.pi)
+        return SEASON_K * math.sin(2.0 * math.pi * week / WEEKS_A_YEAR + phase)
+
+    def offset(self, week: int) -> float:
+        """Return by how much the coupling's vertical offset differs in a week from the beginning [m]."""
+        sign = 1.0 if self.seed % 4 < 2 else -1.0
+        grown = sign * GROWTH * self.warmer(week)
+        return grown - (self._sunk if week >= self.onset else 0.0)
+
+    def conditions(self, week: int) -> dict[str, float | None]:
+        """Return the operating conditions that are sent in a week."""
+        return {"oil": self.mean_oil + self.warmer(week)} if self.sent else {}
+
+    def plant_in(self, week: int) -> Plant:
+        """Return the plant in a week, without the scatter of single runs."""
+        thicker = walther(GRADE, self.mean_oil + self.warmer(week)) / walther(GRADE, self.mean_oil)
+        train = moved(self.plant.train, offset=np.array([0.0, self.offset(week)]), angle=np.zeros(2))
+        train = _thickened(train, thicker)
+        if week >= self.onset and self.happening == "wear":
+            train = _worn(train, self.number, 1.15)
+        if week >= self.onset and self.happening == "unbalance":
+            train = _unbalanced(train, self.number, 1.5)
+        return replace(self.plant, train=train)
+
+    @property
+    def number(self) -> int:
+        """Return the place of the bearing, disc or probe that something happens to."""
+        many = {"wear": len(self.plant.train.bearings), "unbalance": len(self.plant.train.discs)}
+        return self.seed % many.get(self.happening, len(self.machine.probes))
+
+    @property
+    def named(self) -> tuple[str, str] | None:
+        """Return rule and element of the alert that what happens should raise; None for none."""
+        rules: dict[Happening, tuple[str, str]] = {
+            "step": ("misalignment", "coupling.C1"),
+            "beyond": ("misalignment", "coupling.C1"),
+            "wear": ("wear", f"bearing.B{self.number + 1}"),
+            "unbalance": ("unbalance", f"disc.D{self.number + 1}"),
+            "gain": ("sensor", f"probe.{self.machine.probes[self.number].id}"),
+        }
+        return rules.get(self.happening)
+
+    @property
+    def _sunk(self) -> float:
+        sizes: dict[Happening, float] = {
+            "step": STEPS[self.kind],
+            "beyond": 2.0 * self.allowed.offset,
+            "within": 0.5 * self.allowed.offset,
+        }
+        return sizes.get(self.happening, 0.0)
+
+
+def _thickened(train: Train, factor: float) -> Train:
+    bearings = []
+    for one in train.bearings:
+        assert isinstance(one.oil, ConstantOil)
+        bearings.append(replace(one, oil=ConstantOil(factor * one.oil.value)))
+    return replace(train, bearings=tuple(bearings))
+
+
+def _worn(train: Train, number: int, factor: float) -> Train:
+    bearings = tuple(
+        replace(one, clearance=factor * one.clearance) if place == number else one for place, one in enumerate(train.bearings)
+    )
+    return replace(train, bearings=bearings)
+
+
+def _unbalanced(train: Train, number: int, factor: float) -> Train:
+    discs = tuple(
+        replace(one, unbalance=factor * one.unbalance) if place == number else one for place, one in enumerate(train.discs)
+    )
+    return replace(train, discs=discs)

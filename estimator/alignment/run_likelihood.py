@@ -1,0 +1,86 @@
+"""Likelihood of one run of a train on oil films: its fit less what was believed beforehand.
+
+Priors on clearances, viscosities, elevations and deviations are alike in all fits of one machine. Runs that are taken together
+must count them once, so that they are taken off each fit: of the logarithm of a posterior's density, that of the prior.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.arrays import Floats
+from estimator.fit.coordinates import Coordinates
+from estimator.updated_model.model import UpdatedModel
+
+
+@dataclass(frozen=True)
+class RunLikelihood:
+    """Gaussian likelihood of the n coordinates θ of a run, less the centre of their prior.
+
+    Attributes:
+        information: Information (n, n) [-].
+        vector: Information times the likeliest place (n,) [-].
+    """
+
+    information: Floats
+    vector: Floats
+
+    def seen_through(self, varying: Floats) -> "RunLikelihood":
+        """Return what is left for coordinates about which the run's own lie with some covariance.
+
+        Args:
+            varying: The covariance (n, n) [-].
+
+        Returns:
+            The likelihood of these coordinates.
+        """
+        size = len(self.vector)
+        through = np.linalg.solve(np.eye(size) + self.information @ varying, np.column_stack([self.information, self.vector]))
+        return RunLikelihood(np.asarray((through[:, :-1] + through[:, :-1].T) / 2), np.asarray(through[:, -1], dtype=float))
+
+
+def run_likelihood(model: UpdatedModel) -> RunLikelihood:
+    """Compute the likelihood of a run from its fit (derived here: a posterior over its prior).
+
+    A fit whose covariance was widened, because neighbouring residuals are alike, has had its prior widened with it: the factor
+    is the largest of the covariance over the prior, as data never widen a prior.
+
+    Args:
+        model: The model that the fit led to.
+
+    Returns:
+        The likelihood, in the model's own coordinates: viscosities over those of its own temperatures.
+    """
+    coordinates: Coordinates = model.coordinates_at(np.ones(1))
+    covariance = model.covariance / np.outer(coordinates.unit, coordinates.unit)
+    posterior = scaled_inverse(covariance)
+    away = coordinates.theta(model.values) - coordinates.centre
+    return RunLikelihood(posterior - taken_off(covariance, coordinates.precision), np.asarray(posterior @ away))
+
+
+def taken_off(covariance: Floats, precision: Floats) -> Floats:
+    """Compute the precision of the prior that a fit's covariance contains, widened as this was (derived here).
+
+    Args:
+        covariance: Covariance (n, n) of the fit [unit²].
+        precision: Precision (n, n) of the prior [1/unit²].
+
+    Returns:
+        Precision (n, n) [1/unit²].
+    """
+    root = np.linalg.cholesky(precision)
+    widened = float(np.linalg.eigvalsh(root.T @ covariance @ root)[-1])
+    return np.asarray(precision / max(1.0, widened))
+
+
+def scaled_inverse(covariance: Floats) -> Floats:
+    """Compute the inverse of a covariance whose coordinates are of very different sizes.
+
+    Args:
+        covariance: Matrix (n, n), symmetric and positive definite [unit²].
+
+    Returns:
+        Inverse (n, n) [1/unit²].
+    """
+    scale = np.sqrt(np.diag(covariance))
+    return np.asarray(np.linalg.inv(covariance / np.outer(scale, scale)) / np.outer(scale, scale))

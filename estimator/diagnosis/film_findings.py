@@ -1,0 +1,249 @@
+"""Changes that can happen to a train on oil films, in its own numbers: alignment, settlement, wear, oil.
+
+A misaligned coupling has everything behind it moved as one rigid body: by an offset at the coupling, and by an angle about it
+(Piotrowski, Shaft Alignment Handbook, CRC Press, 3rd ed. 2006). A shaft on two bearings stays straight when one of them
+settles, so that this is a mix of offset and angle at its couplings: only on trains with more bearings, or between two
+couplings, is a settled bearing something of its own.
+"""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from estimator.arrays import Floats
+from estimator.diagnosis.change_columns import ChangeColumns
+from estimator.diagnosis.finding_kind import BaselineValues, Cause, ChangeSize, ExpectedChange
+from estimator.machine.coupling_neighbours import neighbouring_bearings, shafts_behind
+from estimator.machine.document import Machine
+from estimator.machine.parameter_description import describe
+from estimator.machine.parts import Coupling
+from estimator.machine.train_layout import shaft_begins
+
+OFFSET, ANGLE = 100e-6, 100e-6
+"""Expected change of an offset [m] and of an angle [rad] of a coupling, in either plane."""
+SMALL = 0.25
+"""Size of small changes that are looked for beside those expected, as a part of these [-]."""
+SETTLEMENT = 50e-6
+"""Expected change of a bearing's elevation, in either plane, and what is counted as allowed of it [m]."""
+DEVIATION = 2.0
+"""Expected change of a film's deviations, in units of what the document allows for [-]."""
+WEAR = 0.15
+"""Expected change of the logarithm of a clearance [-]."""
+OIL = 0.7
+"""Expected change of the logarithm of all viscosities, such as one and a half grades of ISO VG [-]."""
+PLANES = ("elevation_y", "elevation_x")
+"""Elevations in the vertical and in the horizontal plane."""
+INDEPENDENT = 1e-6
+"""Part of a unit change that must be left beside others to be one of its own [-]."""
+
+
+def knows_films(columns: ChangeColumns) -> bool:
+    """Return whether the quantities of a diagnosis are those of a train on oil films.
+
+    Args:
+        columns: The columns.
+
+    Returns:
+        Whether they are.
+    """
+    return f"bearing.{columns.machine.bearings[0].id}.{PLANES[0]}" in columns.names
+
+
+def moved_alignments(columns: ChangeColumns) -> Iterator[ExpectedChange]:
+    """Yield what a change of offset and angle of each coupling moves: all bearings behind it (Piotrowski 2006).
+
+    Args:
+        columns: The columns.
+
+    Yields:
+        The change at each coupling.
+    """
+    if not knows_films(columns):
+        return
+    for coupling in columns.machine.couplings:
+        offset, angle = rigid_motion(columns.machine, coupling)
+        planes = [
+            np.column_stack([OFFSET * _raised(columns, plane, offset), ANGLE * _raised(columns, plane, angle)])
+            for plane in PLANES
+        ]
+        whole = np.column_stack(planes)
+        beside = [f"bearing.{one}" for one in neighbouring_bearings(columns.machine, coupling)]
+        elements = frozenset([f"coupling.{coupling.id}", *beside])
+        yield ExpectedChange(f"coupling.{coupling.id}", (whole, SMALL * whole, *planes), elements)
+
+
+def settlements(columns: ChangeColumns) -> Iterator[ExpectedChange]:
+    """Yield the change of the elevation of each bearing that is no change of one coupling's alignment.
+
+    Args:
+        columns: The columns.
+
+    Yields:
+        The change at each such bearing.
+    """
+    if not knows_films(columns):
+        return
+    machine = columns.machine
+    for number, bearing in enumerate(machine.bearings):
+        lifted = np.eye(len(machine.bearings))[number]
+        if all(_lies_beside(machine, coupling, lifted) for coupling in machine.couplings):
+            whole = np.column_stack([SETTLEMENT * _raised(columns, plane, lifted) for plane in PLANES])
+            yield ExpectedChange(f"bearing.{bearing.id}", (whole,))
+
+
+def film_changes(columns: ChangeColumns) -> Iterator[ExpectedChange]:
+    """Yield the change of each bearing's film that is neither wear nor oil nor load: that of its deviations from its model.
+
+    Args:
+        columns: The columns.
+
+    Yields:
+        The change at each bearing.
+    """
+    for bearing in columns.machine.bearings:
+        own = [name.startswith(f"films.{bearing.id}.") for name in columns.names]
+        if any(own):
+            each = DEVIATION * np.eye(len(columns.names))[:, own]
+            yield ExpectedChange(f"bearing.{bearing.id}", (each,), frozenset([f"bearing.{bearing.id}"]))
+
+
+def wears(columns: ChangeColumns) -> Iterator[ExpectedChange]:
+    """Yield the change of each bearing's clearance, upwards.
+
+    Args:
+        columns: The columns.
+
+    Yields:
+        The change at each bearing.
+    """
+    if not knows_films(columns):
+        return
+    for bearing in columns.machine.bearings:
+        grown = np.array([float(name == f"bearing.{bearing.id}.clearance") for name in columns.names])
+        yield ExpectedChange(f"bearing.{bearing.id}", (WEAR * grown[:, None],), rising=grown[None, :])
+
+
+def oils(columns: ChangeColumns) -> Iterator[ExpectedChange]:
+    """Yield the common change of all viscosities, and that of each supply's, beyond what seasons do.
+
+    Args:
+        columns: The columns.
+
+    Yields:
+        The change of the machine's oil.
+    """
+    if not knows_films(columns):
+        return
+    supplies = [
+        name.partition(".viscosity")[0] if describe(name).quantity == "viscosity_factor" else "own"
+        for name in columns.names
+        if describe(name).quantity in ("viscosity", "viscosity_factor")
+    ]
+    every = [float(describe(name).quantity in ("viscosity", "viscosity_factor")) for name in columns.names]
+    single = [
+        OIL * np.array([float(name == f"{supply}.viscosity_factor") for name in columns.names])[:, None]
+        for supply in dict.fromkeys(supplies)
+        if supply != "own" and len(set(supplies)) > 1
+    ]
+    yield ExpectedChange("machine", (OIL * np.array(every)[:, None], *single))
+
+
+def rigid_motion(machine: Machine, coupling: Coupling) -> tuple[Floats, Floats]:
+    """Return the elevations of all n bearings when what lies behind a coupling is raised, and turned about it, as one body.
+
+    Args:
+        machine: The machine.
+        coupling: One of its couplings.
+
+    Returns:
+        Elevations per unit of its offset (n,) [m/m] and of its angle (n,) [m/rad].
+    """
+    begins = shaft_begins(machine)
+    behind = shafts_behind(machine, coupling)
+    offset = np.array([float(one.shaft in behind) for one in machine.bearings])
+    away = np.array([begins[one.shaft] + one.station - begins[coupling.driven] for one in machine.bearings])
+    return offset, np.asarray(offset * away)
+
+
+def wear_size(cause: Cause, baseline: BaselineValues) -> ChangeSize:
+    """Return the growth of a clearance, in per cent and in µm.
+
+    Args:
+        cause: The wear.
+        baseline: Values in the baseline.
+
+    Returns:
+        The size.
+    """
+    (name,) = cause.names
+    growth, error = math.expm1(float(cause.change[0])), float(cause.error[0])
+    before = math.exp(baseline.quantities[name])
+    quantities = {
+        "clearance_per_cent": 100.0 * growth,
+        "clearance_error_per_cent": 100.0 * error,
+        "before_um": 1e6 * before,
+        "after_um": 1e6 * before * (1.0 + growth),
+    }
+    return ChangeSize(100.0 * growth, quantities)
+
+
+def film_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
+    """Return the root mean square of the change of a film's deviations, in units of what the document allows for.
+
+    Args:
+        cause: The change of the film.
+
+    Returns:
+        The size.
+    """
+    times = float(np.sqrt(np.mean(cause.change**2)))
+    return ChangeSize(None, {"deviation_times_allowed": times}, tolerance_per_cent=100.0 * times)
+
+
+def oil_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
+    """Return the change of the viscosities that have changed.
+
+    Args:
+        cause: The oil.
+
+    Returns:
+        The size.
+    """
+    growth = 100.0 * math.expm1(float(np.mean(cause.change)))
+    return ChangeSize(growth, {"viscosity_per_cent": growth})
+
+
+def settlement_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
+    """Return by how much a bearing has risen, and moved sideways.
+
+    Args:
+        cause: The settlement.
+
+    Returns:
+        The size.
+    """
+    words = {"elevation_y": "vertical", "elevation_x": "horizontal"}
+    quantities: dict[str, float] = {}
+    for name, change, error in zip(cause.names, cause.change, cause.error, strict=True):
+        plane = words[describe(name).quantity]
+        quantities |= {f"{plane}_um": 1e6 * float(change), f"{plane}_error_um": 1e6 * float(error)}
+    largest = float(np.max(np.abs(cause.change)))
+    return ChangeSize(None, quantities, tolerance_per_cent=100.0 * largest / SETTLEMENT)
+
+
+def _raised(columns: ChangeColumns, plane: str, elevations: Floats) -> Floats:
+    """Return the column (N,) of elevations of all bearings in one plane."""
+    found = np.zeros(len(columns.names))
+    for bearing, elevation in zip(columns.machine.bearings, elevations, strict=True):
+        found[columns.names.index(f"bearing.{bearing.id}.{plane}")] = elevation
+    return found
+
+
+def _lies_beside(machine: Machine, coupling: Coupling, lifted: Floats) -> bool:
+    """Check that elevations are neither a change of a coupling's alignment nor a motion of the whole train."""
+    begins = shaft_begins(machine)
+    place = np.array([begins[one.shaft] + one.station for one in machine.bearings])
+    rigid = np.column_stack([*rigid_motion(machine, coupling), np.ones(len(place)), place])
+    left = lifted - rigid @ np.linalg.lstsq(rigid, lifted, rcond=None)[0]
+    return bool(np.linalg.norm(left) > INDEPENDENT)

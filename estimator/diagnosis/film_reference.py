@@ -1,0 +1,133 @@
+"""Observations and baseline of a train on oil films, in physical coordinates: clearances, viscosities, elevations, couplings.
+
+Each fit contains what the document believes of the films. Runs that are taken together must count it once, so that it is
+taken off each and stands in the baseline alone (`run_likelihood`). Viscosities count from those of each run's own
+temperature, where that is measured.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from estimator.alignment.healthy_films import coordinate_scales
+from estimator.alignment.run_likelihood import taken_off
+from estimator.arrays import Floats
+from estimator.diagnosis.bayes_factors import UNKNOWN_PRECISION, Reference, channel_precision, through_variation
+from estimator.diagnosis.healthy_variation import SCALE_FACTOR, channel_variation, slow_variation, typical_amplitude
+from estimator.diagnosis.hypotheses import hypotheses
+from estimator.diagnosis.observation import Observation, ObservedFit, fit_observation
+from estimator.fit.coordinates import Coordinates
+from estimator.machine.alignment_rules import HealthyVariation
+from estimator.machine.document import Machine
+from estimator.machine.parameter_description import SCALE_FACTORS, describe
+from estimator.machine.under_conditions import under_conditions
+from estimator.rotor.assembly import assemble_rotor
+from estimator.rotor.parameters import unknowns
+from estimator.updated_model.model import expected_model
+
+STILL = 1e-3
+"""Run-to-run standard deviation of what stays the same, such as a clearance, as a part of what is believed of it [-]."""
+LEAST = 1e-9
+"""Least run-to-run standard deviation of anything, such as an unbalance of zero [kg m]."""
+
+
+def film_observation(fit: ObservedFit, machine: Machine, conditions: Mapping[str, float | None]) -> Observation:
+    """Return the observation of a run of a train on oil films (derived here: a posterior over its prior).
+
+    Args:
+        fit: The run's fit.
+        machine: The machine as its document describes it.
+        conditions: Operating conditions of the run [unit of the document].
+
+    Returns:
+        The observation, without what the document believes of the films.
+    """
+    said = fit_observation(fit, machine.channels)
+    nominal = _coordinates(machine)
+    own = _coordinates(under_conditions(machine, conditions))
+    known = np.array([said.names.index(name) for name in own.names])
+    spread = own.spread * own.unit
+    precision = taken_off(fit.covariance[np.ix_(known, known)], spread)
+    theta = own.theta(said.reference[known])
+    reference, gradient, information = said.reference.copy(), said.gradient.copy(), said.information.copy()
+    reference[known] = nominal.point(theta)
+    gradient[known] += precision * own.unit * (theta - own.centre)
+    information[known, known] -= precision
+    believed = np.zeros(len(said.names))
+    believed[known] = precision
+    return replace(said, reference=reference, gradient=gradient, information=information, believed=believed)
+
+
+def film_reference(machine: Machine, baseline: Sequence[Observation], variation: HealthyVariation) -> Reference:
+    """Build the baseline of a train on oil films.
+
+    Args:
+        machine: The machine.
+        baseline: Observations of the healthy machine, as `film_observation` returns them.
+        variation: How it varies while it is healthy.
+
+    Returns:
+        The baseline.
+
+    Raises:
+        ValueError: There are no observations, or they are of different quantities.
+    """
+    if not baseline:
+        raise ValueError("a baseline needs at least one identification")
+    names = baseline[0].names
+    if any(one.names != names for one in baseline):
+        raise ValueError("the baseline's identifications are of different quantities")
+    origin = np.median([one.reference for one in baseline], axis=0)
+    coordinates = _coordinates(machine)
+    known = np.array([names.index(name) for name in coordinates.names])
+    scales = coordinate_scales(coordinates, origin[known])
+    unit = np.array([channel_variation(name, baseline) for name in names])
+    unit[known] = coordinates.unit * np.maximum(scales.own(variation), _still(coordinates))
+    oil = np.zeros((len(names), 1))
+    oil[known, 0] = variation.oil * scales.oil * coordinates.unit / unit[known]
+    centre, error = _mean(baseline, coordinates, known, origin, unit, oil)
+    unknown = unknowns(machine, assemble_rotor(machine))
+    season = np.zeros((len(names), len(names)))
+    season[np.ix_(known, known)] = scales.over_seasons(variation) * np.outer(coordinates.unit, coordinates.unit)
+    season = (season + slow_variation(unknown, names, origin)) / np.outer(unit, unit)
+    amplitude = {probe.id: typical_amplitude(probe.id, baseline) for probe in machine.probes}
+    found = hypotheses(machine, unknown, names, typical=origin, amplitude=amplitude)
+    doubt = error + season
+    doubt = (doubt + doubt.T) / 2
+    return Reference(names, origin, unit, centre, doubt, found, oil, _columns(doubt))
+
+
+def _mean(
+    baseline: Sequence[Observation], coordinates: Coordinates, known: Floats, origin: Floats, unit: Floats, oil: Floats
+) -> tuple[Floats, Floats]:
+    """Return the baseline's mean (N,) and its covariance (N, N), in units of the run-to-run variation [-]."""
+    believed = np.array([channel_precision(name, baseline) for name in baseline[0].names]) * unit**2
+    believed[known] += (unit[known] / (coordinates.spread * coordinates.unit)) ** 2
+    precision = np.diag(np.where(believed > 0.0, believed, UNKNOWN_PRECISION))
+    pull = np.zeros(len(unit))
+    pull[known] = believed[known] * (coordinates.point(coordinates.centre) - origin[known]) / unit[known]
+    for one in baseline:
+        seen, drawn = through_variation(one, origin, unit, oil)
+        precision += seen
+        pull += drawn
+    error = np.linalg.inv(precision)
+    return np.asarray(error @ pull), np.asarray(error)
+
+
+def _coordinates(machine: Machine) -> Coordinates:
+    return expected_model(machine).coordinates_at(np.ones(1))
+
+
+def _still(coordinates: Coordinates) -> Floats:
+    """Return the least run-to-run standard deviation of each coordinate (n,) [-]."""
+    steel = [describe(name).quantity in SCALE_FACTORS for name in coordinates.names]
+    unknown = coordinates.spread > 1.0  # of an unbalance nothing is believed
+    return np.where(steel, SCALE_FACTOR, np.where(unknown, LEAST, STILL * coordinates.spread))
+
+
+def _columns(covariance: Floats) -> Floats:
+    """Return the columns (N, s) whose products a covariance is."""
+    size, directions = np.linalg.eigh(covariance)
+    kept = size > 1e-12 * max(float(size[-1]), 1e-300)
+    return np.asarray(directions[:, kept] * np.sqrt(size[kept]))

@@ -1,0 +1,55 @@
+"""Rules on the alignment of trains on oil films: what is allowed at a coupling, and how much a healthy machine varies."""
+
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+
+from estimator.field_types import Identifier, Part, Spread
+
+LARGEST_OFFSET = 0.01
+"""Largest offset that a document may allow [m]; more was meant in µm or mm."""
+LARGEST_ANGLE = 0.05
+"""Largest angle that a document may allow [rad]; more was meant in µrad or mrad."""
+
+VariedElevation = Annotated[float, Field(ge=0, le=1e-3)]
+"""Standard deviation of an elevation of a healthy machine [m]; more was meant in µm."""
+
+
+class AlignmentTolerance(Part):
+    """Tolerance at one coupling, in either plane; in place of the usual values over speed."""
+
+    coupling: Identifier
+    offset: Annotated[float, Field(gt=0, le=LARGEST_OFFSET)] | None = Field(default=None, description="[m]")
+    angle: Annotated[float, Field(gt=0, le=LARGEST_ANGLE)] | None = Field(default=None, description="[rad]")
+
+    @model_validator(mode="after")
+    def _says_something(self) -> Self:
+        if self.offset is None and self.angle is None:
+            raise ValueError("gives neither offset [m] nor angle [rad]: one is needed")
+        return self
+
+
+class HealthyVariation(Part):
+    """Variation of a healthy machine on oil films, as standard deviations.
+
+    Those from run to run are learnt from the baseline, from these on, which count as much as ten runs.
+    """
+
+    stiffness: Spread = Field(default=0.01, description="of each stiffness from run to run, relative [-]")
+    damping: Spread = Field(default=0.05, description="of each damping from run to run, relative [-]")
+    oil: Spread = Field(
+        default=0.05, description="of the viscosity of all films together from run to run, relative [-]: some 2 K"
+    )
+    viscosity: Spread = Field(default=0.01, description="of each film's viscosity by itself from run to run, relative [-]")
+    unbalance: Spread = Field(default=0.03, description="of each unbalance from run to run, as a part of it [-]")
+    elevation: VariedElevation = Field(default=1e-6, description="of each bearing from run to run, in each direction [m]")
+    slow_oil: Spread = Field(
+        default=0.3, description="of the viscosity of all films together over the seasons, relative [-]: some 10 K"
+    )
+    slow_viscosity: Spread = Field(
+        default=0.02, description="of each film's viscosity by itself over the seasons, relative [-]"
+    )
+    slow_clearance: Spread = Field(default=0.01, description="of each clearance over the seasons, relative [-]")
+    slow_elevation: VariedElevation = Field(
+        default=2e-6, description="of each bearing over the seasons, in each direction [m]: growth of pedestals"
+    )

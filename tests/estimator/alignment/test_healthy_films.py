@@ -1,0 +1,74 @@
+"""How a healthy train varies: learnt from its baseline, shrunk to what is stated, in groups that share a size."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from estimator.alignment.healthy_films import coordinate_scales, learnt_variation, stated_variation
+from estimator.machine.alignment_rules import HealthyVariation
+from estimator.machine.document import parse_machine
+from tests.estimator.alignment.drawn_runs import COORDINATES, MODEL, drawn_machine, drawn_run, fitted, place
+from tests.estimator.models import rich_model
+from tests.estimator.statics.films import motor_compressor_document
+
+STATED = HealthyVariation()
+
+
+def baseline(true: HealthyVariation, *, runs: int, seed: int = 0) -> HealthyVariation:
+    rng = np.random.default_rng(seed)
+    machine = drawn_machine(rng)
+    return learnt_variation([fitted(drawn_run(machine, true, rng), rng) for _ in range(runs)])
+
+
+def test_a_machine_that_varies_as_stated_is_told_so() -> None:
+    found = baseline(STATED, runs=6)
+    for number in ("stiffness", "damping", "oil", "unbalance"):
+        assert getattr(found, number) == pytest.approx(getattr(STATED, number), rel=0.35)
+
+
+def test_a_machine_that_varies_more_is_learnt_in_part() -> None:
+    """Six runs against what counts as ten: a third of the way of the variance or so."""
+    true = STATED.model_copy(update={"stiffness": 0.03, "damping": 0.15})
+    few, many = baseline(true, runs=6), baseline(true, runs=30)
+    for number in ("stiffness", "damping"):
+        stated, wide = getattr(STATED, number), getattr(true, number)
+        assert 1.3 * stated < getattr(few, number) < getattr(many, number) < 1.1 * wide
+    assert few.slow_oil == STATED.slow_oil
+
+
+def test_what_is_stated_as_nothing_stays_nothing() -> None:
+    rng = np.random.default_rng(1)
+    still = HealthyVariation.model_validate(dict.fromkeys(HealthyVariation.model_fields, 0.0))
+    operation = MODEL.machine.operation.model_copy(update={"healthy_variation": still})
+    machine = MODEL.machine.model_copy(update={"operation": operation})
+    runs = [fitted(drawn_machine(rng), rng) for _ in range(2)]
+    models = [type(one)(machine, one.coordinates, one.values, one.covariance) for one in runs]
+    assert learnt_variation(models) == still
+
+
+def test_oil_goes_together_and_elevations_grow_over_the_seasons() -> None:
+    scales = coordinate_scales(COORDINATES, MODEL.values)
+    first, second = place("bearing.B1.viscosity"), place("bearing.B4.viscosity")
+    runs, season = scales.between_runs(STATED), scales.over_seasons(STATED)
+    assert runs[first, second] == pytest.approx(STATED.oil**2)
+    assert season[first, second] == pytest.approx(STATED.slow_oil**2)
+    lifted = place("bearing.B2.elevation_y")
+    assert np.sqrt(season[lifted, lifted]) * COORDINATES.unit[lifted] == pytest.approx(STATED.slow_elevation)
+    assert season[place("bearing.B1.clearance"), first] == 0.0
+
+
+def test_where_the_temperature_is_measured_the_season_is_known() -> None:
+    said: dict[str, Any] = motor_compressor_document("flexible", "aligned")
+    said["conditions"] = [{"name": "oil", "unit": "degC"}]
+    for bearing in said["bearings"]:
+        bearing["speed_dependence"] = {"form": "journal"}
+        bearing["film"]["oil"] = {"iso_vg": 46, "temperature_c": 50.0, "temperature_from": "oil"}
+    assert stated_variation(parse_machine(said)).slow_oil == 2 * STATED.oil
+    assert stated_variation(MODEL.machine).slow_oil == STATED.slow_oil
+
+
+def test_other_trains_have_no_such_coordinates() -> None:
+    model = rich_model()
+    with pytest.raises(ValueError, match="only coordinates of a train on oil films"):
+        coordinate_scales(model.coordinates_at(np.ones(1)), model.values)

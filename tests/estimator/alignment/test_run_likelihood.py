@@ -1,0 +1,43 @@
+"""What one run's data say by themselves: what was believed beforehand is taken off, widened or not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from estimator.alignment.run_likelihood import run_likelihood
+from tests.estimator.alignment.drawn_runs import COORDINATES, drawn_machine, fitted
+
+FEW = 60
+"""Numbers of a run that leave directions open."""
+
+
+def test_a_prior_is_counted_once_however_many_runs_are_taken_together() -> None:
+    """Two fits of the same data, each with the prior, are the fit of the data twice with the prior once."""
+    rng = np.random.default_rng(0)
+    one = fitted(drawn_machine(rng), rng, rows=FEW)
+    said = run_likelihood(one)
+    covariance = one.covariance / np.outer(COORDINATES.unit, COORDINATES.unit)
+    prior = np.diag(COORDINATES.spread**-2)
+    assert np.linalg.inv(covariance) == pytest.approx(said.information + prior, rel=1e-6, abs=1e-6)
+    away = np.linalg.solve(said.information + prior, said.vector)
+    assert away == pytest.approx(COORDINATES.theta(one.values) - COORDINATES.centre, rel=1e-5, abs=1e-9)
+
+
+def test_a_widened_fit_has_its_prior_widened_with_it() -> None:
+    rng = np.random.default_rng(1)
+    one = fitted(drawn_machine(rng), rng, rows=FEW)
+    plain, widened = run_likelihood(one), run_likelihood(replace(one, covariance=2.0 * one.covariance))
+    size = np.sqrt(np.diag(plain.information))
+    assert widened.information / np.outer(size, size) == pytest.approx(plain.information / np.outer(size, size) / 2, abs=1e-6)
+
+
+def test_what_varies_from_run_to_run_is_seen_less_sharply() -> None:
+    rng = np.random.default_rng(2)
+    said = run_likelihood(fitted(drawn_machine(rng), rng))
+    still = said.seen_through(np.zeros_like(said.information))
+    assert still.information == pytest.approx(said.information, rel=1e-6, abs=1e-3)
+    varying = np.diag((0.1 * COORDINATES.spread) ** 2)
+    blurred = said.seen_through(varying)
+    expected = np.linalg.inv(np.linalg.inv(said.information) + varying)
+    assert blurred.information == pytest.approx(expected, rel=1e-4, abs=1e-4 * np.abs(expected).max())

@@ -1,0 +1,142 @@
+"""What happens to plants of other make is called by its name: gated fits of a few runs, assessed as the service does."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from estimator.diagnosis.observation import ObservedFit
+from estimator.fit.identify import Identification, Options
+from estimator.identification.quality_gate import identify_gated
+from estimator.machine.document import Machine, parse_machine
+from estimator.phasors.channel_status import ChannelStatus
+from estimator.phasors.recorded_run import RecordedRun
+from service.monitoring.assess import assess
+from service.monitoring.assessment import AssessedRun, AssessmentBasis, AssessmentContext, MachineDiagnosis
+from service.monitoring.limits import Limits
+from tests.film_plant.discrepancy import DiscrepancySize
+from tests.film_plant.documents import film_document, measured
+from tests.film_plant.misalignment import SETTLED, left_off, moved
+from tests.film_plant.oil import walther
+from tests.film_plant.plant import Plant
+from tests.film_plant.plants import Priors, motor_compressor_plant
+from tests.film_plant.scatter import run_of
+from tests.film_plant.train import ConstantOil
+
+BASELINE = 5
+WIDE = Priors(elevation=150e-6, rigid_elevation=150e-6)
+WEEK = 7 * 86_400 * 1_000_000_000
+Change = Callable[[Plant], Plant]
+
+
+@cache
+def plant() -> Plant:
+    return motor_compressor_plant(2, "rigid", priors=SETTLED, discrepancy=DiscrepancySize(), alter=left_off("rigid"))
+
+
+@cache
+def machine() -> Machine:
+    return parse_machine(film_document(plant(), priors=WIDE))
+
+
+def gated(one: Plant, seed: int, beginning: Identification | None) -> Identification:
+    measurement = measured(one, seed=seed)
+    status = np.full(measurement.phasor.shape, ChannelStatus.GOOD, np.uint8)
+    run = RecordedRun(None, measurement.speed, measurement.phasor, status, measurement.scatter, machine().channels)
+    begin = None if beginning is None else beginning.point
+    found = identify_gated(machine(), [run], [measurement], options=Options(starts=2), beginning=begin).identification
+    assert found is not None
+    return found
+
+
+@cache
+def baseline() -> tuple[Identification, ...]:
+    rng = np.random.default_rng(2)
+    first = gated(run_of(plant(), rng), 0, None)
+    return (first, *(gated(run_of(plant(), rng), number, first) for number in range(1, BASELINE)))
+
+
+def assessed(number: int, one: Identification) -> AssessedRun:
+    fit = ObservedFit(
+        coordinates=one.coordinates,
+        point=one.point,
+        covariance=one.covariance,
+        effects=one.channel_effects,
+        accepted=one.accepted,
+        chi_square=one.chi_square,
+        degrees_of_freedom=one.degrees_of_freedom,
+        samples=one.samples,
+        outliers=one.outliers,
+    )
+    return AssessedRun(number, number * WEEK, {}, fit)
+
+
+def diagnosed(change: Change, *, runs: int = 2) -> MachineDiagnosis:
+    """Diagnosis of the newest runs of the plant after something has happened to it."""
+    rng, later = np.random.default_rng(3), change(plant())
+    after = [gated(run_of(later, rng), 100 + number, baseline()[0]) for number in range(runs)]
+    context = AssessmentContext(
+        machine=machine(),
+        limits=Limits(),
+        basis=AssessmentBasis(None, None),
+        baseline=tuple(assessed(number, one) for number, one in enumerate(baseline()) if one.accepted),
+        after=tuple(assessed(BASELINE + number, one) for number, one in enumerate(after)),
+        open_causes=(),
+        history=None,
+        open_rates={},
+    )
+    found = assess(context).diagnosis
+    assert found is not None
+    return found
+
+
+def sunk(by: float) -> Change:
+    return lambda one: replace(one, train=moved(one.train, offset=np.array([0.0, -by]), angle=np.zeros(2)))
+
+
+def thickened(factor: float) -> Change:
+    def change(one: Plant) -> Plant:
+        bearings = []
+        for bearing in one.train.bearings:
+            assert isinstance(bearing.oil, ConstantOil)
+            bearings.append(replace(bearing, oil=ConstantOil(factor * bearing.oil.value)))
+        return replace(one, train=replace(one.train, bearings=tuple(bearings)))
+
+    return change
+
+
+def worn(number: int, factor: float) -> Change:
+    def change(one: Plant) -> Plant:
+        bearings = list(one.train.bearings)
+        bearings[number] = replace(bearings[number], clearance=factor * bearings[number].clearance)
+        return replace(one, train=replace(one.train, bearings=tuple(bearings)))
+
+    return change
+
+
+def test_a_shaft_that_sinks_by_100_um_is_a_misalignment_of_that_size() -> None:
+    (one,) = diagnosed(sunk(100e-6)).causes
+    assert (one.cause.kind, one.cause.element) == ("misalignment", "coupling.C1")
+    assert one.size.quantities["offset_vertical_um"] == pytest.approx(-100.0, rel=0.3)
+    assert one.size.beyond_tolerance is not None
+    assert one.size.beyond_tolerance > 0.95
+
+
+def test_a_small_step_is_a_change_and_no_alarm() -> None:
+    (one,) = diagnosed(sunk(20e-6), runs=3).causes
+    assert (one.cause.kind, one.cause.element) == ("misalignment", "coupling.C1")
+    assert one.size.quantities["offset_vertical_um"] == pytest.approx(-20.0, rel=0.3)
+    assert one.size.beyond_tolerance is not None
+    assert one.size.beyond_tolerance < 0.01
+
+
+def test_oil_that_is_10_kelvin_colder_is_nothing() -> None:
+    assert diagnosed(thickened(walther(46, 40.0) / walther(46, 50.0)), runs=3).causes == ()
+
+
+def test_a_clearance_that_is_15_per_cent_larger_is_wear() -> None:
+    (one,) = diagnosed(worn(1, 1.15)).causes
+    assert (one.cause.kind, one.cause.element) == ("wear", "bearing.B2")
+    assert one.size.per_cent == pytest.approx(15.0, abs=4.0)

@@ -1,0 +1,132 @@
+"""A coupling on oil films that goes out of alignment, from stored identifications to the words of the alert."""
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+
+from estimator.machine.alignment_rules import HealthyVariation
+from estimator.updated_model.derived_quantities import Derived
+from storage.alerts import alerts
+from storage.alerts.alerts import ListedAlert
+from storage.database.engine import Database
+from storage.findings import derived
+from storage.machines import machines
+from tests.api_in_process import Api
+from tests.assessment import judge
+from tests.estimator.alignment.drawn_runs import COORDINATES, MODEL, drawn_machine, drawn_run, fitted, place
+from tests.estimator.diagnosis.test_film_reference import effects
+from tests.plant import SECOND, START, identification, store_identification
+
+BASELINE = 5
+WEEK = 7 * 86_400 * SECOND
+VARIATION = HealthyVariation()
+MACHINE = MODEL.machine
+LOADS = {"bearing.B2.load_vertical": 1000.0, "bearing.B3.load_vertical": 800.0}
+
+
+class Weeks:
+    """Run-downs of the motor and compressor, a week apart, each judged as it is filed."""
+
+    def __init__(self, database: Database) -> None:
+        self.database = database
+        self.rng = np.random.default_rng(7)
+        self.machine = drawn_machine(np.random.default_rng(3))
+        self.count = 0
+        with database.transaction() as session:
+            machines.create(session, MACHINE)
+
+    def file(self, changes: Mapping[str, float], *, times: int, loads: Mapping[str, float] = LOADS) -> None:
+        moved = self.machine.copy()
+        for name, by in changes.items():
+            moved[place(name)] += by / COORDINATES.unit[place(name)]
+        for _ in range(times):
+            self.count += 1
+            self._store(identification_of(drawn_run(moved, VARIATION, self.rng), self.rng), loads)
+
+    def _store(self, outcome: Any, loads: Mapping[str, float]) -> None:
+        with self.database.transaction() as session:
+            moment = START + self.count * WEEK
+            row = store_identification(session, outcome, run_id=self.count, measured_at=moment, machine_id=MACHINE.id)
+            derived.add(session, row, [Derived(name, "N", value, value, value) for name, value in loads.items()])
+            judge(session, row, baseline_runs=BASELINE)
+
+    def alerts(self) -> list[ListedAlert]:
+        with self.database.reading() as session:
+            return list(alerts.find(session, machine_id=MACHINE.id, only_open=False, limit=100))
+
+
+def identification_of(theta: Any, rng: np.random.Generator) -> Any:
+    model = fitted(theta, rng)
+    return identification(
+        estimates=(),
+        coordinates=model.coordinates,
+        point=model.values,
+        covariance=model.covariance,
+        channel_effects=effects(len(model.coordinates)),
+    )
+
+
+def sunk(by: float) -> dict[str, float]:
+    return {f"bearing.{bearing}.elevation_y": -by for bearing in ("B3", "B4")}
+
+
+@pytest.fixture
+def weeks(plant: Database) -> Weeks:
+    one = Weeks(plant)
+    one.file({}, times=BASELINE + 2)
+    return one
+
+
+def test_a_shaft_beyond_tolerance_is_a_danger_with_the_numbers_of_the_table(weeks: Weeks) -> None:
+    weeks.file(sunk(120e-6), times=1)
+    assert weeks.alerts() == []
+    weeks.file(sunk(120e-6), times=1, loads={"bearing.B2.load_vertical": 1070.0, "bearing.B3.load_vertical": 752.0})
+    (alert,) = weeks.alerts()
+    assert (alert.rule, alert.element, alert.severity) == ("misalignment", "coupling.C1", 2)
+    assert alert.message.startswith("Coupling C1 is out of alignment: the driven shaft lies ")
+    assert "µm lower (allowed " in alert.message
+    assert "bearing B2 carries 7 % more, B3 6 % less" in alert.message
+    assert alert.message.endswith(", against the baseline, since 2024-01-09")
+    api = Api(weeks.database)
+    table = {one["name"]: one for one in api.value(f"/machines/{MACHINE.id}/alignment")["numbers"]}
+    api.app.state.model_process.close()
+    change = table["coupling.C1.offset_vertical"]["change"]
+    told = alert.evidence["quantities"]
+    assert told["offset_vertical_um"] == pytest.approx(1e6 * change["value"], rel=1e-6)
+    assert told["offset_vertical_half_width_um"] == pytest.approx(5e5 * (change["upper"] - change["lower"]), rel=1e-4)
+    shown = re.search(r"lies ([\d.]+) ± ([\d.]+) µm lower", alert.message)
+    assert shown is not None
+    assert float(shown[1]) == pytest.approx(-1e6 * change["value"], abs=0.6)
+
+
+def test_what_is_within_tolerance_is_told_as_a_change(weeks: Weeks) -> None:
+    weeks.file(sunk(20e-6), times=3)
+    (alert,) = weeks.alerts()
+    assert (alert.rule, alert.severity) == ("misalignment", 1)
+    assert alert.message.startswith("The alignment of coupling C1 has changed: the driven shaft lies ")
+
+
+def test_a_season_of_oil_is_nothing_and_does_not_hide_a_shaft_that_sinks(weeks: Weeks) -> None:
+    cold = {f"bearing.B{number}.viscosity": 0.45 for number in range(1, 5)}
+    weeks.file(cold, times=4)
+    assert weeks.alerts() == []
+    weeks.file(cold | sunk(120e-6), times=3)
+    (alert,) = weeks.alerts()
+    assert (alert.rule, alert.element) == ("misalignment", "coupling.C1")
+
+
+def test_wear_is_told_in_per_cent_of_the_clearance(weeks: Weeks) -> None:
+    weeks.file({"bearing.B2.clearance": np.log(1.15)}, times=2)
+    (alert,) = weeks.alerts()
+    assert (alert.rule, alert.element) == ("wear", "bearing.B2")
+    words = r"Bearing B2 is worn: its radial clearance is 1[2-8] ± \d(\.\d)? % larger, \d+ µm in place of"
+    assert re.match(words, alert.message)
+
+
+def test_an_alert_ends_when_the_shaft_is_put_back(weeks: Weeks) -> None:
+    weeks.file(sunk(120e-6), times=2)
+    weeks.file({}, times=2)
+    assert [one.state for one in weeks.alerts()] == ["returned"]
