@@ -241,6 +241,7 @@ def _gated(
     import threadpoolctl
     from pydantic import ValidationError
 
+    from estimator.identification.convention_trials import with_named_conventions
     from estimator.identification.quality_gate import identify_gated
     from estimator.machine.rules import QualityRules
     from estimator.phasors.measurement import joined
@@ -253,7 +254,8 @@ def _gated(
         given = {name: value for name, value in (rules or {}).items() if value is not None}
         wanted = QualityRules.model_validate(described.quality.model_dump() | given)
         with threadpoolctl.threadpool_limits(1):
-            found = identify_gated(described, recorded, measured, rules=wanted, gate=gate)
+            gated = identify_gated(described, recorded, measured, rules=wanted, gate=gate)
+            found = with_named_conventions(described, recorded, measured, gated, rules=wanted, gate=gate).gated
         return described, joined(measured), found
     except ValidationError as error:
         fail("\n".join(item["msg"].removeprefix("Value error, ") for item in error.errors()))
