@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from pydantic import ValidationError
 
 from estimator.errors import Invalid
+from estimator.identification.convention_trials import with_named_conventions
 from estimator.identification.quality_gate import GatedIdentification, identify_gated
 from estimator.machine.document import Machine
 from estimator.machine.rules import QualityRules
@@ -81,6 +82,6 @@ def identify_behind_gate(
     except ValidationError as error:
         raise NothingToIdentify("\n".join(item["msg"].removeprefix("Value error, ") for item in error.errors())) from None
     with one_blas_thread():
-        return identify_gated(
-            machine, [run.recorded for run in runs], [run.measurement for run in runs], rules=wanted, gate=gate
-        )
+        recorded, measured = [run.recorded for run in runs], [run.measurement for run in runs]
+        gated = identify_gated(machine, recorded, measured, rules=wanted, gate=gate)
+        return with_named_conventions(machine, recorded, measured, gated, rules=wanted, gate=gate).gated

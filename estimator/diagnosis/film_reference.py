@@ -47,15 +47,15 @@ def film_observation(fit: ObservedFit, machine: Machine, conditions: Mapping[str
     nominal = _coordinates(machine)
     own = _coordinates(under_conditions(machine, conditions))
     known = np.array([said.names.index(name) for name in own.names])
-    spread = own.spread * own.unit
-    precision = taken_off(fit.covariance[np.ix_(known, known)], spread)
+    among = np.ix_(known, known)
+    precision = taken_off(fit.covariance[among], own.precision / np.outer(own.unit, own.unit))
     theta = own.theta(said.reference[known])
     reference, gradient, information = said.reference.copy(), said.gradient.copy(), said.information.copy()
     reference[known] = nominal.point(theta)
-    gradient[known] += precision * own.unit * (theta - own.centre)
-    information[known, known] -= precision
+    gradient[known] += precision @ (own.unit * (theta - own.centre))
+    information[among] -= precision
     believed = np.zeros(len(said.names))
-    believed[known] = precision
+    believed[known] = np.diag(precision)
     return replace(said, reference=reference, gradient=gradient, information=information, believed=believed)
 
 

@@ -187,13 +187,32 @@ def expected_point(machine: Machine, measurement: Measurement) -> tuple[tuple[st
         SingularCondensation: The train cannot be condensed at a speed.
         ValueError: The channels are not the machine's.
     """
-    measurement = _thinned(_without_empty_samples(measurement), most=most_samples(machine))
-    _require_enough(machine, measurement)
-    train = condense(machine, speed=measurement.speed, direction=measurement.direction)
-    problem = _problem(train, measurement, machine.noise, robust=False)
+    problem = fit_problem(machine, _without_empty_samples(measurement), robust=False)
     weight = problem.weight(problem.first_amplitude, STAGE_MISFITS[0])
     coordinates = problem.coordinates
     return coordinates.names, coordinates.point(problem.best_excitations(coordinates.centre, weight))
+
+
+def fit_problem(machine: Machine, measurement: Measurement, *, robust: bool) -> FitProblem:
+    """Set up the problem of a fit, without solving it.
+
+    Args:
+        machine: The machine.
+        measurement: Its measured phasors, each sample with a usable one.
+        robust: Whether phasors that cannot be noise are left out.
+
+    Returns:
+        The problem.
+
+    Raises:
+        NotEnoughData: No phasor is usable, or every usable one is zero.
+        SingularCondensation: The train cannot be condensed at a speed.
+        ValueError: The channels are not the machine's.
+    """
+    measurement = _thinned(measurement, most=most_samples(machine))
+    _require_enough(machine, measurement)
+    train = condense(machine, speed=measurement.speed, direction=measurement.direction)
+    return _problem(train, measurement, machine.noise, robust=robust)
 
 
 def expected_phasors(machine: Machine, measurement: Measurement, point: Floats) -> Complexes:

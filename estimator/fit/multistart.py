@@ -98,7 +98,7 @@ def best_fit(
         if start_number == 1 and beginning is not None:
             found = fit(problem, beginning, near=True)
         else:
-            start = _start(problem, rng, first=start_number == 1)
+            start = chosen_start(problem, rng, first=start_number == 1)
             found = fit(problem, start, give_up_from=give_up_from)
         iterations += found.iterations
         if np.isfinite(found.misfit) and good(found) and not twice:
@@ -124,8 +124,17 @@ def _times(reached: list[float], best: float, tolerance: float) -> int:
     return sum(value - best < tolerance for value in reached)
 
 
-def _start(problem: FitProblem, rng: np.random.Generator, *, first: bool) -> Floats:
-    """Choose the nominal values, else the best of some random candidates by their first-stage misfit."""
+def chosen_start(problem: FitProblem, rng: np.random.Generator, *, first: bool) -> Floats:
+    """Choose the nominal values, else the best of some random candidates by their first-stage misfit.
+
+    Args:
+        problem: Data, train and coordinates.
+        rng: Source of the candidates.
+        first: Whether it is the first start, which begins at the nominal values where the document gives them.
+
+    Returns:
+        Fit coordinates θ (n,) [-].
+    """
     coordinates = problem.coordinates
     weight = problem.weight(problem.first_amplitude, STAGE_MISFITS[0])
     if first and not coordinates.guessed.any():

@@ -3,6 +3,7 @@
 import faulthandler
 import signal
 import threading
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from types import FrameType
@@ -11,6 +12,9 @@ GRACE_S = 10.0
 """Time after the limit within which a process must notice that its time is over."""
 REPEAT_S = 1.0
 """Time after which it is told once more: what is raised within a destructor or a callback of native code gets lost."""
+
+SOON_S = 1e-3
+"""Time after which a limit that is over already takes effect: zero would switch it off."""
 
 
 class OutOfTime(RuntimeError):
@@ -32,6 +36,18 @@ def limited(seconds: float) -> Iterator[None]:
             signal.setitimer(signal.ITIMER_REAL, 0.0)
         finally:
             faulthandler.cancel_dump_traceback_later()
+
+
+@contextmanager
+def leaving(seconds: float) -> Iterator[None]:
+    """Limit a block within `limited` so that at least so much of its time is left afterwards [s]. Raises OutOfTime."""
+    left, repeat = signal.getitimer(signal.ITIMER_REAL)
+    began = time.monotonic()
+    signal.setitimer(signal.ITIMER_REAL, max(left - seconds, SOON_S), repeat)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, max(left - (time.monotonic() - began), SOON_S), repeat)
 
 
 def _out_of_time(_number: int, _frame: FrameType | None) -> None:

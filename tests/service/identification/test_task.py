@@ -86,3 +86,29 @@ def test_the_quality_of_a_run_tells_of_swapped_channels_and_its_fit_is_without_t
     assert any("the orbit at B2X and B2Y turns backward" in words for words in outcome.qualities[0].findings)
     assert outcome.identification is not None
     assert "probe.B1X.run_out.real" in outcome.identification.coordinates
+
+
+def test_a_refused_run_tells_of_the_wrong_convention_instead_of_the_wrong_wiring(train: Machine) -> None:
+    """Phases sent with the wrong sign turn every orbit backward as well."""
+    rng = np.random.default_rng(1)
+    seconds, speed = speed_law(train, "run-down", duration=3000.0, samples=80)
+    phasor = measured_phasors(train, draw_truth(train, rng), speed, rng)
+    held = forward_samples(START + seconds * 1e9, speed, phasor.conj())
+    outcome = computation.compute(IdentificationTask(train.model_dump(mode="json"), [encode(held)], Options(starts=1), 60.0))
+    assert outcome.identification is not None
+    assert not outcome.identification.accepted
+    assert (
+        "times better with the opposite sign of the phase: lead sent as lag, or lag as lead; "
+        in outcome.identification.verdict
+    )
+    assert not any("sense of rotation" in words or "swapped" in words for words in outcome.qualities[0].findings)
+
+
+@pytest.mark.parametrize("fault", [_broken, _slow], ids=["broken", "slow"])
+def test_what_goes_wrong_with_conventions_never_costs_the_refused_identification(
+    train: Machine, monkeypatch: pytest.MonkeyPatch, fault: Callable[..., None]
+) -> None:
+    monkeypatch.setattr(computation, "with_named_conventions", fault)
+    outcome = computed(train, told=train.model_copy(update={"noise": Noise(relative=3e-3)}))
+    assert outcome.identification is not None
+    assert not outcome.identification.accepted

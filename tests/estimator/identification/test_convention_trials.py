@@ -1,0 +1,170 @@
+"""Wrong conventions of a source: each is named when the fit is refused, equivalent ones together, and none on a right run."""
+
+import math
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from estimator.fit.identify import Options
+from estimator.identification.convention_trials import ConventionVerdict, with_named_conventions
+from estimator.identification.quality_gate import identify_gated
+from estimator.identification.wrong_conventions import WrongConvention
+from estimator.machine.document import Machine, parse_machine
+from estimator.phasors.measurement import Measurement
+from estimator.phasors.recorded_run import RecordedRun
+from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law
+from tests.estimator.sweeps import recorded
+from tests.estimator.trains import Complexes, Floats, chapter_3, chapter_3_document, dense_response, noisy, perturbed
+
+ONE = Options(starts=1)
+PAIRS = (1, 0, 3, 2, 5, 4, 7, 6)
+NAMES = {
+    "phase-sign": WrongConvention("", "", phase=-1.0),
+    "rotation": WrongConvention("", "", turned=True),
+    "phase-unit": WrongConvention("", "", phase=math.pi / 180.0),
+    "speed-unit": WrongConvention("", "", speed=math.pi / 30.0),
+    "swapped-probes": WrongConvention("", "", order=(0, 1, 2, 5, 4, 3, 6, 7)),
+}
+
+
+@cache
+def document() -> Machine:
+    """The Chapter 3 train with its coefficients off by up to 30 %."""
+    told = perturbed(chapter_3_document(), seed=3, span=0.3)
+    return parse_machine(told)
+
+
+@cache
+def right() -> tuple[Floats, Floats, Complexes]:
+    """Times, speeds and phasors of a slow run-down."""
+    rng = np.random.default_rng(5)
+    seconds, speed = speed_law(chapter_3(), "run-down", duration=6000.0, samples=100)
+    return seconds, speed, measured_phasors(chapter_3(), draw_truth(chapter_3(), rng), speed, rng)
+
+
+def sent(wrong: WrongConvention | None = None) -> tuple[RecordedRun, Measurement]:
+    """The run as it arrives from a source with a wrong convention."""
+    seconds, speed, phasor = right()
+    run, measurement = recorded(seconds, speed, phasor, chapter_3().channels)
+    return (run, measurement) if wrong is None else (wrong.run(run), wrong.measurement(measurement))
+
+
+def told(machine: Machine, *parts: tuple[RecordedRun, Measurement]) -> ConventionVerdict:
+    runs, measurements = [run for run, _ in parts], [measurement for _, measurement in parts]
+    gated = identify_gated(machine, runs, measurements, options=ONE)
+    return with_named_conventions(machine, runs, measurements, gated)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_wrong_convention_is_named(name: str) -> None:
+    found = told(document(), sent(NAMES[name]))
+    assert found.gated.identification is not None
+    assert not found.gated.identification.accepted
+    named = [one.convention.name for one in found.named]
+    assert named[0] == name or name == "rotation"
+    # A mirror image of the train, with pairs swapped, turns the other way: nothing in the run tells the two apart.
+    assert sorted(named) == (["rotation", "swapped-probes"] if name == "rotation" else [name])
+    assert found.named[0].accepted
+    assert found.named[0].improvement > 100.0
+    assert found.gated.identification.verdict.startswith("the run fits over 1000 times better with ")
+    if name == "swapped-probes":
+        assert found.named[0].convention.words == "B2Y and B3Y swapped with each other"
+    if name == "speed-unit":
+        assert found.named[0].convention.words == "speeds in rad/s that were sent as r/min"
+
+
+def test_every_pair_swapped_and_the_other_sense_of_rotation_are_named_together() -> None:
+    found = told(document(), sent(WrongConvention("", "", order=PAIRS)))
+    assert {one.convention.name for one in found.named} == {"rotation", "swapped-probes"}
+    assert found.gated.identification is not None
+    assert "or equally well with" in found.gated.identification.verdict
+
+
+def test_nothing_is_named_on_a_right_run_that_a_wrong_document_refuses() -> None:
+    for part, factor in (("mass", 1.3), ("polar_inertia", 3.0)):
+        wrong = chapter_3_document()
+        wrong["discs"][0][part] *= factor
+        if part == "mass":
+            wrong["shafts"][0]["sections"][0]["outer_diameter"] *= 1.1
+        found = told(parse_machine(wrong), sent())
+        assert found.gated.identification is not None
+        assert found.named == ()
+        assert "times better" not in found.gated.identification.verdict
+    stated = replace(sent()[1], scatter=np.full(right()[2].shape, 1e-7))
+    strict = parse_machine(chapter_3_document() | {"noise": {"relative": 0.001}})
+    found = told(strict, (sent()[0], stated))
+    assert found.gated.identification is not None
+    assert not found.gated.identification.accepted
+    assert found.named == ()
+
+
+def test_a_right_run_is_told_as_before() -> None:
+    machine = document()
+    run, measurement = sent()
+    gated = identify_gated(machine, [run], [measurement], options=ONE)
+    assert gated.identification is not None
+    assert gated.identification.accepted
+    assert with_named_conventions(machine, [run], [measurement], gated) == ConventionVerdict(gated)
+
+
+def test_a_factor_on_all_amplitudes_is_named_where_the_unbalances_would_be_implausible() -> None:
+    large = told(document(), sent(WrongConvention("", "", amplitude=1e3))).gated.identification
+    small = told(document(), sent(WrongConvention("", "", amplitude=1e-3))).gated.identification
+    assert large is not None
+    assert small is not None
+    assert large.accepted
+    assert (
+        "the document states G 2.9e+03: amplitudes in mm that were sent as m or amplitudes in µm that were sent"
+        in large.verdict
+    )
+    assert "amplitudes in mm that were sent as µm or amplitudes in m that were sent as mm?" in small.verdict
+    # Twice the amplitudes are twice the unbalances, which nobody can tell from the run.
+    twice = told(document(), sent(WrongConvention("", "", amplitude=2.0)))
+    assert twice.gated.identification is not None
+    assert "amplitudes" not in twice.gated.identification.verdict
+    assert twice.named == ()
+
+
+@pytest.mark.parametrize(
+    ("factor", "words"),
+    [
+        (0.5, "0-to-peak amplitudes that were sent as peak-to-peak"),
+        (25.4, "amplitudes in"),
+    ],
+)
+def test_with_known_weights_any_factor_on_the_amplitudes_is_named(factor: float, words: str) -> None:
+    machine = chapter_3()
+    discs = len(machine.discs)
+    added = np.zeros(discs, dtype=complex)
+    added[0] = 0.012
+    seconds, speed, _ = right()
+    seen = []
+    for seed, weight in ((1, np.zeros(discs, dtype=complex)), (2, added)):
+        clean = _with_weight(machine, speed, weight)
+        run, measurement = recorded(seconds, speed, noisy(clean, seed=seed), machine.channels)
+        wrong = WrongConvention("", "", amplitude=factor)
+        seen.append((wrong.run(run), wrong.measurement(measurement).with_trial_weight(weight)))
+    found = told(machine, *seen)
+    assert found.named
+    assert found.named[0].convention.words.startswith(words)
+    assert found.named[0].convention.amplitude == pytest.approx(1.0 / factor)
+
+
+def _with_weight(machine: Machine, speed: Floats, added: Complexes) -> Complexes:
+    """Phasors of the train whose first disc carries a known unbalance beside its own."""
+    discs = []
+    for disc, extra in zip(machine.discs, added, strict=True):
+        assert disc.unbalance is not None
+        own = disc.unbalance.magnitude * np.exp(1j * math.radians(disc.unbalance.angle_deg)) + extra
+        discs.append(
+            disc.model_copy(
+                update={
+                    "unbalance": disc.unbalance.model_copy(
+                        update={"magnitude": abs(own), "angle_deg": math.degrees(np.angle(own))}
+                    )
+                }
+            )
+        )
+    return dense_response(machine.model_copy(update={"discs": tuple(discs)}), speed, direction=1)
