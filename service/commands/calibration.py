@@ -34,8 +34,8 @@ def calibrate(
     from estimator.rotor.elimination import SingularCondensation
     from service.commands.calibration_report import calibration_text
     from service.commands.document_warnings import say_warnings
-    from service.commands.offline import read_calibration_runs
     from service.configuration.document_files import UnreadableFile, read_machine
+    from service.sources.recorded_runs import read_calibration_runs
     from service.wire import Rejected
 
     try:

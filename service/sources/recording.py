@@ -2,7 +2,7 @@
 
 import cmath
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -89,27 +89,11 @@ class Sidecar(BaseModel):
 
 def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
     """Return all rows of a recording as one batch, numbered from 0. Raises UnreadableFile."""
-    if path.is_dir():
-        raise UnreadableFile(f"{path} is a folder, not a recording")
-    beside = sidecar_path or path.with_suffix(".yaml")
-    if not path.exists():
-        raise UnreadableFile(f"{path}: no such file")
-    if not beside.exists():
-        raise UnreadableFile(f"{path} needs a sidecar {beside} that says what its columns mean; see docs/integrators.md")
-    sidecar = read_sidecar(beside)
-    if sidecar.kind == "sweep" and (sidecar.time is None) == (sidecar.interval_s is None):
-        raise UnreadableFile(f"{path}: its sidecar must give either the column `time` or `interval_s`")
+    sidecar = _sidecar_of(path, sidecar_path)
     table = RecordedTable.read(path)
     speed = table.column(sidecar.speed)
-    interval = sidecar.interval_s or 1.0  # rows of dwells stand in no order of time
-    seconds = table.column(sidecar.time) if sidecar.time is not None else [i * interval for i in range(len(speed))]
     start = from_datetime(sidecar.start)
-    if not all(abs(s) < LONGEST_S for s in seconds):
-        raise UnreadableFile(f"{path}: column '{sidecar.time}' must hold seconds since the start, below {LONGEST_S:.0e}")
     turn = 1.0 if sidecar.phase_unit == "rad" else RADIANS["deg"]
-    amplitude = [_amplitude(table, channel) for channel in sidecar.channels]
-    phase = [_phase(table, channel, turn) for channel in sidecar.channels]
-    scatter = [[None] * len(speed) if one.scatter is None else table.gappy(one.scatter) for one in sidecar.channels]
     return SampleBatch(
         schema=WIRE_SCHEMA,
         plant=sidecar.plant,
@@ -124,13 +108,51 @@ def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
         phase_convention=sidecar.phase_convention,
         phase_unit=sidecar.phase_unit,
         direction=sidecar.direction,
-        time_ns=[start + round(s * 1e9) for s in seconds],
+        time_ns=[start + round(s * 1e9) for s in _seconds(path, table, sidecar, len(speed))],
         speed=speed,
-        amplitude=[list(row) for row in zip(*amplitude, strict=True)],
-        phase=[list(row) for row in zip(*phase, strict=True)],
-        scatter=[list(row) for row in zip(*scatter, strict=True)] if any(one.scatter for one in sidecar.channels) else None,
+        amplitude=_rows(_amplitude(table, channel) for channel in sidecar.channels),
+        phase=_rows(_phase(table, channel, turn) for channel in sidecar.channels),
+        scatter=_scatter(table, sidecar, len(speed)),
         conditions={name: table.gappy(column) for name, column in sidecar.conditions.items()} or None,
     )
+
+
+def _sidecar_of(path: Path, sidecar_path: Path | None) -> Sidecar:
+    """Return the sidecar of a recording, by default the one beside it. Raises UnreadableFile."""
+    if path.is_dir():
+        raise UnreadableFile(f"{path} is a folder, not a recording")
+    beside = sidecar_path or path.with_suffix(".yaml")
+    if not path.exists():
+        raise UnreadableFile(f"{path}: no such file")
+    if not beside.exists():
+        raise UnreadableFile(f"{path} needs a sidecar {beside} that says what its columns mean; see docs/integrators.md")
+    sidecar = read_sidecar(beside)
+    if sidecar.kind == "sweep" and (sidecar.time is None) == (sidecar.interval_s is None):
+        raise UnreadableFile(f"{path}: its sidecar must give either the column `time` or `interval_s`")
+    return sidecar
+
+
+def _seconds(path: Path, table: RecordedTable, sidecar: Sidecar, count: int) -> list[float]:
+    """Return the times of `count` rows since the start [s]. Raises UnreadableFile."""
+    if sidecar.time is None:
+        interval = sidecar.interval_s or 1.0  # rows of dwells stand in no order of time
+        return [i * interval for i in range(count)]
+    seconds = table.column(sidecar.time)
+    if not all(abs(s) < LONGEST_S for s in seconds):
+        raise UnreadableFile(f"{path}: column '{sidecar.time}' must hold seconds since the start, below {LONGEST_S:.0e}")
+    return seconds
+
+
+def _scatter(table: RecordedTable, sidecar: Sidecar, count: int) -> list[list[float | None]] | None:
+    """Return the scatter of each channel, row by row; None where no channel has one."""
+    if not any(one.scatter for one in sidecar.channels):
+        return None
+    return _rows([None] * count if one.scatter is None else table.gappy(one.scatter) for one in sidecar.channels)
+
+
+def _rows(columns: Iterable[list[float | None]]) -> list[list[float | None]]:
+    """Return columns row by row."""
+    return [list(row) for row in zip(*columns, strict=True)]
 
 
 def write_recording(path: Path, machine: Machine, *, speed_rpm: Floats, phasor: Complexes, interval_s: float) -> None:
