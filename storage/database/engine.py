@@ -31,7 +31,7 @@ LARGEST_LOG = 64 * 2**20
 FRAMES_AT_A_LOOK, EVERY_FRAME = 500, 2**31
 """Numbers of the log's frames that a regular look, and the one before the last checkpoint, take in."""
 MENDED = "pages of its log were overwritten, and newer ones or the file itself have all they held"
-"""What is told until a check has found all pages whole."""
+"""Finding that is told until a check has found all pages whole."""
 CLOSING_S, LOOK_S = 4.0, 0.1
 """Time for which closing waits until all that can be saved is, and interval at which it tries [s]."""
 WRITER_KEY = CLAIM_KEY + 1

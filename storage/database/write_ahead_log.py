@@ -9,13 +9,11 @@ import itertools
 import logging
 import os
 import struct
-import sys
-from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
-from storage.database import file_lock, log_checksums
+from storage.database import file_lock
 from storage.database.log_checksums import FRAME_HEADER
+from storage.database.log_frames import CountedFrames, LogFrames
 from storage.database.main_file import Checkpoints
 from storage.database.private_files import PRIVATE
 
@@ -23,46 +21,12 @@ logger = logging.getLogger(__name__)
 
 LOOKS = 5
 """Number of looks before a log counts as damaged: between two reads SQLite may have begun it anew."""
-_LOG_HEADER = 32
-"""Size of the header of the log [B]; frames follow, pages with a header each."""
-_FRAMES_AT_ONCE = 256
 _INDEX_HEADER = "=IIIBBHIIIIQII"
 """Version, unused, changes, whether it is valid, byte order, page size, frames, pages, checksum (2), salt, checksum (2)."""
 _COPY = struct.calcsize(_INDEX_HEADER)
 _COPIED_AT_ONCE = 2**20
 _CHECKPOINTED_AT, _BEGUN_AT = 2 * _COPY, 2 * _COPY + 32
 """Places of the numbers of frames that the main file holds already, and that the last checkpoint was to bring there [B]."""
-
-
-@dataclass(frozen=True)
-class _Counted:
-    """Frames that the log's index counts. frames: committed ones; salt: of the log since it was last begun anew."""
-
-    frames: int
-    page_size: int
-    salt: int
-
-    def place(self, frame: int) -> int:
-        """Return where a frame begins [B]; the first one is 1."""
-        return _LOG_HEADER + (frame - 1) * self.size
-
-    @property
-    def size(self) -> int:
-        """Return the size of a frame [B]."""
-        return FRAME_HEADER + self.page_size
-
-
-@dataclass(frozen=True)
-class _Frame:
-    """A frame as the log has it.
-
-    database_size: behind it, 0 within a transaction [pages]; whole: whether its checksum holds.
-    """
-
-    number: int
-    page: int
-    database_size: int
-    whole: bool
 
 
 class WriteAheadLog:
@@ -77,7 +41,8 @@ class WriteAheadLog:
         except OSError:
             file_lock.leave(self._index_place)
             raise
-        self._seen = _Counted(0, 0, 0)
+        self._frames = LogFrames(self._log)
+        self._seen = CountedFrames(0, 0, 0)
         self._further = 0
 
     def is_whole(self, *, further: int = 0) -> bool:
@@ -123,8 +88,8 @@ class WriteAheadLog:
         counted, done = self._counted(), self._number(_CHECKPOINTED_AT)
         if counted is None:
             return False
-        newest = {one.page: one for one in self._frames(counted)}
-        lost = [one for one in self._frames(counted) if not one.whole and one.number > done]
+        newest = {one.page: one for one in self._frames.read(counted)}
+        lost = [one for one in self._frames.read(counted) if not one.whole and one.number > done]
         return all(newest[one.page].whole and one.page for one in lost)
 
     def write_back(self, main_file: int, copy: Path) -> bool:
@@ -133,7 +98,7 @@ class WriteAheadLog:
         Otherwise the main file stays as it is, and `copy` keeps the log. The caller must have the writers' turn.
         """
         counted = self._counted()
-        frames = [] if counted is None else list(self._frames(counted))
+        frames = [] if counted is None else list(self._frames.read(counted))
         newest = {one.page: one for one in frames}
         pages = frames[-1].database_size if frames else 0
         complete = pages > 0 and all(page in newest and newest[page].whole for page in range(1, pages + 1))
@@ -176,53 +141,28 @@ class WriteAheadLog:
         os.close(self._log)
         file_lock.leave(self._index_place)
 
-    def _counted(self) -> _Counted | None:
+    def _counted(self) -> CountedFrames | None:
         """Return what the index says; None while it is being written."""
         found = os.pread(self._index, 2 * _COPY, 0)
         if len(found) < 2 * _COPY or found[:_COPY] != found[_COPY:]:
             return None
         _, _, _, valid, _, page_size, frames, _, _, _, salt, _, _ = struct.unpack_from(_INDEX_HEADER, found)
-        return _Counted(frames if valid else 0, 65536 if page_size == 1 else page_size, salt)
+        return CountedFrames(frames if valid else 0, 65536 if page_size == 1 else page_size, salt)
 
-    def _holds(self, counted: _Counted, further: int) -> bool:
+    def _holds(self, counted: CountedFrames, further: int) -> bool:
         frames = {1, counted.frames}
         if self._seen.salt == counted.salt:
             frames.add(self._seen.frames)
-        there = all(self._is_there(counted, one) for one in frames if 0 < one <= counted.frames)
+        there = all(self._frames.is_there(counted, one) for one in frames if 0 < one <= counted.frames)
         if not there or not further or not counted.frames:
             return there
         begin, count = self._further % counted.frames, min(further, counted.frames)
         self._further = (begin + count) % counted.frames
         behind = max(0, begin + count - counted.frames)  # of the frames at the log's beginning
         ranges = (range(begin + 1, begin + count - behind + 1), range(1, behind + 1))
-        return all(one.whole for numbers in ranges for one in self._frames(counted, numbers))
+        return all(one.whole for numbers in ranges for one in self._frames.read(counted, numbers))
 
-    def _is_there(self, counted: _Counted, frame: int) -> bool:
-        at = counted.place(frame)
-        if os.fstat(self._log).st_size < at + counted.size:
-            return False
-        header = os.pread(self._log, FRAME_HEADER, at)
-        return len(header) == FRAME_HEADER and struct.unpack_from("=Q", header, 8)[0] == counted.salt
-
-    def _committed(self, counted: _Counted) -> int:
+    def _committed(self, counted: CountedFrames) -> int:
         """Return the last frame that ends a transaction, of those before the first one that is missing or damaged."""
-        whole = itertools.takewhile(lambda one: one.whole, self._frames(counted))
+        whole = itertools.takewhile(lambda one: one.whole, self._frames.read(counted))
         return max((one.number for one in whole if one.database_size), default=0)
-
-    def _frames(self, counted: _Counted, numbers: range | None = None) -> Iterator[_Frame]:
-        """Yield the frames of a range, by default all; those that are missing have no page and are not whole."""
-        numbers = range(1, counted.frames + 1) if numbers is None else numbers
-        log_header = self._read(0, _LOG_HEADER)
-        for first in numbers[::_FRAMES_AT_ONCE]:
-            count = min(_FRAMES_AT_ONCE, numbers.stop - first)
-            before = b"" if first == 1 else self._read(counted.place(first - 1), FRAME_HEADER)
-            read = self._read(counted.place(first), count * counted.size)
-            whole = log_checksums.hold(log_header, before, read, counted.page_size)
-            for number in range(count):
-                page, size, salt = struct.unpack_from(">II8s", read, number * counted.size)
-                own = int.from_bytes(salt, sys.byteorder) == counted.salt
-                yield _Frame(first + number, page if own else 0, size, bool(whole[number]) and own)
-
-    def _read(self, at: int, size: int) -> bytes:
-        """Read from the log; what is missing counts as zeros."""
-        return os.pread(self._log, size, at).ljust(size, b"\0")

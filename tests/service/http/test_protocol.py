@@ -62,7 +62,19 @@ def problem(answer: bytes) -> tuple[int, str]:
 
 
 @pytest.mark.parametrize(
-    "sent", [b"hello\r\n\r\n", b"GET / HTTP/9\r\n\r\n", b"GET /\x00 HTTP/1.1\r\n\r\n", BEGUN + b"no colon\r\n\r\n"]
+    "sent",
+    [
+        b"hello\r\n\r\n",
+        b"GET / HTTP/9\r\n\r\n",
+        b"GET /\x00 HTTP/1.1\r\n\r\n",
+        BEGUN + b"no colon\r\n\r\n",
+        # What a proxy may take for another header, or for another request, than we would.
+        BEGUN + b"Authorization : Bearer x\r\n\r\n",
+        BEGUN + b"Authorization: Bearer x\r\n\ty\r\n\r\n",
+        BEGUN + b"Authorization: Bearer x\x00\r\n\r\n",
+        BEGUN + b"Content-Length: 5\r\nTransfer-Encoding: chunked\r\n\r\n",
+        BEGUN + b"Content-Length: 5\r\nContent-Length: 6\r\n\r\n",
+    ],
 )
 def test_what_is_no_http_is_told_so_as_a_problem(base: str, sent: bytes) -> None:
     with opened(base) as client:
