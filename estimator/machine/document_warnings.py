@@ -55,6 +55,6 @@ def _far_elevations(machine: Machine) -> Iterator[DocumentWarning]:
             if abs(elevation) > clearance:
                 yield DocumentWarning(
                     f"bearings[{number}].film.{name}",
-                    f"{1e6 * elevation:.4g} µm is more than the radial clearance, {1e6 * clearance:.4g} µm: usual are some 10 µm; "
-                    "elevations are in m, over the place at which couplings carry nothing",
+                    f"{1e6 * elevation:.4g} µm is more than the radial clearance, {1e6 * clearance:.4g} µm: usual are some 10 "
+                    "µm; elevations are in m, over the place at which couplings carry nothing",
                 )
