@@ -32,6 +32,19 @@ LEAST = 1e-9
 """Least run-to-run standard deviation of anything, such as an unbalance of zero [kg m]."""
 
 
+def is_of_films(fit: ObservedFit, machine: Machine) -> bool:
+    """Check whether a fit has all coordinates of a train on oil films: one by an older release may lack some.
+
+    Args:
+        fit: The fit.
+        machine: The machine.
+
+    Returns:
+        Whether it has.
+    """
+    return set(_coordinates(machine).names) <= set(fit.coordinates)
+
+
 def film_observation(fit: ObservedFit, machine: Machine, conditions: Mapping[str, float | None]) -> Observation:
     """Return the observation of a run of a train on oil films (derived here: a posterior over its prior).
 
