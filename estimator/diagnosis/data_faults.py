@@ -1,11 +1,12 @@
 """Faults of the data of some runs, not of the machine: lost channels, outliers, a model that fits no more."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from estimator.alignment.film_loads import HIGHEST_PRESSURE, FilmLoad
 from estimator.diagnosis.observation import Observation
 from estimator.fit.goodness_of_fit import LARGEST_OUTLIER_PART, accepted
 from estimator.machine.parameter_description import describe
@@ -20,6 +21,14 @@ REFUSED = 1.0
 """Least evidence of a run that no fit explains, whose χ² need not be the reason of the refusal [-]."""
 MOSTLY_LEFT_OUT = 0.3
 """Part of a channel's phasors above which those left out do not count [-]: the channel is a cause by itself."""
+
+
+LIGHT = 0.1
+"""Part of its load in the baseline below which a bearing carries hardly anything [-]."""
+CERTAIN = 1.645
+"""Standard errors by which a load must be beyond a limit: 95 % of one side [-]."""
+TINY = 1e-9
+"""Least error of a load [N]."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +76,56 @@ def many_outliers(_baseline: Sequence[Observation], window: Sequence[Observation
     shares = [_outlying(one) for one in window]
     if all(left_out > MANY_OUTLIERS * count for left_out, count in shares):
         yield DataFault("machine", tuple(_surprise(*share) for share in shares))
+
+
+def light_loads(baseline: Sequence[Observation], window: Sequence[Observation]) -> Iterator[DataFault]:
+    """Find bearings on oil films that carry hardly anything of what they carried in the baseline.
+
+    Args:
+        baseline: Observations of the baseline.
+        window: Observations of the newest runs.
+
+    Yields:
+        A fault at each bearing that carries less than LIGHT of it in each run, with some certainty.
+    """
+    before = _loads(baseline[-1:])
+
+    def missing(one: FilmLoad) -> float:
+        return LIGHT * abs(before[one.bearing].vertical) - one.vertical if one.bearing in before else -math.inf
+
+    yield from _certain(window, missing)
+
+
+def heavy_loads(_baseline: Sequence[Observation], window: Sequence[Observation]) -> Iterator[DataFault]:
+    """Find bearings on oil films with more load on their area than white metal takes (ISO 7902-3:2020).
+
+    Args:
+        window: Observations of the newest runs.
+
+    Yields:
+        A fault at each bearing with more in each run, with some certainty.
+    """
+    yield from _certain(window, lambda one: one.vertical - HIGHEST_PRESSURE * one.area)
+
+
+def _certain(window: Sequence[Observation], excess: Callable[[FilmLoad], float]) -> Iterator[DataFault]:
+    """Yield the bearings whose load exceeds something in each run by more than its error allows for."""
+    sizes: dict[str, list[float]] = {}
+    for one in reversed(window):  # mostly the newest alone, as solving for loads takes time
+        found = {bearing: excess(load) / max(load.error, TINY) for bearing, load in _loads([one]).items()}
+        sizes = {
+            bearing: [size, *sizes.get(bearing, [])]
+            for bearing, size in found.items()
+            if size > CERTAIN and (bearing in sizes or one is window[-1])
+        }
+        if not sizes:
+            return
+    for bearing, own in sizes.items():
+        yield DataFault(f"bearing.{bearing}", tuple(0.5 * size**2 for size in own))
+
+
+def _loads(runs: Sequence[Observation]) -> dict[str, FilmLoad]:
+    return {load.bearing: load for one in runs if one.loads is not None for load in one.loads()}
 
 
 def misfit(window: Sequence[Observation], faulty_channels: frozenset[str]) -> Iterator[DataFault]:

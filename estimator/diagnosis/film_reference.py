@@ -7,9 +7,11 @@ temperature, where that is measured.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
+from estimator.alignment.film_loads import FilmLoad, film_loads
 from estimator.alignment.healthy_films import coordinate_scales
 from estimator.alignment.run_likelihood import taken_off
 from estimator.arrays import Floats
@@ -24,12 +26,25 @@ from estimator.machine.parameter_description import SCALE_FACTORS, describe
 from estimator.machine.under_conditions import under_conditions
 from estimator.rotor.assembly import assemble_rotor
 from estimator.rotor.parameters import unknowns
-from estimator.updated_model.model import expected_model
+from estimator.updated_model.model import expected_model, model_at
 
 STILL = 1e-3
 """Run-to-run standard deviation of what stays the same, such as a clearance, as a part of what is believed of it [-]."""
 LEAST = 1e-9
 """Least run-to-run standard deviation of anything, such as an unbalance of zero [kg m]."""
+
+
+def is_of_films(fit: ObservedFit, machine: Machine) -> bool:
+    """Check whether a fit has all coordinates of a train on oil films: one by an older release may lack some.
+
+    Args:
+        fit: The fit.
+        machine: The machine.
+
+    Returns:
+        Whether it has.
+    """
+    return set(_coordinates(machine).names) <= set(fit.coordinates)
 
 
 def film_observation(fit: ObservedFit, machine: Machine, conditions: Mapping[str, float | None]) -> Observation:
@@ -56,7 +71,12 @@ def film_observation(fit: ObservedFit, machine: Machine, conditions: Mapping[str
     information[among] -= precision
     believed = np.zeros(len(said.names))
     believed[known] = np.diag(precision)
-    return replace(said, reference=reference, gradient=gradient, information=information, believed=believed)
+
+    @cache
+    def loads() -> Sequence[FilmLoad]:
+        return film_loads(model_at(under_conditions(machine, conditions), fit.coordinates, fit.point, fit.covariance))
+
+    return replace(said, reference=reference, gradient=gradient, information=information, believed=believed, loads=loads)
 
 
 def film_reference(machine: Machine, baseline: Sequence[Observation], variation: HealthyVariation) -> Reference:

@@ -17,7 +17,7 @@ import numpy as np
 
 from estimator.arrays import Complexes, Floats
 from estimator.diagnosis.change_columns import RISE, TERM_ORDER, ChangeColumns, Term
-from estimator.diagnosis.data_faults import lost_channels, many_outliers, misfit
+from estimator.diagnosis.data_faults import heavy_loads, light_loads, lost_channels, many_outliers, misfit
 from estimator.diagnosis.film_findings import (
     film_changes,
     film_size,
@@ -258,6 +258,8 @@ FINDING_KINDS: tuple[FindingKind, ...] = (
     FindingKind("settlement", ("bearing",), "machine", changes=settlements, size=settlement_size),
     FindingKind("wear", ("bearing",), "machine", changes=wears, size=wear_size),
     FindingKind("oil", ("machine",), "machine", changes=oils, size=oil_size),
+    FindingKind("light_load", ("bearing",), "machine", data_fault=light_loads),
+    FindingKind("heavy_load", ("bearing",), "machine", data_fault=heavy_loads),
     FindingKind("unbalance", ("disc",), "machine", changes=_unbalances, size=_unbalance_size, linear=True),
     FindingKind("bow", ("shaft",), "channels", changes=_bows, size=_run_out_size),
     FindingKind("run_out", ("probe",), "channels", changes=_run_outs, size=_run_out_size),

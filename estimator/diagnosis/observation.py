@@ -15,6 +15,9 @@ from estimator.fit.channel_sensitivity import ChannelEffects
 from estimator.trends.parameter_vector import Point
 
 if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from estimator.alignment.film_loads import FilmLoad
     from estimator.fit.identify import Identification
 
 
@@ -37,6 +40,7 @@ class Observation:
         amplitude: Median amplitude of the used phasors, by channel [m].
         believed: Precision (N,) that the fit took from what was believed beforehand, and that the information lacks [1/unit²];
             None for none.
+        loads: Function that computes the loads on oil films; None of other trains.
     """
 
     names: tuple[str, ...]
@@ -52,6 +56,7 @@ class Observation:
     outliers: dict[str, int]
     amplitude: dict[str, float]
     believed: Floats | None = None
+    loads: "Callable[[], Sequence[FilmLoad]] | None" = None
 
     @property
     def fitted(self) -> Floats:

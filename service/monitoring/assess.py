@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from estimator.diagnosis.bayes_factors import Diagnosis
-from estimator.diagnosis.film_reference import film_observation
+from estimator.diagnosis.film_reference import film_observation, is_of_films
 from estimator.diagnosis.finding_kind import Cause, ChangeSize
 from estimator.diagnosis.healthy_variation import typical_amplitude
 from estimator.diagnosis.observation import Observation, fit_observation
@@ -83,10 +83,12 @@ def compare(context: AssessmentContext) -> BaselineComparison | None:
 def _compare_films(context: AssessmentContext) -> BaselineComparison | None:
     """Compare a train on oil films: viscosities count from each run's own temperature, so that nothing is adjusted."""
     machine = context.machine
-    baseline = [film_observation(run.fit, machine, run.conditions) for run in context.baseline]
-    if not baseline:
+    if not context.baseline or not all(is_of_films(run.fit, machine) for run in context.baseline):
         return None
-    told = [(run, film_observation(run.fit, machine, run.conditions)) for run in context.after]
+    baseline = [film_observation(run.fit, machine, run.conditions) for run in context.baseline]
+    told = [
+        (run, film_observation(run.fit, machine, run.conditions)) for run in context.after if is_of_films(run.fit, machine)
+    ]
     after = [(run, said) for run, said in told if said.names == baseline[0].names]
     if not _comparable(context, [run for run, _ in after], baseline):
         return None

@@ -120,6 +120,14 @@ def _oil_sentence(one: SizedCause) -> str:
     return oil_sentence(one.size)
 
 
+def _light_load_sentence(one: SizedCause) -> str:
+    return f"Bearing {_id(one)} carries hardly any load: less than a tenth of what it carried, so that it may whirl"
+
+
+def _heavy_load_sentence(one: SizedCause) -> str:
+    return f"Bearing {_id(one)} carries more than 5 MPa of its area, the most that white metal takes (ISO 7902-3)"
+
+
 def _unbalance_sentence(one: SizedCause) -> str:
     q = one.size.quantities
     return (
@@ -250,6 +258,8 @@ FINDING_RULES: tuple[FindingRule, ...] = (
     FindingRule("settlement", SETTLEMENT, _settlement_sentence),
     FindingRule("wear", WEAR, _wear_sentence),
     FindingRule("oil", OIL, _oil_sentence),
+    FindingRule("light_load", AlertRule("light_load"), _light_load_sentence),
+    FindingRule("heavy_load", AlertRule("heavy_load"), _heavy_load_sentence),
     FindingRule("unbalance", UNBALANCE, _unbalance_sentence),
     FindingRule("bow", RUN_OUT, _bow_sentence),
     FindingRule("run_out", RUN_OUT, _run_out_sentence),

@@ -52,6 +52,7 @@ function Numbers({ numbers }: { numbers: AlignmentNumber[] }) {
             <th>Quantity</th>
             <th class="number">By itself</th>
             <th class="number">Change</th>
+            <th class="number">Allowed</th>
           </tr>
         </thead>
         <tbody>
@@ -61,12 +62,21 @@ function Numbers({ numbers }: { numbers: AlignmentNumber[] }) {
               <th scope="row">{QUANTITIES[one.quantity] ?? one.quantity}</th>
               <Cell told={one.absolute} unit={one.unit} />
               {one.change ? <Cell told={one.change} unit={one.unit} /> : <td class="number">–</td>}
+              <td class="number">{allowedText(one)}</td>
             </tr>
           ))}
         </tbody>
       </table>
     </div>
   );
+}
+
+/** What is allowed of the change, and where it is probably more than that, how probably. */
+function allowedText({ allowed, beyond, unit }: AlignmentNumber): string {
+  if (allowed === null) return "–";
+  const scale = scaleOf(allowed, unit);
+  const said = `${number(allowed * scale.factor)} ${scale.unit}`;
+  return beyond !== null && beyond > 0.5 ? `${said}: exceeded with ${Math.floor(100 * beyond)} %` : said;
 }
 
 function Cell({ told: { value, lower, upper, reason }, unit }: { told: Determined; unit: string }) {

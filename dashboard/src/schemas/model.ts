@@ -91,6 +91,10 @@ export interface AlignmentNumber {
   unit: string;
   absolute: Determined;
   change: Determined | null;
+  /** How large the change may be, in SI units. */
+  allowed: number | null;
+  /** Probability that the change is larger. */
+  beyond: number | null;
 }
 
 export interface Alignment {

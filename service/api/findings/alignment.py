@@ -5,7 +5,8 @@ from collections.abc import Iterator
 from fastapi import APIRouter, Request
 from pydantic import BaseModel, Field
 
-from estimator.alignment.alignment_change import alignment_change_quantities
+from estimator.alignment.alignment_change import alignment_changes
+from estimator.alignment.tolerance import ToleratedChange, tolerated_changes
 from estimator.machine.film_speeds import follows_films
 from estimator.machine.parameter_description import describe
 from estimator.updated_model.derived_quantities import Derived, alignment_quantities
@@ -40,6 +41,8 @@ class AlignmentNumber(BaseModel):
     unit: str
     absolute: Determined = Field(description="of this identification by itself")
     change: Determined | None = Field(description="against the baseline, with which it is known better; null: none")
+    allowed: float | None = Field(description="how large the change may be, by the document or what is usual; null: no change")
+    beyond: float | None = Field(description="probability that the change is larger; null where it is not determined")
 
 
 class AlignmentOut(ComparedOut):
@@ -74,14 +77,15 @@ def read_alignment(request: Request, machine_id: MachineId, which: Which = None)
     return AlignmentOut(**fields, numbers=list(_numbers(absolute, changes)))
 
 
-def _alignment(one: Identified, baseline: list[Identified]) -> tuple[Quantities, Quantities]:
+def _alignment(one: Identified, baseline: list[Identified]) -> tuple[Quantities, tuple[ToleratedChange, ...]]:
     """Return alignment and its changes; no changes without a baseline of the same unknowns."""
     models = [each.model for each in baseline]
     comparable = bool(models) and all(each.coordinates == one.model.coordinates for each in models)
-    return alignment_quantities(one.model), alignment_change_quantities(models, one.model) if comparable else ()
+    changes = tolerated_changes(one.machine, alignment_changes(models, one.model)) if comparable else ()
+    return alignment_quantities(one.model), changes
 
 
-def _numbers(absolute: Quantities, changes: Quantities) -> Iterator[AlignmentNumber]:
+def _numbers(absolute: Quantities, changes: tuple[ToleratedChange, ...]) -> Iterator[AlignmentNumber]:
     by_name = {one.name: one for one in changes}
     for one in absolute:
         said = describe(one.name)
@@ -92,9 +96,17 @@ def _numbers(absolute: Quantities, changes: Quantities) -> Iterator[AlignmentNum
             quantity=said.quantity,
             unit=one.unit,
             absolute=_determined(one),
-            change=None if change is None else _determined(change),
+            change=None if change is None else _changed(change),
+            allowed=None if change is None else change.allowed,
+            beyond=None if change is None or change.value is None else change.beyond,
         )
 
 
 def _determined(one: Derived) -> Determined:
     return Determined(value=one.value, lower=one.lower, upper=one.upper, reason=one.reason)
+
+
+def _changed(one: ToleratedChange) -> Determined:
+    if one.value is None:
+        return Determined(value=None, lower=None, upper=None, reason=one.reason)
+    return Determined(value=one.value, lower=one.value - one.half, upper=one.value + one.half, reason=None)

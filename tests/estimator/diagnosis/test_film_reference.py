@@ -10,7 +10,7 @@ import pytest
 
 from estimator.arrays import Floats
 from estimator.diagnosis.bayes_factors import Diagnosis
-from estimator.diagnosis.film_reference import film_observation, film_reference
+from estimator.diagnosis.film_reference import film_observation, film_reference, is_of_films
 from estimator.diagnosis.finding_kind import BaselineValues, Cause
 from estimator.diagnosis.finding_kinds import finding_kind
 from estimator.diagnosis.observation import Observation, ObservedFit
@@ -171,6 +171,12 @@ def test_viscosities_count_from_those_of_each_runs_own_temperature() -> None:
     assert said.reference[said.names.index("bearing.B1.viscosity")] == pytest.approx(
         expected_model(train).values[place("bearing.B1.viscosity")]
     )
+
+
+def test_a_fit_that_lacks_coordinates_is_of_another_train() -> None:
+    one = fitted(machine(), np.random.default_rng(0))
+    assert is_of_films(observed(one), MODEL.machine)
+    assert not is_of_films(observed(one, coordinates=one.coordinates[1:]), MODEL.machine)
 
 
 def test_observations_of_other_quantities_make_no_baseline() -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from estimator.alignment.alignment_change import alignment_change_quantities
+from estimator.alignment.tolerance import allowed_alignment
 from estimator.arrays import Floats
 from estimator.updated_model.derived_quantities import Derived, alignment_quantities
 from estimator.updated_model.model import UpdatedModel, expected_model
@@ -84,6 +85,9 @@ def test_alignment_is_told_with_its_change_against_the_baseline(api: Api) -> Non
     offset = numbers["coupling.C1.offset_vertical"]
     assert (offset["coupling"], offset["quantity"], offset["unit"]) == ("C1", "offset_vertical", "m")
     assert offset["change"]["lower"] < MOVED < offset["change"]["upper"]
+    assert offset["allowed"] == pytest.approx(allowed_alignment(MACHINE, "C1").offset)
+    assert 0.0 < offset["beyond"] <= 1.0
+    assert numbers["coupling.C1.angle_vertical"]["beyond"] is None
     assert "hardly more" in numbers["coupling.C1.angle_vertical"]["absolute"]["reason"]
 
 

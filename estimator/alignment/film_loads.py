@@ -1,0 +1,67 @@
+"""Static loads on the oil films of a train at running speed, with their errors, as a part of what a bearing may carry.
+
+Highest specific pressure: white metal of lead or tin, ISO 7902-3:2020, 5 MPa.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.machine.film_speeds import told_rpm
+from estimator.statics.journal_states import journal_states
+from estimator.units import rpm_to_rad_per_s
+from estimator.updated_model.film_results import placed_films
+from estimator.updated_model.model import UpdatedModel
+from estimator.updated_model.uncertainty import standard_errors
+
+HIGHEST_PRESSURE = 5e6
+"""Highest load over diameter and length [Pa]."""
+
+
+@dataclass(frozen=True)
+class FilmLoad:
+    """Load on one film.
+
+    Attributes:
+        bearing: Id of the bearing.
+        vertical: Its vertical load, upwards on the journal [N].
+        error: Standard error of that [N].
+        area: Diameter times length [m²].
+    """
+
+    bearing: str
+    vertical: float
+    error: float
+    area: float
+
+
+def film_loads(model: UpdatedModel) -> tuple[FilmLoad, ...]:
+    """Compute the vertical load on each film at running speed (first order: JCGM 100:2008, 5.2).
+
+    Args:
+        model: The updated model.
+
+    Returns:
+        The loads, bearing by bearing; none of a train whose coefficients do not follow from films, or without equilibrium.
+    """
+    speed = np.array([rpm_to_rad_per_s(told_rpm(model.machine)[-1])])
+    coordinates = model.coordinates_at(speed)
+    found = placed_films(coordinates)
+    if found is None:
+        return ()
+    placed, films = found
+    states = journal_states(films, placed.own(coordinates.theta(model.values)), speed=speed)
+    if states is None:
+        return ()
+    slope = states.force_slope[-1, :, 1]
+    own = slice(placed.first, placed.first + slope.shape[-1])
+    covariance = model.covariance[own, own] / np.outer(coordinates.unit[own], coordinates.unit[own])
+    return tuple(
+        FilmLoad(
+            bearing=bearing.id,
+            vertical=float(states.force[-1, number, 1]),
+            error=float(standard_errors(slope[number], covariance)),
+            area=0.0 if bearing.film is None else bearing.film.diameter * bearing.film.length,
+        )
+        for number, bearing in enumerate(model.machine.bearings)
+    )
