@@ -26,7 +26,7 @@ ATTACKS = {
     "documents with thousands of problems": ["tests/faults/test_wrong_documents.py"],
     "own clock a year ahead and a year behind": ["tests/faults/test_service_clock.py"],
     "more jobs than are taken, and workers stopped": ["tests/end_to_end/test_stopped_workers.py"],
-    "the write-ahead log deleted": ["tests/faults/test_deleted_logs.py"],
+    "the write-ahead log deleted or damaged, the file overwritten": ["tests/faults/test_deleted_logs.py"],
     "a database that does not answer": ["tests/faults/test_database_that_hangs.py"],
     "connections without end, half-open handshakes": ["tests/service/http/test_connections.py"],
     "messages of 64 MB": ["tests/faults/test_fuzz.py"],
