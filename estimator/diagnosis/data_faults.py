@@ -27,6 +27,8 @@ LIGHT = 0.1
 """Part of its load in the baseline below which a bearing carries hardly anything [-]."""
 CERTAIN = 1.645
 """Standard errors by which a load must be beyond a limit: 95 % of one side [-]."""
+ABSURD = 3.0
+"""Deviations of a film, over what its document says, from which on a refused fit says nothing [-]: it ended elsewhere."""
 TINY = 1e-9
 """Least error of a load [N]."""
 
@@ -159,9 +161,32 @@ def fits(one: Observation, channels: frozenset[str]) -> bool:
     if sum(others.values()) > LARGEST_OUTLIER_PART * usable:
         return False
     if accepted(one.chi_square, one.degrees_of_freedom):  # it was refused for what it left out, or else for no channel's fault
-        # A train's films explain it then with large deviations, which are a cause by themselves.
-        return one.believed is not None or sum(one.outliers.values()) > LARGEST_OUTLIER_PART * usable
+        # A train's films explain it then with large deviations, which are a cause by themselves unless they are absurd.
+        return (one.believed is not None and not says_nothing(one)) or sum(
+            one.outliers.values()
+        ) > LARGEST_OUTLIER_PART * usable
     return accepted(one.chi_square - _explained(one, channels), one.degrees_of_freedom)
+
+
+def says_nothing(one: Observation) -> bool:
+    """Check whether a refused fit of a train on oil films ended where films deviate absurdly: elsewhere than the machine is.
+
+    Args:
+        one: Observation of the run.
+
+    Returns:
+        Whether it did.
+    """
+    return not one.accepted and one.believed is not None and _largest_deviation(one) >= ABSURD
+
+
+def _largest_deviation(one: Observation) -> float:
+    """Compute the root mean square of the deviations of the film that deviates most, over what its document says."""
+    films: dict[str, list[float]] = {}
+    for name, value in zip(one.names, one.reference, strict=True):
+        if name.startswith("films."):
+            films.setdefault(describe(name).element, []).append(float(value) ** 2)
+    return math.sqrt(max((math.fsum(own) / len(own) for own in films.values()), default=0.0))
 
 
 def _explained(one: Observation, channels: frozenset[str]) -> float:

@@ -14,7 +14,7 @@ import numpy as np
 from estimator.arrays import Floats
 from estimator.diagnosis.change_columns import ChangeColumns
 from estimator.diagnosis.finding_kind import BaselineValues, Cause, ChangeSize, ExpectedChange
-from estimator.machine.coupling_neighbours import neighbouring_bearings, shafts_behind
+from estimator.machine.coupling_neighbours import shafts_behind
 from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe
 from estimator.machine.parts import Coupling
@@ -68,7 +68,8 @@ def moved_alignments(columns: ChangeColumns) -> Iterator[ExpectedChange]:
             for plane in PLANES
         ]
         whole = np.column_stack(planes)
-        beside = [f"bearing.{one}" for one in neighbouring_bearings(columns.machine, coupling)]
+        shafts = (coupling.driver, coupling.driven)
+        beside = [f"bearing.{one.id}" for one in columns.machine.bearings if one.shaft in shafts]  # whose loads follow
         elements = frozenset([f"coupling.{coupling.id}", *beside])
         yield ExpectedChange(f"coupling.{coupling.id}", (whole, SMALL * whole, *planes), elements)
 

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from estimator.diagnosis.bayes_factors import Diagnosis
+from estimator.diagnosis.data_faults import says_nothing
 from estimator.diagnosis.film_reference import film_observation, is_of_films
 from estimator.diagnosis.finding_kind import Cause, ChangeSize
 from estimator.diagnosis.healthy_variation import typical_amplitude
@@ -26,7 +27,7 @@ from service.monitoring.assessment import (
     MachineDiagnosis,
     RateAssessment,
 )
-from service.monitoring.diagnosis_rules import delays
+from service.monitoring.diagnosis_rules import UNLIMITED_DELAY, delays
 from service.monitoring.finding_rules import MISALIGNMENT, RATE_OF_CHANGE
 from service.monitoring.limits import Limits
 from service.monitoring.rate_of_change import RateFinding, rate_findings
@@ -92,6 +93,9 @@ def _compare_films(context: AssessmentContext) -> BaselineComparison | None:
     after = [(run, said) for run, said in told if said.names == baseline[0].names]
     if not _comparable(context, [run for run, _ in after], baseline):
         return None
+    heard = [(run, said) for run, said in after if not says_nothing(said)]
+    if any(not says_nothing(said) for _, said in after[-UNLIMITED_DELAY:]):
+        after = heard  # else the newest runs are told as what no fit explains
     variation = learnt(machine, context.baseline)
     watch = RunWindows.over(machine, baseline, variation=variation)
     return BaselineComparison(watch, tuple(run for run, _ in after), tuple(said for _, said in after), variation)

@@ -10,6 +10,7 @@ import pytest
 
 from estimator.arrays import Floats
 from estimator.diagnosis.bayes_factors import Diagnosis
+from estimator.diagnosis.data_faults import fits, says_nothing
 from estimator.diagnosis.film_reference import film_observation, film_reference, is_of_films
 from estimator.diagnosis.finding_kind import BaselineValues, Cause
 from estimator.diagnosis.finding_kinds import finding_kind
@@ -142,6 +143,16 @@ def test_a_run_that_is_refused_for_its_films_alone_says_what_it_says() -> None:
     moved = {"bearing.B3.elevation_y": -80e-6, "bearing.B4.elevation_y": -80e-6}
     assert only(after(moved, accepted=False)).kind == "misalignment"
     assert only(after(moved, accepted=False, chi_square=9000.0)).kind == "misfit"
+
+
+def test_a_refused_run_whose_films_deviate_absurdly_says_nothing() -> None:
+    one, *_ = after({}, runs=1, accepted=False)
+    assert not says_nothing(one)
+    deviating = [name.startswith("films.B2.") for name in one.names]
+    absurd = replace(one, reference=np.where(deviating, 4.0, one.reference))
+    assert says_nothing(absurd)
+    assert not fits(absurd, frozenset())
+    assert not says_nothing(replace(absurd, accepted=True))
 
 
 def test_what_was_believed_beforehand_is_not_counted_with_every_run() -> None:
