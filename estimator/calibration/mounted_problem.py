@@ -40,6 +40,12 @@ class MountedLinearisation:
     mixed: Floats
     difference: Floats
 
+    def explained(self) -> Floats:
+        """Return the curvature (n, n) that the differences between mountings take away [-]."""
+        count = self.mixed.shape[1]
+        solved = np.matmul(self.mixed, self.inverse).swapaxes(0, 1).reshape(count, -1)
+        return np.asarray(solved @ self.mixed.swapaxes(0, 1).reshape(count, -1).T)
+
 
 @dataclass(frozen=True)
 class MountedProblem(FitProblem):
@@ -87,7 +93,7 @@ class MountedProblem(FitProblem):
         found = self.linearisation(theta, weight)
         chi_square = float(found.residual @ found.residual + np.sum(found.difference**2))
         curvature = found.rows @ found.rows.T
-        curvature -= np.einsum("mnq,mqp,mkp->nk", found.mixed, found.inverse, found.mixed, optimize=True)
+        curvature -= found.explained()
         return chi_square, found.rows @ found.residual, curvature
 
     def chi_square(self, theta: Floats, weight: Floats) -> float:
