@@ -29,6 +29,8 @@ STATED_RUN_OUT = 3e-7
 """Run-out by which a channel differs from mounting to mounting, before the runs have shown it [m]."""
 STATED_NOISE = 2e-7
 """Rms error of a phasor at constant speed, before the runs have shown it [m]."""
+LARGEST_MOUNTING_PART = 0.3
+"""Part of the trial weights' effect beyond which differences between mountings are a model that does not fit [-]."""
 PASSES = 10
 """Most times that the sizes of scatter are estimated anew."""
 STEPS = 40
@@ -214,6 +216,11 @@ def _verdict(problem: MountedProblem, theta: Floats, converged: bool) -> tuple[b
         return False, f"not converged, {words}"
     if part[worst] > LARGEST_ESTIMATED_NOISE:
         return False, f"the model does not fit the runs: {words}; are weights, angles and their sense right?"
+    moved = problem.unexplained_part(theta)
+    if moved > LARGEST_MOUNTING_PART:
+        most = 100 * LARGEST_MOUNTING_PART
+        words = f"mountings differ by {100 * moved:.0f} % of what the trial weights do, {most:.0f} % at most"
+        return False, f"the model does not fit the runs: {words}; are weights, angles, their sense and the phase's right?"
     return True, f"accepted: {words}"
 
 

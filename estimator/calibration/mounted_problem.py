@@ -6,7 +6,7 @@ curvature is the Schur complement (mixed model: Henderson, Biometrics 31 (1975) 
 linear unknowns: Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413, doi:10.1137/0710036).
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,6 +79,20 @@ class MountedProblem(FitProblem):
         phasor, by_difference = self._effects(theta, self.scaled_train(theta))
         difference = self._differences(phasor, by_difference, weight)[1]
         return np.asarray(phasor + np.einsum("sq,qsc->sc", difference[self.mounting], by_difference))
+
+    def unexplained_part(self, theta: Floats) -> float:
+        """Compute how large what differs between mountings is beside what the known unbalances do.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Rms of the effects of the differences over that of the effects of added unbalances [-].
+        """
+        bare = replace(self, measurement=replace(self.measurement, added=None))
+        with_added, without = (one._effects(theta, one.scaled_train(theta))[0] for one in (self, bare))
+        differences, trials = self.model(theta) - with_added, with_added - without
+        return float(np.linalg.norm(differences[self.used]) / np.linalg.norm(trials[self.used]))
 
     def linearised(self, theta: Floats, weight: Floats) -> tuple[float, Floats, Floats]:
         """Linearise the problem at θ, without the differences between mountings.
