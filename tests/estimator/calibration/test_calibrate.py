@@ -74,7 +74,7 @@ def test_a_later_change_of_unbalance_lies_in_its_interval(plant: SimulatedKit, c
 def test_a_later_fit_is_held_and_its_intervals_hold_the_calibration_s_uncertainty(
     plant: SimulatedKit, calibrated: Calibrated
 ) -> None:
-    later = replace(plant.run(np.zeros(2)), added=None)
+    later = replace(plant.run(np.zeros(2, dtype=complex)), added=None)
     with pytest.raises(NotEnoughData):
         identify(plant.machine, later.pick(np.arange(3) == 0))
     found = identify(calibrated.machine, later.pick(np.arange(3) == 0))
@@ -87,7 +87,7 @@ def test_a_later_fit_is_held_and_its_intervals_hold_the_calibration_s_uncertaint
 
 
 def test_the_unbalance_since_needs_a_calibration(plant: SimulatedKit, calibrated: Calibrated) -> None:
-    found = identify(calibrated.machine, replace(plant.run(np.zeros(2)), added=None))
+    found = identify(calibrated.machine, replace(plant.run(np.zeros(2, dtype=complex)), added=None))
     assert unbalance_since(plant.machine, found) is None
 
 
