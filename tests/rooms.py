@@ -113,7 +113,7 @@ service/api: service/api/alerts service/api/cache service/api/conventions servic
 service/doctor: service/api service/configuration service/delivery service/maintenance service/messaging
     service/security service/wire storage/alerts storage/backup storage/database storage/operation
 service/commands: rotorundown
-    estimator estimator/fit estimator/identification estimator/machine estimator/modes estimator/phasors
+    estimator estimator/calibration estimator/fit estimator/identification estimator/machine estimator/modes estimator/phasors
     estimator/simulation estimator/statics estimator/thesis estimator/updated_model service/api service/api/operation
     service/configuration service/delivery service/doctor service/edge service/export service/http
     service/identification service/ingest service/journal service/maintenance service/messaging service/monitoring

@@ -13,7 +13,6 @@ from estimator.calibration.undetermined import distinct_speeds, freed
 from estimator.calibration.variance_components import ScatterModel, ScatterSizes
 from estimator.fit.coordinates import Coordinates
 from estimator.fit.goodness_of_fit import LARGEST_ESTIMATED_NOISE
-from estimator.fit.identify import most_samples
 from estimator.fit.maximum_likelihood import descend
 from estimator.fit.multistart import best_fit
 from estimator.machine.calibration import Calibration, CalibrationRunRecord, ChannelScatter, MountingSpread
@@ -30,12 +29,14 @@ STATED_RUN_OUT = 3e-7
 """Run-out by which a channel differs from mounting to mounting, before the runs have shown it [m]."""
 STATED_NOISE = 2e-7
 """Rms error of a phasor at constant speed, before the runs have shown it [m]."""
+LARGEST_MOUNTING_PART = 0.3
+"""Part of the trial weights' effect beyond which differences between mountings are a model that does not fit [-]."""
 PASSES = 10
 """Most times that the sizes of scatter are estimated anew."""
 STEPS = 40
 """Most steps of the fit in each of these."""
-FEWEST_OF_A_RUN = 50
-"""Number of samples of each run that are always fitted."""
+MOST_OF_SWEEPS = (120, 400)
+"""Number of samples of all sweeps together for the starts, and for the end: more at nearly the same speeds say little."""
 STARTS = 6
 """Most starts of the first fit."""
 
@@ -95,20 +96,18 @@ def calibrate(machine: Machine, runs: Sequence[CalibrationRun], *, seed: int = 0
         SingularCondensation: The train cannot be condensed at a speed.
     """
     remarks = check_runs(machine, runs)
-    gathered = _gathered(machine, runs)
-    fitted, held = freed(machine, gathered.measurement)
-    problem, scatter, speeds = _problem(fitted, gathered)
+    few, most = (_gathered(runs, most) for most in MOST_OF_SWEEPS)
+    fitted, held = freed(machine, most.measurement)
+    problem, scatter, speeds = _problem(fitted, few)
     sizes = scatter.stated
     problem = scatter.applied(problem, sizes)
-    first = best_fit(problem, starts=STARTS, seed=seed, good=lambda _: True, twice=True)
-    theta, converged = first.fit.theta, first.fit.converged
-    for _ in range(PASSES):
-        before, sizes = sizes, scatter.estimated(problem, theta, sizes)
-        problem = scatter.applied(problem, sizes)
-        weight = problem.weight(np.abs(problem.measurement.phasor), 0.0)
-        theta, converged, _ = descend(problem, theta, weight, STEPS)
-        if sizes.is_near(before):
-            break
+    first = best_fit(problem, starts=STARTS, seed=seed, good=lambda _: True, twice=True, passes=0)
+    theta, sizes, converged = _settled(problem, scatter, first.fit.theta, sizes)
+    if most.mounting.size > few.mounting.size:
+        point = problem.coordinates.point(theta)
+        problem, scatter, speeds = _problem(fitted, most)
+        theta, sizes, converged = _settled(problem, scatter, problem.coordinates.theta(point), sizes)
+    problem = scatter.applied(problem, sizes)
     remarks = (*held, *remarks, *first.remarks)
     accepted, verdict = _verdict(problem, theta, converged)
     calibration = _calibration(problem, theta, runs, sizes, speeds=speeds, groups=scatter.group).model_copy(
@@ -118,11 +117,25 @@ def calibrate(machine: Machine, runs: Sequence[CalibrationRun], *, seed: int = 0
     return Calibrated(found, accepted, verdict, remarks, first.starts, bool(first.unique), sizes, speeds)
 
 
-def _gathered(machine: Machine, runs: Sequence[CalibrationRun]) -> _Gathered:
+def _settled(
+    problem: MountedProblem, scatter: ScatterModel, theta: Floats, sizes: ScatterSizes
+) -> tuple[Floats, ScatterSizes, bool]:
+    """Return θ (n,) and the sizes of scatter that no longer change each other, and whether the fit has converged."""
+    converged, before = False, sizes
+    for _ in range(PASSES):
+        now = scatter.applied(problem, sizes)
+        theta, converged, _ = descend(now, theta, now.weight(np.abs(now.measurement.phasor), 0.0), STEPS)
+        before, sizes = sizes, scatter.estimated(now, theta, sizes)
+        if sizes.is_near(before):
+            return theta, before, converged
+    return theta, before, converged
+
+
+def _gathered(runs: Sequence[CalibrationRun], most: int) -> _Gathered:
     whole = joined([run.measurement for run in runs])
     names = np.array([name for run in runs for name in run.mounting])
     steady = np.concatenate([np.full(run.measurement.speed.size, run.steady) for run in runs])
-    kept = whole.usable.any(axis=1) & np.concatenate([_evenly(run, most_samples(machine) // len(runs)) for run in runs])
+    kept = whole.usable.any(axis=1) & _picked(runs, most)
     whole, names, steady = whole.pick(kept), names[kept], steady[kept]
     _, mounting = np.unique(names, return_inverse=True)
     order = np.argsort(mounting, kind="stable")
@@ -130,10 +143,16 @@ def _gathered(machine: Machine, runs: Sequence[CalibrationRun]) -> _Gathered:
     return _Gathered(_sorted(replace(whole, phasor=silenced), order), mounting[order], steady[order])
 
 
-def _evenly(run: CalibrationRun, most: int) -> NDArray[np.bool_]:
-    """Return which of a run's samples (S,) are fitted: not many more than `most`, evenly."""
-    step = max(1, -(-run.measurement.speed.size // max(FEWEST_OF_A_RUN, most)))
-    return np.asarray(np.arange(run.measurement.speed.size) % step == 0)
+def _picked(runs: Sequence[CalibrationRun], most: int) -> NDArray[np.bool_]:
+    """Return which samples (S,) are fitted: all dwells, and of sweeps hardly more than `most`, each run's at other speeds."""
+    total = sum(run.measurement.speed.size for run in runs if not run.steady)
+    step = max(1, -(-total // most))
+    return np.concatenate(
+        [
+            np.arange(run.measurement.speed.size) % (1 if run.steady else step) == number % (1 if run.steady else step)
+            for number, run in enumerate(runs)
+        ]
+    )
 
 
 def _sorted(measurement: Measurement, order: NDArray[np.intp]) -> Measurement:
@@ -197,6 +216,11 @@ def _verdict(problem: MountedProblem, theta: Floats, converged: bool) -> tuple[b
         return False, f"not converged, {words}"
     if part[worst] > LARGEST_ESTIMATED_NOISE:
         return False, f"the model does not fit the runs: {words}; are weights, angles and their sense right?"
+    moved = problem.unexplained_part(theta)
+    if moved > LARGEST_MOUNTING_PART:
+        most = 100 * LARGEST_MOUNTING_PART
+        words = f"mountings differ by {100 * moved:.0f} % of what the trial weights do, {most:.0f} % at most"
+        return False, f"the model does not fit the runs: {words}; are weights, angles, their sense and the phase's right?"
     return True, f"accepted: {words}"
 
 

@@ -6,7 +6,7 @@ curvature is the Schur complement (mixed model: Henderson, Biometrics 31 (1975) 
 linear unknowns: Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413, doi:10.1137/0710036).
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +39,12 @@ class MountedLinearisation:
     inverse: Floats
     mixed: Floats
     difference: Floats
+
+    def explained(self) -> Floats:
+        """Return the curvature (n, n) that the differences between mountings take away [-]."""
+        count = self.mixed.shape[1]
+        solved = np.matmul(self.mixed, self.inverse).swapaxes(0, 1).reshape(count, -1)
+        return np.asarray(solved @ self.mixed.swapaxes(0, 1).reshape(count, -1).T)
 
 
 @dataclass(frozen=True)
@@ -74,6 +80,20 @@ class MountedProblem(FitProblem):
         difference = self._differences(phasor, by_difference, weight)[1]
         return np.asarray(phasor + np.einsum("sq,qsc->sc", difference[self.mounting], by_difference))
 
+    def unexplained_part(self, theta: Floats) -> float:
+        """Compute how large what differs between mountings is beside what the known unbalances do.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Rms of the effects of the differences over that of the effects of added unbalances [-].
+        """
+        bare = replace(self, measurement=replace(self.measurement, added=None))
+        with_added, without = (one._effects(theta, one.scaled_train(theta))[0] for one in (self, bare))
+        differences, trials = self.model(theta) - with_added, with_added - without
+        return float(np.linalg.norm(differences[self.used]) / np.linalg.norm(trials[self.used]))
+
     def linearised(self, theta: Floats, weight: Floats) -> tuple[float, Floats, Floats]:
         """Linearise the problem at θ, without the differences between mountings.
 
@@ -87,7 +107,7 @@ class MountedProblem(FitProblem):
         found = self.linearisation(theta, weight)
         chi_square = float(found.residual @ found.residual + np.sum(found.difference**2))
         curvature = found.rows @ found.rows.T
-        curvature -= np.einsum("mnq,mqp,mkp->nk", found.mixed, found.inverse, found.mixed, optimize=True)
+        curvature -= found.explained()
         return chi_square, found.rows @ found.residual, curvature
 
     def chi_square(self, theta: Floats, weight: Floats) -> float:

@@ -94,7 +94,7 @@ class ScatterModel:
         weight = problem.weight(np.abs(problem.measurement.phasor), 0.0)
         found = problem.linearisation(theta, weight)
         curvature = found.rows @ found.rows.T + problem.coordinates.precision
-        curvature -= np.einsum("mnq,mqp,mkp->nk", found.mixed, found.inverse, found.mixed, optimize=True)
+        curvature -= found.explained()
         covariance: Floats = np.asarray(np.linalg.inv(curvature), dtype=float)
         noise = self._noise(problem, found, covariance, sizes)
         # Squares of the differences in units of their size, and how much of each the data determine.

@@ -40,7 +40,14 @@ STALLED_PROMISE = 5.0
 standard errors."""
 
 
-def fit(problem: FitProblem, start: Floats, *, near: bool = False, give_up_from: float = math.inf) -> FitResult:
+def fit(
+    problem: FitProblem,
+    start: Floats,
+    *,
+    near: bool = False,
+    give_up_from: float = math.inf,
+    passes: int = FINAL_PASSES,
+) -> FitResult:
     """Fit from one start (Marquardt 1963, doi:10.1137/0111030; method in the module's docstring).
 
     Args:
@@ -48,6 +55,7 @@ def fit(problem: FitProblem, start: Floats, *, near: bool = False, give_up_from:
         start: Fit coordinates θ (n,) to start from [-].
         near: Whether the start is an earlier fit's end, which needs no coarse stages.
         give_up_from: χ²/dof after the coarse stages from which on the start is given up [-].
+        passes: Most repetitions of the last stage; none is needed where weights and outliers stay as they are.
 
     Returns:
         End of the fit.
@@ -73,7 +81,7 @@ def fit(problem: FitProblem, start: Floats, *, near: bool = False, give_up_from:
                 break
         problem = without_outliers(problem, theta, misfit)
     given_up = coarse_misfit >= give_up_from
-    for _ in range(0 if given_up else FINAL_PASSES):
+    for _ in range(0 if given_up else passes):
         before = problem
         problem = without_outliers(with_estimated_noise(problem, theta), theta, 0.0)
         weight = problem.weight(np.abs(problem.model(theta)), 0.0)

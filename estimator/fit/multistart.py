@@ -9,7 +9,7 @@ import numpy as np
 from estimator.arrays import Floats
 from estimator.fit.coordinates import Coordinates
 from estimator.fit.fit_problem import FitProblem, FitResult
-from estimator.fit.maximum_likelihood import STAGE_MISFITS, fit
+from estimator.fit.maximum_likelihood import FINAL_PASSES, STAGE_MISFITS, fit
 
 START_SPREAD_LOG = 0.35
 """Standard deviation of the logarithm of a direct term in a random start [-]."""
@@ -70,6 +70,7 @@ def best_fit(
     good: Callable[[FitResult], bool],
     beginning: Floats | None = None,
     twice: bool = False,
+    passes: int = FINAL_PASSES,
 ) -> BestFit:
     """Fit from start after start until one is good, or several agree that it gets no better, or `starts` are spent.
 
@@ -82,6 +83,7 @@ def best_fit(
         good: Function that accepts a fit.
         beginning: Fit coordinates θ (n,) of the first start, in place of the nominal values [-].
         twice: Whether to go on until the best misfit has been reached twice.
+        passes: Most repetitions of each fit's last stage.
 
     Returns:
         The best fit.
@@ -96,10 +98,10 @@ def best_fit(
     iterations = 0
     for start_number in range(1, max(1, starts) + 1):
         if start_number == 1 and beginning is not None:
-            found = fit(problem, beginning, near=True)
+            found = fit(problem, beginning, near=True, passes=passes)
         else:
             start = chosen_start(problem, rng, first=start_number == 1)
-            found = fit(problem, start, give_up_from=give_up_from)
+            found = fit(problem, start, give_up_from=give_up_from, passes=passes)
         iterations += found.iterations
         if np.isfinite(found.misfit) and good(found) and not twice:
             best = found

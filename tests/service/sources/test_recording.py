@@ -176,7 +176,7 @@ def test_times_come_from_a_column_or_an_interval(tmp_path: Path, changes: dict[s
         ({"time": None, "interval_s": float("inf")}, "interval_s: "),
         ({"start": "yesterday"}, "start: "),
         ({"channels": []}, "channels: "),
-        ({"channels": [{"channel": "B2X", "amplitude": "size"}]}, "channels[0].phase: "),
+        ({"channels": [{"channel": "B2X", "amplitude": "size"}]}, "channels[0]: "),
         ({"colour": "red"}, "colour: "),
     ],
 )

@@ -1,0 +1,40 @@
+"""Time that the calibration of many sweeps takes on one core."""
+
+import time
+
+import numpy as np
+
+from benchmarks.calibration.rotor_kit import ROOT
+from estimator.calibration.calibrate import calibrate
+from estimator.calibration.calibration_runs import CalibrationRun
+from estimator.phasors.measurement import Measurement
+from estimator.simulation.simulated_plant import Truth, draw_truth, measured_phasors
+from estimator.units import rpm_to_rad_per_s
+from service.configuration.document_files import read_machine
+
+RUNS, SPEEDS = 20, 150
+SECONDS_ASKED = 10.0
+WEIGHT_ECCENTRICITY = 1e-5
+"""Trial weight over the disc's mass [m]."""
+
+
+def seconds_of_sweeps() -> float:
+    """Return the processor time of a calibration of the motor-pump train, which has eight channels [s]."""
+    machine = read_machine(ROOT / "examples" / "motor-pump.yaml")
+    rng = np.random.default_rng(0)
+    truth = draw_truth(machine, rng)
+    limits = machine.speed_range
+    speed = np.linspace(rpm_to_rad_per_s(limits.minimum_rpm), rpm_to_rad_per_s(limits.maximum_rpm), SPEEDS)
+    runs = []
+    for number in range(RUNS):
+        added = np.zeros(len(machine.discs), dtype=complex)
+        if number:
+            disc = number % added.size
+            added[disc] = machine.discs[disc].mass * WEIGHT_ECCENTRICITY * np.exp(2j * np.pi * rng.random())
+        loaded = Truth(truth.unknowns, truth.coefficients, truth.unbalances + added, truth.factors)
+        phasor = measured_phasors(machine, loaded, speed, rng)
+        measurement = Measurement.of(speed=speed, phasor=phasor).with_trial_weight(added)
+        runs.append(CalibrationRun(f"run-{number}", measurement, (f"run-{number}",) * SPEEDS, steady=False))
+    began = time.process_time()
+    calibrate(machine, runs)
+    return time.process_time() - began

@@ -1,0 +1,93 @@
+"""`rundown calibrate`: from the measured rotor kit's nameplate to a document with which a held-out weight is found."""
+
+import csv
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+
+from service.configuration.document_files import read_machine
+from tests.paths import DATA, EXAMPLES
+from tests.service.commands.command_line import run
+
+DOCUMENT = str(EXAMPLES / "rk4-rotor-kit-four-probes.yaml")
+HELD = "A005"
+
+
+def recording(folder: Path, name: str, *, held: bool, **sidecar: Any) -> str:
+    """Write the measured kit's records without one condition, or those of that condition alone; None takes a field away."""
+    with (DATA / "rk4_unbalance_1x.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    with (folder / f"{name}.csv").open("w", newline="") as file:
+        writer = csv.DictWriter(file, fieldnames=list(rows[0]))
+        writer.writeheader()
+        writer.writerows(row for row in rows if (row["condition"] == HELD) is held)
+    said = yaml.safe_load((DATA / "rk4_unbalance_1x.yaml").read_text()) | sidecar
+    (folder / f"{name}.yaml").write_text(yaml.safe_dump({key: one for key, one in said.items() if one is not None}))
+    return str(folder / f"{name}.csv")
+
+
+@pytest.fixture(scope="module")
+def calibrated(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Path]:
+    """What the command prints, and the document that it writes."""
+    folder = tmp_path_factory.mktemp("calibrated")
+    output = folder / "kit.yaml"
+    return run("calibrate", DOCUMENT, recording(folder, "taught", held=False), "--output", str(output)), output
+
+
+def test_two_commands_find_a_weight_that_was_not_calibrated_with(calibrated: tuple[str, Path], tmp_path: Path) -> None:
+    text, output = calibrated
+    assert text.startswith("accepted")
+    assert "2 speeds cannot determine 16 bearing terms: held at the document's values, within 20 %" in text
+    assert "reached twice" in text
+    later = run("identify", str(output), recording(tmp_path, "later", held=True, added_unbalance=None))
+    assert later.startswith("accepted")
+    assert "sweep" not in later
+    assert "too few usable points" not in later
+    [line] = [line for line in later.splitlines() if line.startswith("  D1")]
+    words = line.split()
+    size, half, reading, open_angle = float(words[1]), float(words[3]), float(words[7]), float(words[9].rstrip("°"))
+    assert abs(size - 30.0) < half < 15.0
+    assert abs((reading + 180.0) % 360.0 - 180.0) < open_angle < 40.0
+
+
+def test_the_document_says_where_its_calibration_comes_from(calibrated: tuple[str, Path]) -> None:
+    machine = read_machine(calibrated[1])
+    assert machine.calibration is not None
+    [one] = machine.calibration.runs
+    assert (one.name, one.samples, one.mountings) == ("taught.csv", 38, 19)
+    assert len(one.sha256) == 64
+    assert not machine.describes_the_same_as(read_machine(Path(DOCUMENT)))
+
+
+def test_a_covariance_that_was_cut_short_is_refused(calibrated: tuple[str, Path], tmp_path: Path) -> None:
+    document = yaml.safe_load(calibrated[1].read_text())
+    document["calibration"]["covariance"] = document["calibration"]["covariance"][:-1]
+    (tmp_path / "cut.yaml").write_text(yaml.safe_dump(document))
+    assert "37 parameters need 37 values and a covariance of 37 rows" in run("document", str(tmp_path / "cut.yaml"), status=1)
+
+
+@pytest.mark.parametrize(
+    ("sidecar", "words"),
+    [
+        ({"added_unbalance": None}, "does not state which trial weights were on: `added_unbalance: none` for none"),
+        (
+            {"added_unbalance": {"D1": {"amount": "U1_gmm", "unit": "kg m", "angle_deg": "U1_deg"}}},
+            "60 kg m on disc D1 (0.8 kg) would move its centre of mass by 75 m: 60 g mm is likely, so `unit: g mm`",
+        ),
+        ({"added_unbalance": "none"}, "no run has a trial weight"),
+        ({"kind": "sweep", "interval_s": 1.0}, "its sidecar says `kind: dwells`"),
+    ],
+)
+def test_wrong_runs_are_named(tmp_path: Path, sidecar: dict[str, Any], words: str) -> None:
+    file = recording(tmp_path, "wrong", held=False, **sidecar)
+    assert words in run("calibrate", DOCUMENT, file, "--output", str(tmp_path / "none.yaml"), status=1)
+    assert not (tmp_path / "none.yaml").exists()
+
+
+def test_runs_that_the_model_cannot_explain_write_nothing(tmp_path: Path) -> None:
+    file = recording(tmp_path, "lead", held=False, phase_convention="lead", disc_scale={"counted": "against-rotation"})
+    output = tmp_path / "none.yaml"
+    assert "NOT ACCEPTED" in run("calibrate", DOCUMENT, file, "--output", str(output), status=1)
+    assert not output.exists()
