@@ -21,13 +21,13 @@ estimator/fit: estimator estimator/bearings estimator/machine estimator/modes es
 estimator/runs: estimator estimator/machine estimator/phasors
 estimator/calibration: estimator estimator/fit estimator/machine estimator/phasors estimator/rotor
 estimator/thesis: estimator estimator/bearings estimator/machine estimator/modes estimator/phasors estimator/rotor
-estimator/alignment: estimator estimator/bearings estimator/fit estimator/machine estimator/statics estimator/updated_model
-estimator/diagnosis: estimator estimator/alignment estimator/fit estimator/machine estimator/rotor estimator/statics
-    estimator/trends estimator/updated_model
 estimator/simulation: estimator estimator/bearings estimator/machine estimator/phasors estimator/rotor estimator/runs
     estimator/statics estimator/trends
 estimator/updated_model: estimator estimator/bearings estimator/fit estimator/machine estimator/modes estimator/phasors
     estimator/rotor estimator/statics
+estimator/alignment: estimator estimator/bearings estimator/fit estimator/machine estimator/statics estimator/updated_model
+estimator/diagnosis: estimator estimator/alignment estimator/fit estimator/machine estimator/rotor estimator/statics
+    estimator/trends estimator/updated_model
 estimator/identification: estimator estimator/fit estimator/machine estimator/modes estimator/phasors estimator/rotor
     estimator/updated_model
 storage:
@@ -114,8 +114,8 @@ service/doctor: service/api service/configuration service/delivery service/maint
     service/security service/wire storage/alerts storage/backup storage/database storage/operation
 service/commands: rotorundown
     estimator estimator/calibration estimator/fit estimator/identification estimator/machine estimator/modes estimator/phasors
-    estimator/simulation estimator/statics estimator/thesis estimator/updated_model service/api service/api/operation
-    service/configuration service/delivery service/doctor service/edge service/export service/http
+    estimator/rotor estimator/simulation estimator/statics estimator/thesis estimator/updated_model service/api
+    service/api/operation service/configuration service/delivery service/doctor service/edge service/export service/http
     service/identification service/ingest service/journal service/maintenance service/messaging service/monitoring
     service/replication service/resilience service/runs service/secrets service/security service/sources service/wire
     service/workers storage storage/backup storage/database storage/encoding storage/machines storage/operation

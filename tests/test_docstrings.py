@@ -23,7 +23,7 @@ OWN_VERBS = (
     "Suppress Tell Try Tune Unlatch Update Verify Wait Write "
     "Concatenate Do Flush Freeze Limit Lock Note Order Overwrite Pack Pickle Process Rename Restrict Rewrite Transfer "
     "Undeclare Unlock Upgrade Work Abandon Continue Declare Deregister Exclude File Forget Go Have Iterate Look Postpone "
-    "Query Reopen Request Say Warn Plot"
+    "Query Reopen Request Say Warn Plot Calibrate"
 )
 """First words of a function's docstring, beside those of the estimator; a verb that is missing may be added."""
 ALEMBIC = ("upgrade", "downgrade")

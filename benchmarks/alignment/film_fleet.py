@@ -55,7 +55,7 @@ class OpenedAlert:
 
 @dataclass(frozen=True)
 class FleetRecord:
-    """What became of one machine.
+    """History of one machine and what was told of it.
 
     Attributes:
         seed, kind, happening, onset: Of its history.

@@ -6,7 +6,7 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from service.commands.offline import read_calibration_runs
+from service.sources.recorded_runs import read_calibration_runs
 
 from estimator.arrays import Complexes, Floats
 from estimator.calibration.calibrate import calibrate

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.machine.film_speeds import told_rpm
+from estimator.machine.film_speeds import reported_rpm
 from estimator.statics.journal_states import journal_states
 from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model.film_results import placed_films
@@ -44,7 +44,7 @@ def film_loads(model: UpdatedModel) -> tuple[FilmLoad, ...]:
     Returns:
         The loads, bearing by bearing; none of a train whose coefficients do not follow from films, or without equilibrium.
     """
-    speed = np.array([rpm_to_rad_per_s(told_rpm(model.machine)[-1])])
+    speed = np.array([rpm_to_rad_per_s(reported_rpm(model.machine)[-1])])
     coordinates = model.coordinates_at(speed)
     found = placed_films(coordinates)
     if found is None:

@@ -234,7 +234,7 @@ def _vectors(table: RecordedTable, channel: RecordedChannel) -> list[complex | N
 
 @dataclass(frozen=True)
 class RecordedCircumstances:
-    """What a recording's sidecar states of the machine in each of its rows.
+    """Circumstances of a recording that its sidecar states, row by row.
 
     Attributes:
         kind: Whether it is a sweep or rows at constant speeds.

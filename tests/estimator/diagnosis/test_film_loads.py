@@ -9,7 +9,7 @@ import pytest
 from estimator.alignment.film_loads import FilmLoad, film_loads
 from estimator.diagnosis.data_faults import heavy_loads, light_loads
 from estimator.diagnosis.observation import Observation
-from estimator.machine.film_speeds import told_rpm
+from estimator.machine.film_speeds import reported_rpm
 from estimator.updated_model.derived_quantities import model_quantities
 from estimator.updated_model.model import expected_model
 from tests.estimator.diagnosis.test_film_reference import after
@@ -55,7 +55,7 @@ def test_trains_without_films_have_no_loads() -> None:
 
 def test_loads_are_those_that_are_trended() -> None:
     model = before(expected_model(machine_of()))
-    derived = {one.name: one for one in model_quantities(model, speed=told_rpm(model.machine)[-1] * np.pi / 30)}
+    derived = {one.name: one for one in model_quantities(model, speed=reported_rpm(model.machine)[-1] * np.pi / 30)}
     for one in film_loads(model):
         trended = derived[f"bearing.{one.bearing}.load_vertical"]
         assert trended.lower is not None
