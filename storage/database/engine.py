@@ -28,7 +28,7 @@ from storage.recent_maximum import RecentMaximum
 
 LARGEST_LOG = 64 * 2**20
 """Size [bytes] to which a checkpoint cuts SQLite's log back after readers have let it grow."""
-FRAMES_AT_A_LOOK, EVERY_FRAME = 500, 2**31
+FRAMES_AT_A_LOOK, EVERY_FRAME = 300, 2**31
 """Numbers of the log's frames that a regular look, and the one before the last checkpoint, take in."""
 MENDED = "pages of its log were overwritten, and newer ones or the file itself have all they held"
 """Finding that is told until a check has found all pages whole."""
