@@ -55,7 +55,7 @@ class OpenedAlert:
 
 @dataclass(frozen=True)
 class FleetRecord:
-    """What became of one machine.
+    """Record of what became of one machine.
 
     Attributes:
         seed, kind, happening, onset: Of its history.
