@@ -55,7 +55,7 @@ class OpenedAlert:
 
 @dataclass(frozen=True)
 class FleetRecord:
-    """History of one machine and what was told of it.
+    """Record of what became of one machine.
 
     Attributes:
         seed, kind, happening, onset: Of its history.

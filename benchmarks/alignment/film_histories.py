@@ -28,7 +28,7 @@ from tests.film_plant.train import ConstantOil, Train
 
 Happening = Literal["healthy", "step", "beyond", "within", "wear", "unbalance", "gain"]
 HAPPENINGS: tuple[Happening, ...] = ("healthy", "step", "beyond", "within", "wear", "unbalance", "gain")
-"""Things that happen: nothing; the second shaft sinks by the step that is asked, by twice and by half of what is allowed; a
+"""Events of a history: nothing; the second shaft sinks by the step that is asked, by twice and by half of what is allowed; a
 clearance grows by 15 %, an unbalance by half, a probe's gain by 10 %."""
 STEPS: dict[CouplingKind, float] = {"rigid": 20e-6, "flexible": 100e-6}
 """Steps of the offset that are asked to be seen [m]."""

@@ -30,7 +30,6 @@ METHODS = re.compile(
 )
 """Names of authors whose methods are meant where they occur."""
 OWN = {
-    "diagnosis/data_faults.py": "probabilities of counts and of χ², stated at each function",
     "alignment/run_likelihood.py": "a posterior over its prior, in the module's docstring",
     "diagnosis/film_reference.py": "the same, and what the diagnosis makes of it",
     "diagnosis/observation.py": "a second-order expansion of the likelihood, in the module's docstring",

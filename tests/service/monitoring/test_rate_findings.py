@@ -57,3 +57,14 @@ def test_an_element_may_drift_faster_where_a_person_says_so() -> None:
 def test_a_large_slope_that_may_be_chance_is_none() -> None:
     wild = rate_findings(Limits(), drifting((0.006, 0.0, 0.0, 0.0), scatter=0.1))
     assert wild == ()
+
+
+def test_a_season_of_oil_drifts_and_is_no_rate() -> None:
+    """Viscosities follow the year by several per cent a week; the diagnosis judges numbers of films in their own units."""
+    names = ("bearing.B2.viscosity", "oil.MAIN.viscosity_factor", "bearing.B2.elevation_y", "bearing.B2.clearance")
+    rng = np.random.default_rng(8)
+    drifted = [
+        Reading(float(week), Point(names, 0.03 * week + 0.002 * rng.standard_normal(4), 1e-6 * np.eye(4)))
+        for week in range(16)
+    ]
+    assert rate_findings(Limits(), drifted, None) == ()

@@ -44,8 +44,8 @@ def test_limits_are_the_defaults_until_somebody_sets_others(plant: Database, api
     assert after == answer.json()
     assert (after["version"], after["by"], after["comment"]) == (1, "anna", "after the overhaul")
     assert after["limits"]["misalignment"]["on_delay"] == 3
-    assert after["limits"]["misalignment"]["alert"] == {"sigma": 3, "per_cent": 3} | dict.fromkeys(
-        ("force", "rate_per_cent_per_week")
+    assert after["limits"]["misalignment"]["alert"] == {"sigma": 3, "per_cent": 3, "tolerance_per_cent": 25} | dict.fromkeys(
+        ("force", "rate_per_cent_per_week", "beyond_tolerance")
     )
     with plant.reading() as session:
         assert limits_in_force(session, "pump-7") == Limits.model_validate(PATIENT)
