@@ -102,7 +102,7 @@ def alignment_changes(
     own, pull = _seen_through(*_likelihood(later, coordinates), varying)
     size, believed = coordinates.size, coordinates.spread[moving]
     information = np.zeros((size + len(moving), size + len(moving)))
-    information[:size, :size] = sum((one for one, _ in before), own) + coordinates.precision
+    information[:size, :size] = sum((one for one, _ in before), own) + coordinates.prior.precision
     information[:size, size:], information[size:, :size] = own[:, moving], own[moving]
     information[size:, size:] = own[np.ix_(moving, moving)] + np.diag(believed**-2)
     vector = np.concatenate([sum((one for _, one in before), pull), pull[moving]])
@@ -124,7 +124,7 @@ def _likelihood(model: UpdatedModel, coordinates: Coordinates) -> tuple[Floats, 
     scale = np.sqrt(np.diag(covariance))
     posterior = np.linalg.inv(covariance / np.outer(scale, scale)) / np.outer(scale, scale)
     away = coordinates.theta(model.values) - coordinates.centre
-    return posterior - coordinates.precision, np.asarray(posterior @ away)
+    return posterior - coordinates.prior.precision, np.asarray(posterior @ away)
 
 
 def _seen_through(information: Floats, vector: Floats, varying: Floats) -> tuple[Floats, Floats]:

@@ -212,7 +212,7 @@ def _vectors(table: RecordedTable, channel: RecordedChannel) -> list[complex | N
 
 @dataclass(frozen=True)
 class RecordedCircumstances:
-    """What a recording's sidecar states of the machine in each of its rows.
+    """Statements of a recording's sidecar on the machine in each of its rows.
 
     Attributes:
         kind: Whether it is a sweep or rows at constant speeds.
