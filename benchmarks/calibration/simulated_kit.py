@@ -64,7 +64,7 @@ class SimulatedKit:
 
 
 def later_changes(seed: int) -> HeldOut:
-    """Calibrate a simulated kit, and estimate unbalances that it gains later."""
+    """Estimate, with a simulated kit calibrated, unbalances that it gains later."""
     plant = SimulatedKit(seed)
     count = len(SPEEDS_RPM)
     runs = [

@@ -14,6 +14,8 @@ from service.configuration.document_files import read_machine
 
 RUNS, SPEEDS = 20, 150
 SECONDS_ASKED = 10.0
+GAIN_ERROR, RUN_OUT = 0.2, 3e-6
+"""Rms errors of the channels' gain and phase [-, rad], and rms parts of their run-outs [m]."""
 WEIGHT_ECCENTRICITY = 1e-5
 """Trial weight over the disc's mass [m]."""
 
@@ -25,6 +27,9 @@ def seconds_of_sweeps() -> float:
     truth = draw_truth(machine, rng)
     limits = machine.speed_range
     speed = np.linspace(rpm_to_rad_per_s(limits.minimum_rpm), rpm_to_rad_per_s(limits.maximum_rpm), SPEEDS)
+    channels = len(machine.probes)
+    gain = np.exp(GAIN_ERROR * (rng.standard_normal(channels) + 1j * rng.standard_normal(channels)))
+    run_out = RUN_OUT * (rng.standard_normal(channels) + 1j * rng.standard_normal(channels))
     runs = []
     for number in range(RUNS):
         added = np.zeros(len(machine.discs), dtype=complex)
@@ -32,7 +37,7 @@ def seconds_of_sweeps() -> float:
             disc = number % added.size
             added[disc] = machine.discs[disc].mass * WEIGHT_ECCENTRICITY * np.exp(2j * np.pi * rng.random())
         loaded = Truth(truth.unknowns, truth.coefficients, truth.unbalances + added, truth.factors)
-        phasor = measured_phasors(machine, loaded, speed, rng)
+        phasor = measured_phasors(machine, loaded, speed, rng) * gain + run_out
         measurement = Measurement.of(speed=speed, phasor=phasor).with_trial_weight(added)
         runs.append(CalibrationRun(f"run-{number}", measurement, (f"run-{number}",) * SPEEDS, steady=False))
     began = time.process_time()

@@ -235,7 +235,7 @@ def _calibration(
 ) -> Calibration:
     coordinates, train = problem.coordinates, problem.train
     _, _, information = problem.linearised(theta, problem.weight(np.abs(problem.measurement.phasor), 0.0))
-    covariance = np.linalg.inv(information + coordinates.precision) * np.outer(coordinates.unit, coordinates.unit)
+    covariance = np.linalg.inv(information + coordinates.prior.precision) * np.outer(coordinates.unit, coordinates.unit)
     covariance = (covariance + covariance.T) / 2.0
     unbalances = [f"{one.name}.{part}" for one in train.unknowns.unbalances for part in ("real", "imaginary")]
     discs = [

@@ -110,7 +110,7 @@ def _meant(disc: Disc, size: float) -> str:
 
 
 def _alike(machine: Machine, added: Complexes, differs: np.ndarray) -> tuple[str, ...]:
-    """Remark that discs always had weights in the same proportion, so that the model alone tells them apart."""
+    """State that discs always had weights in the same proportion, so that the model alone tells them apart."""
     tried = np.flatnonzero(differs)
     centred = added[:, tried] - added[:, tried].mean(axis=0)
     values = np.linalg.svd(centred / np.max(np.abs(centred), axis=0), compute_uv=False)

@@ -41,7 +41,11 @@ class MountedLinearisation:
     difference: Floats
 
     def explained(self) -> Floats:
-        """Return the curvature (n, n) that the differences between mountings take away [-]."""
+        """Compute the curvature that the differences between mountings take away.
+
+        Returns:
+            Curvature (n, n) [-].
+        """
         count = self.mixed.shape[1]
         solved = np.matmul(self.mixed, self.inverse).swapaxes(0, 1).reshape(count, -1)
         return np.asarray(solved @ self.mixed.swapaxes(0, 1).reshape(count, -1).T)

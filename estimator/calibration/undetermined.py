@@ -19,7 +19,7 @@ SAME_SPEED = 0.01
 HELD_SPREAD = 0.2
 """Standard deviation by which held terms may still differ from the document, relative [-]."""
 HELD_CROSS_SPREAD = 0.05
-"""The same of held cross-coupled terms, as a part of the direct terms beside them [-]: more would let modes grow."""
+"""Standard deviation of held cross-coupled terms, as a part of the direct terms beside them [-]: more would let modes grow."""
 GAIN_SPREAD = 3.0
 """Spread of a gain before it is calibrated [-]: the chain may be any."""
 RUN_OUT_PART = 0.3

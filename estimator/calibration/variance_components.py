@@ -51,7 +51,7 @@ class ScatterSizes:
 
 @dataclass(frozen=True)
 class ScatterModel:
-    """What scatters alike in a calibration.
+    """Model of what scatters alike in a calibration.
 
     Attributes:
         base: Rms error (S, m) of each phasor for a size of one [m].
@@ -93,7 +93,7 @@ class ScatterModel:
         """
         weight = problem.weight(np.abs(problem.measurement.phasor), 0.0)
         found = problem.linearisation(theta, weight)
-        curvature = found.rows @ found.rows.T + problem.coordinates.precision
+        curvature = found.rows @ found.rows.T + problem.coordinates.prior.precision
         curvature -= found.explained()
         covariance: Floats = np.asarray(np.linalg.inv(curvature), dtype=float)
         noise = self._noise(problem, found, covariance, sizes)

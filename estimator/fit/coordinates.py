@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from estimator.arrays import Complexes, Floats
 from estimator.bearings.model import ChainedCurves, CoefficientCurves, CoefficientModel, ModelParameter
 from estimator.fit.channel_coordinates import ChannelCoordinates
+from estimator.fit.prior import Prior, calibrated_prior
 from estimator.fit.train_models import train_models
 from estimator.machine.calibration import Calibration
 from estimator.quantities import Quantity
@@ -179,56 +180,15 @@ class Coordinates:
         found[: len(self.parameters)] = [one.nuisance for one in self.parameters]
         return found
 
-    @cached_property
-    def counted_by_effect(self) -> NDArray[np.bool_]:
-        """Return which coordinates use up only as much freedom as the data say of them (n,): a prior says the rest."""
-        found = self.nuisance.copy()
-        found[list(self.calibrated_places)] = True
-        return found
-
     @property
     def size(self) -> int:
         """Return the number of coordinates n."""
         return len(self.names)
 
     @cached_property
-    def precision(self) -> Floats:
-        """Return the precision (n, n) of the prior on θ [-]."""
-        return np.diag(self.spread**-2) if self.calibrated is None else self.calibrated
-
-    def pull(self, theta: Floats) -> Floats:
-        """Compute half the derivative of the prior's cost.
-
-        Args:
-            theta: Fit coordinates θ (n,) [-].
-
-        Returns:
-            Half the derivative (n,) of (θ - centre)ᵀ precision (θ - centre) [-].
-        """
-        return np.asarray(self.precision @ (theta - self.centre))
-
-    def prior_cost(self, theta: Floats) -> float:
-        """Compute the prior's part of the cost.
-
-        Args:
-            theta: Fit coordinates θ (n,) [-].
-
-        Returns:
-            (θ - centre)ᵀ precision (θ - centre) [-].
-        """
-        return float((theta - self.centre) @ self.pull(theta))
-
-    def drawn(self, factor: float) -> "Coordinates":
-        """Return the same coordinates with a prior that draws more strongly to its centre.
-
-        Args:
-            factor: Factor by which its standard deviations are smaller [-].
-
-        Returns:
-            The coordinates.
-        """
-        calibrated = None if self.calibrated is None else self.calibrated * factor**2
-        return replace(self, spread=self.spread / factor, calibrated=calibrated)
+    def prior(self) -> Prior:
+        """Return the prior on θ."""
+        return Prior(self.centre, np.diag(self.spread**-2) if self.calibrated is None else self.calibrated)
 
     def point(self, theta: Floats) -> Floats:
         """Convert fit coordinates to physical values.
@@ -352,25 +312,17 @@ class Coordinates:
 
 
 def _calibrated(coordinates: Coordinates, calibration: Calibration) -> Coordinates:
-    """Return the coordinates with the calibration's values and joint covariance as the prior of those that it holds.
-
-    The machine has been mounted anew since: unbalances are found anew, and run-outs may have moved.
-    """
-    index = {name: place for place, name in enumerate(coordinates.names) if name not in calibration.unbalances}
-    rows = [row for row, name in enumerate(calibration.parameters) if name in index]
-    if not rows:
+    """Return the coordinates with the calibration's values and joint covariance as the prior of those that it holds."""
+    names, origin, unit = coordinates.names, coordinates.origin, coordinates.unit
+    given = calibrated_prior(calibration, names=names, origin=origin, unit=unit)
+    if given is None:
         return coordinates
-    places = np.array([index[calibration.parameters[row]] for row in rows], dtype=np.intp)
     centre, spread = coordinates.centre.copy(), coordinates.spread.copy()
-    unit = coordinates.unit[places]
-    whole = np.array(calibration.covariance) + np.diag(calibration.moved_by_mounting)
-    covariance = whole[np.ix_(rows, rows)] / np.outer(unit, unit)
-    centre[places] = (np.array(calibration.values)[rows] - coordinates.origin[places]) / unit
-    spread[places] = np.sqrt(np.diag(covariance))
+    centre[given.places], spread[given.places] = given.centre, np.sqrt(np.diag(given.covariance))
     precision = np.diag(spread**-2)
-    size = spread[places]
-    precision[np.ix_(places, places)] = np.linalg.inv(covariance / np.outer(size, size)) / np.outer(size, size)
-    return replace(coordinates, centre=centre, spread=spread, calibrated=precision, calibrated_places=tuple(places.tolist()))
+    precision[np.ix_(given.places, given.places)] = given.precision
+    held = tuple(given.places.tolist())
+    return replace(coordinates, centre=centre, spread=spread, calibrated=precision, calibrated_places=held)
 
 
 class _CoordinateBuilder:

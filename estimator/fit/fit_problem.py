@@ -229,9 +229,9 @@ class FitProblem:
         if free.size == 0:
             return theta
         _, gradient, curvature = self.linearised(theta, weight)
-        block = curvature[np.ix_(free, free)] + self.coordinates.precision[np.ix_(free, free)]
+        block = curvature[np.ix_(free, free)] + self.coordinates.prior.precision[np.ix_(free, free)]
         # At the given excitations the model is linear in them: one Newton step is the answer.
-        offset = self.coordinates.pull(theta)[free]
+        offset = self.coordinates.prior.pull(theta)[free]
         result = theta.copy()
         result[free] += np.linalg.solve(block, gradient[free] - offset)
         return result

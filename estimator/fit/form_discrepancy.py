@@ -134,7 +134,7 @@ class _Deviations:
         shapes = DeviationShapes(float(speeds.min()), float(speeds.max()))
         own, mixed, slope, gradient = _information(final, found.theta, shapes)
         coordinates = final.coordinates
-        gradient -= coordinates.pull(found.theta)
+        gradient -= coordinates.prior.pull(found.theta)
         answer = -covariance @ mixed
         curvature = own + mixed.T @ answer
         return cls(curvature, slope + answer.T @ gradient, answer, _at_own_speed(final, found.theta, shapes))

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from estimator.arrays import Floats
 from estimator.fit.fit_problem import FitProblem, FitResult
-from estimator.fit.nuisance_parameters import effective_count
+from estimator.fit.nuisance_parameters import counted_by_effect, effective_count
 from estimator.fit.reweighting import with_fitted_noise
 
 CHI_SQUARE_LIMIT = 5.0
@@ -81,7 +81,7 @@ def judge(problem: FitProblem, found: FitResult) -> Verdict:
     """
     usable = int(np.count_nonzero(problem.measurement.usable))
     left_out = int(np.count_nonzero(found.outlier))
-    told = problem.coordinates.size - int(np.count_nonzero(problem.coordinates.counted_by_effect))
+    told = problem.coordinates.size - int(np.count_nonzero(counted_by_effect(problem.coordinates)))
     freedom = max(1, 2 * (usable - left_out) - told - round(effective_count(problem, found)))
     reduced, spread = found.chi_square / freedom, math.sqrt(2.0 / freedom)
     chi = f"χ²/dof {reduced:.3g}, expected 1 ± {spread:.2g}"

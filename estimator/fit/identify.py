@@ -16,7 +16,7 @@ from estimator.fit.goodness_of_fit import Verdict, VerdictRemark, judge, remark
 from estimator.fit.identifiability import Reasons, reasons_for
 from estimator.fit.maximum_likelihood import STAGE_MISFITS
 from estimator.fit.multistart import BestFit, best_fit
-from estimator.fit.nuisance_parameters import excessive_deviations
+from estimator.fit.nuisance_parameters import counted_by_effect, excessive_deviations
 from estimator.fit.omitted_warming import viscosity_trend
 from estimator.fit.physical_limits import Limits, limits_for, without_growing_modes
 from estimator.fit.profile_likelihood import flat_coordinates
@@ -265,7 +265,7 @@ def identify_train(
     """
     options = options or Options()
     coordinates = Coordinates.of(train, unbalance_scale=1.0)
-    by_prior = coordinates.counted_by_effect.copy()
+    by_prior = counted_by_effect(coordinates)
     by_prior[coordinates.scale_place] = True
     by_prior[coordinates.channels.places] = True
     free = coordinates.size - int(np.count_nonzero(by_prior))
@@ -390,7 +390,7 @@ def _problem(train: CondensedTrain, measurement: Measurement, noise: Noise, *, r
 
 def _result(problem: FitProblem, best: BestFit, reasons: Reasons | None, limits: Limits | None) -> Identification:
     coordinates, found = problem.coordinates, best.fit
-    information = found.information + coordinates.precision
+    information = found.information + coordinates.prior.precision
     covariance = np.linalg.inv(information)
     covariance = (covariance + covariance.T) / 2
     size = np.sqrt(np.diag(information))

@@ -61,9 +61,7 @@ def fit(
         End of the fit.
     """
     measured = problem.first_amplitude
-    theta = start
-    iterations = 0
-    converged = False
+    theta, iterations, converged = start, 0, False
     stages = list(zip(STAGE_MISFITS, STAGE_ITERATIONS, strict=True))
     if near:
         # Weights and what is far too large or small are taken from the earlier fit, so that outliers do not lead away from it.
@@ -125,10 +123,10 @@ def descend(problem: FitProblem, theta: Floats, weight: Floats, limit: int) -> t
     Returns:
         θ (n,) [-], whether it converged, and the number of steps tried.
     """
-    prior = problem.coordinates
+    prior = problem.coordinates.prior
     damping, growth = 1e-3, 2.0
     data, gradient, curvature = problem.linearised(theta, weight)
-    cost = data + prior.prior_cost(theta)
+    cost = data + prior.cost(theta)
     if not np.isfinite(cost):
         return theta, False, 0  # a start in which a film is too thin has no slope to follow
     costs = [cost]
@@ -145,7 +143,7 @@ def descend(problem: FitProblem, theta: Floats, weight: Floats, limit: int) -> t
         # Nearly all trials are taken, so their derivatives are computed at once.
         try:
             trial_data, trial_gradient, trial_curvature = problem.linearised(trial, weight)
-            trial_cost = trial_data + prior.prior_cost(trial)
+            trial_cost = trial_data + prior.cost(trial)
         except SingularCondensation:
             trial_cost = math.inf  # E or density went where a speed cannot be condensed at: a shorter step
         gain = (cost - trial_cost) / promised

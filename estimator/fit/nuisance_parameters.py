@@ -6,9 +6,11 @@ with the covariance I - C, C being that which the data leave (Rasmussen and Will
 """
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import chdtrc
 
 from estimator.arrays import Floats
+from estimator.fit.coordinates import Coordinates
 from estimator.fit.fit_problem import FitProblem, FitResult
 from estimator.machine.parameter_description import describe
 
@@ -18,6 +20,20 @@ SHARED = "all"
 """Word in place of a film's id in the names of deviations that all films share."""
 SMALLEST_CHANCE = 1e-4
 """Chance of deviations as large as those found, beneath which a film's model is refused [-]."""
+
+
+def counted_by_effect(coordinates: Coordinates) -> NDArray[np.bool_]:
+    """Return which coordinates use up only as much freedom as the data say of them: a prior says the rest.
+
+    Args:
+        coordinates: Coordinates of a fit.
+
+    Returns:
+        True for nuisance parameters and those that a calibration holds (n,).
+    """
+    found = coordinates.nuisance.copy()
+    found[list(coordinates.calibrated_places)] = True
+    return found
 
 
 def effective_count(problem: FitProblem, found: FitResult) -> float:
@@ -32,10 +48,10 @@ def effective_count(problem: FitProblem, found: FitResult) -> float:
     Returns:
         The number [-]; 0 where there are none.
     """
-    which = problem.coordinates.counted_by_effect
+    which = counted_by_effect(problem.coordinates)
     if not which.any():
         return 0.0
-    kept = np.linalg.solve(found.information + problem.coordinates.precision, found.information)
+    kept = np.linalg.solve(found.information + problem.coordinates.prior.precision, found.information)
     return float(np.trace(kept[np.ix_(which, which)]))
 
 

@@ -301,7 +301,7 @@ class _Search:
         """Return θ (n,) with what the data leave open drawn to the document's values until no mode grows."""
         coordinates = self.problem.coordinates
         for factor in PRIOR_FACTORS:
-            held = replace(self.problem, coordinates=coordinates.drawn(factor))
+            held = replace(self.problem, coordinates=_drawn(coordinates, factor))
             theta, _, _ = descend(held, theta, self.weight, DRAWN_STEP_COUNT)
             if self.limits.growing_mode(theta) is None:
                 break
@@ -309,7 +309,13 @@ class _Search:
 
     def _cost(self, theta: Floats) -> float:
         """Return χ² with its prior."""
-        return self.problem.chi_square(theta, self.weight) + self.problem.coordinates.prior_cost(theta)
+        return self.problem.chi_square(theta, self.weight) + self.problem.coordinates.prior.cost(theta)
+
+
+def _drawn(coordinates: Coordinates, factor: float) -> Coordinates:
+    """Return the coordinates with a prior whose standard deviations are smaller by a factor."""
+    calibrated = None if coordinates.calibrated is None else coordinates.calibrated * factor**2
+    return replace(coordinates, spread=coordinates.spread / factor, calibrated=calibrated)
 
 
 def _merit(cost: float, modes: tuple[LeastDampedMode, ...]) -> float:
@@ -318,9 +324,9 @@ def _merit(cost: float, modes: tuple[LeastDampedMode, ...]) -> float:
 
 def _linearised(problem: FitProblem, theta: Floats, weight: Floats) -> tuple[float, Floats, Floats]:
     """Return χ² with its prior, -½ of its gradient (n,) and its Gauss-Newton curvature (n, n)."""
-    prior = problem.coordinates
+    prior = problem.coordinates.prior
     data, gradient, curvature = problem.linearised(theta, weight)
-    return data + prior.prior_cost(theta), gradient - prior.pull(theta), curvature + prior.precision
+    return data + prior.cost(theta), gradient - prior.pull(theta), curvature + prior.precision
 
 
 def _constrained_step(

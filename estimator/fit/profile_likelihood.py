@@ -64,7 +64,7 @@ class _Profile:
 
     def cost(self, theta: Floats) -> float:
         """Compute χ² with its prior."""
-        return self.problem.chi_square(theta, self.weight) + self.problem.coordinates.prior_cost(theta)
+        return self.problem.chi_square(theta, self.weight) + self.problem.coordinates.prior.cost(theta)
 
     def falls_below(self, wanted: float, theta: Floats, place: int) -> bool:
         """Check whether the cost falls below `wanted` when every coordinate but one is fitted anew from θ."""
@@ -86,7 +86,7 @@ class _Profile:
         """Return the Gauss-Newton step of the other coordinates, and the decrease of the cost that it promises."""
         _, gradient, curvature = self.problem.linearised(theta, self.weight)
         others = np.arange(theta.size) != place
-        prior = self.problem.coordinates
+        prior = self.problem.coordinates.prior
         slope = (gradient - prior.pull(theta))[others]
         step = np.zeros(theta.size)
         step[others] = np.linalg.solve((curvature + prior.precision)[np.ix_(others, others)], slope)

@@ -26,7 +26,7 @@ class ChannelScatter(Part):
 
 
 class MountingSpread(Part):
-    """How far something differs from one mounting of the machine to the next."""
+    """Spread of something from one mounting of the machine to the next."""
 
     name: Name = Field(description="of the parameter: disc.D1.unbalance [kg m] or probe.P1X.run_out [m]")
     rms: NotNegative = Field(description="rms of the complex difference [kg m or m]")

@@ -30,8 +30,6 @@ def calibrate(
     import threadpoolctl
 
     from estimator.calibration.calibrate import calibrate as calibrated
-    from estimator.fit.multistart import FitFailed
-    from estimator.rotor.elimination import SingularCondensation
     from service.commands.calibration_report import calibration_text
     from service.commands.document_warnings import say_warnings
     from service.configuration.document_files import UnreadableFile, read_machine
@@ -46,7 +44,7 @@ def calibrate(
             say(line, err=True)
         with threadpoolctl.threadpool_limits(1):
             found = calibrated(described, runs, seed=seed)
-    except (UnreadableFile, Rejected, FitFailed, SingularCondensation, ValueError) as error:
+    except (UnreadableFile, Rejected, ValueError) as error:
         fail(str(error))
     say_lines(calibration_text(found))
     if not found.accepted:

@@ -234,7 +234,7 @@ def _vectors(table: RecordedTable, channel: RecordedChannel) -> list[complex | N
 
 @dataclass(frozen=True)
 class RecordedCircumstances:
-    """Circumstances of a recording that its sidecar states, row by row.
+    """Statements of a recording's sidecar on the machine in each of its rows.
 
     Attributes:
         kind: Whether it is a sweep or rows at constant speeds.

@@ -1,0 +1,96 @@
+"""Prior on the coordinates of a fit: independent, or jointly Gaussian where a calibration gave it.
+
+A calibration holds values with their joint covariance; coordinates that it does not hold keep a spread of their own (Gaussian
+prior: Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sec. 2.1).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.arrays import Floats
+from estimator.machine.calibration import Calibration
+
+
+@dataclass(frozen=True)
+class Prior:
+    """Gaussian prior on the n coordinates of a fit.
+
+    Attributes:
+        centre: Mean (n,) [-].
+        precision: Inverse (n, n) of the covariance [-].
+    """
+
+    centre: Floats
+    precision: Floats
+
+    def pull(self, theta: Floats) -> Floats:
+        """Compute half the derivative of the prior's cost.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            Half the derivative (n,) of (θ - centre)ᵀ precision (θ - centre) [-].
+        """
+        return np.asarray(self.precision @ (theta - self.centre))
+
+    def cost(self, theta: Floats) -> float:
+        """Compute the prior's part of a fit's cost.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            (θ - centre)ᵀ precision (θ - centre) [-].
+        """
+        return float((theta - self.centre) @ self.pull(theta))
+
+
+@dataclass(frozen=True)
+class CalibratedPrior:
+    """Prior of k coordinates that a calibration holds.
+
+    Attributes:
+        places: Indices (k,) of the coordinates.
+        centre: Mean (k,) [-].
+        covariance: Covariance (k, k) [-].
+    """
+
+    places: NDArray[np.intp]
+    centre: Floats
+    covariance: Floats
+
+    @property
+    def precision(self) -> Floats:
+        """Return the inverse of the covariance (k, k) [-]."""
+        size = np.sqrt(np.diag(self.covariance))
+        return np.asarray(np.linalg.inv(self.covariance / np.outer(size, size)) / np.outer(size, size))
+
+
+def calibrated_prior(
+    calibration: Calibration, *, names: tuple[str, ...], origin: Floats, unit: Floats
+) -> CalibratedPrior | None:
+    """Return the prior that a calibration gives.
+
+    The machine has been mounted anew since: its unbalances are found anew, and run-outs may have moved.
+
+    Args:
+        calibration: The calibration.
+        names: Names of the n coordinates.
+        origin: Offset (n,) of the physical values [SI, logarithms of positive ones].
+        unit: Unit (n,) of the coordinates [SI, 1 for logarithms].
+
+    Returns:
+        The prior; None where the calibration holds none of these coordinates.
+    """
+    index = {name: place for place, name in enumerate(names) if name not in calibration.unbalances}
+    rows = [row for row, name in enumerate(calibration.parameters) if name in index]
+    if not rows:
+        return None
+    places = np.array([index[calibration.parameters[row]] for row in rows], dtype=np.intp)
+    whole = np.array(calibration.covariance) + np.diag(calibration.moved_by_mounting)
+    covariance = whole[np.ix_(rows, rows)] / np.outer(unit[places], unit[places])
+    centre = (np.array(calibration.values)[rows] - origin[places]) / unit[places]
+    return CalibratedPrior(places, centre, covariance)
