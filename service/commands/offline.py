@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.machine.document import Machine
+from estimator.machine.speed_units import outside_speed_range
 from estimator.phasors.measurement import Measurement, joined
 from estimator.phasors.recorded_run import RecordedRun
 from estimator.phasors.slow_roll import Capture, capture, corrected
@@ -43,6 +44,10 @@ def read_runs(
             raise UnreadableFile(f"{file} is a recording of '{recording.machine}', the document describes '{machine.id}'")
         samples, taken, faults = to_samples(recording, machine, received_at=now())
         left_out += [f"{file}, row {fault.index + 1} left out: {fault.detail}" for fault in faults]
+        outside = outside_speed_range(machine.speed_range, samples.speed[np.isfinite(samples.speed)])
+        if outside and not taken.any():
+            raise UnreadableFile(f"{file}: {outside}")
+        left_out += [f"{file}: {outside}"] if outside else []
         run = samples.pick(taken)
         circumstances = read_circumstances(file, sidecar)
         recorded = run.recorded(machine.channels)
