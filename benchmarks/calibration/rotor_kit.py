@@ -6,7 +6,6 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from service.sources.recorded_runs import read_calibration_runs
 
 from estimator.arrays import Complexes, Floats
 from estimator.calibration.calibrate import calibrate
@@ -17,6 +16,7 @@ from estimator.fit.identify import identify
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
 from service.configuration.document_files import read_machine
+from service.sources.recorded_runs import read_calibration_runs
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCUMENT = ROOT / "examples" / "rk4-rotor-kit-four-probes.yaml"

@@ -75,7 +75,7 @@ def alignment_changes(
     own = run_likelihood(later).seen_through(varying + season)
     size, believed = coordinates.size, coordinates.spread[moving]
     information = np.zeros((size + len(moving), size + len(moving)))
-    information[:size, :size] = sum((one.information for one in before), own.information) + coordinates.precision
+    information[:size, :size] = sum((one.information for one in before), own.information) + coordinates.prior.precision
     information[:size, size:], information[size:, :size] = own.information[:, moving], own.information[moving]
     information[size:, size:] = own.information[np.ix_(moving, moving)] + np.diag(believed**-2)
     vector = np.concatenate([sum((one.vector for one in before), own.vector), own.vector[moving]])

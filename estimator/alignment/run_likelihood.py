@@ -55,7 +55,7 @@ def run_likelihood(model: UpdatedModel) -> RunLikelihood:
     covariance = model.covariance / np.outer(coordinates.unit, coordinates.unit)
     posterior = scaled_inverse(covariance)
     away = coordinates.theta(model.values) - coordinates.centre
-    return RunLikelihood(posterior - taken_off(covariance, coordinates.precision), np.asarray(posterior @ away))
+    return RunLikelihood(posterior - taken_off(covariance, coordinates.prior.precision), np.asarray(posterior @ away))
 
 
 def taken_off(covariance: Floats, precision: Floats) -> Floats:

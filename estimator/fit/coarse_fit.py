@@ -1,7 +1,7 @@
 """Coarse fit: whether a run can be explained at all, for a small part of what an identification costs.
 
-The first two stages of `maximum_likelihood` on a part of the samples. They allow five per cent of misfit beside the noise, so
-that a right model leaves less than 1 and what lies beyond HOPELESS_MISFIT leads nowhere.
+The first two stages of `maximum_likelihood` (Marquardt 1963, doi:10.1137/0111030) on a part of the samples. They allow five
+per cent of misfit beside the noise: a right model leaves less than 1, and what lies beyond HOPELESS_MISFIT leads nowhere.
 """
 
 import numpy as np
@@ -26,7 +26,7 @@ GOOD = 1.5
 
 
 def coarse_problem(machine: Machine, measurement: Measurement) -> FitProblem:
-    """Set up the problem of a coarse fit.
+    """Build the problem of a coarse fit.
 
     Args:
         machine: The machine.

@@ -194,7 +194,7 @@ def expected_point(machine: Machine, measurement: Measurement) -> tuple[tuple[st
 
 
 def fit_problem(machine: Machine, measurement: Measurement, *, robust: bool) -> FitProblem:
-    """Set up the problem of a fit, without solving it.
+    """Build the problem of a fit, without solving it.
 
     Args:
         machine: The machine.

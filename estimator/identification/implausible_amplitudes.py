@@ -19,7 +19,7 @@ GRADES = (0.4, 4000.0)
 STATED_FACTOR = 100.0
 """Factor by which unbalances differ from those that the document states, either way, to be implausible [-]."""
 GRADE_FACTOR = 10.0
-"""The same beyond the grades, where the document states none [-]."""
+"""Factor beyond the grades, where the document states none [-]."""
 CERTAIN = 3.0
 """Standard errors that an unbalance must have to speak for too large amplitudes [-]."""
 NEAREST = 10.0

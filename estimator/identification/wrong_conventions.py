@@ -12,22 +12,17 @@ import numpy as np
 
 from estimator.arrays import Complexes
 from estimator.machine.document import Machine
-from estimator.machine.rules import SpeedRange
+from estimator.machine.speed_units import speed_units
 from estimator.phasors.measurement import Measurement
 from estimator.phasors.probe_axes import probe_stations
 from estimator.phasors.recorded_run import RecordedRun
-from estimator.units import METRES, RAD_PER_S, AmplitudeUnit, SpeedUnit, rpm_to_rad_per_s
+from estimator.units import METRES, AmplitudeUnit
 
-SPEED_NAMES: dict[SpeedUnit, str] = {"rpm": "r/min", "rad/s": "rad/s", "Hz": "Hz"}
 AMPLITUDE_NAMES: dict[AmplitudeUnit, str] = {"m": "m", "mm": "mm", "um": "µm", "mil": "mil"}
 LARGEST_PHASE = 1.02 * 2.0 * math.pi * math.pi / 180.0
 """Largest phase [rad] of radians that were taken for degrees, up to a whole turn, with some noise."""
 MOSTLY = 0.95
 """Part of the phasors that must show what a hypothesis needs [-]: the others may be outliers."""
-OVERSPEED = 1.05
-"""Highest speed of a run, as a multiple of the speed range's end [-], that speaks for a unit of the speed."""
-LEAST_IN_RANGE = 0.5
-"""Least part of the samples within the speed range for a unit of the speed to be tried [-]."""
 
 
 @dataclass(frozen=True)
@@ -117,34 +112,15 @@ def wrong_conventions(machine: Machine, measurement: Measurement) -> tuple[Wrong
     phases = np.abs(np.angle(measurement.phasor[measurement.usable]))
     if phases.size and np.mean(phases <= LARGEST_PHASE) >= MOSTLY:
         listed.append(WrongConvention("phase-unit", "phases in rad that were sent as degrees", phase=180.0 / math.pi))
-    listed += speed_units(machine.speed_range, measurement)
+    listed += [
+        WrongConvention("speed-unit", one.words, speed=one.factor)
+        for one in speed_units(machine.speed_range, measurement.speed)
+    ]
     pairs = _pairs(machine)
     if len(pairs) > 1:
         every = _swapped(machine, pairs)
         listed.append(replace(every, words="the probes of every pair swapped with each other"))
     return tuple(listed)
-
-
-def speed_units(speed_range: SpeedRange, measurement: Measurement) -> list[WrongConvention]:
-    """List the units of the speed that bring a run into the speed range.
-
-    Args:
-        speed_range: Speed range of the machine.
-        measurement: Samples of its run.
-
-    Returns:
-        The hypotheses.
-    """
-    lowest, highest = rpm_to_rad_per_s(speed_range.minimum_rpm), rpm_to_rad_per_s(speed_range.maximum_rpm)
-    found = []
-    for sent, declared in itertools.permutations(RAD_PER_S, 2):
-        factor = RAD_PER_S[sent] / RAD_PER_S[declared]
-        speed = factor * measurement.speed
-        within = np.mean((speed >= lowest) & (speed <= OVERSPEED * highest)) if speed.size else 0.0
-        if within >= LEAST_IN_RANGE and speed.max() <= OVERSPEED * highest:
-            words = f"speeds in {SPEED_NAMES[sent]} that were sent as {SPEED_NAMES[declared]}"
-            found.append(WrongConvention("speed-unit", words, speed=factor))
-    return found
 
 
 def amplitude_scales() -> list[WrongConvention]:

@@ -14,11 +14,12 @@ from estimator.strict_model import StrictModel
 from estimator.units import METRES
 from service.configuration.document_files import UnreadableFile, read_yaml
 from service.configuration.settings import DEFAULT_ZENOH_ENDPOINT
+from service.sources.measured_files import READERS
 from service.sources.replay_log import LOG_BYTES, LOG_SAMPLES
 from service.wire import BINARY, JSON, LARGEST_CHANNEL_COUNT, MESSAGEPACK
 
 ENCODINGS = {"binary": BINARY, "msgpack": MESSAGEPACK, "json": JSON}
-SUFFIXES = {".csv", ".npz", ".h5", ".hdf5", ".wav"}
+SUFFIXES = {".csv", ".npz", ".h5", ".hdf5", ".wav", *READERS}
 
 Range = tuple[Real, Real]
 
@@ -134,6 +135,9 @@ class EdgeConfiguration(_ConfigurationPart):
         twice = sorted({probe for probe in probes if probes.count(probe) > 1})
         if twice:
             raise ValueError(f"probe {', '.join(twice)} is there more than once")
+        shared = sorted({column for column in self.columns if self.columns.count(column) > 1})
+        if shared:
+            raise ValueError(f"column {', '.join(shared)} is mapped twice: the keyphasor and each probe have one of their own")
         given = sum(channel.sensitivity is not None for channel in self.channels)
         if self.waveforms.unit == "V" and given not in (0, len(self.channels)):
             raise ValueError("give the sensitivity of every channel, or of none")

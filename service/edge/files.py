@@ -13,9 +13,11 @@ from service.edge.configuration import InputFile, Waveforms
 from service.edge.csv_file import CsvFile
 from service.edge.file_trouble import FileTrouble
 from service.edge.hdf5_file import Hdf5File
+from service.edge.measured_file import MeasuredFile
 from service.edge.npz_file import NpzFile
 from service.edge.sample_window import Chunk
 from service.edge.wav_file import WavFile
+from service.sources.measured_files import is_measured_file
 from storage.clock import from_datetime
 
 CHUNK_SAMPLES = 16_384
@@ -51,6 +53,8 @@ def open_file(path: Path, columns: list[str], *, full_scale: float) -> WaveformF
                 return CsvFile(path, columns)
             case ".npz":
                 return NpzFile(path, columns)
+            case _ if is_measured_file(path):
+                return MeasuredFile(path, columns)
             case _:
                 return Hdf5File(path, columns)
     except OSError as error:

@@ -19,7 +19,8 @@ class CollectionState:
     """State of a machine's run collection, stored with the samples that led to it.
 
     revision: of the document. seen: time of the newest known sample [ns]. direction: of rotation, as last reported. late:
-    windows of late samples. bins, rolled_at: of rolling collection, and when it last started anew [ns].
+    windows of late samples. bins, rolled_at: of rolling collection, and when it last started anew [ns]. slowest, fastest: the
+    speeds between which it has turned since the document's revision, 0 before it has [rad/s].
     """
 
     revision: int
@@ -29,6 +30,8 @@ class CollectionState:
     late: list[Window] = field(default_factory=list)
     bins: SpeedBins | None = None
     rolled_at: int = 0
+    slowest: float = 0.0
+    fastest: float = 0.0
 
     @classmethod
     def restored(cls, stored: dict[str, Any]) -> Self:
@@ -43,6 +46,8 @@ class CollectionState:
             late=stored.get("late", []),
             bins=None if bins is None else SpeedBins(tuple(tuple(one) for one in bins)),
             rolled_at=stored.get("rolled_at", 0),
+            slowest=stored.get("slowest", 0.0),
+            fastest=stored.get("fastest", 0.0),
         )
 
     @property
@@ -55,6 +60,11 @@ class CollectionState:
         """Return whether the machine's operating mode is known, so that silence would end it."""
         return self.operating.mode != "unknown" or bool(self.operating.sweep.sweep)
 
+    def note_speed(self, speed: float) -> None:
+        """Note a speed at which the machine turns [rad/s]."""
+        self.slowest = min(speed, self.slowest) if self.slowest else speed
+        self.fastest = max(speed, self.fastest)
+
     def stored(self) -> dict[str, Any]:
         """Return the state as plain data."""
         return {
@@ -65,6 +75,8 @@ class CollectionState:
             "late": self.late,
             "bins": None if self.bins is None else self.bins.times,
             "rolled_at": self.rolled_at,
+            "slowest": self.slowest,
+            "fastest": self.fastest,
         }
 
 

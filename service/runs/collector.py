@@ -80,6 +80,8 @@ class Collector:
         for moment, speed, direction in zip(fresh.time.tolist(), fresh.speed.tolist(), fresh.direction.tolist(), strict=True):
             now.seen, now.direction = moment, direction
             now.operating, events = advance(now.operating, limits, time=moment, speed=speed, direction=direction)
+            if now.operating.mode not in ("stopped", "unknown"):
+                now.note_speed(now.operating.sweep.believed_speed)
             for event in events:
                 _record(session, machine, revision, direction, event)
         if machine.collection.runs != "sweeps" and len(fresh):
@@ -114,6 +116,7 @@ class Collector:
 def _revise(session: Session, machine_id: str, now: CollectionState, revision: int) -> None:
     _silence(session, machine_id, now, reason="the machine's document was revised")
     now.revision, now.bins, now.rolled_at = revision, None, 0
+    now.slowest = now.fastest = 0.0
 
 
 def _recent(times: NDArray[np.int64]) -> NDArray[np.int64]:

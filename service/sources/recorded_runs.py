@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from estimator.calibration.calibration_runs import CalibrationRun
 from estimator.machine.document import Machine
+from estimator.machine.speed_units import outside_speed_range
 from estimator.phasors.measurement import Measurement, joined
 from estimator.phasors.quality import assess
 from estimator.phasors.recorded_run import RecordedRun
@@ -65,6 +66,9 @@ def _read(machine: Machine, file: Path, sidecar: Path | None) -> _ReadRun:
     if recording.machine != machine.id:
         raise UnreadableFile(f"{file} is a recording of '{recording.machine}', the document describes '{machine.id}'")
     samples, taken, faults = to_samples(recording, machine, received_at=now())
+    outside = outside_speed_range(machine.speed_range, samples.speed[np.isfinite(samples.speed)])
+    if outside and not taken.any():
+        raise UnreadableFile(f"{file}: {outside}")
     run = samples.pick(taken)
     circumstances = read_circumstances(file, sidecar)
     recorded = run.recorded(machine.channels)
@@ -72,7 +76,7 @@ def _read(machine: Machine, file: Path, sidecar: Path | None) -> _ReadRun:
         recorded = replace(recorded, time=None)  # no sweep has gone through them
     measurement = _with_trial_weights(machine, run.measurement(), circumstances, taken, file)
     words = [f"{file}, row {fault.index + 1} left out: {fault.detail}" for fault in faults]
-    return _ReadRun(recorded, measurement, circumstances, taken, words)
+    return _ReadRun(recorded, measurement, circumstances, taken, [*words, *([f"{file}: {outside}"] if outside else [])])
 
 
 def _calibration_run(machine: Machine, file: Path, read: _ReadRun) -> CalibrationRun:

@@ -4,7 +4,11 @@ import csv
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from service.configuration.document_files import UnreadableFile
+from service.sources.measured_columns import BrokenFile
+from service.sources.measured_files import is_measured_file, read_measured_file
 
 
 @dataclass(frozen=True)
@@ -21,7 +25,9 @@ class RecordedTable:
 
     @classmethod
     def read(cls, path: Path) -> "RecordedTable":
-        """Return the table of a file. Raises UnreadableFile."""
+        """Return the table of a file, of a measuring system or CSV. Raises UnreadableFile."""
+        if is_measured_file(path):
+            return cls(path, _measured_rows(path))
         try:
             # Spreadsheets put a byte order mark in front.
             with path.open(encoding="utf-8-sig", newline="") as file:
@@ -64,3 +70,20 @@ class RecordedTable:
             return float(text)
         except ValueError:
             raise UnreadableFile(f"{self.path}, line {line}: '{text}' in column '{name}' is not a number") from None
+
+
+def _measured_rows(path: Path) -> list[dict[str, str | None]]:
+    """Return the rows of a measuring system's file as cells; columns of other lengths are left out. Raises UnreadableFile."""
+    try:
+        read = read_measured_file(path)
+    except (BrokenFile, OSError) as error:
+        raise UnreadableFile(f"{path}: {error}") from error
+    if read.cut:
+        raise UnreadableFile(f"{path}: {read.cut}")
+    sizes = [column.size for column in read.values.values()]
+    length = max(set(sizes), key=sizes.count, default=0)
+    columns = {name: column for name, column in read.values.items() if column.size == length}
+    if not length:
+        raise UnreadableFile(f"{path} holds no column of numbers")
+    cells = {name: ["" if np.isnan(one) else repr(float(one)) for one in column] for name, column in columns.items()}
+    return [{name: column[row] for name, column in cells.items()} for row in range(length)]

@@ -3,11 +3,13 @@
 from datetime import datetime
 from typing import Literal
 
+import numpy as np
 from fastapi import APIRouter
 from pydantic import BaseModel, Field
 from sqlalchemy.orm import Session
 
 from estimator.machine.document import Machine
+from estimator.machine.speed_units import outside_speed_range
 from estimator.runs.operating_state import Mode
 from estimator.units import rad_per_s_to_rpm
 from service.api.conventions.dependencies import MachineId, Period, Reading
@@ -42,6 +44,9 @@ class MachineState(BaseModel):
     direction: Literal["positive", "negative"] | None = Field(description="positive turns +x towards +y")
     newest_sample_at: datetime | None
     run: OpenRun | None
+    outside_speed_range: str | None = Field(
+        None, description="what is probably wrong where it turns, but never was in its document's speed range"
+    )
     late_samples_waiting: int = Field(0, description="they came late, are stored, and will be sorted into their runs")
 
 
@@ -71,6 +76,7 @@ def read_machine_state(session: Reading, machine_id: MachineId) -> MachineState:
         direction=direction(now.direction),
         newest_sample_at=to_datetime(now.seen),
         run=_open_run(session, machine, now),
+        outside_speed_range=outside_speed_range(machine.speed_range, np.array([now.slowest, now.fastest])) or None,
         late_samples_waiting=sum(count for _, _, _, count in now.late),
     )
 

@@ -194,6 +194,25 @@ def test_a_fit_that_is_refused_has_no_model(tmp_path: Path) -> None:
     assert "Critical speeds" not in text
 
 
+def test_a_refused_run_tells_which_convention_is_wrong(tmp_path: Path) -> None:
+    path = recorded(tmp_path, "lag", of(chapter_3_document(), seed=4).conj())
+    text = run("identify", DOCUMENT, path, status=1)
+    assert text.startswith(
+        "NOT ACCEPTED, not to be used: the run fits over 1000 times better with the opposite sign of the phase"
+    )
+
+
+def test_a_run_that_never_enters_the_speed_range_is_told(tmp_path: Path) -> None:
+    high = SPEED > 100.0
+    phasor = 1e6 * of(chapter_3_document(), seed=4)[high]
+    sent = 30.0 / np.pi * SPEED[high]
+    channels = [probe["id"] for probe in chapter_3_document()["probes"]]
+    fast = write_run(tmp_path / "fast.csv", sent, phasor, channels=channels, plant="examples", machine="thesis-chapter-3")
+    said = run("identify", DOCUMENT, fast, status=1)
+    assert "never enters the document's speed range, 90 to 6000 r/min: " in said
+    assert "speeds in r/min that were sent as rad/s" in said
+
+
 def test_a_run_of_another_machine(tmp_path: Path) -> None:
     path = recorded(tmp_path, "run", of(chapter_3_document(), 1), machine="pump-9")
     assert "is a recording of 'pump-9'" in run("identify", DOCUMENT, path, status=1)

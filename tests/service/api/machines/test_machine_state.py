@@ -168,3 +168,16 @@ def test_what_came_late_and_is_not_sorted_in_yet_is_told(journal: PromptJournal,
     assert state(api)["late_samples_waiting"] == 0
     send(journal, CYCLE, 700, 720)
     assert state(api)["late_samples_waiting"] == 20
+
+
+def test_a_machine_that_turns_and_never_enters_its_speed_range_is_told(journal: PromptJournal, api: Api) -> None:
+    """Speeds in Hz that were sent as r/min: no run ever begins, and the state says why."""
+    sent = [rpm / 60.0 for rpm in sweep_rpm(2900.0, 1900.0, 300)]
+    send(journal, sent, 0, len(sent))
+    found = state(api)
+    assert (found["state"], found["run"]) == ("slow roll", None)
+    assert found["outside_speed_range"].startswith("it turns at 31.")
+    assert "never enters the document's speed range, 300 to 3000 r/min: " in found["outside_speed_range"]
+    assert "speeds in Hz that were sent as r/min" in found["outside_speed_range"]
+    send(journal, sent + CYCLE, len(sent), len(sent) + 300)
+    assert state(api)["outside_speed_range"] is None
