@@ -54,7 +54,7 @@ service/http: estimator service/configuration service/resilience service/secrets
 service/messaging: service/configuration service/wire
 service/replication: service/configuration service/resilience storage/database storage/findings storage/operation
     storage/tables
-service/sources: estimator estimator/machine estimator/phasors estimator/runs estimator/simulation
+service/sources: estimator estimator/calibration estimator/machine estimator/phasors estimator/runs estimator/simulation
     service/configuration service/export service/wire storage storage/database
 rotorundown/environment:
 rotorundown/plots: estimator estimator/fit estimator/machine estimator/modes estimator/phasors estimator/statics
@@ -114,7 +114,7 @@ service/doctor: service/api service/configuration service/delivery service/maint
     service/security service/wire storage/alerts storage/backup storage/database storage/operation
 service/commands: rotorundown
     estimator estimator/calibration estimator/fit estimator/identification estimator/machine estimator/modes estimator/phasors
-    estimator/rotor estimator/simulation estimator/statics estimator/thesis estimator/updated_model service/api
+    estimator/simulation estimator/statics estimator/thesis estimator/updated_model service/api
     service/api/operation service/configuration service/delivery service/doctor service/edge service/export service/http
     service/identification service/ingest service/journal service/maintenance service/messaging service/monitoring
     service/replication service/resilience service/runs service/secrets service/security service/sources service/wire
