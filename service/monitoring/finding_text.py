@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
 LARGEST_MOVES = 4
 """Parameters per element that are listed as moved: those that moved most certainly."""
+ELEVATIONS = ("elevation_x", "elevation_y")
+"""Parameters that are not listed: a run leaves single elevations to what is believed of them, and knows the alignment."""
 
 
 @dataclass(frozen=True)
@@ -67,6 +69,8 @@ def _changed_parameters(cause: "Cause", units: Mapping[str, str | None]) -> list
     found = []
     named: Counter[str] = Counter()
     for i in order:
+        if describe(cause.names[i]).quantity in ELEVATIONS:
+            continue
         element = describe(cause.names[i]).element
         named[element] += 1
         if named[element] <= LARGEST_MOVES:

@@ -97,6 +97,7 @@ def test_a_shaft_beyond_tolerance_is_a_danger_with_the_numbers_of_the_table(week
     told = alert.evidence["quantities"]
     assert told["offset_vertical_um"] == pytest.approx(1e6 * change["value"], rel=1e-6)
     assert told["offset_vertical_half_width_um"] == pytest.approx(5e5 * (change["upper"] - change["lower"]), rel=1e-4)
+    assert alert.evidence["moved"] == []  # single elevations would contradict their trends
     shown = re.search(r"lies ([\d.]+) ± ([\d.]+) µm lower", alert.message)
     assert shown is not None
     assert float(shown[1]) == pytest.approx(-1e6 * change["value"], abs=0.6)
