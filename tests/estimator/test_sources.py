@@ -36,7 +36,6 @@ OWN = {
     "films/pad_table.py": "coordinates of an interpolation, in the module's docstring",
     "fit/fit_problem.py": "χ² and its derivatives, which the fit's method minimises",
     "fit/identifiability.py": "reads a covariance whose source is the fit's",
-    "fit/coordinates.py": "a map between parameters and coordinates; the prior's source is in fit/prior.py",
     "identification/sweep_correction.py": "derived in the module's docstring",
     "machine/calibration.py": "a document's part; the method is in calibration/",
     "phasors/beating.py": "derived in the module's docstring",
