@@ -45,5 +45,7 @@ def seconds_of_sweeps() -> float:
         measurement = Measurement.of(speed=speed, phasor=phasor).with_trial_weight(added)
         runs.append(CalibrationRun(f"run-{number}", measurement, (f"run-{number}",) * SPEEDS, steady=False))
     began = time.process_time()
-    calibrate(machine, runs)
+    found = calibrate(machine, runs)
+    if not found.accepted:
+        raise RuntimeError(found.verdict)
     return time.process_time() - began
