@@ -16,6 +16,8 @@ RUNS, SPEEDS = 20, 150
 SECONDS_ASKED = 10.0
 GAIN_ERROR, RUN_OUT = 0.2, 3e-6
 """Rms errors of the channels' gain and phase [-, rad], and rms parts of their run-outs [m]."""
+MOUNTING_ECCENTRICITY = 1e-6
+"""Rms parts of what the discs' eccentricity differs by from run to run [m]."""
 WEIGHT_ECCENTRICITY = 1e-5
 """Trial weight over the disc's mass [m]."""
 
@@ -30,16 +32,20 @@ def seconds_of_sweeps() -> float:
     channels = len(machine.probes)
     gain = np.exp(GAIN_ERROR * (rng.standard_normal(channels) + 1j * rng.standard_normal(channels)))
     run_out = RUN_OUT * (rng.standard_normal(channels) + 1j * rng.standard_normal(channels))
+    mass = np.array([disc.mass for disc in machine.discs])
     runs = []
     for number in range(RUNS):
         added = np.zeros(len(machine.discs), dtype=complex)
         if number:
             disc = number % added.size
             added[disc] = machine.discs[disc].mass * WEIGHT_ECCENTRICITY * np.exp(2j * np.pi * rng.random())
-        loaded = Truth(truth.unknowns, truth.coefficients, truth.unbalances + added, truth.factors)
+        moved = MOUNTING_ECCENTRICITY * mass * (rng.standard_normal(mass.size) + 1j * rng.standard_normal(mass.size))
+        loaded = Truth(truth.unknowns, truth.coefficients, truth.unbalances + added + moved, truth.factors)
         phasor = measured_phasors(machine, loaded, speed, rng) * gain + run_out
         measurement = Measurement.of(speed=speed, phasor=phasor).with_trial_weight(added)
         runs.append(CalibrationRun(f"run-{number}", measurement, (f"run-{number}",) * SPEEDS, steady=False))
     began = time.process_time()
-    calibrate(machine, runs)
+    found = calibrate(machine, runs)
+    if not found.accepted:
+        raise RuntimeError(found.verdict)
     return time.process_time() - began

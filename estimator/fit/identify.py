@@ -39,6 +39,8 @@ SCALE_PASSES = 10
 LARGEST_CONDITION = 1e5
 """Condition number above which intervals are checked against the likelihood's profile [-]; full run-downs have some
 thousands."""
+FEW_SAMPLES = 40
+"""Number of samples up to which starts go on until the best optimum has been reached twice: with few there may be several."""
 SAME_SPEED = 1e-3
 """Relative difference of speeds that count as one [-]: samples there repeat each other."""
 THINNING_BINS = 200
@@ -282,6 +284,7 @@ def identify_train(
         seed=options.seed,
         good=lambda found: judge(problem, found).accepted,
         beginning=None if beginning is None else problem.coordinates.theta(beginning),
+        twice=measurement.speed.size <= FEW_SAMPLES and beginning is None and not problem.coordinates.calibrated_places,
     )
     return _result(problem, best, reasons, limits)
 
@@ -421,7 +424,7 @@ def _result(problem: FitProblem, best: BestFit, reasons: Reasons | None, limits:
         chi_square=found.chi_square,
         degrees_of_freedom=verdict.degrees_of_freedom,
         accepted=verdict.accepted,
-        verdict=verdict.words + beside.words,
+        verdict="; ".join((verdict.words + beside.words, *best.remarks)),
         condition_number=condition,
         starts=best.starts,
         iterations=best.iterations,
