@@ -24,6 +24,7 @@ from rotorundown.environment.optional_packages import optional_package
 from rotorundown.run_tables import RunTable, TableUnits, WrongRun, read_csv_table
 from service.configuration.document_files import UnreadableFile
 from service.sources.recorded_runs import read_runs
+from service.sources.recording import sidecar_of
 from service.wire import Rejected
 
 __all__ = ["MachineRun", "WrongRun", "read_run"]
@@ -141,8 +142,8 @@ def read_run(
     if not isinstance(source, str | Path):
         return _run_of_table(RunTable.of(source), "run", machine, units)
     path = Path(source)
-    beside = path.with_suffix(".yaml") if sidecar is None else Path(sidecar)
-    if sidecar is None and not beside.exists():
+    beside = sidecar_of(path) if sidecar is None else Path(sidecar)
+    if sidecar is None and path.suffix == ".csv" and not beside.exists():
         return _run_of_table(read_csv_table(path), path.name, machine, units)
     try:
         runs, left_out = read_runs(machine, [path], beside)

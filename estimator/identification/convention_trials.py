@@ -184,7 +184,9 @@ class _Trial:
     def _amplitudes(self, refused: Identification, whole: Measurement) -> list[WrongConvention]:
         """Return the units of amplitudes to be tried: where known weights fix them, or the unbalances speak against theirs."""
         if has_known_weights(whole):
-            return sorted(amplitude_scales(), key=self._linear_misfit)[:LIKELIEST]
+            kinds = [one for one in amplitude_scales() if one.name == "amplitude-kind"]
+            units = [one for one in amplitude_scales() if one.name != "amplitude-kind"]
+            return [*kinds, *sorted(units, key=self._linear_misfit)[:LIKELIEST]]
         odd = implausible_unbalance(self.machine, refused)
         return [] if odd is None else odd.units
 

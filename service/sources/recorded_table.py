@@ -1,12 +1,14 @@
 """The table of a recording: a CSV file with a header line, its cells as numbers or words, and what is wrong with its place."""
 
 import csv
+import io
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from service.configuration.document_files import UnreadableFile
+from service.sources.exported_table import exported_rows, is_plain
 from service.sources.measured_columns import BrokenFile
 from service.sources.measured_files import is_measured_file, read_measured_file
 
@@ -30,8 +32,9 @@ class RecordedTable:
             return cls(path, _measured_rows(path))
         try:
             # Spreadsheets put a byte order mark in front.
-            with path.open(encoding="utf-8-sig", newline="") as file:
-                rows = list(csv.DictReader(file, strict=True))
+            text = path.read_text(encoding="utf-8-sig")
+            rows = list(csv.DictReader(io.StringIO(text, newline=""), strict=True)) if is_plain(text) else exported_rows(text)
+            rows = rows or list(csv.DictReader(io.StringIO(text, newline=""), strict=True))
         except (OSError, UnicodeDecodeError, csv.Error) as error:
             raise UnreadableFile(f"{path}: {error}") from error
         if not rows:
@@ -57,8 +60,10 @@ class RecordedTable:
         return found
 
     def _cells(self, name: str) -> list[str | None]:
+        if f"{name}#1" in self.rows[0]:
+            raise UnreadableFile(f"{self.path}: column '{name}' is there more than once: name '{name}#1', '{name}#2', …")
         if name not in self.rows[0]:
-            raise UnreadableFile(f"{self.path} has no column '{name}'; it has {', '.join(self.rows[0])}")
+            raise UnreadableFile(f"{self.path} has no column '{name}'; it has {', '.join(filter(None, self.rows[0]))}")
         return [row[name] for row in self.rows]
 
     def _number(self, line: int, name: str, text: str | None) -> float | None:

@@ -24,6 +24,8 @@ from service.wire import TABLES, WIRE_SCHEMA, SampleBatch
 from storage.clock import from_datetime
 from storage.database.private_files import prepare
 
+SHARED_SIDECAR = "columns.yaml"
+"""Name of the sidecar that maps the columns of all recordings in a folder that have none of their own."""
 LONGEST_S = 1e9
 """Longest recording: thirty years [s]."""
 
@@ -81,10 +83,27 @@ class Sidecar(BaseModel):
         "by default a recording is one mounting",
     )
 
+    @model_validator(mode="after")
+    def _mapped_once(self) -> Self:
+        columns = [
+            one for part in self.channels for one in (part.amplitude, part.phase, part.real, part.imaginary, part.scatter)
+        ]
+        mapped = [one for one in (self.speed, self.time, *columns) if one is not None]
+        twice = sorted({one for one in mapped if mapped.count(one) > 1})
+        if twice:
+            raise ValueError(f"column {', '.join(twice)} is mapped twice: each amplitude, phase and speed has one of its own")
+        return self
+
     @property
     def trial_weights(self) -> dict[str, TrialWeight]:
         """Return the trial weights that were on by disc."""
         return {} if self.added_unbalance in (None, "none") else dict(self.added_unbalance)  # type: ignore[arg-type]
+
+
+def sidecar_of(path: Path) -> Path:
+    """Return the sidecar of a recording: its own beside it, or the one that maps the columns of all files in its folder."""
+    own, shared = path.with_suffix(".yaml"), path.parent / SHARED_SIDECAR
+    return shared if shared.exists() and not own.exists() else own
 
 
 def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
@@ -121,7 +140,7 @@ def _sidecar_of(path: Path, sidecar_path: Path | None) -> Sidecar:
     """Return the sidecar of a recording, by default the one beside it. Raises UnreadableFile."""
     if path.is_dir():
         raise UnreadableFile(f"{path} is a folder, not a recording")
-    beside = sidecar_path or path.with_suffix(".yaml")
+    beside = sidecar_path or sidecar_of(path)
     if not path.exists():
         raise UnreadableFile(f"{path}: no such file")
     if not beside.exists():
@@ -255,7 +274,7 @@ class RecordedCircumstances:
 
 def read_circumstances(path: Path, sidecar_path: Path | None = None) -> RecordedCircumstances:
     """Return trial weights and mountings of all rows of a recording. Raises UnreadableFile."""
-    sidecar, table = read_sidecar(sidecar_path or path.with_suffix(".yaml")), RecordedTable.read(path)
+    sidecar, table = read_sidecar(sidecar_path or sidecar_of(path)), RecordedTable.read(path)
     direction = 1 if sidecar.direction == "positive" else -1
 
     def unbalances(weight: TrialWeight) -> list[complex]:

@@ -1,0 +1,80 @@
+"""Tables as System 1, ADRE and other programs export them: lines about the export, a header, perhaps a line of units, numbers.
+
+The separator is a comma, a semicolon or a tab; behind the latter two a comma in a number is a decimal one. A name that is in
+the header more than once is known as NAME#1, NAME#2 and so on, from left to right.
+"""
+
+import csv
+import re
+from collections import Counter
+from collections.abc import Callable, Sequence
+
+SEPARATORS = (",", ";", "\t")
+LONGEST_HEAD = 200
+"""Most lines before the first numbers."""
+DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?")
+
+Row = dict[str, str | None]
+
+
+def exported_rows(text: str) -> list[Row]:
+    """Return the rows below the header by their columns' names; none where no header stands above numbers."""
+    lines = text.splitlines()
+    for separator in SEPARATORS:
+        table = [[cell.strip() for cell in cells] for cells in csv.reader(lines, delimiter=separator)]
+        first = next((place for place, cells in enumerate(table[:LONGEST_HEAD]) if _has_numbers(cells, separator)), None)
+        if not first:
+            continue
+        head = first
+        while head > 0 and len(table[head - 1]) == len(table[first]) and any(table[head - 1]):
+            head -= 1
+        if head == first:
+            continue
+        # Above a line of units some cells of which are blank.
+        names = _named(next((cells for cells in table[head:first] if all(cells)), table[head]))
+        numbers = [cells for cells in table[first:] if any(cells)]
+        return [dict(zip(names, [*map(_decimal(separator), cells), *[None] * len(names)], strict=False)) for cells in numbers]
+    return []
+
+
+def is_plain(text: str) -> bool:
+    """Return whether a text is a header line of different names, separated by commas, with a number in the line below."""
+    lines = text.split("\n", 2)[:2]
+    header, first = (next(csv.reader([line]), []) for line in [*lines, ""][:2])
+    names = [name.strip() for name in header]
+    alone = len(names) > 1 and len(set(names)) == len(names) and not any(map(_is_number, names))
+    return alone and (not first or any(map(_is_number, first)))
+
+
+def _has_numbers(cells: Sequence[str], separator: str) -> bool:
+    """Return whether most of a line's cells are numbers, two at least."""
+    turned = _decimal(separator)
+    count = sum(_is_number(turned(cell)) for cell in cells)
+    return count >= 2 and 2 * count >= len([cell for cell in cells if cell])
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _decimal(separator: str) -> Callable[[str], str]:
+    """Return the function that makes a decimal comma a point, where commas do not separate."""
+
+    def turned(cell: str) -> str:
+        return cell.replace(",", ".") if separator != "," and DECIMAL_COMMA.fullmatch(cell) else cell
+
+    return turned
+
+
+def _named(header: Sequence[str]) -> list[str]:
+    """Return the names of a header, numbered where several are the same."""
+    count, seen = Counter(header), Counter[str]()
+    names = []
+    for name in header:
+        seen[name] += 1
+        names.append(f"{name}#{seen[name]}" if count[name] > 1 else name)
+    return names
