@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
-from estimator.fit.coordinates import Coordinates
 from estimator.fit.fit_problem import FitProblem, FitResult
 from estimator.fit.reweighting import with_fitted_noise
 from estimator.machine.parameter_description import describe
@@ -58,14 +57,12 @@ def channel_effects(problem: FitProblem, found: FitResult, *, inflation: float =
     Returns:
         Effects of e errors of channels.
     """
-    whole = _with_every_channel(with_fitted_noise(problem, found))
+    final, own = with_fitted_noise(problem, found), problem.coordinates
+    extended = own.with_every_channel(problem.train.channels, run_out_unit=RUN_OUT_UNIT)
+    whole = final.with_channels(extended, found.theta)
     doubtful = _discarded_channels(whole)
-    own, extended = problem.coordinates, whole.coordinates
-    index = np.array([extended.names.index(name) for name in own.names], dtype=np.intp)
-    added = np.setdiff1d(np.arange(extended.size), index)
-    point = np.zeros(extended.size)
-    point[index] = own.point(found.theta)
-    theta = extended.theta(point)
+    index, added = np.arange(own.size), np.arange(own.size, extended.size)
+    theta = np.concatenate([found.theta, np.zeros(added.size)])
 
     amplitude = np.abs(whole.model(theta))
     _, gradient, curvature = whole.linearised(theta, whole.weight(amplitude, 0.0))
@@ -124,12 +121,3 @@ def _assess_separately(
     information[own] = (curvature[np.ix_(added, added)] / np.outer(unit, unit))[own]
     score[theirs] = (gradient[added] / unit)[theirs]
     return bias, information, score
-
-
-def _with_every_channel(problem: FitProblem) -> FitProblem:
-    """Return the problem with gain and run-out of each channel among its coordinates."""
-    count = len(problem.train.channels)
-    train = replace(problem.train, gain_spread=np.ones(count), run_out_spread=np.full(count, RUN_OUT_UNIT))
-    scale = problem.coordinates.excitation_scale
-    first = float(scale[0]) if scale.size else 1.0
-    return replace(problem, train=train, coordinates=Coordinates.of(train, unbalance_scale=first), _scaled={})

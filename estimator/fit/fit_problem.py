@@ -1,20 +1,23 @@
 """The problem of a fit, which is data, train and coordinates, with its weighted residuals and derivatives; and the result."""
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
 from estimator.fit.coordinates import Coordinates
-from estimator.fit.phasor_jacobian import phasor_jacobian
+from estimator.fit.linear_phasors import LinearPhasors, PhasorMemory, Sources, linear_phasors
 from estimator.machine.rules import Noise
 from estimator.phasors.measurement import Measurement
 from estimator.phasors.noise import error_size
 from estimator.rotor.condensation import CondensedTrain
-from estimator.rotor.response import response, sensitivity
+from estimator.rotor.response import response
 
+LARGEST_KEPT = 1_000_000
+"""Most derivatives of phasors that are remembered, 16 bytes each [-]: those of two hundred unknowns at some hundred speeds."""
 SMALLEST_AMPLITUDE = 0.01
 """Least amplitude of a channel as a part of the sample's largest, for the weights before there is a fit [-]."""
 
@@ -71,6 +74,11 @@ class FitProblem:
     robust: bool = True
     channel_noise: Floats = field(default_factory=lambda: np.ones(1))
     _scaled: dict[bytes, CondensedTrain] = field(default_factory=dict)
+    _memory: PhasorMemory = field(default_factory=PhasorMemory)
+
+    @property
+    def _sources(self) -> Sources:
+        return self.coordinates, self.train, self.measurement
 
     @property
     def used(self) -> NDArray[np.bool_]:
@@ -131,12 +139,58 @@ class FitProblem:
         Returns:
             Phasors (S, m) [m].
         """
+        known = self._memory.phasors(self._sources, theta)
+        if known is not None:
+            return known
         phasor = response(
             self.scaled_train(theta),
             coefficients=self.coordinates.coefficients(theta),
             excitations=self.excitations(theta),
         )
-        return self.coordinates.channels.as_measured(theta, phasor, self.measurement.direction)
+        found = self.coordinates.channels.as_measured(theta, phasor, self.measurement.direction)
+        self._memory.keep_phasors(self._sources, theta, found)
+        return found
+
+    def linear_phasors(self, theta: Floats) -> Iterator[LinearPhasors]:
+        """Yield the phasors and their derivatives at θ, some of the speeds at a time; the last ones are remembered.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Yields:
+            Phasors and derivatives, which may not be changed.
+        """
+        size = theta.size * self.measurement.phasor.size
+        known = self._memory.linear(self._sources, theta)
+        if known is not None:
+            yield known
+            return
+        train = self.scaled_train(theta)
+        excitations = self.excitations(theta)
+        for block in [slice(0, train.speed.size)] if size <= LARGEST_KEPT else train.blocks():
+            found = linear_phasors(
+                train, self.coordinates, theta, excitations=excitations, direction=self.measurement.direction, block=block
+            )
+            if size <= LARGEST_KEPT:
+                self._memory.keep_linear(self._sources, theta, found)
+            yield found
+
+    def with_channels(self, coordinates: Coordinates, theta: Floats) -> "FitProblem":
+        """Return the problem with more coordinates of channels behind its own.
+
+        Args:
+            coordinates: The coordinates, this problem's first.
+            theta: Fit coordinates θ (n,), at which the others are zero [-].
+
+        Returns:
+            The problem.
+        """
+        found = replace(self, coordinates=coordinates, _memory=PhasorMemory())
+        known = self._memory.linear(self._sources, theta)
+        if known is not None:
+            whole = np.concatenate([theta, np.zeros(coordinates.size - theta.size)])
+            found._memory.keep_linear(found._sources, whole, known.extended(coordinates, self.measurement.direction))
+        return found
 
     def linearised(self, theta: Floats, weight: Floats) -> tuple[float, Floats, Floats]:
         """Linearise the problem at θ.
@@ -148,27 +202,11 @@ class FitProblem:
         Returns:
             χ² of the data [-], -½ of its gradient (n,) [-] and its Gauss-Newton curvature (n, n) [-].
         """
-        train = self.scaled_train(theta)
-        coefficients, excitations = self.coordinates.coefficients(theta), self.excitations(theta)
         weight = np.where(self.used, weight, 0.0)
         chi_square, gradient = 0.0, np.zeros(theta.size)
         curvature = np.zeros((theta.size, theta.size))
-        for block in train.blocks():
-            found = sensitivity(
-                train.pick(block),
-                coefficients=coefficients if coefficients.ndim == 1 else coefficients[block],
-                excitations=excitations if excitations.ndim == 1 else excitations[block],
-            )
-            direction = self.measurement.direction[block]
-            modelled = self.coordinates.channels.as_measured(theta, found.phasor, direction)
-            residual = (self.measurement.phasor[block] - modelled) * weight[block]
-            slope = phasor_jacobian(
-                self.coordinates, theta, found, coefficients=coefficients, direction=direction, block=block
-            )
-            slope *= weight[block]
-            # Real and imaginary parts side by side: the same sums at a quarter of the work.
-            rows = slope.reshape(theta.size, -1).view(float)
-            parts = residual.reshape(-1).view(float)
+        for found in self.linear_phasors(theta):
+            rows, parts = found.weighted(self.measurement.phasor, weight)
             chi_square += float(parts @ parts)
             gradient += rows @ parts
             curvature += rows @ rows.T
