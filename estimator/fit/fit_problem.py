@@ -14,7 +14,7 @@ from estimator.machine.rules import Noise
 from estimator.phasors.measurement import Measurement
 from estimator.phasors.noise import error_size
 from estimator.rotor.condensation import CondensedTrain
-from estimator.rotor.response import response
+from estimator.rotor.response import excitation_responses, response
 
 LARGEST_KEPT = 1_000_000
 """Most derivatives of phasors that are remembered, 16 bytes each [-]: those of two hundred unknowns at some hundred speeds."""
@@ -262,14 +262,23 @@ class FitProblem:
         Returns:
             θ (n,) with these unbalances, bows and loads [-].
         """
-        first = self.coordinates.excitation_place
-        free = np.concatenate([first[first >= 0], first[first >= 0] + 1])
-        if free.size == 0:
+        of_one = np.flatnonzero(self.coordinates.excitation_place >= 0)
+        if of_one.size == 0:
             return theta
-        _, gradient, curvature = self.linearised(theta, weight)
-        block = curvature[np.ix_(free, free)] + np.diag(self.coordinates.spread[free] ** -2)
+        first = self.coordinates.excitation_place[of_one]
+        free = np.stack([first, first + 1], axis=1).reshape(-1)
+        each = excitation_responses(self.scaled_train(theta), coefficients=self.coordinates.coefficients(theta))
+        excitations = self.excitations(theta)
+        parts = np.stack([excitations.real, excitations.imag], axis=-1).reshape(*excitations.shape[:-1], -1)
+        phasor = np.einsum("esm,e->sm" if parts.ndim == 1 else "esm,se->sm", each, parts)
+        channels, weight = self.coordinates.channels, np.where(self.used, weight, 0.0)
+        residual = (self.measurement.phasor - channels.as_measured(theta, phasor, self.measurement.direction)) * weight
+        slope = each.reshape(-1, 2, *phasor.shape)[of_one].reshape(free.size, *phasor.shape)
+        slope = slope * np.repeat(self.coordinates.excitation_scale[of_one], 2)[:, None, None]
+        rows = (slope * (channels.gains(theta) * weight)).reshape(free.size, -1).view(float)
+        block = rows @ rows.T + np.diag(self.coordinates.spread[free] ** -2)
         # At the given excitations the model is linear in them: one Newton step is the answer.
         offset = (theta[free] - self.coordinates.centre[free]) / self.coordinates.spread[free] ** 2
         result = theta.copy()
-        result[free] += np.linalg.solve(block, gradient[free] - offset)
+        result[free] += np.linalg.solve(block, rows @ residual.reshape(-1).view(float) - offset)
         return result
