@@ -18,6 +18,8 @@ from estimator.rotor.response import excitation_responses, response
 
 LARGEST_KEPT = 1_000_000
 """Most derivatives of phasors that are remembered, 16 bytes each [-]: those of two hundred unknowns at some hundred speeds."""
+BEND_PART = 0.1
+"""Part of a step over which the bend of the phasors is looked at [-]."""
 SMALLEST_AMPLITUDE = 0.01
 """Least amplitude of a channel as a part of the sample's largest, for the weights before there is a fit [-]."""
 
@@ -211,6 +213,27 @@ class FitProblem:
             gradient += rows @ parts
             curvature += rows @ rows.T
         return chi_square, gradient, curvature
+
+    def bend(self, theta: Floats, step: Floats, weight: Floats) -> Floats:
+        """Compute the second derivative of the weighted phasors along a step, projected on their derivatives.
+
+        Source: Transtrum, Machta and Sethna 2011, doi:10.1103/PhysRevE.83.036701, from a difference over a part of the step.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+            step: Step (n,) [-].
+            weight: Weights (S, m) [1/m].
+
+        Returns:
+            Projection (n,) [-]; not finite where there is no model so far along the step.
+        """
+        weight = np.where(self.used, weight, 0.0)
+        beyond = self.model(theta + BEND_PART * step)
+        found = np.zeros(theta.size)
+        for one in self.linear_phasors(theta):
+            rows, difference = one.weighted(beyond, weight)
+            found += rows @ (2.0 / BEND_PART * (difference / BEND_PART - step @ rows))
+        return found
 
     def chi_square(self, theta: Floats, weight: Floats) -> float:
         """Compute χ²: the sum of squared weighted residuals, real and imaginary parts counted apart.

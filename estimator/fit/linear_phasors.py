@@ -101,10 +101,10 @@ def linear_phasors(
 
 @dataclass
 class PhasorMemory:
-    """Memory of the last phasors of a fit and of the last with derivatives: by what they were computed of, and θ."""
+    """Memory of the last phasors of a fit and of the last two with derivatives: by what they were computed of, and θ."""
 
     _phasors: "tuple[_Key, Complexes] | None" = field(default=None, repr=False)
-    _linear: "tuple[_Key, LinearPhasors] | None" = field(default=None, repr=False)
+    _linear: "list[tuple[_Key, LinearPhasors]]" = field(default_factory=list, repr=False)
 
     def phasors(self, of: Sources, theta: Floats) -> Complexes | None:
         """Return the phasors at θ where they are known.
@@ -131,8 +131,7 @@ class PhasorMemory:
         Returns:
             Phasors and derivatives, or None.
         """
-        known = self._linear
-        return known[1] if known is not None and known[0].equals(of, theta) else None
+        return next((found for key, found in self._linear if key.equals(of, theta)), None)
 
     def keep_phasors(self, of: Sources, theta: Floats, found: Complexes) -> None:
         """Remember phasors.
@@ -152,7 +151,8 @@ class PhasorMemory:
             theta: Fit coordinates θ (n,) [-].
             found: Phasors and derivatives at all speeds.
         """
-        self._linear = _Key(of, theta.copy()), found
+        self._linear[:-1] = []  # a step that is not taken leads back to the last but one
+        self._linear.append((_Key(of, theta.copy()), found))
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ A fit may end there all the same, where data are few or the model is wrong; bala
 worthless. Where the data allow a model without growing modes nearly as well, that is the fit's end; else the fit is refused.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,7 +13,7 @@ from scipy.stats import chi2
 from estimator.arrays import Complexes, Floats
 from estimator.fit.coordinates import Coordinates
 from estimator.fit.fit_problem import FitProblem, FitResult
-from estimator.fit.maximum_likelihood import descend
+from estimator.fit.maximum_likelihood import CURVED, bent, descend
 from estimator.fit.reweighting import with_fitted_noise
 from estimator.machine.document import Machine
 from estimator.machine.scaled_materials import with_scaled_materials
@@ -30,31 +30,38 @@ SMALLEST_DAMPING_RATIO = -1e-4
 """Damping ratio below which a mode grows [-]; an undamped one is computed with rounding errors."""
 SMALLEST_ROOT = 1e-3
 """Part of that frequency below which a root is zero but for rounding [-]: a train that nothing holds."""
-MARGIN = 2e-4
+MARGIN = 1e-3
 """Damping ratio to which a growing mode is brought [-]."""
 NEAR = 0.02
 """Damping ratio below which a mode is watched in a step [-]."""
+NEAR_STATIC = 0.5
+"""Part of the speed below which a root without oscillation is watched: it may leave its bearings in the next step [-]."""
 CHANCE = 0.01
 """Chance at which χ² rises more than is allowed where the true modes decay [-].
 
 The rise has at most as many degrees of freedom as modes grow (Self and Liang 1987, doi:10.1080/01621459.1987.10478472).
 """
-LARGEST_STEP_COUNT = 30
-"""Most steps to such a model."""
+LARGEST_STEP_COUNT = 60
+"""Most steps to such a model, also those that are not taken."""
 STEP_LIMIT = 0.5
 """Largest change of a coordinate in one step [-]."""
 SETTLED = 0.5
 """Change of the merit function in a step up to which the steps have ended [-]."""
 FIRST_DAMPING = 1e-3
 """Part of the diagonal of the curvature that is added to it in the first step [-]."""
-MOST_HALVINGS = 6
-"""Most times a step is tried, each time half as long."""
+LARGEST_DAMPING = 1e6
+"""The same where steps are too short to bring anything [-]."""
+SMALLEST_GAIN = 1e-4
+"""Part of the decrease that a step promises from which on it is taken [-]."""
+ACTIVE_SET_PASSES = 6
+"""Most times the modes that a step brings to the margin are found anew."""
 PRIOR_FACTORS = tuple(1.4**power for power in range(1, 9))
 """Factors by which the prior's spread is made smaller, one after the other, to draw what the data leave open [-]."""
 DRAWN_STEP_COUNT = 8
 """Most steps with each of them."""
-PENALTY = 300.0
-"""Weight of lacking damping in the merit function [-]: a damping ratio of -0.01 counts as much as three units of χ²."""
+PENALTY = 1e6
+"""Weight of the square of lacking damping in the merit function [-]: a rate of growth of 0.001 of the speed counts as one unit
+of χ²."""
 
 
 @dataclass(frozen=True)
@@ -76,11 +83,11 @@ class LeastDampedMode:
 
     @property
     def lacking(self) -> float:
-        """Return how much damping is lacking [-]: the rate of growth over the speed.
+        """Return how much damping is lacking [-]: the rate of growth over the speed; negative where there is enough.
 
         A damping ratio would not do: of every mode that grows without oscillating it is -1, however slowly it grows.
         """
-        return max(0.0, self.eigenvalue.real + MARGIN / 2 * abs(self.eigenvalue)) / self.speed
+        return (self.eigenvalue.real + MARGIN * abs(self.eigenvalue)) / self.speed
 
     @property
     def grows(self) -> bool:
@@ -145,7 +152,7 @@ class PhysicalLimits:
         return tuple(
             LeastDampedMode(spin, complex(root))
             for spin, slow in self._slow_modes(theta)
-            for root in slow[damping_ratio(slow) < NEAR]
+            for root in slow[(damping_ratio(slow) < NEAR) | ((slow.imag == 0.0) & (slow.real > -NEAR_STATIC * spin))]
         )
 
     def growing_mode(self, theta: Floats) -> LeastDampedMode | None:
@@ -233,9 +240,8 @@ def without_growing_modes(
 ) -> tuple[FitResult, LeastDampedMode | None]:
     """Fit a train again so that no mode grows, from a fit in which one does.
 
-    What the data leave open is drawn to the document's values until no mode grows. From there Gauss-Newton steps lower the
-    misfit under the linearised conditions that modes decay (sequential quadratic programming; Nocedal and Wright, Numerical
-    Optimization, 2006, ch. 18).
+    What the data leave open is drawn to the document's values until no mode grows. From there damped Gauss-Newton steps lower
+    the misfit with a quadratic penalty on modes that lack damping (Nocedal and Wright, Numerical Optimization, 2006, sec. 17.1).
 
     Args:
         limits: Limits of the machine.
@@ -259,7 +265,7 @@ def without_growing_modes(
 
 
 class _Search:
-    """Search for the best model without growing modes, with steps that are shortened until they lower a merit function."""
+    """Search for the best model without growing modes: Levenberg-Marquardt steps under a penalty on lacking damping."""
 
     def __init__(self, limits: PhysicalLimits, problem: FitProblem, weight: Floats, highest: float) -> None:
         self.limits = limits
@@ -274,22 +280,27 @@ class _Search:
         merit, kept = _merit(cost, modes), None
         if cost <= self.highest and not any(one.grows for one in modes):
             kept = theta
-        damping = FIRST_DAMPING
+        damping, growth, curved = FIRST_DAMPING, 2.0, False
+        watched = [(one, self.limits.slopes(theta, one)) for one in modes]
         for _ in range(LARGEST_STEP_COUNT):
             damped = hessian + damping * np.diag(np.diag(hessian))
-            step = _constrained_step(slope, damped, modes, self.limits, theta)
-            for halving in range(MOST_HALVINGS):
-                trial = theta + 0.5**halving * step
-                modes = self.limits.watched(trial)
-                trial_merit = _merit(self._cost(trial), modes)
-                if trial_merit < merit:
+            step, promised = _penalised_step(slope, damped, watched)
+            if curved:
+                step = bent(self.problem, theta, self.weight, step, damped)
+            trial = theta + step
+            trial_modes = self.limits.watched(trial)
+            trial_merit = _merit(self._cost(trial), trial_modes)
+            gain = (merit - trial_merit) / promised
+            curved = not gain > CURVED
+            if not gain > SMALLEST_GAIN:
+                damping, growth = damping * growth, 2.0 * growth
+                if damping > LARGEST_DAMPING:
                     break
-                damping *= 2.0
-            else:
-                return kept
-            damping /= 4.0
+                continue
+            damping, growth = damping * max(0.2, 1.0 - (2.0 * min(gain, 1.0) - 1.0) ** 3), 2.0
             settled = merit - trial_merit < SETTLED
-            theta, merit = trial, trial_merit
+            theta, merit, modes = trial, trial_merit, trial_modes
+            watched = [(one, self.limits.slopes(theta, one)) for one in modes]
             cost, slope, hessian = _linearised(self.problem, theta, self.weight)
             if cost <= self.highest and not any(one.grows for one in modes):
                 kept = theta
@@ -315,7 +326,7 @@ class _Search:
 
 
 def _merit(cost: float, modes: tuple[LeastDampedMode, ...]) -> float:
-    return cost + PENALTY * sum(one.lacking for one in modes)
+    return cost + PENALTY * sum(max(0.0, one.lacking) ** 2 for one in modes)
 
 
 def _linearised(problem: FitProblem, theta: Floats, weight: Floats) -> tuple[float, Floats, Floats]:
@@ -326,16 +337,20 @@ def _linearised(problem: FitProblem, theta: Floats, weight: Floats) -> tuple[flo
     return data + float(precision @ away**2), gradient - precision * away, curvature + np.diag(precision)
 
 
-def _constrained_step(
-    slope: Floats, hessian: Floats, modes: tuple[LeastDampedMode, ...], limits: PhysicalLimits, theta: Floats
-) -> Floats:
-    """Return the Gauss-Newton step that brings modes of too little damping to the margin."""
-    free = np.linalg.solve(hessian, slope)
-    if modes:
-        normals = np.stack([limits.slopes(theta, one) for one in modes])
-        allowed = np.array([-one.eigenvalue.real - MARGIN * abs(one.eigenvalue) for one in modes])
-        broken = normals @ free > allowed
-        normals, allowed = normals[broken], allowed[broken]
-        across = np.linalg.solve(hessian, normals.T)
-        free = free + across @ np.linalg.lstsq(normals @ across, allowed - normals @ free, rcond=None)[0]
-    return np.asarray(free * min(1.0, STEP_LIMIT / max(float(np.max(np.abs(free))), 1e-300)))
+def _penalised_step(
+    slope: Floats, hessian: Floats, modes: Sequence[tuple[LeastDampedMode, Floats]]
+) -> tuple[Floats, float]:
+    """Return the step that lowers cost and penalty most where both are linearised, and the decrease that it promises."""
+    lacking = np.array([one.lacking for one, _ in modes])
+    normals = np.array([by / one.speed for one, by in modes]).reshape(len(modes), slope.size)
+    active = lacking > 0.0
+    for _ in range(ACTIVE_SET_PASSES):
+        rows, short = normals[active], lacking[active]
+        step = np.linalg.solve(hessian + PENALTY * rows.T @ rows, slope - PENALTY * rows.T @ short)
+        before, active = active, lacking + normals @ step > 0.0
+        if np.array_equal(before, active):
+            break
+    step *= min(1.0, STEP_LIMIT / max(float(np.max(np.abs(step))), 1e-300))
+    left = np.maximum(0.0, lacking + normals @ step)
+    penalty = PENALTY * float(np.maximum(0.0, lacking) @ np.maximum(0.0, lacking) - left @ left)
+    return np.asarray(step), max(float(2 * slope @ step - step @ hessian @ step) + penalty, 1e-12)
