@@ -4,11 +4,11 @@ Output error: the residual is measured minus modelled response, weighted by its 
 bias the estimate (an equation-error regression, thesis Eq. 4.71, puts noise into the regressors). Levenberg-Marquardt with
 exact sensitivities (Marquardt, J. SIAM 11 (1963) 431, doi:10.1137/0111030), in the coordinates of `coordinates`; in curved
 valleys with geodesic acceleration (Transtrum, Machta and Sethna, Phys. Rev. E 83 (2011) 036701,
-doi:10.1103/PhysRevE.83.036701). Weights
-sharpen in stages: the first stages allow a relative misfit beside the noise, which flattens the valleys that a shifted
-resonance leaves, the last has the noise alone. Then weights are taken from the fitted response, phasors that cannot be noise
-are left out and the noise is estimated where it is not known, again and again until nothing changes: iteratively
-reweighted least squares, whose fixed point solves the likelihood equations of Gaussian errors with weights taken as known.
+doi:10.1103/PhysRevE.83.036701). Weights sharpen in stages: the first stages allow a relative misfit beside the noise, which
+flattens the valleys that a shifted resonance leaves, the last has the noise alone. Then weights are taken from the fitted
+response, phasors that cannot be noise are left out and the noise is estimated where it is not known, again and again until
+nothing changes: iteratively reweighted least squares, whose fixed point solves the likelihood equations of Gaussian errors
+with weights taken as known.
 """
 
 import math
@@ -151,15 +151,15 @@ def descend(
         newton = np.linalg.solve(hessian, slope)
         if float(slope @ newton) < CONVERGED_DECREASE or _has_stalled(costs, float(slope @ newton)):
             return theta, True, step_number
-        damped = hessian + damping * np.diag(np.diag(hessian))
+        damped = np.asarray(hessian + damping * np.diag(np.diag(hessian)), dtype=float)
         step = np.linalg.solve(damped, slope)
         step *= min(1.0, STEP_LIMIT / max(float(np.max(np.abs(step))), 1e-300))
         promised = float(2 * slope @ step - step @ hessian @ step)
-        if gain < CURVED:
-            step = bent(problem, theta, weight, step, damped)
         trial = theta + step
         # Nearly all trials are taken, so their derivatives are computed at once.
         try:
+            if gain < CURVED:
+                trial = bent(problem, theta, weight, step, damped)
             trial_data, trial_gradient, trial_curvature = problem.linearised(trial, weight)
             trial_cost = penalised(trial_data, trial)
         except SingularCondensation:
@@ -177,23 +177,30 @@ def descend(
 
 
 def bent(problem: FitProblem, theta: Floats, weight: Floats, step: Floats, damped: Floats) -> Floats:
-    """Bend a step along a curved valley: geodesic acceleration (Transtrum et al. 2011, doi:10.1103/PhysRevE.83.036701).
+    """Follow a curved valley over a step.
+
+    With geodesic acceleration (Transtrum, Machta and Sethna 2011, doi:10.1103/PhysRevE.83.036701) and the excitations that fit
+    best there: most of the bend is that of their product with everything else (variable projection; Golub and Pereyra 1973,
+    doi:10.1137/0710036).
 
     Args:
         problem: The problem.
         theta: Fit coordinates θ (n,) [-].
         weight: Weights (S, m) [1/m].
-        step: The step (n,) [-].
+        step: The straight step (n,) [-].
         damped: Curvature (n, n) with damping from which it was found [-].
 
     Returns:
-        The step (n,), as it was where the bend is too sharp for it [-].
+        θ (n,) at the end of the step [-].
+
+    Raises:
+        SingularCondensation: E or density went where a speed cannot be condensed at.
     """
     acceleration = -np.linalg.solve(damped, problem.bend(theta, step, weight))
     size = np.sqrt(np.diag(damped))
-    if not 2.0 * np.linalg.norm(size * acceleration) <= LARGEST_BEND * np.linalg.norm(size * step):
-        return step
-    return np.asarray(step + acceleration / 2.0)
+    if 2.0 * np.linalg.norm(size * acceleration) <= LARGEST_BEND * np.linalg.norm(size * step):
+        step = step + acceleration / 2.0
+    return problem.best_excitations(theta + step, weight)
 
 
 def _has_stalled(costs: list[float], promise: float) -> bool:

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from estimator.arrays import Complexes, Floats
@@ -136,9 +137,24 @@ class PhysicalLimits:
         """
         return tuple(
             LeastDampedMode(spin, complex(slow[np.argmin(damping_ratio(slow))]))
-            for spin, slow in self._slow_modes(theta)
-            if slow.size
+            for spin, all_slow in self._slow_modes(theta)
+            if (slow := all_slow[self._is_root(all_slow)]).size
         )
+
+    def grow(self, modes: Sequence[LeastDampedMode]) -> bool:
+        """Return whether one of some modes grows.
+
+        Args:
+            modes: The modes.
+
+        Returns:
+            Whether one does; a root that is zero but for rounding does not.
+        """
+        return any(one.grows and bool(self._is_root(np.array(one.eigenvalue))) for one in modes)
+
+    def _is_root(self, eigenvalue: Complexes) -> NDArray[np.bool_]:
+        """Return which eigenvalues are not zero but for rounding."""
+        return np.asarray(np.abs(eigenvalue) > SMALLEST_ROOT * self.highest)
 
     def watched(self, theta: Floats) -> tuple[LeastDampedMode, ...]:
         """Return all modes of little or negative damping at all speeds.
@@ -152,7 +168,9 @@ class PhysicalLimits:
         return tuple(
             LeastDampedMode(spin, complex(root))
             for spin, slow in self._slow_modes(theta)
-            for root in slow[(damping_ratio(slow) < NEAR) | ((slow.imag == 0.0) & (slow.real > -NEAR_STATIC * spin))]
+            for root in slow[
+                (slow.imag > 0.0) & (damping_ratio(slow) < NEAR) | ((slow.imag == 0.0) & (slow.real > -NEAR_STATIC * spin))
+            ]
         )
 
     def growing_mode(self, theta: Floats) -> LeastDampedMode | None:
@@ -205,7 +223,7 @@ class PhysicalLimits:
             matrices = system_matrices(machine, coefficients=row, basis=basis)
             roots = np.linalg.eigvals(matrices.state_matrix(spin=self.machine.direction * spin))
             size = np.abs(roots)
-            yield spin, roots[(roots.imag >= 0.0) & (size <= self.highest) & (size > SMALLEST_ROOT * self.highest)]
+            yield spin, roots[(roots.imag >= 0.0) & (size <= self.highest)]
 
     def _scaled(self, theta: Floats) -> Machine:
         factors = self.coordinates.scales(theta)
@@ -241,7 +259,7 @@ def without_growing_modes(
     """Fit a train again so that no mode grows, from a fit in which one does.
 
     What the data leave open is drawn to the document's values until no mode grows. From there damped Gauss-Newton steps lower
-    the misfit with a quadratic penalty on modes that lack damping (Nocedal and Wright, Numerical Optimization, 2006, sec. 17.1).
+    the misfit with a quadratic penalty on modes that lack damping (Nocedal and Wright, Numerical Optimization, 2006, ch. 17).
 
     Args:
         limits: Limits of the machine.
@@ -278,16 +296,14 @@ class _Search:
         modes = self.limits.watched(theta)
         cost, slope, hessian = _linearised(self.problem, theta, self.weight)
         merit, kept = _merit(cost, modes), None
-        if cost <= self.highest and not any(one.grows for one in modes):
+        if cost <= self.highest and not self.limits.grow(modes):
             kept = theta
         damping, growth, curved = FIRST_DAMPING, 2.0, False
         watched = [(one, self.limits.slopes(theta, one)) for one in modes]
         for _ in range(LARGEST_STEP_COUNT):
-            damped = hessian + damping * np.diag(np.diag(hessian))
+            damped = np.asarray(hessian + damping * np.diag(np.diag(hessian)), dtype=float)
             step, promised = _penalised_step(slope, damped, watched)
-            if curved:
-                step = bent(self.problem, theta, self.weight, step, damped)
-            trial = theta + step
+            trial = bent(self.problem, theta, self.weight, step, damped) if curved else theta + step
             trial_modes = self.limits.watched(trial)
             trial_merit = _merit(self._cost(trial), trial_modes)
             gain = (merit - trial_merit) / promised
@@ -302,7 +318,7 @@ class _Search:
             theta, merit, modes = trial, trial_merit, trial_modes
             watched = [(one, self.limits.slopes(theta, one)) for one in modes]
             cost, slope, hessian = _linearised(self.problem, theta, self.weight)
-            if cost <= self.highest and not any(one.grows for one in modes):
+            if cost <= self.highest and not self.limits.grow(modes):
                 kept = theta
                 if settled:
                     break
@@ -337,9 +353,7 @@ def _linearised(problem: FitProblem, theta: Floats, weight: Floats) -> tuple[flo
     return data + float(precision @ away**2), gradient - precision * away, curvature + np.diag(precision)
 
 
-def _penalised_step(
-    slope: Floats, hessian: Floats, modes: Sequence[tuple[LeastDampedMode, Floats]]
-) -> tuple[Floats, float]:
+def _penalised_step(slope: Floats, hessian: Floats, modes: Sequence[tuple[LeastDampedMode, Floats]]) -> tuple[Floats, float]:
     """Return the step that lowers cost and penalty most where both are linearised, and the decrease that it promises."""
     lacking = np.array([one.lacking for one, _ in modes])
     normals = np.array([by / one.speed for one, by in modes]).reshape(len(modes), slope.size)
