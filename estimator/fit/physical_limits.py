@@ -21,6 +21,9 @@ from estimator.machine.scaled_materials import with_scaled_materials
 from estimator.modes.eigenmodes import Modes, damping_ratio, eigenvalue_slopes
 from estimator.rotor.modal_reduction import reduced_basis
 from estimator.rotor.system_matrices import system_matrices
+from estimator.statics.equilibrium import FilmEquilibrium
+from estimator.statics.film_curves import FilmCurves
+from estimator.statics.pad_states import state_matrix_with_pads
 from estimator.units import rad_per_s_to_rpm
 
 SPEEDS = 5
@@ -195,17 +198,11 @@ class PhysicalLimits:
         Returns:
             Derivatives (n,), 0 for coordinates of other kinds [rad/s].
         """
-        machine, root = self._scaled(theta), mode.eigenvalue
-        basis = reduced_basis(machine, self.highest)
+        machine = self._scaled(theta)
         at = self.coordinates.at_speeds(np.array([mode.speed]))
         base = at.coefficients(theta).reshape(-1)
-        spin = self.machine.direction * mode.speed
-        matrices = system_matrices(machine, coefficients=base, basis=basis)
-        left, _, right = np.linalg.svd(matrices.dynamic_stiffness(root, spin=spin))
-        shape, other = right[-1].conj()[:, None], left[:, -1][:, None]
-        momentum = (2.0 * root * matrices.mass + matrices.damping + spin * matrices.gyroscopic) @ shape
-        other = other / np.conj(np.vdot(other, momentum))
-        by_coefficient = eigenvalue_slopes(machine, Modes(np.array([root]), shape, other), basis)[0].real
+        shapes = self._shapes(machine, at, theta, base, mode)
+        by_coefficient = eigenvalue_slopes(machine, shapes, reduced_basis(machine, self.highest))[0].real
         found = np.zeros(theta.size)
         free = at.place >= 0
         np.add.at(found, at.place[free], (by_coefficient * np.where(at.logarithmic, base, at.scale))[free])
@@ -215,15 +212,42 @@ class PhysicalLimits:
             )
         return found
 
+    def _shapes(self, machine: Machine, at: Coordinates, theta: Floats, base: Floats, mode: LeastDampedMode) -> Modes:
+        """Return the right and the left vector of a mode, of the train and not of its pads."""
+        basis, root = reduced_basis(machine, self.highest), mode.eigenvalue
+        spin = self.machine.direction * mode.speed
+        tilted = _tilted(at, theta)
+        if tilted is not None:
+            # Pads are states of their own; that their own numbers change with θ is left out.
+            state = state_matrix_with_pads(machine, tilted[0], basis, coefficients=base)
+            left, _, right = np.linalg.svd(state - root * np.eye(len(state)))
+            mass = system_matrices(machine, coefficients=base, basis=basis).mass
+            whole, adjoint, size = right[-1].conj(), left[:, -1], len(mass)
+            other = np.linalg.solve(mass, adjoint[size : 2 * size]) / np.conj(np.vdot(adjoint, whole))
+            return Modes(np.array([root]), whole[:size, None], other[:, None])
+        matrices = system_matrices(machine, coefficients=base, basis=basis)
+        left, _, right = np.linalg.svd(matrices.dynamic_stiffness(root, spin=spin))
+        shape, other = right[-1].conj()[:, None], left[:, -1][:, None]
+        momentum = (2.0 * root * matrices.mass + matrices.damping + spin * matrices.gyroscopic) @ shape
+        return Modes(np.array([root]), shape, other / np.conj(np.vdot(other, momentum)))
+
     def _slow_modes(self, theta: Floats) -> Iterator[tuple[float, Complexes]]:
-        """Yield each speed with the eigenvalues of its modes up to the highest frequency [rad/s]."""
+        """Yield each speed with the eigenvalues of its modes up to the highest frequency [rad/s].
+
+        Pads that tilt are degrees of freedom of their own: reduced at the spin speed they would not damp a slower mode as they
+        do.
+        """
         machine = self._scaled(theta)
         basis = reduced_basis(machine, self.highest)
-        for spin, row in zip(self.speeds.tolist(), self._coefficients(theta), strict=True):
-            matrices = system_matrices(machine, coefficients=row, basis=basis)
-            roots = np.linalg.eigvals(matrices.state_matrix(spin=self.machine.direction * spin))
-            size = np.abs(roots)
-            yield spin, roots[(roots.imag >= 0.0) & (size <= self.highest)]
+        tilted = _tilted(self.coordinates, theta)
+        for place, (speed, row) in enumerate(zip(self.speeds.tolist(), self._coefficients(theta), strict=True)):
+            if tilted is not None:
+                state = state_matrix_with_pads(machine, tilted[place], basis, coefficients=row)
+            else:
+                matrices = system_matrices(machine, coefficients=row, basis=basis)
+                state = matrices.state_matrix(spin=self.machine.direction * speed)
+            roots = np.linalg.eigvals(state)
+            yield speed, roots[(roots.imag >= 0.0) & (np.abs(roots) <= self.highest)]
 
     def _scaled(self, theta: Floats) -> Machine:
         factors = self.coordinates.scales(theta)
@@ -233,6 +257,12 @@ class PhysicalLimits:
     def _coefficients(self, theta: Floats) -> Floats:
         """Return the coefficients at the speeds looked at (G, K) [SI]."""
         return np.atleast_2d(self.coordinates.coefficients(theta))
+
+
+def _tilted(coordinates: Coordinates, theta: Floats) -> tuple[FilmEquilibrium, ...] | None:
+    """Return the equilibria of films with pads that tilt; None where there are none."""
+    placed = ((one, one.curves) for one in coordinates.models)
+    return next((curves.tilted(one.own(theta)) for one, curves in placed if isinstance(curves, FilmCurves)), None)
 
 
 Limits = Callable[[FitProblem], PhysicalLimits]
@@ -304,8 +334,9 @@ class _Search:
             damped = np.asarray(hessian + damping * np.diag(np.diag(hessian)), dtype=float)
             step, promised = _penalised_step(slope, damped, watched)
             trial = bent(self.problem, theta, self.weight, step, damped) if curved else theta + step
-            trial_modes = self.limits.watched(trial)
-            trial_merit = _merit(self._cost(trial), trial_modes)
+            trial_cost = self._cost(trial)
+            trial_modes = self.limits.watched(trial) if np.isfinite(trial_cost) else ()
+            trial_merit = _merit(trial_cost, trial_modes)
             gain = (merit - trial_merit) / promised
             curved = not gain > CURVED
             if not gain > SMALLEST_GAIN:
