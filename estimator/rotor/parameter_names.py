@@ -10,7 +10,7 @@ from estimator.bearings.journal import JournalForm
 from estimator.bearings.registry import OWN_PARAMETERS
 from estimator.bearings.terms import LATERAL
 from estimator.machine.document import Machine
-from estimator.machine.film_parameter_names import film_parameter_names
+from estimator.machine.film_parameter_names import film_parameter_names, unknown_forces
 from estimator.machine.film_speeds import follows_films, told_rpm
 from estimator.machine.parameter_description import describe
 from estimator.quantities import UNITS
@@ -103,6 +103,8 @@ def _film_parameter_units(machine: Machine) -> dict[str, str]:
         if one.film is not None and isinstance(one.speed_dependence, JournalForm):
             names = film_parameter_names(one.id, one.film, one.speed_dependence).values()
             found |= {name: OWN_PARAMETERS[describe(name).quantity].unit for name in names}
+    if follows_films(machine):
+        found |= dict.fromkeys(unknown_forces(machine.static_loads), UNITS["force"])
     return found
 
 
