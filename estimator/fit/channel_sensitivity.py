@@ -6,12 +6,16 @@ information of those errors (Rao, Proc. Camb. Phil. Soc. 44 (1948) 50, doi:10.10
 linearisation at the fitted point. A diagnosis tells a drifting probe from a changing bearing by this.
 """
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
+from estimator.fit.channel_coordinates import ChannelCoordinates
+from estimator.fit.coordinates import Coordinates
 from estimator.fit.fit_problem import FitProblem, FitResult
 from estimator.fit.reweighting import with_fitted_noise
 from estimator.machine.parameter_description import describe
@@ -58,7 +62,7 @@ def channel_effects(problem: FitProblem, found: FitResult, *, inflation: float =
         Effects of e errors of channels.
     """
     final, own = with_fitted_noise(problem, found), problem.coordinates
-    extended = own.with_every_channel(problem.train.channels, run_out_unit=RUN_OUT_UNIT)
+    extended = with_every_channel(own, problem.train.channels)
     whole = final.with_channels(extended, found.theta)
     doubtful = _discarded_channels(whole)
     index, added = np.arange(own.size), np.arange(own.size, extended.size)
@@ -121,3 +125,32 @@ def _assess_separately(
     information[own] = (curvature[np.ix_(added, added)] / np.outer(unit, unit))[own]
     score[theirs] = (gradient[added] / unit)[theirs]
     return bias, information, score
+
+
+def with_every_channel(coordinates: Coordinates, channels: Sequence[str]) -> Coordinates:
+    """Return coordinates with those of each channel's gain and run-out that is not among them behind them.
+
+    Args:
+        coordinates: The coordinates.
+        channels: Ids of the m channels.
+
+    Returns:
+        The coordinates; those that are added have a prior of unit size.
+    """
+    names, unit = list(coordinates.names), list(coordinates.unit)
+    places = {"gain": coordinates.channels.gain.copy(), "run_out": coordinates.channels.run_out.copy()}
+    for (what, place), size in zip(places.items(), (1.0, RUN_OUT_UNIT), strict=True):
+        for channel in np.flatnonzero(place < 0).tolist():
+            place[channel] = len(names)
+            names += [f"probe.{channels[channel]}.{what}.{part}" for part in ("real", "imaginary")]
+            unit += [size, size]
+    more = len(names) - coordinates.size
+    return replace(
+        coordinates,
+        names=tuple(names),
+        centre=np.concatenate([coordinates.centre, np.zeros(more)]),
+        spread=np.concatenate([coordinates.spread, np.full(more, math.sqrt(0.5))]),
+        origin=np.concatenate([coordinates.origin, np.zeros(more)]),
+        unit=np.array(unit),
+        channels=ChannelCoordinates(gain=places["gain"], run_out=places["run_out"], unit=np.array(unit)),
+    )

@@ -5,7 +5,7 @@ terms as p / scale; excitations in units of their own scale, real and imaginary 
 gains of channels as real and imaginary part of their error, run-outs in units of their spread.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import sqrt
@@ -210,34 +210,6 @@ class Coordinates:
         """
         curves = {id(one.model): one.model.at(speed) for one in self.models}  # tied ones share their leader's
         return replace(self, models=tuple(replace(one, curves=curves[id(one.model)]) for one in self.models))
-
-    def with_every_channel(self, channels: Sequence[str], *, run_out_unit: float) -> "Coordinates":
-        """Return these coordinates with those of each channel's gain and run-out that is not among them behind them.
-
-        Args:
-            channels: Ids of the m channels.
-            run_out_unit: Unit of the run-outs that are added [m].
-
-        Returns:
-            The coordinates; those that are added have a prior of unit size.
-        """
-        names, unit = list(self.names), list(self.unit)
-        places = {"gain": self.channels.gain.copy(), "run_out": self.channels.run_out.copy()}
-        for (what, place), size in zip(places.items(), (1.0, run_out_unit), strict=True):
-            for channel in np.flatnonzero(place < 0).tolist():
-                place[channel] = len(names)
-                names += [f"probe.{channels[channel]}.{what}.{part}" for part in ("real", "imaginary")]
-                unit += [size, size]
-        more = len(names) - self.size
-        return replace(
-            self,
-            names=tuple(names),
-            centre=np.concatenate([self.centre, np.zeros(more)]),
-            spread=np.concatenate([self.spread, np.full(more, sqrt(0.5))]),
-            origin=np.concatenate([self.origin, np.zeros(more)]),
-            unit=np.array(unit),
-            channels=ChannelCoordinates(gain=places["gain"], run_out=places["run_out"], unit=np.array(unit)),
-        )
 
     def places(self, coefficient: int) -> range:
         """Return the coordinates of a coefficient.

@@ -18,8 +18,6 @@ from estimator.rotor.response import excitation_responses, response
 
 LARGEST_KEPT = 1_000_000
 """Most derivatives of phasors that are remembered, 16 bytes each [-]: those of two hundred unknowns at some hundred speeds."""
-BEND_PART = 0.1
-"""Part of a step over which the bend of the phasors is looked at [-]."""
 SMALLEST_AMPLITUDE = 0.01
 """Least amplitude of a channel as a part of the sample's largest, for the weights before there is a fit [-]."""
 
@@ -214,27 +212,6 @@ class FitProblem:
             curvature += rows @ rows.T
         return chi_square, gradient, curvature
 
-    def bend(self, theta: Floats, step: Floats, weight: Floats) -> Floats:
-        """Compute the second derivative of the weighted phasors along a step, projected on their derivatives.
-
-        Source: Transtrum, Machta and Sethna 2011, doi:10.1103/PhysRevE.83.036701, from a difference over a part of the step.
-
-        Args:
-            theta: Fit coordinates θ (n,) [-].
-            step: Step (n,) [-].
-            weight: Weights (S, m) [1/m].
-
-        Returns:
-            Projection (n,) [-]; not finite where there is no model so far along the step.
-        """
-        weight = np.where(self.used, weight, 0.0)
-        beyond = self.model(theta + BEND_PART * step)
-        found = np.zeros(theta.size)
-        for one in self.linear_phasors(theta):
-            rows, difference = one.weighted(beyond, weight)
-            found += rows @ (2.0 / BEND_PART * (difference / BEND_PART - step @ rows))
-        return found
-
     def chi_square(self, theta: Floats, weight: Floats) -> float:
         """Compute χ²: the sum of squared weighted residuals, real and imaginary parts counted apart.
 
@@ -275,33 +252,35 @@ class FitProblem:
         # A response of exactly zero under a noise without floor: its error is unknown, so it does not count.
         return np.divide(np.sqrt(2.0), whole, out=np.zeros_like(whole), where=whole > 0.0)
 
-    def best_excitations(self, theta: Floats, weight: Floats) -> Floats:
-        """Solve for the excitations that fit best while everything else stays: a linear problem.
 
-        Args:
-            theta: Fit coordinates θ (n,) [-].
-            weight: Weights (S, m) [1/m].
+def best_excitations(problem: FitProblem, theta: Floats, weight: Floats) -> Floats:
+    """Solve for the excitations that fit best while everything else stays: a linear problem.
 
-        Returns:
-            θ (n,) with these unbalances, bows and loads [-].
-        """
-        of_one = np.flatnonzero(self.coordinates.excitation_place >= 0)
-        if of_one.size == 0:
-            return theta
-        first = self.coordinates.excitation_place[of_one]
-        free = np.stack([first, first + 1], axis=1).reshape(-1)
-        each = excitation_responses(self.scaled_train(theta), coefficients=self.coordinates.coefficients(theta))
-        excitations = self.excitations(theta)
-        parts = np.stack([excitations.real, excitations.imag], axis=-1).reshape(*excitations.shape[:-1], -1)
-        phasor = np.einsum("esm,e->sm" if parts.ndim == 1 else "esm,se->sm", each, parts)
-        channels, weight = self.coordinates.channels, np.where(self.used, weight, 0.0)
-        residual = (self.measurement.phasor - channels.as_measured(theta, phasor, self.measurement.direction)) * weight
-        slope = each.reshape(-1, 2, *phasor.shape)[of_one].reshape(free.size, *phasor.shape)
-        slope = slope * np.repeat(self.coordinates.excitation_scale[of_one], 2)[:, None, None]
-        rows = (slope * (channels.gains(theta) * weight)).reshape(free.size, -1).view(float)
-        block = rows @ rows.T + np.diag(self.coordinates.spread[free] ** -2)
-        # At the given excitations the model is linear in them: one Newton step is the answer.
-        offset = (theta[free] - self.coordinates.centre[free]) / self.coordinates.spread[free] ** 2
-        result = theta.copy()
-        result[free] += np.linalg.solve(block, rows @ residual.reshape(-1).view(float) - offset)
-        return result
+    Args:
+        problem: The problem.
+        theta: Fit coordinates θ (n,) [-].
+        weight: Weights (S, m) [1/m].
+
+    Returns:
+        θ (n,) with these unbalances, bows and loads [-].
+    """
+    of_one = np.flatnonzero(problem.coordinates.excitation_place >= 0)
+    if of_one.size == 0:
+        return theta
+    first = problem.coordinates.excitation_place[of_one]
+    free = np.stack([first, first + 1], axis=1).reshape(-1)
+    each = excitation_responses(problem.scaled_train(theta), coefficients=problem.coordinates.coefficients(theta))
+    excitations = problem.excitations(theta)
+    parts = np.stack([excitations.real, excitations.imag], axis=-1).reshape(*excitations.shape[:-1], -1)
+    phasor = np.einsum("esm,e->sm" if parts.ndim == 1 else "esm,se->sm", each, parts)
+    channels, weight = problem.coordinates.channels, np.where(problem.used, weight, 0.0)
+    residual = (problem.measurement.phasor - channels.as_measured(theta, phasor, problem.measurement.direction)) * weight
+    slope = each.reshape(-1, 2, *phasor.shape)[of_one].reshape(free.size, *phasor.shape)
+    slope = slope * np.repeat(problem.coordinates.excitation_scale[of_one], 2)[:, None, None]
+    rows = (slope * (channels.gains(theta) * weight)).reshape(free.size, -1).view(float)
+    block = rows @ rows.T + np.diag(problem.coordinates.spread[free] ** -2)
+    # At the given excitations the model is linear in them: one Newton step is the answer.
+    offset = (theta[free] - problem.coordinates.centre[free]) / problem.coordinates.spread[free] ** 2
+    result = theta.copy()
+    result[free] += np.linalg.solve(block, rows @ residual.reshape(-1).view(float) - offset)
+    return result

@@ -15,7 +15,7 @@ from estimator.rotor.condensation import CondensedTrain
 from estimator.rotor.response import Sensitivity, sensitivity
 
 Sources = tuple[Coordinates, CondensedTrain, Measurement]
-"""What phasors are computed of: coordinates, train without scale factors, and samples."""
+"""Coordinates, train without scale factors and samples, of which phasors are computed."""
 
 
 @dataclass(frozen=True)
@@ -103,8 +103,8 @@ def linear_phasors(
 class PhasorMemory:
     """Memory of the last phasors of a fit and of the last two with derivatives: by what they were computed of, and θ."""
 
-    _phasors: "tuple[_Key, Complexes] | None" = field(default=None, repr=False)
-    _linear: "list[tuple[_Key, LinearPhasors]]" = field(default_factory=list, repr=False)
+    _phasors: "tuple[_PhasorKey, Complexes] | None" = field(default=None, repr=False)
+    _linear: "list[tuple[_PhasorKey, LinearPhasors]]" = field(default_factory=list, repr=False)
 
     def phasors(self, of: Sources, theta: Floats) -> Complexes | None:
         """Return the phasors at θ where they are known.
@@ -134,17 +134,17 @@ class PhasorMemory:
         return next((found for key, found in self._linear if key.equals(of, theta)), None)
 
     def keep_phasors(self, of: Sources, theta: Floats, found: Complexes) -> None:
-        """Remember phasors.
+        """Keep phasors.
 
         Args:
             of: What they are computed of.
             theta: Fit coordinates θ (n,) [-].
             found: Phasors (S, m) at all speeds [m].
         """
-        self._phasors = _Key(of, theta.copy()), found
+        self._phasors = _PhasorKey(of, theta.copy()), found
 
     def keep_linear(self, of: Sources, theta: Floats, found: LinearPhasors) -> None:
-        """Remember phasors with their derivatives.
+        """Keep phasors with their derivatives.
 
         Args:
             of: What they are computed of.
@@ -152,11 +152,11 @@ class PhasorMemory:
             found: Phasors and derivatives at all speeds.
         """
         self._linear[:-1] = []  # a step that is not taken leads back to the last but one
-        self._linear.append((_Key(of, theta.copy()), found))
+        self._linear.append((_PhasorKey(of, theta.copy()), found))
 
 
 @dataclass(frozen=True)
-class _Key:
+class _PhasorKey:
     of: Sources
     theta: Floats
 

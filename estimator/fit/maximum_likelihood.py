@@ -16,7 +16,7 @@ import math
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.fit.fit_problem import FitProblem, FitResult
+from estimator.fit.fit_problem import FitProblem, FitResult, best_excitations
 from estimator.fit.reweighting import is_unchanged, with_estimated_noise, without_outliers
 from estimator.phasors.noise import outlier_limit
 from estimator.rotor.elimination import SingularCondensation
@@ -34,9 +34,11 @@ CONVERGED_DECREASE = 1e-3
 FIRST_DAMPING = 1e-3
 """Part of the curvature's diagonal that is added to it in a first step [-]."""
 NEAR_DAMPING = 1e-6
-"""The same where a step begins at the end of others [-]."""
+"""Part that is added in the first step from the end of others [-]."""
 CURVED = 0.75
 """Part of the decrease that a step has promised [-]; where it brings less, the next follows the bend of the valley."""
+BEND_PART = 0.1
+"""Part of a step over which the bend of the phasors is looked at [-]."""
 LARGEST_BEND = 0.75
 """Twice the acceleration over the step up to which a step is bent [-] (Transtrum, Machta and Sethna 2011)."""
 LARGEST_DAMPING = 1e10
@@ -176,6 +178,29 @@ def descend(
     return theta, False, limit
 
 
+def bend(problem: FitProblem, theta: Floats, step: Floats, weight: Floats) -> Floats:
+    """Compute the second derivative of the weighted phasors along a step, projected on their derivatives.
+
+    From a difference over a part of the step (Transtrum, Machta and Sethna 2011, doi:10.1103/PhysRevE.83.036701).
+
+    Args:
+        problem: The problem.
+        theta: Fit coordinates θ (n,) [-].
+        step: Step (n,) [-].
+        weight: Weights (S, m) [1/m].
+
+    Returns:
+        Projection (n,) [-]; not finite where there is no model so far along the step.
+    """
+    weight = np.where(problem.used, weight, 0.0)
+    beyond = problem.model(theta + BEND_PART * step)
+    found = np.zeros(theta.size)
+    for one in problem.linear_phasors(theta):
+        rows, difference = one.weighted(beyond, weight)
+        found += rows @ (2.0 / BEND_PART * (difference / BEND_PART - step @ rows))
+    return found
+
+
 def bent(problem: FitProblem, theta: Floats, weight: Floats, step: Floats, damped: Floats) -> Floats:
     """Follow a curved valley over a step.
 
@@ -196,11 +221,11 @@ def bent(problem: FitProblem, theta: Floats, weight: Floats, step: Floats, dampe
     Raises:
         SingularCondensation: E or density went where a speed cannot be condensed at.
     """
-    acceleration = -np.linalg.solve(damped, problem.bend(theta, step, weight))
+    acceleration = -np.linalg.solve(damped, bend(problem, theta, step, weight))
     size = np.sqrt(np.diag(damped))
     if 2.0 * np.linalg.norm(size * acceleration) <= LARGEST_BEND * np.linalg.norm(size * step):
         step = step + acceleration / 2.0
-    return problem.best_excitations(theta + step, weight)
+    return best_excitations(problem, theta + step, weight)
 
 
 def _has_stalled(costs: list[float], promise: float) -> bool:

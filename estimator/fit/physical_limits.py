@@ -54,7 +54,7 @@ SETTLED = 0.5
 FIRST_DAMPING = 1e-3
 """Part of the diagonal of the curvature that is added to it in the first step [-]."""
 LARGEST_DAMPING = 1e6
-"""The same where steps are too short to bring anything [-]."""
+"""Part of the diagonal from which on steps are too short to bring anything [-]."""
 SMALLEST_GAIN = 1e-4
 """Part of the decrease that a step promises from which on it is taken [-]."""
 ACTIVE_SET_PASSES = 6

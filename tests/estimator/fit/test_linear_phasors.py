@@ -4,9 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 
+from estimator.fit.channel_sensitivity import with_every_channel
 from estimator.fit.coordinates import Coordinates
-from estimator.fit.fit_problem import FitProblem
+from estimator.fit.fit_problem import FitProblem, best_excitations
 from estimator.fit.linear_phasors import PhasorMemory
+from estimator.fit.maximum_likelihood import bend
 from estimator.machine.rules import Noise
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.condensation import condense
@@ -50,7 +52,7 @@ def test_other_coordinates_or_samples_are_not_taken_for_those_remembered() -> No
 def test_channels_behind_the_coordinates_have_the_derivatives_that_differences_show() -> None:
     problem, theta = problem_of(), near(problem_of(), 1)
     problem.linearised(theta, problem.weight(problem.first_amplitude, 0.0))
-    coordinates = problem.coordinates.with_every_channel(problem.train.channels, run_out_unit=1e-6)
+    coordinates = with_every_channel(problem.coordinates, problem.train.channels)
     whole = np.concatenate([theta, np.zeros(coordinates.size - theta.size)])
     (found,) = problem.with_channels(coordinates, theta).linear_phasors(whole)
     fresh = replace(problem, coordinates=coordinates, _memory=PhasorMemory())
@@ -64,7 +66,7 @@ def test_channels_behind_the_coordinates_have_the_derivatives_that_differences_s
 def test_best_excitations_leave_no_slope_along_them() -> None:
     problem, theta = problem_of(), near(problem_of(), 1)
     weight = problem.weight(problem.first_amplitude, 0.5)
-    best = problem.best_excitations(theta, weight)
+    best = best_excitations(problem, theta, weight)
     free = problem.coordinates.excitation_place
     places = np.concatenate([free, free + 1])
     _, before, _ = problem.linearised(theta, weight)
@@ -82,4 +84,4 @@ def test_bend_is_the_second_derivative_along_the_step() -> None:
     second = (problem.model(theta + 1e-2 * step) - 2.0 * problem.model(theta) + problem.model(theta - 1e-2 * step)) / 1e-4
     (linear,) = problem.linear_phasors(theta)
     expected = np.einsum("nsm,sm->n", (linear.jacobian * weight).conj(), second * weight).real
-    np.testing.assert_allclose(problem.bend(theta, step, weight), expected, rtol=0.05, atol=0.02 * np.abs(expected).max())
+    np.testing.assert_allclose(bend(problem, theta, step, weight), expected, rtol=0.05, atol=0.02 * np.abs(expected).max())
