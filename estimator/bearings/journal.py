@@ -24,8 +24,8 @@ DEVIATING = ("kxx", "kxy", "kyx", "kyy", "cxx", "cxy", "cyy")
 class JournalForm(FormDefaults, Part):
     """Coefficients that follow from the oil film: the bearing's `film` gives geometry, oil and elevation.
 
-    Clearance, viscosity and elevation of each bearing are determined, and how viscosity falls with speed, with what the
-    document says of them as a prior.
+    Clearance, viscosity and elevation of each bearing are determined, how viscosity falls with speed, and static loads on the
+    shafts, with what the document says of them as a prior.
     """
 
     own_parameters: ClassVar[tuple[OwnParameter, ...]] = (
@@ -35,6 +35,8 @@ class JournalForm(FormDefaults, Part):
         OwnParameter("viscosity_slope", "slope", UNITS["slope"], positive=False),
         OwnParameter("elevation_x", "elevation", UNITS["elevation"], positive=False),
         OwnParameter("elevation_y", "elevation", UNITS["elevation"], positive=False),
+        OwnParameter("force_x", "force", UNITS["force"], positive=False),
+        OwnParameter("force_y", "force", UNITS["force"], positive=False),
     )
 
     of_whole_train: ClassVar[bool] = True

@@ -48,7 +48,8 @@ def film_scale(
     """
     given = {"radius": radius, "length": length, "clearance": clearance, "viscosity": viscosity, "speed": speed}
     for name, value in given.items():
-        if not np.all(np.asarray(value) > 0.0) or not np.all(np.isfinite(value)):
+        least, largest = (value, value) if isinstance(value, float) else (np.min(value), np.max(value))
+        if not 0.0 < least <= largest < np.inf:
             raise InvalidFilmData(f"{name} is {np.min(value):g}: it must be positive")
     if np.any(np.asarray(clearance) > 0.1 * radius):
         raise InvalidFilmData(

@@ -6,12 +6,15 @@ information of those errors (Rao, Proc. Camb. Phil. Soc. 44 (1948) 50, doi:10.10
 linearisation at the fitted point. A diagnosis tells a drifting probe from a changing bearing by this.
 """
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
+from estimator.fit.channel_coordinates import ChannelCoordinates
 from estimator.fit.coordinates import Coordinates
 from estimator.fit.fit_problem import FitProblem, FitResult
 from estimator.fit.reweighting import with_fitted_noise
@@ -58,14 +61,12 @@ def channel_effects(problem: FitProblem, found: FitResult, *, inflation: float =
     Returns:
         Effects of e errors of channels.
     """
-    whole = _with_every_channel(with_fitted_noise(problem, found))
+    final, own = with_fitted_noise(problem, found), problem.coordinates
+    extended = with_every_channel(own, problem.train.channels)
+    whole = final.with_channels(extended, found.theta)
     doubtful = _discarded_channels(whole)
-    own, extended = problem.coordinates, whole.coordinates
-    index = np.array([extended.names.index(name) for name in own.names], dtype=np.intp)
-    added = np.setdiff1d(np.arange(extended.size), index)
-    point = np.zeros(extended.size)
-    point[index] = own.point(found.theta)
-    theta = extended.theta(point)
+    index, added = np.arange(own.size), np.arange(own.size, extended.size)
+    theta = np.concatenate([found.theta, np.zeros(added.size)])
 
     amplitude = np.abs(whole.model(theta))
     _, gradient, curvature = whole.linearised(theta, whole.weight(amplitude, 0.0))
@@ -126,10 +127,30 @@ def _assess_separately(
     return bias, information, score
 
 
-def _with_every_channel(problem: FitProblem) -> FitProblem:
-    """Return the problem with gain and run-out of each channel among its coordinates."""
-    count = len(problem.train.channels)
-    train = replace(problem.train, gain_spread=np.ones(count), run_out_spread=np.full(count, RUN_OUT_UNIT))
-    scale = problem.coordinates.excitation_scale
-    first = float(scale[0]) if scale.size else 1.0
-    return replace(problem, train=train, coordinates=Coordinates.of(train, unbalance_scale=first), _scaled={})
+def with_every_channel(coordinates: Coordinates, channels: Sequence[str]) -> Coordinates:
+    """Return coordinates with those of each channel's gain and run-out that is not among them behind them.
+
+    Args:
+        coordinates: The coordinates.
+        channels: Ids of the m channels.
+
+    Returns:
+        The coordinates; those that are added have a prior of unit size.
+    """
+    names, unit = list(coordinates.names), list(coordinates.unit)
+    places = {"gain": coordinates.channels.gain.copy(), "run_out": coordinates.channels.run_out.copy()}
+    for (what, place), size in zip(places.items(), (1.0, RUN_OUT_UNIT), strict=True):
+        for channel in np.flatnonzero(place < 0).tolist():
+            place[channel] = len(names)
+            names += [f"probe.{channels[channel]}.{what}.{part}" for part in ("real", "imaginary")]
+            unit += [size, size]
+    more = len(names) - coordinates.size
+    return replace(
+        coordinates,
+        names=tuple(names),
+        centre=np.concatenate([coordinates.centre, np.zeros(more)]),
+        spread=np.concatenate([coordinates.spread, np.full(more, math.sqrt(0.5))]),
+        origin=np.concatenate([coordinates.origin, np.zeros(more)]),
+        unit=np.array(unit),
+        channels=ChannelCoordinates(gain=places["gain"], run_out=places["run_out"], unit=np.array(unit)),
+    )

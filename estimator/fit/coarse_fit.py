@@ -7,7 +7,7 @@ per cent of misfit beside the noise: a right model leaves less than 1, and what 
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.fit.fit_problem import FitProblem
+from estimator.fit.fit_problem import FitProblem, best_excitations
 from estimator.fit.identify import fit_problem
 from estimator.fit.maximum_likelihood import STAGE_MISFITS, descend
 from estimator.fit.multistart import chosen_start
@@ -93,5 +93,5 @@ def linear_misfit(problem: FitProblem) -> float:
         χ² with fifty per cent of misfit allowed beside the noise [-].
     """
     weight = problem.weight(problem.first_amplitude, STAGE_MISFITS[0])
-    theta = problem.best_excitations(problem.coordinates.centre, weight)
+    theta = best_excitations(problem, problem.coordinates.centre, weight)
     return problem.chi_square(theta, weight)

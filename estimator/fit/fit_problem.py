@@ -1,20 +1,23 @@
 """The problem of a fit, which is data, train and coordinates, with its weighted residuals and derivatives; and the result."""
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
 from estimator.fit.coordinates import Coordinates
-from estimator.fit.phasor_jacobian import phasor_jacobian
+from estimator.fit.linear_phasors import LinearPhasors, PhasorMemory, Sources, linear_phasors
 from estimator.machine.rules import Noise
 from estimator.phasors.measurement import Measurement
 from estimator.phasors.noise import error_size
 from estimator.rotor.condensation import CondensedTrain
-from estimator.rotor.response import response, sensitivity
+from estimator.rotor.response import excitation_responses, response
 
+LARGEST_KEPT = 1_000_000
+"""Most derivatives of phasors that are remembered, 16 bytes each [-]: those of two hundred unknowns at some hundred speeds."""
 SMALLEST_AMPLITUDE = 0.01
 """Least amplitude of a channel as a part of the sample's largest, for the weights before there is a fit [-]."""
 
@@ -71,6 +74,11 @@ class FitProblem:
     robust: bool = True
     channel_noise: Floats = field(default_factory=lambda: np.ones(1))
     _scaled: dict[bytes, CondensedTrain] = field(default_factory=dict)
+    _memory: PhasorMemory = field(default_factory=PhasorMemory)
+
+    @property
+    def _sources(self) -> Sources:
+        return self.coordinates, self.train, self.measurement
 
     @property
     def used(self) -> NDArray[np.bool_]:
@@ -131,12 +139,58 @@ class FitProblem:
         Returns:
             Phasors (S, m) [m].
         """
+        known = self._memory.phasors(self._sources, theta)
+        if known is not None:
+            return known
         phasor = response(
             self.scaled_train(theta),
             coefficients=self.coordinates.coefficients(theta),
             excitations=self.excitations(theta),
         )
-        return self.coordinates.channels.as_measured(theta, phasor, self.measurement.direction)
+        found = self.coordinates.channels.as_measured(theta, phasor, self.measurement.direction)
+        self._memory.keep_phasors(self._sources, theta, found)
+        return found
+
+    def linear_phasors(self, theta: Floats) -> Iterator[LinearPhasors]:
+        """Yield the phasors and their derivatives at θ, some of the speeds at a time; the last ones are remembered.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Yields:
+            Phasors and derivatives, which may not be changed.
+        """
+        size = theta.size * self.measurement.phasor.size
+        known = self._memory.linear(self._sources, theta)
+        if known is not None:
+            yield known
+            return
+        train = self.scaled_train(theta)
+        excitations = self.excitations(theta)
+        for block in [slice(0, train.speed.size)] if size <= LARGEST_KEPT else train.blocks():
+            found = linear_phasors(
+                train, self.coordinates, theta, excitations=excitations, direction=self.measurement.direction, block=block
+            )
+            if size <= LARGEST_KEPT:
+                self._memory.keep_linear(self._sources, theta, found)
+            yield found
+
+    def with_channels(self, coordinates: Coordinates, theta: Floats) -> "FitProblem":
+        """Return the problem with more coordinates of channels behind its own.
+
+        Args:
+            coordinates: The coordinates, this problem's first.
+            theta: Fit coordinates θ (n,), at which the others are zero [-].
+
+        Returns:
+            The problem.
+        """
+        found = replace(self, coordinates=coordinates, _memory=PhasorMemory())
+        known = self._memory.linear(self._sources, theta)
+        if known is not None:
+            whole = np.concatenate([theta, np.zeros(coordinates.size - theta.size)])
+            found._memory.keep_linear(found._sources, whole, known.extended(coordinates, self.measurement.direction))
+        return found
 
     def linearised(self, theta: Floats, weight: Floats) -> tuple[float, Floats, Floats]:
         """Linearise the problem at θ.
@@ -148,27 +202,11 @@ class FitProblem:
         Returns:
             χ² of the data [-], -½ of its gradient (n,) [-] and its Gauss-Newton curvature (n, n) [-].
         """
-        train = self.scaled_train(theta)
-        coefficients, excitations = self.coordinates.coefficients(theta), self.excitations(theta)
         weight = np.where(self.used, weight, 0.0)
         chi_square, gradient = 0.0, np.zeros(theta.size)
         curvature = np.zeros((theta.size, theta.size))
-        for block in train.blocks():
-            found = sensitivity(
-                train.pick(block),
-                coefficients=coefficients if coefficients.ndim == 1 else coefficients[block],
-                excitations=excitations if excitations.ndim == 1 else excitations[block],
-            )
-            direction = self.measurement.direction[block]
-            modelled = self.coordinates.channels.as_measured(theta, found.phasor, direction)
-            residual = (self.measurement.phasor[block] - modelled) * weight[block]
-            slope = phasor_jacobian(
-                self.coordinates, theta, found, coefficients=coefficients, direction=direction, block=block
-            )
-            slope *= weight[block]
-            # Real and imaginary parts side by side: the same sums at a quarter of the work.
-            rows = slope.reshape(theta.size, -1).view(float)
-            parts = residual.reshape(-1).view(float)
+        for found in self.linear_phasors(theta):
+            rows, parts = found.weighted(self.measurement.phasor, weight)
             chi_square += float(parts @ parts)
             gradient += rows @ parts
             curvature += rows @ rows.T
@@ -214,24 +252,35 @@ class FitProblem:
         # A response of exactly zero under a noise without floor: its error is unknown, so it does not count.
         return np.divide(np.sqrt(2.0), whole, out=np.zeros_like(whole), where=whole > 0.0)
 
-    def best_excitations(self, theta: Floats, weight: Floats) -> Floats:
-        """Solve for the excitations that fit best while everything else stays: a linear problem.
 
-        Args:
-            theta: Fit coordinates θ (n,) [-].
-            weight: Weights (S, m) [1/m].
+def best_excitations(problem: FitProblem, theta: Floats, weight: Floats) -> Floats:
+    """Solve for the excitations that fit best while everything else stays: a linear problem.
 
-        Returns:
-            θ (n,) with these unbalances, bows and loads [-].
-        """
-        first = self.coordinates.excitation_place
-        free = np.concatenate([first[first >= 0], first[first >= 0] + 1])
-        if free.size == 0:
-            return theta
-        _, gradient, curvature = self.linearised(theta, weight)
-        block = curvature[np.ix_(free, free)] + self.coordinates.prior.precision[np.ix_(free, free)]
-        # At the given excitations the model is linear in them: one Newton step is the answer.
-        offset = self.coordinates.prior.pull(theta)[free]
-        result = theta.copy()
-        result[free] += np.linalg.solve(block, gradient[free] - offset)
-        return result
+    Args:
+        problem: The problem.
+        theta: Fit coordinates θ (n,) [-].
+        weight: Weights (S, m) [1/m].
+
+    Returns:
+        θ (n,) with these unbalances, bows and loads [-].
+    """
+    of_one = np.flatnonzero(problem.coordinates.excitation_place >= 0)
+    if of_one.size == 0:
+        return theta
+    first = problem.coordinates.excitation_place[of_one]
+    free = np.stack([first, first + 1], axis=1).reshape(-1)
+    each = excitation_responses(problem.scaled_train(theta), coefficients=problem.coordinates.coefficients(theta))
+    excitations = problem.excitations(theta)
+    parts = np.stack([excitations.real, excitations.imag], axis=-1).reshape(*excitations.shape[:-1], -1)
+    phasor = np.einsum("esm,e->sm" if parts.ndim == 1 else "esm,se->sm", each, parts)
+    channels, weight = problem.coordinates.channels, np.where(problem.used, weight, 0.0)
+    residual = (problem.measurement.phasor - channels.as_measured(theta, phasor, problem.measurement.direction)) * weight
+    slope = each.reshape(-1, 2, *phasor.shape)[of_one].reshape(free.size, *phasor.shape)
+    slope = slope * np.repeat(problem.coordinates.excitation_scale[of_one], 2)[:, None, None]
+    rows = (slope * (channels.gains(theta) * weight)).reshape(free.size, -1).view(float)
+    block = rows @ rows.T + problem.coordinates.prior.precision[np.ix_(free, free)]
+    # At the given excitations the model is linear in them: one Newton step is the answer.
+    offset = problem.coordinates.prior.pull(theta)[free]
+    result = theta.copy()
+    result[free] += np.linalg.solve(block, rows @ residual.reshape(-1).view(float) - offset)
+    return result

@@ -18,9 +18,7 @@ from estimator.arrays import Floats
 from estimator.bearings.deviation_shapes import DeviationShapes
 from estimator.fit.fit_problem import FitProblem, FitResult
 from estimator.fit.goodness_of_fit import Verdict
-from estimator.fit.phasor_jacobian import phasor_jacobian
 from estimator.fit.reweighting import with_fitted_noise
-from estimator.rotor.response import sensitivity
 
 SIGNIFICANT = 4.0
 """Twice the logarithm of the likelihood ratio from which on a deviation is believed [-]: 1 in 44 where there is none."""
@@ -186,28 +184,19 @@ class _Deviations:
 def _information(problem: FitProblem, theta: Floats, shapes: DeviationShapes) -> tuple[Floats, Floats, Floats, Floats]:
     """Compute the information of unit deviations (D, D), that which they share with the coordinates (n, D), and ½ of the
     derivative of -χ² by them (D,) and by the coordinates (n,)."""
-    coordinates, train = problem.coordinates, problem.scaled_train(theta)
-    coefficients, excitations = coordinates.coefficients(theta), problem.excitations(theta)
+    coordinates = problem.coordinates
     weight = np.where(problem.used, problem.weight(np.abs(problem.model(theta)), 0.0), 0.0)
     owner = _owners(problem)
-    sizes = _sizes(problem, coefficients)
+    sizes = _sizes(problem, coordinates.coefficients(theta))
     count = (int(owner.max(initial=-1)) + 1) * shapes.weight.shape[1]
     own, mixed, slope = np.zeros((count, count)), np.zeros((theta.size, count)), np.zeros(count)
     gradient = np.zeros(theta.size)
-    for block in train.blocks():
-        found = sensitivity(
-            train.pick(block),
-            coefficients=coefficients if coefficients.ndim == 1 else coefficients[block],
-            excitations=excitations if excitations.ndim == 1 else excitations[block],
-        )
-        direction = problem.measurement.direction[block]
-        modelled = coordinates.channels.as_measured(theta, found.phasor, direction)
-        residual = ((problem.measurement.phasor[block] - modelled) * weight[block]).reshape(-1).view(float)
-        jacobian = phasor_jacobian(coordinates, theta, found, coefficients=coefficients, direction=direction, block=block)
-        rows = (jacobian * weight[block]).reshape(theta.size, -1).view(float)
+    for found in problem.linear_phasors(theta):
+        block, by_coefficient = found.block, found.sensitivity.by_coefficient
+        rows, residual = found.weighted(problem.measurement.phasor, weight)
         moved = np.zeros((count // shapes.weight.shape[1], *found.phasor.shape), dtype=complex)
         for k in np.flatnonzero(owner >= 0).tolist():
-            moved[owner[k]] += found.by_coefficient[k] * sizes[k if sizes.ndim == 1 else (block, k)][..., None]
+            moved[owner[k]] += by_coefficient[k] * sizes[k if sizes.ndim == 1 else (block, k)][..., None]
         moved *= coordinates.channels.gains(theta) * weight[block]
         shape = shapes.at(problem.measurement.speed[block])
         deviations = (moved[:, None] * shape.T[:, :, None]).reshape(count, -1).view(float)

@@ -12,7 +12,7 @@ from estimator.fit.fit_problem import FitProblem, FitResult
 from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe
 from estimator.rotor.assembly import assemble_rotor
-from estimator.rotor.modal_reduction import modal_basis
+from estimator.rotor.modal_reduction import reduced_basis
 from estimator.rotor.parameters import Coefficient, dense
 from estimator.units import rad_per_s_to_rpm
 
@@ -20,7 +20,7 @@ SMALLEST_SHARE = 0.005
 """Part of a mode's energy that an element must hold, or take out in a radian, for the mode to move it [-]."""
 
 MODES_ABOVE = 2.0
-"""Multiple of the highest speed up to which a long train's reduction keeps its modes [-]; those above are only approximate."""
+"""Multiple of the highest speed up to which the reduced mesh keeps its modes [-]; those above are only approximate."""
 
 Reasons = Callable[[FitProblem, FitResult, Floats], Callable[[str], str]]
 """Function that, for a fit and the covariance of its coordinates, returns the function that says why a coordinate is left
@@ -115,7 +115,7 @@ class OpenParameters:
         """Compute the modes at the middle of the speed range, with the fitted coefficients."""
         values = self._values
         spin = self.machine.direction * float(np.mean(self._range))
-        basis = modal_basis(self.machine, MODES_ABOVE * self._range[1])
+        basis = reduced_basis(self.machine, MODES_ABOVE * self._range[1])
         whole = assemble_rotor(self.machine)
         rotor = basis.reduced(whole)
         coefficients = self.problem.train.unknowns.coefficients

@@ -10,7 +10,7 @@ from estimator.fit.calibrated_scatter import with_calibrated_scatter
 from estimator.fit.channel_sensitivity import ChannelEffects, channel_effects
 from estimator.fit.coordinates import Coordinates
 from estimator.fit.estimates import Estimate, determined, estimates
-from estimator.fit.fit_problem import FitProblem, FitResult
+from estimator.fit.fit_problem import FitProblem, FitResult, best_excitations
 from estimator.fit.form_discrepancy import FormVerdict, judge_form, needs_form
 from estimator.fit.goodness_of_fit import Verdict, VerdictRemark, judge, remark
 from estimator.fit.identifiability import Reasons, reasons_for
@@ -192,7 +192,7 @@ def expected_point(machine: Machine, measurement: Measurement) -> tuple[tuple[st
     problem = fit_problem(machine, _without_empty_samples(measurement), robust=False)
     weight = problem.weight(problem.first_amplitude, STAGE_MISFITS[0])
     coordinates = problem.coordinates
-    return coordinates.names, coordinates.point(problem.best_excitations(coordinates.centre, weight))
+    return coordinates.names, coordinates.point(best_excitations(problem, coordinates.centre, weight))
 
 
 def fit_problem(machine: Machine, measurement: Measurement, *, robust: bool) -> FitProblem:
@@ -381,7 +381,7 @@ def _problem(train: CondensedTrain, measurement: Measurement, noise: Noise, *, r
     scale = 1.0
     for _ in range(SCALE_PASSES):
         # The prior of a first scale that is far too small holds the unbalances back, so look again.
-        theta = problem.best_excitations(coordinates.centre, problem.weight(amplitude, STAGE_MISFITS[0]))
+        theta = best_excitations(problem, coordinates.centre, problem.weight(amplitude, STAGE_MISFITS[0]))
         before = scale
         scale = float(np.max(np.abs(coordinates.excitations(theta)[: len(train.unknowns.unbalances)]), initial=0.0)) or 1.0
         coordinates = Coordinates.of(train, unbalance_scale=scale)

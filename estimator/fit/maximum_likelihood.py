@@ -2,11 +2,13 @@
 
 Output error: the residual is measured minus modelled response, weighted by its measurement error, so that noise does not
 bias the estimate (an equation-error regression, thesis Eq. 4.71, puts noise into the regressors). Levenberg-Marquardt with
-exact sensitivities (Marquardt, J. SIAM 11 (1963) 431, doi:10.1137/0111030), in the coordinates of `coordinates`. Weights
-sharpen in stages: the first stages allow a relative misfit beside the noise, which flattens the valleys that a shifted
-resonance leaves, the last has the noise alone. Then weights are taken from the fitted response, phasors that cannot be noise
-are left out and the noise is estimated where it is not known, again and again until nothing changes: iteratively
-reweighted least squares, whose fixed point solves the likelihood equations of Gaussian errors with weights taken as known.
+exact sensitivities (Marquardt, J. SIAM 11 (1963) 431, doi:10.1137/0111030), in the coordinates of `coordinates`; in curved
+valleys with geodesic acceleration (Transtrum, Machta and Sethna, Phys. Rev. E 83 (2011) 036701,
+doi:10.1103/PhysRevE.83.036701). Weights sharpen in stages: the first stages allow a relative misfit beside the noise, which
+flattens the valleys that a shifted resonance leaves, the last has the noise alone. Then weights are taken from the fitted
+response, phasors that cannot be noise are left out and the noise is estimated where it is not known, again and again until
+nothing changes: iteratively reweighted least squares, whose fixed point solves the likelihood equations of Gaussian errors
+with weights taken as known.
 """
 
 import math
@@ -14,7 +16,7 @@ import math
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.fit.fit_problem import FitProblem, FitResult
+from estimator.fit.fit_problem import FitProblem, FitResult, best_excitations
 from estimator.fit.reweighting import is_unchanged, with_estimated_noise, without_outliers
 from estimator.phasors.noise import outlier_limit
 from estimator.rotor.elimination import SingularCondensation
@@ -29,6 +31,16 @@ STEP_LIMIT = 1.0
 """Largest change of a coordinate in one step [-]: a factor e of a direct term."""
 CONVERGED_DECREASE = 1e-3
 """Decrease of χ² promised by a full Newton step below which a stage ends [-]; a change of 1 is one standard error."""
+FIRST_DAMPING = 1e-3
+"""Part of the curvature's diagonal that is added to it in a first step [-]."""
+NEAR_DAMPING = 1e-6
+"""Part that is added in the first step from the end of others [-]."""
+CURVED = 0.75
+"""Part of the decrease that a step has promised [-]; where it brings less, the next follows the bend of the valley."""
+BEND_PART = 0.1
+"""Part of a step over which the bend of the phasors is looked at [-]."""
+LARGEST_BEND = 0.75
+"""Twice the acceleration over the step up to which a step is bent [-] (Transtrum, Machta and Sethna 2011)."""
 LARGEST_DAMPING = 1e10
 """Damping from which on steps are too short to bring anything [-]."""
 STALLED_STEPS = 12
@@ -83,9 +95,12 @@ def fit(
         before = problem
         problem = without_outliers(with_estimated_noise(problem, theta), theta, 0.0)
         weight = problem.weight(np.abs(problem.model(theta)), 0.0)
-        theta, converged, steps = descend(problem, theta, weight, STAGE_ITERATIONS[-1])
+        beginning = problem.chi_square(theta, weight)
+        theta, converged, steps = descend(problem, theta, weight, STAGE_ITERATIONS[-1], damping=NEAR_DAMPING)
         iterations += steps
-        if not converged or (steps == 0 and is_unchanged(before, problem)):
+        # What ends in a curved valley ends there again.
+        ended = steps == 0 or (steps >= STALLED_STEPS and beginning - problem.chi_square(theta, weight) < STALLED_DECREASE)
+        if not converged or (ended and is_unchanged(before, problem)):
             break
     chi_square, _, information = problem.linearised(theta, weight)
     return FitResult(
@@ -109,7 +124,9 @@ def _misfit(problem: FitProblem, chi_square: float, weight: Floats) -> float:
     return float(whole * np.exp(-2.0 * np.mean(np.log(weight[problem.used & (weight > 0.0)]))))
 
 
-def descend(problem: FitProblem, theta: Floats, weight: Floats, limit: int) -> tuple[Floats, bool, int]:
+def descend(
+    problem: FitProblem, theta: Floats, weight: Floats, limit: int, *, damping: float = FIRST_DAMPING
+) -> tuple[Floats, bool, int]:
     """Run Levenberg-Marquardt at fixed weights.
 
     The damping follows the gain ratio smoothly (Nielsen, IMM-REP-1999-05, Technical University of Denmark).
@@ -119,12 +136,13 @@ def descend(problem: FitProblem, theta: Floats, weight: Floats, limit: int) -> t
         theta: Fit coordinates θ (n,) to start from [-].
         weight: Weights (S, m) [1/m].
         limit: Most steps.
+        damping: Part of the curvature's diagonal that is added to it in the first step [-].
 
     Returns:
         θ (n,) [-], whether it converged, and the number of steps tried.
     """
     prior = problem.coordinates.prior
-    damping, growth = 1e-3, 2.0
+    growth, gain = 2.0, 1.0
     data, gradient, curvature = problem.linearised(theta, weight)
     cost = data + prior.cost(theta)
     if not np.isfinite(cost):
@@ -136,12 +154,15 @@ def descend(problem: FitProblem, theta: Floats, weight: Floats, limit: int) -> t
         newton = np.linalg.solve(hessian, slope)
         if float(slope @ newton) < CONVERGED_DECREASE or _has_stalled(costs, float(slope @ newton)):
             return theta, True, step_number
-        step = np.linalg.solve(hessian + damping * np.diag(np.diag(hessian)), slope)
+        damped = np.asarray(hessian + damping * np.diag(np.diag(hessian)), dtype=float)
+        step = np.linalg.solve(damped, slope)
         step *= min(1.0, STEP_LIMIT / max(float(np.max(np.abs(step))), 1e-300))
         promised = float(2 * slope @ step - step @ hessian @ step)
         trial = theta + step
         # Nearly all trials are taken, so their derivatives are computed at once.
         try:
+            if gain < CURVED:
+                trial = bent(problem, theta, weight, step, damped)
             trial_data, trial_gradient, trial_curvature = problem.linearised(trial, weight)
             trial_cost = trial_data + prior.cost(trial)
         except SingularCondensation:
@@ -156,6 +177,56 @@ def descend(problem: FitProblem, theta: Floats, weight: Floats, limit: int) -> t
         if damping > LARGEST_DAMPING:
             return theta, False, step_number + 1  # what steps could bring lies where no film carries
     return theta, False, limit
+
+
+def bend(problem: FitProblem, theta: Floats, step: Floats, weight: Floats) -> Floats:
+    """Compute the second derivative of the weighted phasors along a step, projected on their derivatives.
+
+    From a difference over a part of the step (Transtrum, Machta and Sethna 2011, doi:10.1103/PhysRevE.83.036701).
+
+    Args:
+        problem: The problem.
+        theta: Fit coordinates θ (n,) [-].
+        step: Step (n,) [-].
+        weight: Weights (S, m) [1/m].
+
+    Returns:
+        Projection (n,) [-]; not finite where there is no model so far along the step.
+    """
+    weight = np.where(problem.used, weight, 0.0)
+    beyond = problem.model(theta + BEND_PART * step)
+    found = np.zeros(theta.size)
+    for one in problem.linear_phasors(theta):
+        rows, difference = one.weighted(beyond, weight)
+        found += rows @ (2.0 / BEND_PART * (difference / BEND_PART - step @ rows))
+    return found
+
+
+def bent(problem: FitProblem, theta: Floats, weight: Floats, step: Floats, damped: Floats) -> Floats:
+    """Follow a curved valley over a step.
+
+    With geodesic acceleration (Transtrum, Machta and Sethna 2011, doi:10.1103/PhysRevE.83.036701) and the excitations that fit
+    best there: most of the bend is that of their product with everything else (variable projection; Golub and Pereyra 1973,
+    doi:10.1137/0710036).
+
+    Args:
+        problem: The problem.
+        theta: Fit coordinates θ (n,) [-].
+        weight: Weights (S, m) [1/m].
+        step: The straight step (n,) [-].
+        damped: Curvature (n, n) with damping from which it was found [-].
+
+    Returns:
+        θ (n,) at the end of the step [-].
+
+    Raises:
+        SingularCondensation: E or density went where a speed cannot be condensed at.
+    """
+    acceleration = -np.linalg.solve(damped, bend(problem, theta, step, weight))
+    size = np.sqrt(np.diag(damped))
+    if 2.0 * np.linalg.norm(size * acceleration) <= LARGEST_BEND * np.linalg.norm(size * step):
+        step = step + acceleration / 2.0
+    return best_excitations(problem, theta + step, weight)
 
 
 def _has_stalled(costs: list[float], promise: float) -> bool:

@@ -14,9 +14,8 @@ import numpy as np
 from estimator.arrays import Complexes, Floats
 from estimator.fit.coordinates import PlacedModel
 from estimator.fit.fit_problem import FitProblem, FitResult
-from estimator.fit.phasor_jacobian import phasor_jacobian
 from estimator.fit.reweighting import with_fitted_noise
-from estimator.rotor.response import Sensitivity, sensitivity
+from estimator.rotor.response import Sensitivity
 from estimator.statics.film_curves import FilmCurves
 
 LARGEST_SCORE = 3.3
@@ -70,22 +69,12 @@ def viscosity_trend(problem: FitProblem, found: FitResult, covariance: Floats) -
 
 def _information(problem: FitProblem, theta: Floats, placed: PlacedModel) -> tuple[float, Floats, float]:
     """Compute the information of the exponent, that which it shares with the coordinates (n,), and half its score."""
-    coordinates, train = problem.coordinates, problem.scaled_train(theta)
-    coefficients, excitations = coordinates.coefficients(theta), problem.excitations(theta)
     weight = np.where(problem.used, problem.weight(np.abs(problem.model(theta)), 0.0), 0.0)
     own, mixed, slope = 0.0, np.zeros(theta.size), 0.0
-    for block in train.blocks():
-        found = sensitivity(
-            train.pick(block),
-            coefficients=coefficients[block],
-            excitations=excitations if excitations.ndim == 1 else excitations[block],
-        )
-        direction = problem.measurement.direction[block]
-        modelled = coordinates.channels.as_measured(theta, found.phasor, direction)
-        residual = ((problem.measurement.phasor[block] - modelled) * weight[block]).reshape(-1).view(float)
-        jacobian = phasor_jacobian(coordinates, theta, found, coefficients=coefficients, direction=direction, block=block)
-        rows = (jacobian * weight[block]).reshape(theta.size, -1).view(float)
-        moved = _moved(placed, theta, found, block) * coordinates.channels.gains(theta) * weight[block]
+    for found in problem.linear_phasors(theta):
+        rows, residual = found.weighted(problem.measurement.phasor, weight)
+        moved = _moved(placed, theta, found.sensitivity, found.block)
+        moved *= problem.coordinates.channels.gains(theta) * weight[found.block]
         parts = moved.reshape(-1).view(float)
         own += float(parts @ parts)
         mixed += rows @ parts

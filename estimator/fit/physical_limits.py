@@ -4,22 +4,26 @@ A fit may end there all the same, where data are few or the model is wrong; bala
 worthless. Where the data allow a model without growing modes nearly as well, that is the fit's end; else the fit is refused.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from estimator.arrays import Complexes, Floats
 from estimator.fit.coordinates import Coordinates
 from estimator.fit.fit_problem import FitProblem, FitResult
-from estimator.fit.maximum_likelihood import descend
+from estimator.fit.maximum_likelihood import CURVED, bent, descend
 from estimator.fit.reweighting import with_fitted_noise
 from estimator.machine.document import Machine
 from estimator.machine.scaled_materials import with_scaled_materials
 from estimator.modes.eigenmodes import Modes, damping_ratio, eigenvalue_slopes
 from estimator.rotor.modal_reduction import reduced_basis
 from estimator.rotor.system_matrices import system_matrices
+from estimator.statics.equilibrium import FilmEquilibrium
+from estimator.statics.film_curves import FilmCurves
+from estimator.statics.pad_states import state_matrix_with_pads
 from estimator.units import rad_per_s_to_rpm
 
 SPEEDS = 5
@@ -30,31 +34,38 @@ SMALLEST_DAMPING_RATIO = -1e-4
 """Damping ratio below which a mode grows [-]; an undamped one is computed with rounding errors."""
 SMALLEST_ROOT = 1e-3
 """Part of that frequency below which a root is zero but for rounding [-]: a train that nothing holds."""
-MARGIN = 2e-4
+MARGIN = 1e-3
 """Damping ratio to which a growing mode is brought [-]."""
 NEAR = 0.02
 """Damping ratio below which a mode is watched in a step [-]."""
+NEAR_STATIC = 0.5
+"""Part of the speed below which a root without oscillation is watched: it may leave its bearings in the next step [-]."""
 CHANCE = 0.01
 """Chance at which χ² rises more than is allowed where the true modes decay [-].
 
 The rise has at most as many degrees of freedom as modes grow (Self and Liang 1987, doi:10.1080/01621459.1987.10478472).
 """
-LARGEST_STEP_COUNT = 30
-"""Most steps to such a model."""
+LARGEST_STEP_COUNT = 60
+"""Most steps to such a model, also those that are not taken."""
 STEP_LIMIT = 0.5
 """Largest change of a coordinate in one step [-]."""
 SETTLED = 0.5
 """Change of the merit function in a step up to which the steps have ended [-]."""
 FIRST_DAMPING = 1e-3
 """Part of the diagonal of the curvature that is added to it in the first step [-]."""
-MOST_HALVINGS = 6
-"""Most times a step is tried, each time half as long."""
+LARGEST_DAMPING = 1e6
+"""Part of the diagonal from which on steps are too short to bring anything [-]."""
+SMALLEST_GAIN = 1e-4
+"""Part of the decrease that a step promises from which on it is taken [-]."""
+ACTIVE_SET_PASSES = 6
+"""Most times the modes that a step brings to the margin are found anew."""
 PRIOR_FACTORS = tuple(1.4**power for power in range(1, 9))
 """Factors by which the prior's spread is made smaller, one after the other, to draw what the data leave open [-]."""
 DRAWN_STEP_COUNT = 8
 """Most steps with each of them."""
-PENALTY = 300.0
-"""Weight of lacking damping in the merit function [-]: a damping ratio of -0.01 counts as much as three units of χ²."""
+PENALTY = 1e6
+"""Weight of the square of lacking damping in the merit function [-]: a rate of growth of 0.001 of the speed counts as one unit
+of χ²."""
 
 
 @dataclass(frozen=True)
@@ -76,11 +87,11 @@ class LeastDampedMode:
 
     @property
     def lacking(self) -> float:
-        """Return how much damping is lacking [-]: the rate of growth over the speed.
+        """Return how much damping is lacking [-]: the rate of growth over the speed; negative where there is enough.
 
         A damping ratio would not do: of every mode that grows without oscillating it is -1, however slowly it grows.
         """
-        return max(0.0, self.eigenvalue.real + MARGIN / 2 * abs(self.eigenvalue)) / self.speed
+        return (self.eigenvalue.real + MARGIN * abs(self.eigenvalue)) / self.speed
 
     @property
     def grows(self) -> bool:
@@ -129,9 +140,24 @@ class PhysicalLimits:
         """
         return tuple(
             LeastDampedMode(spin, complex(slow[np.argmin(damping_ratio(slow))]))
-            for spin, slow in self._slow_modes(theta)
-            if slow.size
+            for spin, all_slow in self._slow_modes(theta)
+            if (slow := all_slow[self._is_root(all_slow)]).size
         )
+
+    def grow(self, modes: Sequence[LeastDampedMode]) -> bool:
+        """Return whether one of some modes grows.
+
+        Args:
+            modes: The modes.
+
+        Returns:
+            Whether one does; a root that is zero but for rounding does not.
+        """
+        return any(one.grows and bool(self._is_root(np.array(one.eigenvalue))) for one in modes)
+
+    def _is_root(self, eigenvalue: Complexes) -> NDArray[np.bool_]:
+        """Return which eigenvalues are not zero but for rounding."""
+        return np.asarray(np.abs(eigenvalue) > SMALLEST_ROOT * self.highest)
 
     def watched(self, theta: Floats) -> tuple[LeastDampedMode, ...]:
         """Return all modes of little or negative damping at all speeds.
@@ -145,7 +171,9 @@ class PhysicalLimits:
         return tuple(
             LeastDampedMode(spin, complex(root))
             for spin, slow in self._slow_modes(theta)
-            for root in slow[damping_ratio(slow) < NEAR]
+            for root in slow[
+                (slow.imag > 0.0) & (damping_ratio(slow) < NEAR) | ((slow.imag == 0.0) & (slow.real > -NEAR_STATIC * spin))
+            ]
         )
 
     def growing_mode(self, theta: Floats) -> LeastDampedMode | None:
@@ -170,17 +198,11 @@ class PhysicalLimits:
         Returns:
             Derivatives (n,), 0 for coordinates of other kinds [rad/s].
         """
-        machine, root = self._scaled(theta), mode.eigenvalue
-        basis = reduced_basis(machine, self.highest)
+        machine = self._scaled(theta)
         at = self.coordinates.at_speeds(np.array([mode.speed]))
         base = at.coefficients(theta).reshape(-1)
-        spin = self.machine.direction * mode.speed
-        matrices = system_matrices(machine, coefficients=base, basis=basis)
-        left, _, right = np.linalg.svd(matrices.dynamic_stiffness(root, spin=spin))
-        shape, other = right[-1].conj()[:, None], left[:, -1][:, None]
-        momentum = (2.0 * root * matrices.mass + matrices.damping + spin * matrices.gyroscopic) @ shape
-        other = other / np.conj(np.vdot(other, momentum))
-        by_coefficient = eigenvalue_slopes(machine, Modes(np.array([root]), shape, other), basis)[0].real
+        shapes = self._shapes(machine, at, theta, base, mode)
+        by_coefficient = eigenvalue_slopes(machine, shapes, reduced_basis(machine, self.highest))[0].real
         found = np.zeros(theta.size)
         free = at.place >= 0
         np.add.at(found, at.place[free], (by_coefficient * np.where(at.logarithmic, base, at.scale))[free])
@@ -190,15 +212,42 @@ class PhysicalLimits:
             )
         return found
 
+    def _shapes(self, machine: Machine, at: Coordinates, theta: Floats, base: Floats, mode: LeastDampedMode) -> Modes:
+        """Return the right and the left vector of a mode, of the train and not of its pads."""
+        basis, root = reduced_basis(machine, self.highest), mode.eigenvalue
+        spin = self.machine.direction * mode.speed
+        tilted = _tilted(at, theta)
+        if tilted is not None:
+            # Pads are states of their own; that their own numbers change with θ is left out.
+            state = state_matrix_with_pads(machine, tilted[0], basis, coefficients=base)
+            left, _, right = np.linalg.svd(state - root * np.eye(len(state)))
+            mass = system_matrices(machine, coefficients=base, basis=basis).mass
+            whole, adjoint, size = right[-1].conj(), left[:, -1], len(mass)
+            other = np.linalg.solve(mass, adjoint[size : 2 * size]) / np.conj(np.vdot(adjoint, whole))
+            return Modes(np.array([root]), whole[:size, None], other[:, None])
+        matrices = system_matrices(machine, coefficients=base, basis=basis)
+        left, _, right = np.linalg.svd(matrices.dynamic_stiffness(root, spin=spin))
+        shape, other = right[-1].conj()[:, None], left[:, -1][:, None]
+        momentum = (2.0 * root * matrices.mass + matrices.damping + spin * matrices.gyroscopic) @ shape
+        return Modes(np.array([root]), shape, other / np.conj(np.vdot(other, momentum)))
+
     def _slow_modes(self, theta: Floats) -> Iterator[tuple[float, Complexes]]:
-        """Yield each speed with the eigenvalues of its modes up to the highest frequency [rad/s]."""
+        """Yield each speed with the eigenvalues of its modes up to the highest frequency [rad/s].
+
+        Pads that tilt are degrees of freedom of their own: reduced at the spin speed they would not damp a slower mode as they
+        do.
+        """
         machine = self._scaled(theta)
         basis = reduced_basis(machine, self.highest)
-        for spin, row in zip(self.speeds.tolist(), self._coefficients(theta), strict=True):
-            matrices = system_matrices(machine, coefficients=row, basis=basis)
-            roots = np.linalg.eigvals(matrices.state_matrix(spin=self.machine.direction * spin))
-            size = np.abs(roots)
-            yield spin, roots[(roots.imag >= 0.0) & (size <= self.highest) & (size > SMALLEST_ROOT * self.highest)]
+        tilted = _tilted(self.coordinates, theta)
+        for place, (speed, row) in enumerate(zip(self.speeds.tolist(), self._coefficients(theta), strict=True)):
+            if tilted is not None:
+                state = state_matrix_with_pads(machine, tilted[place], basis, coefficients=row)
+            else:
+                matrices = system_matrices(machine, coefficients=row, basis=basis)
+                state = matrices.state_matrix(spin=self.machine.direction * speed)
+            roots = np.linalg.eigvals(state)
+            yield speed, roots[(roots.imag >= 0.0) & (np.abs(roots) <= self.highest)]
 
     def _scaled(self, theta: Floats) -> Machine:
         factors = self.coordinates.scales(theta)
@@ -208,6 +257,12 @@ class PhysicalLimits:
     def _coefficients(self, theta: Floats) -> Floats:
         """Return the coefficients at the speeds looked at (G, K) [SI]."""
         return np.atleast_2d(self.coordinates.coefficients(theta))
+
+
+def _tilted(coordinates: Coordinates, theta: Floats) -> tuple[FilmEquilibrium, ...] | None:
+    """Return the equilibria of films with pads that tilt; None where there are none."""
+    placed = ((one, one.curves) for one in coordinates.models)
+    return next((curves.tilted(one.own(theta)) for one, curves in placed if isinstance(curves, FilmCurves)), None)
 
 
 Limits = Callable[[FitProblem], PhysicalLimits]
@@ -233,9 +288,8 @@ def without_growing_modes(
 ) -> tuple[FitResult, LeastDampedMode | None]:
     """Fit a train again so that no mode grows, from a fit in which one does.
 
-    What the data leave open is drawn to the document's values until no mode grows. From there Gauss-Newton steps lower the
-    misfit under the linearised conditions that modes decay (sequential quadratic programming; Nocedal and Wright, Numerical
-    Optimization, 2006, ch. 18).
+    What the data leave open is drawn to the document's values until no mode grows. From there damped Gauss-Newton steps lower
+    the misfit with a quadratic penalty on modes that lack damping (Nocedal and Wright, Numerical Optimization, 2006, ch. 17).
 
     Args:
         limits: Limits of the machine.
@@ -259,7 +313,7 @@ def without_growing_modes(
 
 
 class _Search:
-    """Search for the best model without growing modes, with steps that are shortened until they lower a merit function."""
+    """Search for the best model without growing modes: Levenberg-Marquardt steps under a penalty on lacking damping."""
 
     def __init__(self, limits: PhysicalLimits, problem: FitProblem, weight: Floats, highest: float) -> None:
         self.limits = limits
@@ -272,26 +326,30 @@ class _Search:
         modes = self.limits.watched(theta)
         cost, slope, hessian = _linearised(self.problem, theta, self.weight)
         merit, kept = _merit(cost, modes), None
-        if cost <= self.highest and not any(one.grows for one in modes):
+        if cost <= self.highest and not self.limits.grow(modes):
             kept = theta
-        damping = FIRST_DAMPING
+        damping, growth, curved = FIRST_DAMPING, 2.0, False
+        watched = [(one, self.limits.slopes(theta, one)) for one in modes]
         for _ in range(LARGEST_STEP_COUNT):
-            damped = hessian + damping * np.diag(np.diag(hessian))
-            step = _constrained_step(slope, damped, modes, self.limits, theta)
-            for halving in range(MOST_HALVINGS):
-                trial = theta + 0.5**halving * step
-                modes = self.limits.watched(trial)
-                trial_merit = _merit(self._cost(trial), modes)
-                if trial_merit < merit:
+            damped = np.asarray(hessian + damping * np.diag(np.diag(hessian)), dtype=float)
+            step, promised = _penalised_step(slope, damped, watched)
+            trial = bent(self.problem, theta, self.weight, step, damped) if curved else theta + step
+            trial_cost = self._cost(trial)
+            trial_modes = self.limits.watched(trial) if np.isfinite(trial_cost) else ()
+            trial_merit = _merit(trial_cost, trial_modes)
+            gain = (merit - trial_merit) / promised
+            curved = not gain > CURVED
+            if not gain > SMALLEST_GAIN:
+                damping, growth = damping * growth, 2.0 * growth
+                if damping > LARGEST_DAMPING:
                     break
-                damping *= 2.0
-            else:
-                return kept
-            damping /= 4.0
+                continue
+            damping, growth = damping * max(0.2, 1.0 - (2.0 * min(gain, 1.0) - 1.0) ** 3), 2.0
             settled = merit - trial_merit < SETTLED
-            theta, merit = trial, trial_merit
+            theta, merit, modes = trial, trial_merit, trial_modes
+            watched = [(one, self.limits.slopes(theta, one)) for one in modes]
             cost, slope, hessian = _linearised(self.problem, theta, self.weight)
-            if cost <= self.highest and not any(one.grows for one in modes):
+            if cost <= self.highest and not self.limits.grow(modes):
                 kept = theta
                 if settled:
                     break
@@ -319,7 +377,7 @@ def _drawn(coordinates: Coordinates, factor: float) -> Coordinates:
 
 
 def _merit(cost: float, modes: tuple[LeastDampedMode, ...]) -> float:
-    return cost + PENALTY * sum(one.lacking for one in modes)
+    return cost + PENALTY * sum(max(0.0, one.lacking) ** 2 for one in modes)
 
 
 def _linearised(problem: FitProblem, theta: Floats, weight: Floats) -> tuple[float, Floats, Floats]:
@@ -329,16 +387,18 @@ def _linearised(problem: FitProblem, theta: Floats, weight: Floats) -> tuple[flo
     return data + prior.cost(theta), gradient - prior.pull(theta), curvature + prior.precision
 
 
-def _constrained_step(
-    slope: Floats, hessian: Floats, modes: tuple[LeastDampedMode, ...], limits: PhysicalLimits, theta: Floats
-) -> Floats:
-    """Return the Gauss-Newton step that brings modes of too little damping to the margin."""
-    free = np.linalg.solve(hessian, slope)
-    if modes:
-        normals = np.stack([limits.slopes(theta, one) for one in modes])
-        allowed = np.array([-one.eigenvalue.real - MARGIN * abs(one.eigenvalue) for one in modes])
-        broken = normals @ free > allowed
-        normals, allowed = normals[broken], allowed[broken]
-        across = np.linalg.solve(hessian, normals.T)
-        free = free + across @ np.linalg.lstsq(normals @ across, allowed - normals @ free, rcond=None)[0]
-    return np.asarray(free * min(1.0, STEP_LIMIT / max(float(np.max(np.abs(free))), 1e-300)))
+def _penalised_step(slope: Floats, hessian: Floats, modes: Sequence[tuple[LeastDampedMode, Floats]]) -> tuple[Floats, float]:
+    """Return the step that lowers cost and penalty most where both are linearised, and the decrease that it promises."""
+    lacking = np.array([one.lacking for one, _ in modes])
+    normals = np.array([by / one.speed for one, by in modes]).reshape(len(modes), slope.size)
+    active = lacking > 0.0
+    for _ in range(ACTIVE_SET_PASSES):
+        rows, short = normals[active], lacking[active]
+        step = np.linalg.solve(hessian + PENALTY * rows.T @ rows, slope - PENALTY * rows.T @ short)
+        before, active = active, lacking + normals @ step > 0.0
+        if np.array_equal(before, active):
+            break
+    step *= min(1.0, STEP_LIMIT / max(float(np.max(np.abs(step))), 1e-300))
+    left = np.maximum(0.0, lacking + normals @ step)
+    penalty = PENALTY * float(np.maximum(0.0, lacking) @ np.maximum(0.0, lacking) - left @ left)
+    return np.asarray(step), max(float(2 * slope @ step - step @ hessian @ step) + penalty, 1e-12)

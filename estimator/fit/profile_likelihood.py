@@ -18,8 +18,8 @@ from estimator.rotor.elimination import SingularCondensation
 
 ENDS = 2.0
 """Standard errors by which a parameter is moved [-]."""
-SMALLEST_RISE = 0.85
-"""Part of the Gaussian rise of χ², ENDS², below which the interval is too short to be believed [-]."""
+SMALLEST_RISE = 0.83
+"""Part of the Gaussian rise of χ², ENDS², below which an interval is too short to be believed [-]: it holds 92.6 %."""
 LARGEST_STEP_COUNT = 30
 """Most steps of the fit of everything else."""
 STEP_LIMIT = 1.0

@@ -1,7 +1,9 @@
 """Names of the parameters that a film's own numbers are identified as, by its document alone."""
 
+from collections.abc import Sequence
+
 from estimator.bearings.journal import JournalForm
-from estimator.machine.films import JournalFilm
+from estimator.machine.films import JournalFilm, StaticLoad
 
 
 def film_parameter_names(bearing: str, film: JournalFilm, form: JournalForm) -> dict[str, str]:
@@ -24,3 +26,20 @@ def film_parameter_names(bearing: str, film: JournalFilm, form: JournalForm) -> 
         "elevation_y": f"{own}.elevation_y",
     }
     return found | ({"viscosity_slope": f"{oil}.viscosity_slope"} if form.viscosity_slope_spread > 0.0 else {})
+
+
+def unknown_forces(loads: Sequence[StaticLoad]) -> dict[str, tuple[int, int]]:
+    """Return the components of static loads that may be off.
+
+    Args:
+        loads: Static loads of a document.
+
+    Returns:
+        Number of the load and of the component, 0 along x and 1 along y, by the name of the parameter.
+    """
+    return {
+        f"static_load.{one.id}.force_{axis}": (number, component)
+        for number, one in enumerate(loads)
+        for component, (axis, spread) in enumerate((("x", one.force_x_spread), ("y", one.force_y_spread)))
+        if spread > 0.0
+    }

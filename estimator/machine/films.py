@@ -130,6 +130,10 @@ class StaticLoad(Part):
     station: NotNegative = Field(description="[m] from the shaft's driver-side end")
     force_x: Real = Field(default=0.0, description="[N], horizontal")
     force_y: Real = Field(default=0.0, description="[N], upwards")
+    force_x_spread: NotNegative = Field(
+        default=0.0, description="how far force_x may be off, rms [N]; 0: known exactly, no force is identified"
+    )
+    force_y_spread: NotNegative = Field(default=0.0, description="how far force_y may be off, rms [N]; 0: known exactly")
     scaled_by: Identifier | None = Field(
         default=None, description="operating condition to which the force is proportional, such as the power; needs stated_at"
     )

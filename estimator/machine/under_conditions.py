@@ -60,4 +60,5 @@ def _load(load: StaticLoad, known: Mapping[str, float]) -> StaticLoad:
     if value is None or load.stated_at is None:
         return load
     factor = value / load.stated_at
-    return load.model_copy(update={"force_x": factor * load.force_x, "force_y": factor * load.force_y})
+    spreads = {name: abs(factor) * getattr(load, name) for name in ("force_x_spread", "force_y_spread")}
+    return load.model_copy(update={"force_x": factor * load.force_x, "force_y": factor * load.force_y, **spreads})

@@ -8,6 +8,7 @@ across the axis: in forward and backward whirl they separate into two systems of
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,8 @@ from estimator.rotor.shaft_element import NODE_DOFS
 
 BLOCK = 256
 """Number of speeds that are computed at a time: enough for the arithmetic to be fast, little enough for memory."""
+LARGEST_GIVEN = 1_000_000
+"""Most numbers of dynamic stiffness and forces that are kept in full, 16 bytes each [-]; more are assembled when needed."""
 
 
 @dataclass(frozen=True)
@@ -75,12 +78,12 @@ class CondensedTrain:
         """Return the forces (S, n, 2E) per real and imaginary part of each excitation [N and N m per unit]."""
         return self.shafts.force()
 
-    @property
+    @cached_property
     def owner(self) -> NDArray[np.intp]:
         """Return the coefficient (T,) that each term belongs to, ascending."""
         return np.repeat(np.arange(len(self.unknowns.coefficients)), [len(c.pairs) for c in self.unknowns.coefficients])
 
-    @property
+    @cached_property
     def order(self) -> NDArray[np.intp]:
         """Return the power (K,) of jω with which each coefficient acts."""
         return np.array([c.order for c in self.unknowns.coefficients], dtype=np.intp)
@@ -202,7 +205,7 @@ def condense(machine: Machine, *, speed: Floats, direction: Floats, output: Floa
     return CondensedTrain(
         speed=speed,
         direction=direction,
-        shafts=elimination,
+        shafts=_given(elimination, reusable=bool(scales)),
         left=vectors["left"][kept],
         right=vectors["right"][kept],
         output=vectors["output"][kept].T,
@@ -213,6 +216,15 @@ def condense(machine: Machine, *, speed: Floats, direction: Floats, output: Floa
         scale_factors=scales,
         machine=machine,
     )
+
+
+def _given(elimination: WhirlElimination, *, reusable: bool) -> WhirlElimination | GivenShafts:
+    """Return what is left of the shafts in full, where that is little and no derivatives by scale factors are wanted."""
+    motions = 2 * elimination.retained.size
+    numbers = elimination.speed.size * motions * (motions + 2 * len(elimination.excitations))
+    if reusable or numbers > LARGEST_GIVEN:
+        return elimination
+    return GivenShafts(elimination.known(), elimination.force())
 
 
 def _in_planes(rotor: Rotor, vectors: Floats) -> Floats:

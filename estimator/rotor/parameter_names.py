@@ -10,7 +10,7 @@ from estimator.bearings.registry import OWN_PARAMETERS
 from estimator.bearings.terms import LATERAL
 from estimator.machine.bearings_on_films import bearings_on_films
 from estimator.machine.document import Machine
-from estimator.machine.film_parameter_names import film_parameter_names
+from estimator.machine.film_parameter_names import film_parameter_names, unknown_forces
 from estimator.machine.film_speeds import follows_films, reported_rpm
 from estimator.machine.parameter_description import describe
 from estimator.quantities import UNITS
@@ -102,6 +102,8 @@ def _film_parameter_units(machine: Machine) -> dict[str, str]:
     for one in bearings_on_films(machine.bearings):
         names = film_parameter_names(one.id, one.film, one.form).values()
         found |= {name: OWN_PARAMETERS[describe(name).quantity].unit for name in names}
+    if follows_films(machine):
+        found |= dict.fromkeys(unknown_forces(machine.static_loads), UNITS["force"])
     return found
 
 

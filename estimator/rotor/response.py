@@ -33,6 +33,24 @@ def response(train: CondensedTrain, *, coefficients: Floats, excitations: Comple
     return whole
 
 
+def excitation_responses(train: CondensedTrain, *, coefficients: Floats) -> Complexes:
+    """Compute the phasors per unit of each excitation, of which the response is a sum.
+
+    Args:
+        train: The condensed train.
+        coefficients: Coefficients (K,), or (S, K) where they follow the speed [SI].
+
+    Returns:
+        Phasors (2E, S, m) per real and imaginary part of each excitation [m per SI unit].
+    """
+    whole = np.empty((2 * len(train.unknowns.excitations), train.speed.size, len(train.output)), dtype=complex)
+    for block in train.blocks():
+        part = train.pick(block)
+        stiffness = part.dynamic_stiffness(coefficients if coefficients.ndim == 1 else coefficients[block])
+        whole[:, block] = np.moveaxis(_receptance(part, stiffness) @ part.force, 2, 0)
+    return whole
+
+
 @dataclass(frozen=True)
 class Sensitivity:
     """Phasors of m outputs at S speeds and their derivatives.
@@ -70,7 +88,7 @@ def sensitivity(train: CondensedTrain, *, coefficients: Floats, excitations: Com
         Phasors and derivatives.
     """
     stiffness = train.dynamic_stiffness(coefficients)
-    receptance = np.linalg.solve(stiffness.swapaxes(1, 2), train.output.T).swapaxes(1, 2)  # (S, m, n)
+    receptance = _receptance(train, stiffness)
     displacement: Complexes = np.asarray(
         np.linalg.solve(stiffness, train.force_of(excitations)[..., None])[..., 0], dtype=complex
     )
@@ -90,6 +108,11 @@ def sensitivity(train: CondensedTrain, *, coefficients: Floats, excitations: Com
             len(scales), *receptance.shape[:2]
         ),
     )
+
+
+def _receptance(train: CondensedTrain, stiffness: Complexes) -> Complexes:
+    """Return the phasors (S, m, n) per unit force at each retained degree of freedom [m/N]."""
+    return np.asarray(np.linalg.solve(stiffness.swapaxes(1, 2), train.output.T).swapaxes(1, 2))
 
 
 def _summed(by_term: Complexes, train: CondensedTrain) -> Complexes:

@@ -4,6 +4,7 @@ Shear and moment follow from the balance of forces and of moments about the coup
 body), with their weight and static loads; the coupling's stiffness has no part in it.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,6 +28,8 @@ class CouplingBalance:
         moment: Their moments about the coupling in the x-z and the y-z plane (2,) [N m].
         carried: Part of each bearing's film force that acts there (n,), 1 behind the coupling, else 0 [-].
         arm: Distance of each bearing there from the coupling (n,), else 0 [m].
+        loaded: Part of each static load that acts there (m,), 1 behind the coupling, else 0 [-].
+        load_arm: Distance of each static load there from the coupling (m,), else 0 [m].
     """
 
     coupling: str
@@ -34,6 +37,8 @@ class CouplingBalance:
     moment: Floats
     carried: Floats
     arm: Floats
+    loaded: Floats
+    load_arm: Floats
 
 
 def coupling_balances(machine: Machine) -> tuple[CouplingBalance, ...]:
@@ -62,8 +67,16 @@ def coupling_balances(machine: Machine) -> tuple[CouplingBalance, ...]:
             own = slice(rotor.first_node[shaft], rotor.first_node[shaft] + len(stations))
             lifted[own, 0] = turned[own, 1] = 1.0
             turned[own, 0] = begins[shaft] - at + stations
-        carried = np.array([float(one.shaft in shafts) for one in machine.bearings])
-        arm = carried * np.array([begins[one.shaft] - at + one.station for one in machine.bearings])
+        (carried, arm), (loaded, load_arm) = (
+            _levers([(begins[one.shaft] - at + one.station, one.shaft in shafts) for one in parts])
+            for parts in (machine.bearings, machine.static_loads)
+        )
         weight, moment = (np.array([load @ plane @ motion.reshape(-1) for plane in planes]) for motion in (lifted, turned))
-        found.append(CouplingBalance(coupling.id, weight, moment, carried, arm))
+        found.append(CouplingBalance(coupling.id, weight, moment, carried, arm, loaded, load_arm))
     return tuple(found)
+
+
+def _levers(parts: Sequence[tuple[float, bool]]) -> tuple[Floats, Floats]:
+    """Return of parts, by distance from the coupling and whether they are behind it, 1 or 0 and distance or 0 [-, m]."""
+    behind = np.array([float(there) for _, there in parts])
+    return behind, behind * np.array([distance for distance, _ in parts])

@@ -6,6 +6,7 @@ import numpy as np
 
 from estimator.arrays import Complexes, Floats
 from estimator.bearings.terms import LATERAL
+from estimator.statics.equilibrium import FilmEquilibrium
 from estimator.statics.film_deviations import TERMS, FilmDeviations
 from estimator.statics.solved_films import SolvedFilms
 
@@ -22,6 +23,7 @@ class FilmCurves:
             speed: Spin speeds (S,) within the model's range [rad/s].
         """
         self._films = films
+        self._speed = speed
         self._weight = np.asarray(films.nominal.spline(np.log(speed)))
         self._deviations = deviations.at(speed)
 
@@ -81,6 +83,19 @@ class FilmCurves:
         place = np.log(self._films.nominal.speed)
         by_viscosity = self._films.slopes(fitted)[:, :, self._films.viscosities].sum(axis=2)
         return np.asarray(self._weight @ ((place.mean() - place)[:, None] * by_viscosity))
+
+    def tilted(self, fitted: Floats) -> tuple[FilmEquilibrium, ...] | None:
+        """Return the equilibria at the speeds, with the pads that tilt in them.
+
+        Args:
+            fitted: Fitted numbers (P,) [-].
+
+        Returns:
+            The equilibria; None where no pad tilts, or a film is too thin.
+        """
+        if all(one.said.pads is None for one in self._films.nominal.train.bearings):
+            return None
+        return self._films.equilibria_at(fitted, self._speed)
 
     def _own_derivatives(self, fitted: Floats, block: slice) -> tuple[Floats, Floats]:
         """Return the derivatives (s, 8n, P) by the P own parameters, and what deviations are a part of (s, 8n)."""

@@ -104,7 +104,7 @@ def _untouched(machine: Machine) -> FilmModel:
     slowest, fastest = rpm_to_rad_per_s(slowest_rpm(machine)), rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
     names = tuple(one.name for one in train.bearings)
     return FilmModel(
-        FilmParameters(train, forms),
+        FilmParameters(train, forms, machine.static_loads),
         FilmDeviations(names, forms, slowest, fastest),
         NominalFilms(train, slowest, fastest),
     )

@@ -1,4 +1,4 @@
-"""Clearance, viscosity and elevation of each film of a train as parameters of a fit, and the train that they make.
+"""Clearance, viscosity and elevation of each film, and static loads, as parameters of a fit, and the train that they make.
 
 Each film has a few numbers of its own; a parameter of the fit is one of them, or one that several films share, as those do
 whose oil comes from one supply.
@@ -14,7 +14,8 @@ from estimator.arrays import Floats
 from estimator.bearings.journal import JournalForm
 from estimator.bearings.model import ModelParameter
 from estimator.bearings.registry import OWN_PARAMETERS
-from estimator.machine.film_parameter_names import film_parameter_names
+from estimator.machine.film_parameter_names import film_parameter_names, unknown_forces
+from estimator.machine.films import StaticLoad
 from estimator.machine.parameter_description import describe
 from estimator.quantities import UNITS
 from estimator.statics.equilibrium import FilmTrain
@@ -34,10 +35,12 @@ class FilmParameters:
     Attributes:
         train: The train on its films as the document gives them.
         forms: Form of each bearing, which states how far its parameters may be off.
+        loads: The m static loads of the document, which state how far they may be off.
     """
 
     train: FilmTrain
     forms: tuple[JournalForm, ...]
+    loads: tuple[StaticLoad, ...] = ()
 
     @property
     def count(self) -> int:
@@ -51,8 +54,11 @@ class FilmParameters:
 
     @cached_property
     def mixing(self) -> Floats:
-        """Return the films' numbers (5n, P) per unit of each fitted number, in the order of `NUMBERS` [1 of logarithms, m]."""
-        found = np.zeros((len(NUMBERS) * len(self.forms), self.count))
+        """Return the films' numbers and the static loads (5n + 2m, P) per unit of each fitted number.
+
+        The numbers are in the order of `NUMBERS` [1 of logarithms, m], the loads along x and y of each [N].
+        """
+        found = np.zeros((self._of_films + 2 * len(self.loads), self.count))
         for column, (one, places) in enumerate(self._acting):
             found[list(places), column] = one.step
         return found
@@ -66,7 +72,30 @@ class FilmParameters:
                 place = len(NUMBERS) * number + NUMBERS.index(what)
                 known, places = found.get(one.name, (one, ()))
                 found[one.name] = known, (*places, place)
+        for name, (load, component) in unknown_forces(self.loads).items():
+            found[name] = _force(name, self.loads[load], component), (self._of_films + 2 * load + component,)
         return tuple(found.values())
+
+    @property
+    def _of_films(self) -> int:
+        return len(NUMBERS) * len(self.forms)
+
+    @property
+    def by_load(self) -> Floats:
+        """Return the static loads (2m, P) per unit of each fitted number, along x and y of each [N]."""
+        return self.mixing[self._of_films :]
+
+    def load_changes(self, fitted: Floats) -> Floats:
+        """Return by how much static loads differ from those of the document.
+
+        Args:
+            fitted: Fitted numbers, the own ones first (...) [-].
+
+        Returns:
+            Forces (2m,), along x and y of each load [N].
+        """
+        centre = np.array([one.centre for one in self.parameters])
+        return np.asarray(self.by_load @ (self.of(fitted) - centre))
 
     def place(self, number: int, what: str) -> int:
         """Return the place of the parameter that gives a number of a film.
@@ -101,29 +130,33 @@ class FilmParameters:
         Returns:
             The train.
         """
-        numbers = (self.mixing @ self.of(fitted)).reshape(-1, len(NUMBERS))
+        numbers = (self.mixing[: self._of_films] @ self.of(fitted)).reshape(-1, len(NUMBERS))
         bearings = tuple(
             _changed(one, *row) for one, row in zip(self.train.bearings, numbers[:, [0, 1, 4]].tolist(), strict=True)
         )
         said = np.array([(one.said.elevation_x, one.said.elevation_y) for one in self.train.bearings])
-        return FilmTrain(self.train.statics, bearings, self.train.elevation - said + numbers[:, 2:4])
+        statics = self.train.statics
+        if self.loads:
+            statics = replace(statics, weight=statics.weight + statics.by_load @ self.load_changes(fitted))
+        return FilmTrain(statics, bearings, self.train.elevation - said + numbers[:, 2:4])
 
     def by_fitted(self, slopes: Floats, *, speed: Floats) -> Floats:
         """Convert derivatives by `film_sensitivity.PARAMETERS` to those by the own fitted numbers.
 
         Args:
-            slopes: Derivatives (G, ..., 4n) at some speeds [any unit, per 1 or m].
+            slopes: Derivatives (G, ..., 4n + 2m) at some speeds [any unit, per 1, m or N].
             speed: The spin speeds (G,) [rad/s].
 
         Returns:
             Derivatives (G, ..., P) [any unit].
         """
-        each = slopes.reshape(*slopes.shape[:-1], -1, len(PARAMETERS))
+        of_films, of_loads = np.split(slopes, [len(PARAMETERS) * len(self.forms)], axis=-1)
+        each = of_films.reshape(*slopes.shape[:-1], -1, len(PARAMETERS))
         fall = np.stack([one.oil.by_slope(speed) for one in self.train.bearings], axis=-1)
         along = fall.reshape(speed.size, *(1 for _ in slopes.shape[1:-1]), -1)
         by_slope = each[..., PARAMETERS.index("viscosity")] * along
         whole = np.concatenate([each, by_slope[..., None]], axis=-1)
-        return np.asarray(whole.reshape(*slopes.shape[:-1], -1) @ self.mixing)
+        return np.asarray(np.concatenate([whole.reshape(*slopes.shape[:-1], -1), of_loads], axis=-1) @ self.mixing)
 
 
 def _of_film(bearing: JournalBearing, form: JournalForm) -> Iterator[tuple[str, ModelParameter]]:
@@ -138,6 +171,12 @@ def _of_film(bearing: JournalBearing, form: JournalForm) -> Iterator[tuple[str, 
     if "viscosity_slope" in names:
         spread = form.viscosity_slope_spread
         yield "viscosity_slope", ModelParameter(names["viscosity_slope"], "slope", UNITS["slope"], False, 0.0, 1.0, spread)
+
+
+def _force(name: str, load: StaticLoad, component: int) -> ModelParameter:
+    value = (load.force_x, load.force_y)[component]
+    step = (load.force_x_spread, load.force_y_spread)[component]
+    return ModelParameter(name, "force", UNITS["force"], False, value, step, 1.0)
 
 
 def _logarithmic(name: str, value: float, spread: float) -> ModelParameter:

@@ -1,8 +1,8 @@
 """Derivatives of a train's equilibrium on films by clearances, viscosities and elevations.
 
 The journals rest where S (e + p) = w + f(p), with elevations e, positions p and film forces f. So a change of anything moves
-them by dp = (S + K)⁻¹ (∂f - S de), K = -∂f/∂p being the films' stiffness against slow motions (implicit function). A film's
-force is a function of p/c times μ/c², its coefficients are ones times μ/c³ (Lund, J. Tribol. 109 (1987) 37).
+them by dp = (S + K)⁻¹ (∂f + ∂w - S de), K = -∂f/∂p being the films' stiffness against slow motions (implicit function). A
+film's force is a function of p/c times μ/c², its coefficients are ones times μ/c³ (Lund, J. Tribol. 109 (1987) 37).
 """
 
 from collections.abc import Sequence
@@ -21,7 +21,7 @@ FORCE_POWER, COEFFICIENT_POWER = -2, -3
 
 @dataclass(frozen=True)
 class FilmSensitivity:
-    """Derivatives at S speeds by P = 4n parameters: those of `PARAMETERS` of the first bearing, then of the next.
+    """Derivatives at S speeds by P = 4n + 2m parameters: those of `PARAMETERS` of each bearing, then static loads in x and y.
 
     Attributes:
         position: Of the journals' positions (S, P, n, 2) [m, or m/m].
@@ -58,7 +58,9 @@ def film_sensitivity(train: FilmTrain, found: Sequence[FilmEquilibrium]) -> Film
         np.stack([COEFFICIENT_POWER * one - np.einsum("snijk,snk->snij", slope, place), one], axis=2)
         for one, slope in ((stiffness, stiffness_slope), (damping, damping_slope))
     )
-    driving = np.zeros((speeds, len(PARAMETERS) * count, 2 * count))
+    by_load = train.statics.by_load
+    driving = np.zeros((speeds, len(PARAMETERS) * count + by_load.shape[1], 2 * count))
+    driving[:, len(PARAMETERS) * count :] = by_load.T
     whole = np.repeat(train.statics.stiffness[None], speeds, axis=0)
     for number in range(count):
         block, first = slice(2 * number, 2 * number + 2), len(PARAMETERS) * number

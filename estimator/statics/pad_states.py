@@ -20,13 +20,17 @@ from estimator.statics.equilibrium import FilmEquilibrium
 from estimator.statics.film_coefficients import film_coefficients
 
 
-def state_matrix_with_pads(machine: Machine, equilibrium: FilmEquilibrium, basis: Basis) -> Floats:
+def state_matrix_with_pads(
+    machine: Machine, equilibrium: FilmEquilibrium, basis: Basis, *, coefficients: Floats | None = None
+) -> Floats:
     """Compute A of ż = A z with z = (q, q̇, w), w being the states of the pads that tilt (Lund 1964).
 
     Args:
         machine: The machine.
         equilibrium: Its equilibrium at a speed.
         basis: Basis of the coordinates q.
+        coefficients: Coefficients (K,) at the spin speed, with the pads following; by what they differ from those of the
+            equilibrium's films, films deviate at every frequency [SI]. None for those of the equilibrium.
 
     Returns:
         A (2N + P, 2N + P), P being the number of all pads that tilt [SI].
@@ -36,8 +40,10 @@ def state_matrix_with_pads(machine: Machine, equilibrium: FilmEquilibrium, basis
         film if pads is None else replace(film, stiffness=pads.stiffness, damping=pads.damping)
         for film, pads in zip(equilibrium.film, held, strict=True)
     )
-    coefficients = film_coefficients(machine, replace(equilibrium, film=films))
-    matrices = system_matrices(machine, coefficients=coefficients, basis=basis)
+    values = film_coefficients(machine, replace(equilibrium, film=films))
+    if coefficients is not None:
+        values = values + (coefficients - film_coefficients(machine, equilibrium))
+    matrices = system_matrices(machine, coefficients=values, basis=basis)
     rotor = matrices.state_matrix(spin=machine.direction * equilibrium.speed)
     along, pads = _axes(machine, equilibrium, basis), [one for one in held if one is not None]
     if not pads:

@@ -180,6 +180,23 @@ class SolvedFilms:
             solved = self._solved = key, self._solve(fitted)
         return solved[1]
 
+    def equilibria_at(self, fitted: Floats, speed: Floats) -> tuple[FilmEquilibrium, ...] | None:
+        """Solve for the equilibria at other speeds, from those between which they lie.
+
+        Args:
+            fitted: Fitted numbers (...), the own ones first [-].
+            speed: Spin speeds (S,) within the model's range [rad/s].
+
+        Returns:
+            The equilibria; None where a film is too thin.
+        """
+        known = self.equilibria(fitted)
+        if known is None:
+            return None
+        position = np.stack([one.position for one in known])
+        start = np.tensordot(np.asarray(self.nominal.spline(np.log(speed))), position, 1)
+        return equilibria_near(self._own.changed(fitted), speed, start)
+
     def _solve(self, fitted: Floats) -> tuple[FilmEquilibrium, ...] | None:
         train = self._own.changed(fitted)
         found = self._last.led_to(self._own.of(fitted), train, self.nominal.speed)

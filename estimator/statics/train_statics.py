@@ -43,12 +43,14 @@ class TrainStatics:
         weight: Forces w (2n,) that arrive at the bearings when journals are held where all is straight [N].
         aligned: Positions (n, 2) of the bearings' centres at which no coupling carries shear or moment with the journals in
             them [m].
+        by_load: Change of w per unit of the m static loads of the document, along x and along y of each (2n, 2m) [-].
     """
 
     bearings: tuple[str, ...]
     stiffness: Floats
     weight: Floats
     aligned: Floats
+    by_load: Floats
 
     def film_force(self, position: Floats) -> Floats:
         """Compute the forces that films must exert for the journals to rest somewhere.
@@ -77,15 +79,15 @@ def train_statics(machine: Machine) -> TrainStatics:
     rotor = assemble_rotor(machine)
     held = np.concatenate([_journal(rotor, bearing.shaft, bearing.station) for bearing in machine.bearings])
     load = train_load(machine, rotor)
-    stiffness, weight = _condensed(_stiffness(machine, couplings=True), load, held)
+    stiffness, weight, by_load = _condensed(_stiffness(machine, couplings=True), load, held, _unit_loads(machine, rotor))
     aligned = _aligned(machine, rotor, load, held)
     compliance = _compliance(machine)
     if compliance.any():
         at_rest = stiffness @ aligned.reshape(-1) - weight
         given = np.linalg.inv(np.eye(weight.size) + stiffness * compliance)
         stiffness, weight = given @ stiffness, given @ (weight - stiffness @ (compliance * at_rest))
-        stiffness = (stiffness + stiffness.T) / 2
-    return TrainStatics(tuple(one.id for one in machine.bearings), stiffness, weight, aligned)
+        stiffness, by_load = (stiffness + stiffness.T) / 2, given @ by_load
+    return TrainStatics(tuple(one.id for one in machine.bearings), stiffness, weight, aligned, by_load)
 
 
 def _compliance(machine: Machine) -> Floats:
@@ -126,11 +128,17 @@ def _journal(rotor: Rotor, shaft: str, station: float) -> NDArray[np.intp]:
     return np.array([first, first + 1], dtype=np.intp)
 
 
-def _condensed(stiffness: Floats, load: Floats, held: NDArray[np.intp]) -> tuple[Floats, Floats]:
-    """Return stiffness and load seen at some degrees of freedom, the others in equilibrium."""
+def _unit_loads(machine: Machine, rotor: Rotor) -> Floats:
+    """Return a unit of each static load along x and along y (N, 2m)."""
+    places = [_journal(rotor, one.shaft, one.station) for one in machine.static_loads]
+    return np.eye(rotor.size)[:, np.concatenate([*places, np.zeros(0, dtype=np.intp)])]
+
+
+def _condensed(stiffness: Floats, load: Floats, held: NDArray[np.intp], units: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return stiffness, load and unit loads seen at some degrees of freedom, the others in equilibrium."""
     deflected, moved = free_motion(stiffness, load, held)
     seen = stiffness[np.ix_(held, held)] + stiffness[held] @ moved
-    return (seen + seen.T) / 2, load[held] - stiffness[held] @ deflected
+    return (seen + seen.T) / 2, load[held] - stiffness[held] @ deflected, units[held] + moved.T @ units
 
 
 def free_motion(stiffness: Floats, load: Floats, held: NDArray[np.intp]) -> tuple[Floats, Floats]:

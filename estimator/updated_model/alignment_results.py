@@ -83,4 +83,4 @@ def alignment_results(model: UpdatedModel) -> tuple[AlignmentResult, ...]:
 
 def _mixing(own: FilmParameters, number: str) -> Floats:
     """Return one number of all n films (n, P) per unit of each fitted number [m]."""
-    return own.mixing[NUMBERS.index(number) :: len(NUMBERS)]
+    return own.mixing[NUMBERS.index(number) : len(NUMBERS) * len(own.forms) : len(NUMBERS)]

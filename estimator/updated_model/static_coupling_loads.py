@@ -34,16 +34,22 @@ def static_coupling_loads(model: UpdatedModel) -> tuple[FilmResult, ...]:
     if found is None:
         return ()
     placed, films = found
-    states = journal_states(films, placed.own(coordinates.theta(model.values)), speed=speed)
+    fitted = placed.own(coordinates.theta(model.values))
+    states = journal_states(films, fitted, speed=speed)
     if states is None:
         return ()
     force, slope = states.force[-1], states.force_slope[-1]
     own = slice(placed.first, placed.first + slope.shape[-1])
     covariance = model.covariance[own, own] / np.outer(coordinates.unit[own], coordinates.unit[own])
+    added, by_added = films.own.load_changes(fitted).reshape(-1, 2), films.own.by_load.reshape(-1, 2, slope.shape[-1])
     results = {}
     for one in coupling_balances(model.machine):
-        for what, given, weight in (("shear", one.weight, one.carried), ("moment", one.moment, one.arm)):
-            value, by_own = -(given + weight @ force), -np.tensordot(weight, slope, 1)
+        for what, given, weight, load in (
+            ("shear", one.weight, one.carried, one.loaded),
+            ("moment", one.moment, one.arm, one.load_arm),
+        ):
+            value = -(given + weight @ force + load @ added)
+            by_own = -np.tensordot(weight, slope, 1) - np.tensordot(load, by_added, 1)
             for place, plane in enumerate(PLANES):
                 results[f"coupling.{one.coupling}.static_{what}_{plane}"] = float(value[place]), by_own[place]
     return tuple(

@@ -19,7 +19,7 @@ FILES = sorted((ROOT / "estimator").rglob("*.py"))
 VERBS = (
     "Add Assemble Assess Build Cache Calibrate Capture Check Choose Collect Combine Compare Compute Condense Convert Correct "
     "Count Derive Describe Diagnose Divide Draw Eliminate End Estimate Expand Filter Find Fit Follow Identify "
-    "Integrate Interpolate Join Judge Lay Linearise List Make Mark Minimise Move Multiply Name Pair Pick Place "
+    "Integrate Interpolate Join Judge Keep Lay Linearise List Make Mark Minimise Move Multiply Name Pair Pick Place "
     "Predict Prepare Project Read Reduce Regress Replace Report Restore Return Run Scale Separate Smooth Solve "
     "State Subtract Sum Take Test Yield"
 )

@@ -29,7 +29,8 @@ class Matrices:
         stiffness: (N, N).
         journals: Degrees of freedom x and y of each journal (n, 2).
         pedestals: Those of each pedestal (n, 2); -1 where there is none.
-        weight: Force of gravity on the shafts (N,) [N, N m]; pedestals stand where gravity has put them.
+        weight: Force of gravity on the shafts, and steady forces on discs (N,) [N, N m]; pedestals stand where gravity has put
+            them.
         unbalance: Complex sums (N,) of unbalance [kg m]: the force is ω² times it, x(t) = Re(X e^{jωt}).
     """
 
@@ -130,6 +131,9 @@ def assemble(train: Train) -> Matrices:
     for number, coupling in enumerate(train.couplings):
         parts.add_coupling(number, coupling)
     weight = -train.gravity * parts.mass @ _up(size, parts.shaft_dofs)
+    for disc in train.discs:
+        dof = parts.dof(disc.shaft, disc.station)
+        weight[[dof, dof + 2]] += disc.force
     journals = np.array([[0, 2]]) + np.array([[parts.dof(one.shaft, one.station)] for one in train.bearings])
     pedestals = np.full(journals.shape, -1)
     last = parts.shaft_dofs

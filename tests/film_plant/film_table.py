@@ -1,5 +1,9 @@
 """Tables of films over the journal's position, one for each bore and slenderness, and their interpolation.
 
+Where a journal passes the centre of curvature of a lobe, the film there turns within a few hundredths of a clearance, which
+these tables smooth: damping and cross-coupled stiffness of three-lobe bores are off by up to 5 % there, while direct solutions
+are within 1 % of the estimator's. Some plants on lobes are refused for that.
+
 Forces grow without bound as the film closes: tables hold them times powers of 1 - s², where s is the journal's way to the wall
 it moves towards, from 0 to 1.
 

@@ -34,7 +34,10 @@ class Shaft:
 
 @dataclass(frozen=True)
 class Disc:
-    """A rigid disc: shaft's number, station [m], mass [kg], inertias [kg m²], unbalance from the mark [kg m]."""
+    """A rigid disc: shaft's number, station [m], mass [kg], inertias [kg m²], unbalance from the mark [kg m], force on it [N].
+
+    The force is steady, along x and y.
+    """
 
     shaft: int
     station: float
@@ -42,6 +45,7 @@ class Disc:
     diametral_inertia: float
     polar_inertia: float
     unbalance: complex = 0j
+    force: tuple[float, float] = (0.0, 0.0)
 
 
 @dataclass(frozen=True)

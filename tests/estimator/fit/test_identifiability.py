@@ -2,10 +2,16 @@
 
 import numpy as np
 
+from estimator.fit.coordinates import Coordinates
+from estimator.fit.fit_problem import FitProblem, FitResult
+from estimator.fit.identifiability import reasons_for
 from estimator.fit.identify import identify
 from estimator.machine.document import Machine, parse_machine
+from estimator.machine.rules import Noise
 from estimator.phasors.measurement import Measurement
+from estimator.rotor.condensation import condense
 from tests.estimator.full_train import coupling_nodes, full_response, full_train
+from tests.estimator.statics.test_film_model import document as film_document
 from tests.estimator.trains import Floats, chapter_3, chapter_3_document, noisy, one_disc_document
 
 
@@ -71,3 +77,23 @@ def test_what_is_estimable_has_no_reason() -> None:
     machine = parse_machine(document)
     found = identify(machine, Measurement.of(speed=speed, phasor=noisy(full_response(machine, speed), seed=0)))
     assert all((one.reason is None) == one.estimable for one in found.estimates)
+
+
+def test_a_fit_that_ends_where_a_film_carries_nothing_has_a_reason_in_place_of_modes() -> None:
+    """Its coefficients are no numbers, of which no eigenvalue problem can be solved."""
+    machine = parse_machine(film_document(discrepancy=0.0))
+    speed = np.linspace(100.0, 450.0, 6)
+    measurement = Measurement.of(speed=speed, phasor=np.full((speed.size, len(machine.probes)), 1e-5 + 0j))
+    train = condense(machine, speed=speed, direction=measurement.direction)
+    coordinates = Coordinates.of(train, unbalance_scale=1.0)
+    theta = coordinates.centre.copy()
+    theta[coordinates.names.index("bearing.B1.clearance")] += np.log(30.0)
+    assert np.isnan(coordinates.coefficients(theta)).any()
+    nothing = np.zeros(measurement.phasor.shape, dtype=bool)
+    problem = FitProblem(train, measurement, coordinates, Noise(relative=0.01, floor=0.0), nothing)
+    size = coordinates.size
+    found = FitResult(
+        theta, np.nan, np.zeros((size, size)), False, 1, problem.noise, nothing, np.nan, np.ones(len(machine.probes))
+    )
+    reason = reasons_for(machine)(problem, found, np.eye(size))
+    assert "a film carries no journal" in reason("bearing.B1.clearance")

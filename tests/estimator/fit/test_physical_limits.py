@@ -10,7 +10,10 @@ from estimator.machine.document import Machine, parse_machine
 from estimator.modes.eigenmodes import eigenvalues
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.condensation import condense
+from estimator.statics.equilibrium import film_train
+from estimator.statics.film_stability import least_damped_whirl
 from tests.estimator.statics.test_film_model import document
+from tests.estimator.statics.test_tilting_fit import example
 from tests.estimator.trains import Floats, chapter_3_document, dense_response, noisy
 
 SPEED: Floats = np.arange(4.0, 300.0, 4.0)
@@ -69,6 +72,33 @@ def test_slopes_by_the_numbers_of_films_are_those_of_differences() -> None:
             moved[place] += change
             values.append(limits.least_damped(moved)[number].eigenvalue.real)
         assert slopes[place] == pytest.approx((values[1] - values[0]) / 2e-4, rel=1e-3)
+
+
+def test_pads_that_tilt_are_degrees_of_freedom_of_their_own() -> None:
+    """Modes are those of the train with its pads; by deviations, which leave the pads as they are, slopes are exact."""
+    machine = example()
+    speed = np.linspace(100.0, 780.0, 20)
+    train = condense(machine, speed=speed, direction=np.ones(speed.size))
+    coordinates = Coordinates.of(train, unbalance_scale=1.0)
+    limits, theta = PhysicalLimits(machine, speed, coordinates, ()), coordinates.centre
+    films, found = film_train(machine), limits.least_damped(theta)
+    for one in found[-2:]:  # at lower speeds a mode above those of interest to whirl is damped least
+        equilibrium = films.equilibrium(one.speed)
+        assert equilibrium is not None
+        alone = least_damped_whirl(machine, equilibrium)
+        assert alone is not None
+        assert one.eigenvalue.imag == pytest.approx(alone.frequency, rel=1e-4)
+        assert -2.0 * np.pi * one.eigenvalue.real / one.eigenvalue.imag == pytest.approx(alone.log_decrement, rel=1e-3)
+    mode = min(found, key=lambda one: one.damping_ratio)
+    slopes, number = limits.slopes(theta, mode), found.index(mode)
+    deviations = [place for place, name in enumerate(coordinates.names) if "_deviation" in name]
+    for place in sorted(deviations, key=lambda one: -abs(slopes[one]))[:4]:
+        values = []
+        for change in (-1e-3, 1e-3):
+            moved = theta.copy()
+            moved[place] += change
+            values.append(limits.least_damped(moved)[number].eigenvalue.real)
+        assert slopes[place] == pytest.approx((values[1] - values[0]) / 2e-3, rel=2e-3)
 
 
 def test_data_of_a_train_that_whirls_are_refused_with_speed_and_frequency() -> None:
