@@ -8,6 +8,9 @@ AmplitudeUnit = Literal["m", "mm", "um", "mil"]
 AmplitudeKind = Literal["peak", "peak-to-peak"]
 PhaseConvention = Literal["lead", "lag"]
 PhaseUnit = Literal["deg", "rad"]
+UnbalanceUnit = Literal["kg m", "kg mm", "g mm", "g in", "oz in"]
+MassUnit = Literal["kg", "g", "oz"]
+RadiusUnit = Literal["m", "mm", "in"]
 
 RAD_PER_S: dict[SpeedUnit, float] = {"rpm": math.pi / 30.0, "rad/s": 1.0, "Hz": 2.0 * math.pi}
 """Factor from a declared speed unit to rad/s."""
@@ -23,6 +26,21 @@ LEAD: dict[PhaseConvention, float] = {"lead": 1.0, "lag": -1.0}
 
 RADIANS: dict[PhaseUnit, float] = {"deg": math.pi / 180.0, "rad": 1.0}
 """Factor from a declared phase unit to radians."""
+
+KILOGRAMS: dict[str, float] = {"kg": 1.0, "g": 1e-3, "oz": 0.028349523125}
+"""Factor from a declared mass unit to kilograms."""
+
+RADII: dict[str, float] = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
+"""Factor from a declared unit of a radius to metres."""
+
+KILOGRAM_METRES: dict[str, float] = {
+    "kg m": 1.0,
+    "kg mm": 1e-3,
+    "g mm": 1e-6,
+    "g in": KILOGRAMS["g"] * RADII["in"],
+    "oz in": KILOGRAMS["oz"] * RADII["in"],
+}
+"""Factor from a declared unit of an unbalance to kg m."""
 
 
 def rpm_to_rad_per_s(rpm: float) -> float:

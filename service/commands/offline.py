@@ -2,9 +2,11 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement, joined
@@ -12,7 +14,7 @@ from estimator.phasors.recorded_run import RecordedRun
 from estimator.phasors.slow_roll import Capture, capture, corrected
 from estimator.units import rpm_to_rad_per_s
 from service.configuration.document_files import UnreadableFile
-from service.sources.recording import Sidecar, read_recording, read_sidecar
+from service.sources.recording import RecordedCircumstances, read_circumstances, read_recording
 from service.wire import to_samples
 from storage.clock import now
 
@@ -42,8 +44,11 @@ def read_runs(
         samples, taken, faults = to_samples(recording, machine, received_at=now())
         left_out += [f"{file}, row {fault.index + 1} left out: {fault.detail}" for fault in faults]
         run = samples.pick(taken)
-        added = read_sidecar(sidecar or file.with_suffix(".yaml"))
-        runs.append((run.recorded(machine.channels), _with_trial_weights(machine, run.measurement(), added, file)))
+        circumstances = read_circumstances(file, sidecar)
+        recorded = run.recorded(machine.channels)
+        if circumstances.kind == "dwells":
+            recorded = replace(recorded, time=None)  # no sweep has gone through them
+        runs.append((recorded, _with_trial_weights(machine, run.measurement(), circumstances, taken, file)))
     return runs, left_out
 
 
@@ -82,14 +87,21 @@ def without_slow_roll(
     return described, rest, found
 
 
-def _with_trial_weights(machine: Machine, run: Measurement, sidecar: Sidecar, file: Path) -> Measurement:
+def _with_trial_weights(
+    machine: Machine, run: Measurement, circumstances: RecordedCircumstances, taken: NDArray[np.bool_], file: Path
+) -> Measurement:
     discs = [disc.id for disc in machine.discs]
-    unknown = sorted(set(sidecar.added_unbalance) - set(discs))
+    unknown = sorted(set(circumstances.added) - set(discs))
     if unknown:
         raise UnreadableFile(f"the sidecar of {file} adds unbalance to {', '.join(unknown)}; the discs are {', '.join(discs)}")
-    if not sidecar.added_unbalance:
+    if not circumstances.added:
         return run
-    added = np.zeros(len(discs), dtype=complex)
-    for disc, unbalance in sidecar.added_unbalance.items():
-        added[discs.index(disc)] = unbalance.magnitude * np.exp(1j * math.radians(unbalance.angle_deg))
-    return run.with_trial_weight(added)
+    added = np.zeros((run.speed.size, len(discs)), dtype=complex)
+    for disc, unbalances in circumstances.added.items():
+        added[:, discs.index(disc)] = np.array(unbalances)[taken]
+    if circumstances.kind == "sweep" and np.any(np.abs(added - added[:1]) > 0.0):
+        raise UnreadableFile(
+            f"{file}: trial weights differ from row to row of one sweep; where each row was taken at a constant speed, "
+            "its sidecar says `kind: dwells`"
+        )
+    return replace(run, added=added)

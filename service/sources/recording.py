@@ -1,23 +1,25 @@
 """Recorded runs: a CSV file with a header line, and beside it a sidecar YAML that describes its columns."""
 
 import cmath
-import csv
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Literal, Self
 
 import msgspec
 import yaml
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from estimator.arrays import Complexes, Floats
 from estimator.field_types import Identifier, Positive
 from estimator.machine.document import Machine, field_path
-from estimator.machine.parts import Unbalance
+from estimator.units import RADIANS
 from service.configuration.document_files import UnreadableFile, read_yaml
 from service.export.csv_cells import CsvWriter, cell
+from service.sources.recorded_table import RecordedTable
+from service.sources.trial_weights import DiscScale, TrialWeight
 from service.wire import TABLES, WIRE_SCHEMA, SampleBatch
 from storage.clock import from_datetime
 from storage.database.private_files import prepare
@@ -32,8 +34,18 @@ class RecordedChannel(BaseModel):
     model_config = ConfigDict(extra="forbid")
 
     channel: Identifier
-    amplitude: str
-    phase: str
+    amplitude: str | None = None
+    phase: str | None = None
+    real: str | None = Field(default=None, description="with `imaginary` in place of amplitude and phase")
+    imaginary: str | None = None
+    scatter: str | None = Field(default=None, description="rms of the complex error, in the amplitude's unit and kind")
+
+    @model_validator(mode="after")
+    def _one_pair(self) -> Self:
+        polar, parts = (self.amplitude, self.phase), (self.real, self.imaginary)
+        if None in polar + parts and (None not in polar or None not in parts) and (polar + parts).count(None) == 2:
+            return self
+        raise ValueError("give the columns of amplitude and phase, or of real and imaginary")
 
 
 class Sidecar(BaseModel):
@@ -45,6 +57,9 @@ class Sidecar(BaseModel):
     machine: Identifier
     source: Identifier = "recording"
     direction: Literal["positive", "negative"] = "positive"
+    kind: Literal["sweep", "dwells"] = Field(
+        default="sweep", description="a run-up or run-down, or rows that each were taken at a constant speed"
+    )
     start: datetime = Field(default=datetime(2000, 1, 2, tzinfo=UTC), description="time of the first row")
     time: str | None = Field(default=None, description="column with seconds since the start")
     interval_s: Positive | None = Field(default=None, description="time between rows, where there is no such column")
@@ -56,9 +71,20 @@ class Sidecar(BaseModel):
     phase_convention: str
     phase_unit: str
     conditions: dict[Identifier, str] = Field(default_factory=dict, description="column of each operating condition by name")
-    added_unbalance: dict[Identifier, Unbalance] = Field(
-        default_factory=dict, description="trial weights that were on: disc, and what they add to its unbalance"
+    added_unbalance: dict[Identifier, TrialWeight] | Literal["none"] | None = Field(
+        default=None, description="trial weights that were on: disc, and what they add to its unbalance; `none` for none"
     )
+    disc_scale: DiscScale = DiscScale()
+    mounting: str | None = Field(
+        default=None,
+        description="column that tells rows apart between which the machine was taken apart or stood; "
+        "by default a recording is one mounting",
+    )
+
+    @property
+    def trial_weights(self) -> dict[str, TrialWeight]:
+        """Return the trial weights that were on by disc."""
+        return {} if self.added_unbalance in (None, "none") else dict(self.added_unbalance)  # type: ignore[arg-type]
 
 
 def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
@@ -71,28 +97,19 @@ def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
     if not beside.exists():
         raise UnreadableFile(f"{path} needs a sidecar {beside} that says what its columns mean; see docs/integrators.md")
     sidecar = read_sidecar(beside)
-    if (sidecar.time is None) == (sidecar.interval_s is None):
+    if sidecar.kind == "sweep" and (sidecar.time is None) == (sidecar.interval_s is None):
         raise UnreadableFile(f"{path}: its sidecar must give either the column `time` or `interval_s`")
-    rows = _rows(path)
-
-    def gappy(name: str) -> list[float | None]:
-        if name not in rows[0]:
-            raise UnreadableFile(f"{path} has no column '{name}'; it has {', '.join(rows[0])}")
-        return [_number(path, line, name, row[name]) for line, row in enumerate(rows, start=2)]
-
-    def column(name: str) -> list[float]:
-        values = gappy(name)
-        if None in values:
-            raise UnreadableFile(f"{path}, line {values.index(None) + 2}: column '{name}' has no value")
-        return [value for value in values if value is not None]
-
-    speed = column(sidecar.speed)
-    seconds = column(sidecar.time) if sidecar.time is not None else [i * (sidecar.interval_s or 0) for i in range(len(speed))]
+    table = RecordedTable.read(path)
+    speed = table.column(sidecar.speed)
+    interval = sidecar.interval_s or 1.0  # rows of dwells stand in no order of time
+    seconds = table.column(sidecar.time) if sidecar.time is not None else [i * interval for i in range(len(speed))]
     start = from_datetime(sidecar.start)
     if not all(abs(s) < LONGEST_S for s in seconds):
         raise UnreadableFile(f"{path}: column '{sidecar.time}' must hold seconds since the start, below {LONGEST_S:.0e}")
-    amplitude = [gappy(channel.amplitude) for channel in sidecar.channels]
-    phase = [gappy(channel.phase) for channel in sidecar.channels]
+    turn = 1.0 if sidecar.phase_unit == "rad" else RADIANS["deg"]
+    amplitude = [_amplitude(table, channel) for channel in sidecar.channels]
+    phase = [_phase(table, channel, turn) for channel in sidecar.channels]
+    scatter = [[None] * len(speed) if one.scatter is None else table.gappy(one.scatter) for one in sidecar.channels]
     return SampleBatch(
         schema=WIRE_SCHEMA,
         plant=sidecar.plant,
@@ -111,7 +128,8 @@ def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
         speed=speed,
         amplitude=[list(row) for row in zip(*amplitude, strict=True)],
         phase=[list(row) for row in zip(*phase, strict=True)],
-        conditions={name: gappy(column) for name, column in sidecar.conditions.items()} or None,
+        scatter=[list(row) for row in zip(*scatter, strict=True)] if any(one.scatter for one in sidecar.channels) else None,
+        conditions={name: table.gappy(column) for name, column in sidecar.conditions.items()} or None,
     )
 
 
@@ -142,7 +160,9 @@ def write_recording(path: Path, machine: Machine, *, speed_rpm: Floats, phasor: 
         phase_convention="lag",
         phase_unit="deg",
     )
-    described = sidecar.model_dump(mode="json", exclude_none=True, exclude={"start", "added_unbalance", "conditions"})
+    described = sidecar.model_dump(
+        mode="json", exclude_none=True, exclude={"start", "kind", "added_unbalance", "disc_scale", "conditions"}
+    )
     path.with_suffix(".yaml").write_text(yaml.safe_dump(described, sort_keys=False), encoding="utf-8")
 
 
@@ -171,25 +191,57 @@ def split(batch: SampleBatch, size: int) -> Iterator[SampleBatch]:
         )
 
 
-def _rows(path: Path) -> list[dict[str, str | None]]:
-    try:
-        # Spreadsheets put a byte order mark in front.
-        with path.open(encoding="utf-8-sig", newline="") as file:
-            rows = list(csv.DictReader(file, strict=True))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise UnreadableFile(f"{path}: {error}") from error
-    if not rows:
-        raise UnreadableFile(f"{path} has no rows below its header")
-    return rows
+def _amplitude(table: RecordedTable, channel: RecordedChannel) -> list[float | None]:
+    """Return the amplitude of a channel in each row."""
+    if channel.amplitude is not None:
+        return table.gappy(channel.amplitude)
+    return [None if one is None else abs(one) for one in _vectors(table, channel)]
 
 
-def _number(path: Path, line: int, name: str, text: str | None) -> float | None:
-    """Return the number in a cell, None where it is blank."""
-    if text is None:
-        raise UnreadableFile(f"{path}, line {line} is too short: it has no column '{name}'")
-    if not text.strip():
-        return None
-    try:
-        return float(text)
-    except ValueError:
-        raise UnreadableFile(f"{path}, line {line}: '{text}' in column '{name}' is not a number") from None
+def _phase(table: RecordedTable, channel: RecordedChannel, turn: float) -> list[float | None]:
+    """Return the phase of a channel in each row, in the recording's unit, of which one is `turn` radians."""
+    if channel.phase is not None:
+        return table.gappy(channel.phase)
+    return [None if one is None else cmath.phase(one) / turn for one in _vectors(table, channel)]
+
+
+def _vectors(table: RecordedTable, channel: RecordedChannel) -> list[complex | None]:
+    pairs = zip(table.gappy(channel.real or ""), table.gappy(channel.imaginary or ""), strict=True)
+    return [None if real is None or imaginary is None else complex(real, imaginary) for real, imaginary in pairs]
+
+
+@dataclass(frozen=True)
+class RecordedCircumstances:
+    """What a recording's sidecar states of the machine in each of its rows.
+
+    Attributes:
+        kind: Whether it is a sweep or rows at constant speeds.
+        stated: Whether the sidecar says which trial weights were on.
+        added: Unbalance that they added by disc, a value per row [kg m].
+        mounting: Name of the mounting of each row.
+    """
+
+    kind: Literal["sweep", "dwells"]
+    stated: bool
+    added: dict[str, list[complex]]
+    mounting: list[str]
+
+
+def read_circumstances(path: Path, sidecar_path: Path | None = None) -> RecordedCircumstances:
+    """Return trial weights and mountings of all rows of a recording. Raises UnreadableFile."""
+    sidecar, table = read_sidecar(sidecar_path or path.with_suffix(".yaml")), RecordedTable.read(path)
+    direction = 1 if sidecar.direction == "positive" else -1
+
+    def unbalances(weight: TrialWeight) -> list[complex]:
+        columns = {one: table.column(one) for one in (weight.amount, weight.angle_deg) if isinstance(one, str)}
+        return [
+            weight.unbalance(lambda name, row=row: columns[name][row], sidecar.disc_scale, direction=direction)  # type: ignore[misc]
+            for row in range(len(table.rows))
+        ]
+
+    return RecordedCircumstances(
+        kind=sidecar.kind,
+        stated=sidecar.added_unbalance is not None,
+        added={disc: unbalances(weight) for disc, weight in sidecar.trial_weights.items()},
+        mounting=[path.stem] * len(table.rows) if sidecar.mounting is None else table.words(sidecar.mounting),
+    )

@@ -1,0 +1,73 @@
+"""Trial weights as a recording's sidecar states them: how much, in which unit, at which angle of the disc's scale."""
+
+import cmath
+import math
+from collections.abc import Callable
+from typing import Literal, Self
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from estimator.field_types import Angle, NotNegative, Positive
+from estimator.units import KILOGRAM_METRES, KILOGRAMS, RADII, MassUnit, RadiusUnit, UnbalanceUnit
+
+Cell = Callable[[str], float]
+"""Function that returns the number in a column of one row."""
+
+
+class DiscScale(BaseModel):
+    """The scale of angles on the discs, as a person reads it."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    counted: Literal["x-to-y", "with-rotation", "against-rotation"] = Field(
+        default="x-to-y", description="sense in which the numbers on the scale grow"
+    )
+    zero_deg: Angle = Field(
+        default=0.0, description="where the scale's zero is when the keyphasor's pulse comes, from +x towards +y [°]"
+    )
+
+    def angle(self, degrees: float, *, direction: int) -> float:
+        """Return the angle from +x towards +y of an angle on the scale [rad]; direction: +1 when +x turns to +y, else -1."""
+        sense = {"x-to-y": 1, "with-rotation": direction, "against-rotation": -direction}[self.counted]
+        return math.radians(self.zero_deg + sense * degrees)
+
+
+class TrialWeight(BaseModel):
+    """A known unbalance that was on a disc: numbers, or names of the columns that hold them."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    magnitude: NotNegative | None = Field(default=None, description="[kg m]; or amount with its unit")
+    amount: NotNegative | str | None = Field(default=None, description="an unbalance or a mass, in `unit`; or a column")
+    unit: UnbalanceUnit | MassUnit | None = Field(default=None, description="of amount; a mass needs its radius")
+    radius: Positive | None = Field(default=None, description="at which a mass sits")
+    radius_unit: RadiusUnit = "mm"
+    angle_deg: Angle | str = Field(description="angle on the disc's scale [°]; or a column")
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        if (self.magnitude is None) == (self.amount is None):
+            raise ValueError("give either magnitude [kg m], or amount with its unit")
+        if (self.amount is None) != (self.unit is None):
+            units = ", ".join([*KILOGRAM_METRES, *KILOGRAMS])
+            raise ValueError(f"amount and unit go together; the unit is one of {units}")
+        if (self.unit in KILOGRAMS) != (self.radius is not None):
+            raise ValueError(
+                "a mass (g, oz, kg) needs the radius at which it sits, an unbalance (g mm, g in, oz in, kg m) has none"
+            )
+        if self.magnitude == 0.0 or self.amount == 0.0:
+            raise ValueError("a trial weight of zero is none: leave the disc out, or write `added_unbalance: none`")
+        return self
+
+    def unbalance(self, cell: Cell, scale: DiscScale, *, direction: int) -> complex:
+        """Return the unbalance in one row [kg m], its angle from +x towards +y when the keyphasor's pulse comes."""
+        angle = cell(self.angle_deg) if isinstance(self.angle_deg, str) else self.angle_deg
+        return cmath.rect(self._kilogram_metres(cell), scale.angle(angle, direction=direction))
+
+    def _kilogram_metres(self, cell: Cell) -> float:
+        if self.amount is None or self.unit is None:
+            return self.magnitude or 0.0
+        amount = cell(self.amount) if isinstance(self.amount, str) else self.amount
+        if self.radius is None:
+            return amount * KILOGRAM_METRES[self.unit]
+        return amount * KILOGRAMS[self.unit] * self.radius * RADII[self.radius_unit]
