@@ -1,0 +1,160 @@
+"""Corrections from measured influence coefficients, and what they leave, with the calibration's uncertainty.
+
+Least squares with weights (Goodman, J. Eng. Ind. 86 (1964) 273, doi:10.1115/1.3670532) or the least largest vibration, each
+within limits of the planes. The prediction of what is left is that of a further run: errors of the coefficients, of the initial
+vibration and of the run itself are in it (first order, JCGM 100:2008, 5.2).
+"""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from estimator.arrays import Complexes, Floats
+from estimator.calibration.least_largest import least_largest
+from estimator.calibration.measured_influence import MeasuredInfluence
+from estimator.errors import Invalid
+from estimator.updated_model.balancing import least_squares_within
+from estimator.updated_model.uncertainty import PhasorBand
+
+Criterion = Literal["least-squares", "min-max"]
+"""What a correction minimises: the squares of the vibration, or its largest amplitude."""
+
+
+class CorrectionUnusable(Invalid):
+    """Raised for limits or weights of a correction that have another shape or are negative."""
+
+
+@dataclass(frozen=True)
+class InfluenceCorrection:
+    """Unbalances to add to Q planes, and their effect at K measuring points.
+
+    Attributes:
+        influence: Coefficients from which the correction was computed.
+        criterion: What was minimised.
+        weight: Weights to add (Q,) to the state without trial weights [kg m].
+        covariance: Covariance (Q, Q) of the weights, E[e eᴴ] [kg² m²]; of those without limits, as if none held.
+        before: Vibration (K,) without added weights [m].
+        after: Vibration (K,) of the next run, predicted [m].
+    """
+
+    influence: MeasuredInfluence
+    criterion: Criterion
+    weight: Complexes
+    covariance: Complexes
+    before: PhasorBand
+    after: PhasorBand
+
+    @property
+    def standard_error(self) -> Floats:
+        """Return the standard errors (...) of the weights along any one direction, widened as their intervals [kg m]."""
+        return self.influence.widening * np.sqrt(np.maximum(np.real(np.diag(self.covariance)), 0.0) / 2.0)
+
+    def installed(self, weight: Complexes) -> "InfluenceCorrection":
+        """Return the prediction for the weights that are really put on.
+
+        Args:
+            weight: Weights (Q,) [kg m].
+
+        Returns:
+            The correction with them.
+        """
+        return replace(self, weight=weight, after=self.influence.predicted(weight))
+
+
+def correct(
+    influence: MeasuredInfluence,
+    *,
+    criterion: Criterion = "least-squares",
+    weight: Floats | None = None,
+    limit: Floats | None = None,
+) -> InfluenceCorrection:
+    """Compute the correction that leaves least vibration (Goodman 1964, doi:10.1115/1.3670532).
+
+    Args:
+        influence: Influence coefficients and the vibration without added weights.
+        criterion: What is to be minimised.
+        weight: Weight (K,) of each measuring point; None for 1 everywhere [-].
+        limit: Largest correction (Q,) of each plane; None for no limit [kg m].
+
+    Returns:
+        The correction, with the vibration before and after it.
+
+    Raises:
+        CorrectionUnusable: Weights or limits have another shape or are negative.
+        BalancingFailed: No best correction was found within the limits.
+    """
+    points, planes = influence.influence.shape
+    scale = _checked(weight, "weight", points, 1.0)
+    limits = _checked(limit, "limit", planes, np.inf)
+    matrix, target = influence.influence * scale[:, None], -influence.offset * scale
+    # Columns of equal length: the solvers see planes alike.
+    length = np.linalg.norm(matrix, axis=0)
+    length = np.where(length > 0.0, length, 1.0)
+    minimise = least_largest if criterion == "min-max" else least_squares_within
+    found = minimise(matrix / length, target, limits * length) / length
+    return InfluenceCorrection(
+        influence=influence,
+        criterion=criterion,
+        weight=found,
+        covariance=_covariance(influence, found, scale),
+        before=influence.predicted(np.zeros(planes, dtype=complex)),
+        after=influence.predicted(found),
+    )
+
+
+def equivalent_unbalance(
+    influence: MeasuredInfluence, vector: Complexes, *, beside_offset: bool = False
+) -> tuple[Complexes, Complexes]:
+    """Estimate the unbalances in the planes that would cause a run's vectors, points weighted by their scatter.
+
+    Generalised least squares with the points' own scatter (JCGM 102:2011).
+
+    Args:
+        influence: Influence coefficients.
+        vector: Vectors (K,) of a run; NaN where it shows none [m].
+        beside_offset: Estimate what was added to the state without trial weights, instead of all that makes the vibration.
+
+    Returns:
+        Unbalances (Q,) [kg m] and their covariance (Q, Q), E[e eᴴ] [kg² m²].
+    """
+    shown = np.isfinite(vector)
+    own = np.real(np.diag(influence.scatter))[shown]
+    scale = 1.0 / np.sqrt(own) if np.all(own > 0.0) else np.ones(own.size)
+    inverse = np.linalg.pinv(influence.influence[shown] * scale[:, None]) * scale
+    found = inverse @ (vector - influence.offset if beside_offset else vector)[shown]
+    # The error of the coefficients acts with the unbalance; that of the offset only where it was subtracted.
+    unknowns = np.concatenate([[1.0 if beside_offset else 0.0], found])
+    variance = np.real(np.einsum("i,kij,j->k", unknowns, influence.spread[shown], np.conj(unknowns)))
+    size = np.sqrt(np.maximum(variance, 0.0) + own)
+    error = influence.correlation()[np.ix_(shown, shown)] * np.outer(size, size)
+    return found, np.asarray(inverse @ error @ np.conj(inverse).T)
+
+
+def _covariance(influence: MeasuredInfluence, found: Complexes, scale: Floats) -> Complexes:
+    """Propagate the errors of offset and coefficients to the correction, that of the residuals' share included.
+
+    c = -(AᴴA)⁻¹Aᴴ V0, so dc = -(AᴴA)⁻¹ (Aᴴ (dV0 + dA c) + dAᴴ r) with the residual r.
+    """
+    matrix = influence.influence * scale[:, None]
+    normal = np.linalg.pinv(np.conj(matrix).T @ matrix)
+    size = scale * np.sqrt(influence.error_of(found))
+    correlation = influence.correlation()
+    first = np.conj(matrix).T @ (correlation * np.outer(size, size)) @ matrix
+    residual = scale**2 * (influence.offset + influence.influence @ found)
+    own = np.sqrt(np.maximum(np.real(np.diag(influence.scatter)), 1e-300))
+    pull = residual * own
+    strength = float(np.real(np.conj(pull) @ correlation @ pull))
+    # The factor of all points is the same but for their scatter.
+    factor = influence.spread[:, 1:, 1:] / (own**2)[:, None, None]
+    second = strength * np.conj(np.mean(factor, axis=0))
+    return np.asarray(normal @ (first + second) @ normal)
+
+
+def _checked(values: Floats | None, name: str, count: int, default: float) -> Floats:
+    if values is None:
+        return np.full(count, default)
+    checked = np.asarray(values, dtype=float)
+    if checked.shape != (count,) or not np.all(checked >= 0.0):
+        raise CorrectionUnusable(f"{name} must hold {count} numbers that are not negative")
+    return checked
