@@ -1,10 +1,10 @@
 """Influence coefficients from trial runs, from a model, or from both, whichever predicts runs best that took no part.
 
-A corrected model has A = g M + Δ at every measuring point: the model's coefficients M, one complex gain g for what the measuring
-chain and the mounting change alike, and deviations Δ that are probably small beside M: ridge regression towards the model (Hoerl
-and Kennard, Technometrics 12 (1970) 55, doi:10.1080/00401706.1970.10488634) with a prior of a known spread. Runs with the same
-trial weights are left out together and predicted from the others (Stone, J. R. Stat. Soc. B 36 (1974) 111,
-doi:10.1111/j.2517-6161.1974.tb00994.x).
+A corrected model has A = g M + Δ at every measuring point: the model's coefficients M, one complex gain g for what the
+measuring chain and the mounting change alike, and deviations Δ that are probably small beside M: ridge regression towards
+the model (Hoerl and Kennard, Technometrics 12 (1970) 55, doi:10.1080/00401706.1970.10488634) with a prior of a known
+spread. Runs with the same trial weights are left out together and predicted from the others (Stone, J. R. Stat. Soc. B 36
+(1974) 111, doi:10.1111/j.2517-6161.1974.tb00994.x).
 """
 
 from dataclasses import dataclass
@@ -158,11 +158,11 @@ def _fit_point(runs: TrialRuns, model: Complexes, noise: float, point: int, meth
     spread = mapped[:, free] @ (noise * inverse) @ np.conj(mapped[:, free]).T
     left = np.full(len(runs.names), complex(np.nan, np.nan))
     left[shown] = runs.vector[shown, point] - design @ unknown
-    return _PointFit(mapped @ unknown, spread, left, spent)
+    return _PointFit(mapped @ unknown, spread.astype(complex), left, spent)
 
 
 def _noise(runs: TrialRuns, model: Complexes) -> Floats:
-    """Return the variance (K,) of a vector: as the trials' own regression leaves it, the expected one, or a part of the changes."""
+    """Return the variance (K,) of a vector: as the trials' regression leaves it, the expected one, or part of the changes."""
     try:
         found = np.real(np.diag(measure_influence(runs).scatter))
     except TrialsUnusable:
@@ -198,8 +198,10 @@ def _words(chosen: InfluenceMethod, given: InfluenceMethod | None, errors: dict[
     listed = ", ".join(f"{name} {error}" for name, error in sorted(told.items(), key=lambda one: errors[one[0]] or 0.0))
     measure = "errors of predicted vectors over what the trial weights changed, runs left out in turn"
     if errors["influence coefficients"] is None:
-        reason = "with these trials no run can be left out to compare them with the model" if len(errors) > 1 else (
-            "with these trials no run can be left out to test them"
+        reason = (
+            "with these trials no run can be left out to compare them with the model"
+            if len(errors) > 1
+            else ("with these trials no run can be left out to test them")
         )
         return f"{chosen} taken{' as asked' if given else ''}; {reason}"
     if len(errors) == 1:

@@ -1,8 +1,8 @@
 """Corrections from measured influence coefficients, and what they leave, with the calibration's uncertainty.
 
-Least squares with weights (Goodman, J. Eng. Ind. 86 (1964) 273, doi:10.1115/1.3670532) or the least largest vibration, each
-within limits of the planes. The prediction of what is left is that of a further run: errors of the coefficients, of the initial
-vibration and of the run itself are in it (first order, JCGM 100:2008, 5.2).
+Least squares with weights (Goodman, J. Eng. Ind. 86 (1964) 273, doi:10.1115/1.3670532) or the least largest vibration,
+each within limits of the planes. The prediction of what is left is that of a further run: errors of the coefficients, of
+the initial vibration and of the run itself are in it (first order, JCGM 100:2008, 5.2).
 """
 
 from dataclasses import dataclass, replace
@@ -142,12 +142,13 @@ def _covariance(influence: MeasuredInfluence, found: Complexes, scale: Floats) -
     correlation = influence.correlation()
     first = np.conj(matrix).T @ (correlation * np.outer(size, size)) @ matrix
     residual = scale**2 * (influence.offset + influence.influence @ found)
-    own = np.sqrt(np.maximum(np.real(np.diag(influence.scatter)), 1e-300))
+    own = np.sqrt(np.maximum(np.real(np.diag(influence.scatter)), 0.0))
     pull = residual * own
     strength = float(np.real(np.conj(pull) @ correlation @ pull))
-    # The factor of all points is the same but for their scatter.
-    factor = influence.spread[:, 1:, 1:] / (own**2)[:, None, None]
-    second = strength * np.conj(np.mean(factor, axis=0))
+    # Points that the same runs show have the same factor, but for their scatter.
+    seen = own > 0.0
+    factor = influence.spread[seen, 1:, 1:] / (own[seen] ** 2)[:, None, None]
+    second = strength * np.conj(np.mean(factor, axis=0)) if seen.any() else 0.0
     return np.asarray(normal @ (first + second) @ normal)
 
 

@@ -1,10 +1,10 @@
 """The correction with the least largest vibration that is left (min–max), within limits.
 
-Minimise t with |b + A c| ≤ t at every point and |c| ≤ L in every plane: a second-order cone program, here by cutting planes
-(Kelley, J. SIAM 8 (1960) 703, doi:10.1137/0108053): each circle is its tangents at a few angles, a linear program; tangents are
-added where its solution lies outside a circle. Its optimum is a lower bound of t and its solution's largest residual an upper
-one, so that the answer says by itself how near to the optimum it is. The criterion is that of Foiles, Allaire and Gunter
-(Min-max optimum flexible rotor balancing compared to weighted least squares, IMechE, 2000).
+Minimise t with |b + A c| ≤ t at every point and |c| ≤ L in every plane: a second-order cone program, here by cutting
+planes (Kelley, J. SIAM 8 (1960) 703, doi:10.1137/0108053): each circle is its tangents at a few angles, a linear program;
+tangents are added where its solution lies outside a circle. Its optimum is a lower bound of t and its solution's largest
+residual an upper one, so that the answer says by itself how near to the optimum it is. The criterion is that of Foiles,
+Allaire and Gunter (Min-max optimum flexible rotor balancing compared to weighted least squares, IMechE, 2000).
 """
 
 import numpy as np
@@ -49,11 +49,11 @@ def least_largest(matrix: Complexes, target: Complexes, limit: Floats) -> Comple
 def _solve(matrix: Complexes, target: Complexes, limit: Floats) -> Complexes:
     planes = matrix.shape[1]
     bounded = np.flatnonzero(np.isfinite(limit))
-    picked = np.zeros((bounded.size, planes), dtype=complex)
+    picked: Complexes = np.zeros((bounded.size, planes), dtype=complex)
     picked[np.arange(bounded.size), bounded] = 1.0
     angles = np.arange(FIRST_TANGENTS) * 2 * np.pi / FIRST_TANGENTS
     left = [_tangents(matrix, target, np.tile(angle, target.size), t=1.0) for angle in angles]
-    within = [_tangents(picked, -0j * np.zeros(bounded.size), np.tile(angle, bounded.size), t=0.0) for angle in angles]
+    within = [_tangents(picked, np.zeros(bounded.size), np.tile(angle, bounded.size), t=0.0) for angle in angles]
     rows = [row for row, _ in left + within]
     sides = [side for _, side in left] + [side + limit[bounded] for _, side in within]
     best, least = np.zeros(planes, dtype=complex), float(np.max(np.abs(target)))
@@ -72,7 +72,9 @@ def _solve(matrix: Complexes, target: Complexes, limit: Floats) -> Complexes:
         more, allowed = _tangents(picked[beyond], np.zeros(int(beyond.sum())), np.angle(solution[bounded][beyond]), t=0.0)
         rows += [row, more]
         sides += [side, allowed + limit[bounded][beyond]]
-    raise BalancingFailed(f"no least largest vibration was found: it lies between {bound:.6g} and {least:.6g} of the initial one")
+    raise BalancingFailed(
+        f"no least largest vibration was found: it lies between {bound:.6g} and {least:.6g} of the initial one"
+    )
 
 
 def _tangents(matrix: Complexes, target: Complexes | Floats, angle: Floats, *, t: float) -> tuple[Floats, Floats]:
@@ -88,6 +90,6 @@ def _linear_program(rows: Floats, sides: Floats, planes: int) -> tuple[Complexes
     cost[-1] = 1.0
     bounds = [(None, None)] * (2 * planes) + [(0.0, None)]
     found = scipy.optimize.linprog(cost, A_ub=rows, b_ub=sides, bounds=bounds, method="highs")
-    if found.x is None:
+    if found.x is None or found.fun is None:
         raise BalancingFailed(f"no least largest vibration was found: {found.message}")
     return np.asarray(found.x[:planes] + 1j * found.x[planes:-1], dtype=complex), float(found.fun)

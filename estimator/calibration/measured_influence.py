@@ -1,11 +1,11 @@
 """Influence coefficients measured by trial runs: linear regression of the vectors on the unbalances that were added.
 
-V = V0 + A w at every measuring point, for any number of runs, repeats and planes; with one trial a plane these are the classical
-influence coefficients (Goodman, J. Eng. Ind. 86 (1964) 273, doi:10.1115/1.3670532). All points share the runs, so that ordinary
-least squares are the best estimate whatever the correlation between points (Zellner, J. Am. Stat. Assoc. 57 (1962) 348,
-doi:10.1080/01621459.1962.10480664). The scatter of the runs about the regression is estimated where there are more runs than
-unknowns, correlations between points included: a rotor that settles anew at each start moves all of them together. With as many
-runs as unknowns the expected errors of the vectors stand in for it.
+V = V0 + A w at every measuring point, for any number of runs, repeats and planes; with one trial a plane these are the
+classical influence coefficients (Goodman, J. Eng. Ind. 86 (1964) 273, doi:10.1115/1.3670532). All points share the runs,
+so that ordinary least squares are the best estimate whatever the correlation between points (Zellner, J. Am. Stat. Assoc.
+57 (1962) 348, doi:10.1080/01621459.1962.10480664). The scatter of the runs about the regression is estimated where there
+are more runs than unknowns, correlations between points included: a rotor that settles anew at each start moves all of
+them together. With as many runs as unknowns the expected errors of the vectors stand in for it.
 """
 
 from collections.abc import Sequence
@@ -151,7 +151,7 @@ def measure_influence(runs: TrialRuns) -> MeasuredInfluence:
         points=runs.points,
         influence=solution[:, 1:],
         offset=solution[:, 0],
-        spread=np.real(np.diag(scatter))[:, None, None] * factor,
+        spread=(np.real(np.diag(scatter))[:, None, None] * factor).astype(complex),
         scatter=scatter,
         freedom=freedom,
     )
@@ -192,7 +192,7 @@ def expected_variance(runs: TrialRuns) -> Floats:
     known = np.isfinite(runs.vector) & np.isfinite(runs.error)
     count = np.count_nonzero(known, axis=0)
     total = np.sum(np.where(known, runs.error**2, 0.0), axis=0)
-    return np.divide(total, count, out=np.full(count.size, np.nan), where=count > 0)
+    return np.asarray(np.divide(total, count, out=np.full(count.size, np.nan), where=count > 0))
 
 
 def circular_band(value: Complexes, variance: Floats, *, widening: float = 1.0) -> PhasorBand:

@@ -1,9 +1,9 @@
 """Planes whose weights do nearly the same at all measuring points, and which of them to leave out.
 
 Darlow (The identification and elimination of non-independent balance planes in influence coefficient balancing, ASME paper
-82-GT-203, 1982) orthogonalises the planes' columns of influence coefficients one after the other, the longest first; what is
-left of a column, over its length, is its significance. A plane with little of its own gets large weights against another's that
-nearly cancel, and that any error of the coefficients changes at will.
+82-GT-203, 1982) orthogonalises the planes' columns of influence coefficients one after the other, the longest first; what
+is left of a column, over its length, is its significance. A plane with little of its own gets large weights against
+another's that nearly cancel, and that any error of the coefficients changes at will.
 """
 
 from dataclasses import dataclass
@@ -52,9 +52,7 @@ def separate_planes(influence: MeasuredInfluence, *, weight: Floats | None = Non
     matrix = influence.influence * scale[:, None]
     error = np.linalg.norm(np.nan_to_num(influence.coefficient_error()) * scale[:, None], axis=0)
     kept = _chosen(matrix, error)
-    words = tuple(
-        _words(influence, matrix, error, plane, kept) for plane in range(matrix.shape[1]) if plane not in kept
-    )
+    words = tuple(_words(influence, matrix, error, plane, kept) for plane in range(matrix.shape[1]) if plane not in kept)
     return PlaneSeparation(
         planes=tuple(plane for number, plane in enumerate(influence.planes) if number in kept),
         left_out=tuple(plane for number, plane in enumerate(influence.planes) if number not in kept),
@@ -90,7 +88,7 @@ def _own_parts(matrix: Complexes) -> Floats:
     length = np.linalg.norm(matrix, axis=0)
     every = range(matrix.shape[1])
     rest = np.array([_rest(matrix, one, [other for other in every if other != one]) for one in every])
-    return np.divide(rest, length, out=np.zeros_like(rest), where=length > 0.0)
+    return np.asarray(np.divide(rest, length, out=np.zeros_like(rest), where=length > 0.0))
 
 
 def _words(influence: MeasuredInfluence, matrix: Complexes, error: Floats, plane: int, kept: list[int]) -> str:
@@ -104,6 +102,7 @@ def _words(influence: MeasuredInfluence, matrix: Complexes, error: Floats, plane
     others = [influence.planes[kept[most]]] if alike[most] >= ALIKE else [influence.planes[one] for one in sorted(kept)]
     together = others[0] if len(others) == 1 else f"{', '.join(others)} together"
     return (
-        f"{name} cannot be told apart from {together}: only {100 * rest / length:.0f} % of what it does at the measuring points "
-        f"is its own. Weights on both would nearly cancel; {name} is left out. Another speed or measuring point may tell them apart"
+        f"{name} cannot be told apart from {together}: only {100 * rest / length:.0f} % of what it does at the measuring "
+        f"points is its own. Weights on both would nearly cancel; {name} is left out. Another speed or measuring point may "
+        "tell them apart"
     )

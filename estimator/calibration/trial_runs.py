@@ -1,7 +1,7 @@
 """Runs of one machine with known unbalances added, as vectors at measuring points, and what is wrong with them.
 
-A measuring point is a channel at a speed. The vibration is V = V0 + A w, with the influence coefficients A and the unbalances w
-that were added. For rotation from +x to +y, w is the unbalance; against it, w is the conjugate (`turning`).
+A measuring point is a channel at a speed. The vibration is V = V0 + A w, with the influence coefficients A and the
+unbalances w that were added. For rotation from +x to +y, w is the unbalance; against it, w is the conjugate (`turning`).
 """
 
 from collections.abc import Sequence
@@ -99,8 +99,8 @@ class TrialRuns:
         enough = np.array([_rank(self.added[column]) == len(self.planes) for column in shown.T])
         if not np.any(enough):
             raise TrialsUnusable(
-                "no measuring point is shown by the initial run and a trial on every plane: the runs have no speed or channel in "
-                "common"
+                "no measuring point is shown by the initial run and a trial on every plane: the runs have no speed or channel "
+                "in common"
             )
         points = tuple(np.array(self.points)[enough].tolist())
         kept = TrialRuns(self.names, self.planes, points, self.vector[:, enough], self.added, self.error[:, enough])
@@ -149,16 +149,14 @@ def require_usable(runs: TrialRuns) -> None:
     size = np.max(np.abs(runs.added), axis=0)
     bare = [plane for plane, largest in zip(runs.planes, size, strict=True) if not largest > 0.0]
     if bare:
-        raise TrialsUnusable(
-            f"no trial weight was on {', '.join(bare)}: a trial run needs a weight that is not zero, in g mm or kg m as declared"
-        )
+        raise TrialsUnusable(f"no trial weight was on {', '.join(bare)}: a trial run needs a weight that is not zero")
     rank = _rank(runs.added)
     if rank < len(runs.planes):
         raise TrialsUnusable(_few_trials(runs, rank))
 
 
 def _rank(added: Complexes) -> int:
-    """Return how many combinations of planes the weights (R, Q) of some runs tell apart, the vibration without any beside them."""
+    """Return how many combinations of planes the weights (R, Q) of some runs tell apart, beside the vibration without any."""
     if len(added) < 2:
         return 0
     size = np.max(np.abs(added), axis=0)
@@ -211,7 +209,8 @@ def require_plausible_weights(runs: TrialRuns, *, mass: float, speed: float) -> 
             if pull > LARGEST_PULL:
                 raise TrialsUnusable(
                     f"{name}: {unbalance:.3g} kg m on {plane} would pull with {pull:.3g} times the rotors' weight at "
-                    f"{speed * 30 / np.pi:.0f} r/min; is it in another unit? {unbalance:.3g} g mm are {unbalance * 1e-6:.3g} kg m"
+                    f"{speed * 30 / np.pi:.0f} r/min; is it in another unit? {unbalance:.3g} g mm are "
+                    f"{unbalance * 1e-6:.3g} kg m"
                 )
 
 
@@ -232,8 +231,8 @@ def weak_trials(runs: TrialRuns) -> tuple[str, ...]:
         loaded = np.any(runs.added[number] != runs.added[0])
         if loaded and known.any() and np.mean((change[known] / error[known]) ** 2) < WEAK:
             found.append(
-                f"{runs.names[number]} differs from {runs.names[0]} by no more than the error of the vectors: its trial weight "
-                "is too small, or was entered in the wrong unit"
+                f"{runs.names[number]} differs from {runs.names[0]} by no more than the error of the vectors: its trial "
+                "weight is too small, or was entered in the wrong unit"
             )
     return tuple(found)
 

@@ -1,7 +1,7 @@
 """Vectors of runs at common speeds: means of dwells, and straight lines through a sweep's samples near each speed.
 
-Derived here: over a narrow window of speed the phasor is a straight line, whose value at the window's speed and whose scatter
-are those of linear regression.
+Derived here: over a narrow window of speed the phasor is a straight line, whose value at the window's speed and whose
+scatter are those of linear regression.
 """
 
 from collections.abc import Sequence

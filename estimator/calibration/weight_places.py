@@ -1,9 +1,9 @@
 """Weights at the places that a plane has: holes or blades at given angles, weights of given steps, several weights as one.
 
-The weights at n places that together give an unbalance, with the least total mass: Σ m r e^{jθ} = U with 0 ≤ m ≤ M is a linear
-program, whose basic solutions use two places beside those that are full (Dantzig, Linear programming and extensions, Princeton,
-1963). Where the places cannot give it, the nearest unbalance is taken (bounded least squares). Whole steps are then tried around
-that, every combination.
+The weights at n places that together give an unbalance, with the least total mass: Σ m r e^{jθ} = U with 0 ≤ m ≤ M is a
+linear program, whose basic solutions use two places beside those that are full (Dantzig, Linear programming and
+extensions, Princeton, 1963). Where the places cannot give it, the nearest unbalance is taken (bounded least squares).
+Whole steps are then tried around that, every combination.
 """
 
 import itertools
@@ -48,7 +48,9 @@ class WeightPlaces:
             )
 
     @classmethod
-    def evenly(cls, count: int, *, radius: float, first_deg: float = 0.0, largest: float = np.inf, step: float = 0.0) -> "WeightPlaces":
+    def evenly(
+        cls, count: int, *, radius: float, first_deg: float = 0.0, largest: float = np.inf, step: float = 0.0
+    ) -> "WeightPlaces":
         """Build evenly spaced places.
 
         Args:
@@ -140,7 +142,7 @@ def _in_steps(unbalance: complex, arms: np.ndarray, masses: Floats, places: Weig
         tried = whole.copy()
         tried[near] = np.maximum(tried[near] + up, 0.0)
         tried = np.minimum(tried, np.floor(places.largest / places.step)) if np.isfinite(places.largest) else tried
-        missed = abs(arms @ (tried * places.step) - unbalance)
+        missed = float(abs(arms @ (tried * places.step) - unbalance))
         if missed < least:
             best, least = tried * places.step, missed
     return np.asarray(best)

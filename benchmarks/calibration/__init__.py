@@ -1,0 +1,1 @@
+"""Figures of calibration on measured and printed data: asked beside measured."""
