@@ -25,6 +25,8 @@ estimator/simulation: estimator estimator/bearings estimator/machine estimator/p
     estimator/statics estimator/trends
 estimator/updated_model: estimator estimator/bearings estimator/fit estimator/machine estimator/modes estimator/phasors
     estimator/rotor estimator/statics
+estimator/calibration: estimator estimator/fit estimator/machine estimator/phasors estimator/rotor
+    estimator/updated_model
 estimator/identification: estimator estimator/fit estimator/machine estimator/modes estimator/phasors estimator/rotor
     estimator/updated_model
 storage:
@@ -102,13 +104,14 @@ service/api: service/api/alerts service/api/cache service/api/conventions servic
     service/http service/identification service/journal service/resilience service/security storage/database
 service/doctor: service/api service/configuration service/delivery service/maintenance service/messaging
     service/security service/wire storage/alerts storage/backup storage/database storage/operation
-service/commands: estimator estimator/fit estimator/identification estimator/machine estimator/modes estimator/phasors
-    estimator/simulation estimator/statics estimator/thesis estimator/updated_model service/api service/api/operation
-    service/configuration service/delivery service/doctor service/edge service/export service/http
-    service/identification service/ingest service/journal service/maintenance service/messaging service/monitoring
-    service/replication service/resilience service/runs service/secrets service/security service/sources service/wire
-    service/workers storage storage/backup storage/database storage/encoding storage/machines storage/operation
-    storage/tables
+service/balancing: estimator estimator/calibration estimator/fit estimator/updated_model
+service/commands: estimator estimator/calibration estimator/fit estimator/identification estimator/machine estimator/modes
+    estimator/phasors estimator/simulation estimator/statics estimator/thesis estimator/updated_model service/api
+    service/api/operation service/balancing service/configuration service/delivery service/doctor service/edge
+    service/export service/http service/identification service/ingest service/journal service/maintenance
+    service/messaging service/monitoring service/replication service/resilience service/runs service/secrets
+    service/security service/sources service/wire service/workers storage storage/backup storage/database storage/encoding
+    storage/machines storage/operation storage/tables
 service: estimator/machine service/alerts service/api/alerts service/api/findings service/api/machines
     service/api/measurements service/api/trends service/commands service/http
 """

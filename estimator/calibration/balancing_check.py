@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from estimator.arrays import Complexes
 from estimator.calibration.field_balancing import BalancingRun, FieldBalancing, residual_balance, vectors_of
 from estimator.calibration.influence_correction import correct, equivalent_unbalance
-from estimator.calibration.measured_influence import measure_influence
-from estimator.calibration.trial_runs import TrialRuns, TrialsUnusable, turning
+from estimator.calibration.trial_runs import TrialsUnusable, turning
 from estimator.updated_model.balance_quality import RotorBalance
 from estimator.updated_model.uncertainty import PhasorBand
 
@@ -34,7 +33,7 @@ class BalancingCheck:
         held: True for the points (K,) whose amplitude lies within the prediction.
         residual: Residual unbalance by rotor, as the run shows it.
         trim: Unbalances (Q,) to add to those that are on [kg m].
-        after_trim: Vibration (K,) predicted with them [m].
+        after_trim: Vibration predicted with them at the points that the run shows (K,) [m].
     """
 
     name: str
@@ -68,11 +67,10 @@ def check_balancing(found: FieldBalancing, run: BalancingRun) -> BalancingCheck:
     amplitude = np.abs(vector)
     shown = np.isfinite(vector)
     held = shown & (amplitude >= predicted.lower) & (amplitude <= predicted.upper)
-    residual, covariance = equivalent_unbalance(found.correction.influence, vector)
-    widened = found.correction.influence.widening**2 * covariance
-    renewed = measure_influence(_with_check(found, run.name, vector, weight)).pick(planes)
+    residual, covariance = equivalent_unbalance(found.known, vector)
+    widened = found.known.widening**2 * covariance
     limit = np.array([found.options.limit.get(plane, np.inf) for plane in planes])
-    further = correct(renewed, criterion=found.options.criterion, limit=limit)
+    further = correct(found.correction.influence.from_state(vector, weight), criterion=found.options.criterion, limit=limit)
     return BalancingCheck(
         name=run.name,
         installed=installed,
@@ -118,18 +116,3 @@ def _installed(found: FieldBalancing, run: BalancingRun) -> Complexes:
     if other:
         raise TrialsUnusable(f"{run.name}: weights on {', '.join(other)}, where nothing was to be corrected")
     return np.array([run.added[discs.index(plane)] for plane in planes])
-
-
-def _with_check(found: FieldBalancing, name: str, vector: Complexes, weight: Complexes) -> TrialRuns:
-    runs = found.runs
-    row: Complexes = np.zeros(len(runs.planes), dtype=complex)
-    for plane, one in zip(found.separation.planes, weight, strict=True):
-        row[runs.planes.index(plane)] = one
-    return TrialRuns(
-        names=(*runs.names, name),
-        planes=runs.planes,
-        points=runs.points,
-        vector=np.concatenate([runs.vector, vector[None, :]]),
-        added=np.concatenate([runs.added, row[None, :]]),
-        error=np.concatenate([runs.error, np.mean(runs.error, axis=0, keepdims=True)]),
-    )

@@ -13,6 +13,7 @@ import numpy as np
 from estimator.arrays import Complexes, Floats
 from estimator.calibration.influence_choice import ChosenInfluence, InfluenceMethod, choose_influence
 from estimator.calibration.influence_correction import Criterion, InfluenceCorrection, correct
+from estimator.calibration.measured_influence import MeasuredInfluence
 from estimator.calibration.plane_separation import PlaneSeparation, separate_planes
 from estimator.calibration.trial_runs import TrialRuns, TrialsUnusable, require_plausible_weights, turning, weak_trials
 from estimator.calibration.vectors_at_speeds import common_speeds, vectors_at
@@ -82,6 +83,7 @@ class FieldBalancing:
         choice: Influence coefficients of all planes that had trial weights.
         separation: Planes that can be told apart.
         correction: The correction in these planes.
+        known: Influence coefficients of all planes with trial weights that can be told apart, corrected in or not.
         splits: Masses by plane, where its places are known.
         before: Residual unbalance before the correction by rotor.
         after: Residual unbalance predicted after it.
@@ -95,6 +97,7 @@ class FieldBalancing:
     choice: ChosenInfluence
     separation: PlaneSeparation
     correction: InfluenceCorrection
+    known: MeasuredInfluence
     splits: Mapping[str, SplitWeight]
     before: tuple[RotorBalance, ...]
     after: tuple[RotorBalance, ...]
@@ -137,6 +140,8 @@ def balance_from_trials(
         BalancingFailed: No best correction was found within the limits.
     """
     asked = options or BalancingOptions()
+    if not trials:
+        raise TrialsUnusable("no run has a trial weight: a correction needs the initial run and a trial on each plane")
     for run in trials:
         if run.added is None or not np.any(run.added != 0.0):
             raise TrialsUnusable(
@@ -163,7 +168,7 @@ def balance_from_trials(
         ]
     )
     proposal = proposal.installed(put_on)
-    free = correct(chosen)
+    known = influence.pick(separate_planes(influence).planes)
     found = FieldBalancing(
         machine=machine,
         options=asked,
@@ -172,14 +177,26 @@ def balance_from_trials(
         choice=choice,
         separation=separation,
         correction=proposal,
+        known=known,
         splits=splits,
         before=(),
         after=(),
         notes=(*separation.words, *weak_trials(every), *_point_notes(left_points)),
     )
-    widened = influence.widening**2 * free.covariance
-    before = residual_balance(found, -free.weight, widened)
-    return replace(found, before=before, after=residual_balance(found, proposal.weight - free.weight, widened))
+    return _with_residuals(found)
+
+
+def _with_residuals(found: FieldBalancing) -> FieldBalancing:
+    """Add the residual unbalances before the correction, and as they are predicted after it."""
+    free = correct(found.known)
+    covariance = found.known.widening**2 * free.covariance
+    put_on = dict(zip(found.separation.planes, found.correction.weight.tolist(), strict=True))
+    after = np.array([put_on.get(plane, 0.0) for plane in found.known.planes]) - free.weight
+    return replace(
+        found,
+        before=residual_balance(found, -free.weight, covariance),
+        after=residual_balance(found, after, covariance),
+    )
 
 
 def vectors_of(machine: Machine, runs: Sequence[BalancingRun], speed: Floats) -> TrialRuns:
@@ -209,18 +226,18 @@ def vectors_of(machine: Machine, runs: Sequence[BalancingRun], speed: Floats) ->
 
 
 def residual_balance(found: FieldBalancing, weight: Complexes, covariance: Complexes) -> tuple[RotorBalance, ...]:
-    """Judge residual unbalances in the planes of a correction (ISO 21940-11).
+    """Judge residual unbalances in all planes whose influence is known (ISO 21940-11).
 
     Args:
-        found: The correction, for its planes and what was asked.
+        found: The correction, for these planes and what was asked.
         weight: Residual unbalances as weights (Q,) [kg m].
         covariance: Their covariance (Q, Q), E[e eᴴ], of the widths that intervals shall have [kg² m²].
 
     Returns:
-        One balance per rotor.
+        One balance per rotor that has such a plane.
     """
     discs = [disc.id for disc in found.machine.discs]
-    rows = [discs.index(plane) for plane in found.separation.planes]
+    rows = [discs.index(plane) for plane in found.known.planes]
     unbalance = np.zeros(len(discs), dtype=complex)
     unbalance[rows] = turning(weight, found.machine.direction)
     turned = turning(covariance, found.machine.direction) / 2.0
@@ -230,7 +247,8 @@ def residual_balance(found: FieldBalancing, weight: Complexes, covariance: Compl
             one = turned[row, column]
             whole[disc, :, other, :] = [[one.real, -one.imag], [one.imag, one.real]]
     speed = found.service_speed
-    return balance_of_unbalances(
+    shafts = {found.machine.discs[row].shaft for row in rows}
+    judged = balance_of_unbalances(
         found.machine,
         unbalance=unbalance,
         covariance=whole.reshape(2 * len(discs), -1),
@@ -238,6 +256,7 @@ def residual_balance(found: FieldBalancing, weight: Complexes, covariance: Compl
         service_speed=speed,
         maximum_continuous_speed=speed,
     )
+    return tuple(one for one in judged if one.shaft in shafts)
 
 
 def _speeds(machine: Machine, runs: Sequence[BalancingRun], asked: BalancingOptions) -> Floats:

@@ -96,6 +96,30 @@ class MeasuredInfluence:
             spread=self.spread[:, unknowns][:, :, unknowns],
         )
 
+    def from_state(self, vector: Complexes, weight: Complexes) -> "MeasuredInfluence":
+        """Return the same coefficients with the vibration without weights that a run with known weights tells.
+
+        Args:
+            vector: Vectors (K,) of the run; points with NaN are left out [m].
+            weight: Weights (Q,) that were on [kg m].
+
+        Returns:
+            The coefficients at the points that the run shows.
+        """
+        shown = np.isfinite(vector)
+        turn = np.eye(weight.size + 1, dtype=complex)
+        turn[0] = np.concatenate([[0.0], -weight])
+        spread = turn @ self.spread[shown] @ np.conj(turn).T
+        spread[:, 0, 0] += np.real(np.diag(self.scatter))[shown]
+        return replace(
+            self,
+            points=tuple(np.array(self.points)[shown].tolist()),
+            influence=self.influence[shown],
+            offset=(vector - self.influence @ weight)[shown],
+            spread=spread,
+            scatter=self.scatter[np.ix_(shown, shown)],
+        )
+
     def coefficient_error(self) -> Floats:
         """Return the rms of the complex error of each coefficient.
 

@@ -14,9 +14,9 @@ from estimator.arrays import Complexes, Floats
 from estimator.calibration.measured_influence import MeasuredInfluence
 
 LEAST_OWN = 0.15
-"""Part of a plane's column [-] that no other plane explains, below which it is not told apart from them."""
+"""Part of a plane's column [-] that no other plane explains, below which it does nearly what they do."""
 CLEAR_OF_ERROR = 2.0
-"""Own part of a column over the rms error of the column [-] that must be seen."""
+"""Own part of a column over the rms error of the column [-] that must be seen, where that error is known."""
 ALIKE = 0.95
 """Correlation between two columns [-] from which on one plane alone does what the other does."""
 
@@ -29,7 +29,7 @@ class PlaneSeparation:
         planes: Ids of the planes that can be told apart, in the given order.
         left_out: Ids of the others.
         own: Part of each given plane's column [-] that the other planes do not explain (Q,).
-        words: A sentence for each plane that is left out.
+        words: A sentence for each plane that is left out, and for those kept that do nearly what others do.
     """
 
     planes: tuple[str, ...]
@@ -52,12 +52,19 @@ def separate_planes(influence: MeasuredInfluence, *, weight: Floats | None = Non
     matrix = influence.influence * scale[:, None]
     error = np.linalg.norm(np.nan_to_num(influence.coefficient_error()) * scale[:, None], axis=0)
     kept = _chosen(matrix, error)
-    words = tuple(_words(influence, matrix, error, plane, kept) for plane in range(matrix.shape[1]) if plane not in kept)
+    own = _own_parts(matrix[:, sorted(kept)])
+    alike = [influence.planes[plane] for plane, part in zip(sorted(kept), own, strict=True) if part < LEAST_OWN]
+    words = [_words(influence, matrix, error, plane, kept) for plane in range(matrix.shape[1]) if plane not in kept]
+    if alike:
+        words.append(
+            f"{' and '.join(alike)} do nearly the same at the measuring points, only {100 * float(own.min()):.0f} % is their "
+            "own: weights on them nearly cancel, and are no better known than their intervals say"
+        )
     return PlaneSeparation(
         planes=tuple(plane for number, plane in enumerate(influence.planes) if number in kept),
         left_out=tuple(plane for number, plane in enumerate(influence.planes) if number not in kept),
         own=_own_parts(matrix),
-        words=words,
+        words=tuple(words),
     )
 
 
@@ -69,7 +76,9 @@ def _chosen(matrix: Complexes, error: Floats) -> list[int]:
     while left:
         rest = {one: _rest(matrix, one, kept) for one in left}
         best = max(left, key=lambda one: rest[one])
-        if rest[best] < max(LEAST_OWN * length[best], CLEAR_OF_ERROR * error[best]) or rest[best] == 0.0:
+        # Where nothing is known of the errors, the part itself must do.
+        least = CLEAR_OF_ERROR * error[best] if error[best] > 0.0 else LEAST_OWN * length[best]
+        if rest[best] < least or rest[best] == 0.0:
             break
         kept.append(best)
         left.remove(best)

@@ -25,15 +25,16 @@ class NoCommonSpeed(Invalid):
 
 
 def common_speeds(runs: Sequence[Measurement], *, lowest: float, highest: float, most: int = 10) -> Floats:
-    """Choose speeds at which all of some runs have samples.
+    """Choose speeds of the first run at which others have samples, too.
 
-    Dwells give their mean speed. A sweep gives evenly spaced speeds, no closer than two windows.
+    Dwells give their mean speed. A sweep gives evenly spaced speeds, no closer than two windows; one with few samples, some of
+    these.
 
     Args:
-        runs: The runs.
+        runs: The runs, the initial one first.
         lowest: Lowest speed allowed [rad/s].
         highest: Highest speed allowed [rad/s].
-        most: Largest number of speeds from a sweep.
+        most: Largest number of speeds.
 
     Returns:
         Speeds (S,), ascending [rad/s].
@@ -51,13 +52,15 @@ def common_speeds(runs: Sequence[Measurement], *, lowest: float, highest: float,
         else:
             count = int(min(most, 1 + np.log(high / low) / np.log1p(2 * WINDOW)))
             found += np.linspace(low, high, max(2, count)).tolist()
-    shared = [one for one in found if all(np.any(np.abs(run.speed - one) <= WINDOW * one) for run in runs)]
+    seen = {one: sum(bool(np.any(np.abs(run.speed - one) <= WINDOW * one)) for run in runs) for one in found}
+    shared = [one for one in found if seen[one] > 1]
     if not shared:
         raise NoCommonSpeed(
             f"the runs have no speed in common between {lowest * 30 / np.pi:.0f} and {highest * 30 / np.pi:.0f} r/min, "
             f"within {100 * WINDOW:g} %: take the trial runs at the speeds of the initial run"
         )
-    return np.array(shared)
+    picked = np.unique(np.linspace(0, len(shared) - 1, min(most, len(shared))).round().astype(int))
+    return np.asarray(np.array(shared)[picked])
 
 
 def vectors_at(run: Measurement, speed: Floats, *, noise: Noise) -> tuple[Complexes, Floats]:

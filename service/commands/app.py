@@ -15,6 +15,7 @@ import typer
 
 from estimator.simulation.stories import Story
 from service.commands.analysis import compare, identify_offline, model, show_slow_roll
+from service.commands.balancing import balance_machine
 from service.commands.exit import fail
 from service.commands.keys import audit_app, key_app
 from service.commands.retention import retention_app
@@ -311,6 +312,7 @@ app.command("identify")(identify_offline)
 app.command()(model)
 app.command()(compare)
 app.command("slow-roll")(show_slow_roll)
+app.command("balance")(balance_machine)
 
 
 @app.command()

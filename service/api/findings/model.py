@@ -266,7 +266,8 @@ def _balancing_speeds(one: Identified, from_rpm: float | None, to_rpm: float | N
     outside = [rpm for rpm in (from_rpm, to_rpm) if rpm is not None and not limits.minimum_rpm <= rpm <= limits.maximum_rpm]
     if outside:
         raise Unsuitable(
-            f"{outside[0]:g} r/min lies outside the document's speed range, {limits.minimum_rpm:g} to {limits.maximum_rpm:g} r/min"
+            f"{outside[0]:g} r/min lies outside the document's speed range, "
+            f"{limits.minimum_rpm:g} to {limits.maximum_rpm:g} r/min"
         )
     lowest, highest = rpm_to_rad_per_s(limits.minimum_rpm), rpm_to_rad_per_s(limits.maximum_rpm)
     return np.linspace(max(speed[0], lowest), min(speed[-1], highest), points)

@@ -26,7 +26,9 @@ def document(*, turned: bool = False) -> dict[str, Any]:
     return mirrored(found) if turned else found
 
 
-def run_of(said: dict[str, Any], name: str, added: dict[str, complex], *, seed: int = 0, speed: Floats = SPEED) -> BalancingRun:
+def run_of(
+    said: dict[str, Any], name: str, added: dict[str, complex], *, seed: int = 0, speed: Floats = SPEED
+) -> BalancingRun:
     """A run with weights on, as the dense model and noise of 1 % show it."""
     loaded = {**said, "discs": [dict(disc) for disc in said["discs"]]}
     whole = np.zeros(len(DISCS), dtype=complex)
@@ -45,7 +47,9 @@ TRIALS: dict[str, complex] = {"D1": 1e-4 + 0j, "D2": 1e-4j, "D3": -1e-4 + 0j, "D
 
 
 def runs(said: dict[str, Any]) -> tuple[list[BalancingRun], list[BalancingRun]]:
-    trials = [run_of(said, f"trial {disc}", {disc: weight}, seed=number) for number, (disc, weight) in enumerate(TRIALS.items(), 2)]
+    trials = [
+        run_of(said, f"trial {disc}", {disc: weight}, seed=number) for number, (disc, weight) in enumerate(TRIALS.items(), 2)
+    ]
     return [run_of(said, "initial", {}, seed=1)], trials
 
 
@@ -54,7 +58,9 @@ def test_a_correction_takes_the_unbalance_away_and_the_check_run_keeps_the_promi
     said = document(turned=turned)
     initial, trials = runs(said)
     found = balance_from_trials(parse_machine(said), initial, trials)
-    own = np.array([disc["unbalance"]["magnitude"] * np.exp(1j * np.radians(disc["unbalance"]["angle_deg"])) for disc in said["discs"]])
+    own = np.array(
+        [one["magnitude"] * np.exp(1j * np.radians(one["angle_deg"])) for one in (disc["unbalance"] for disc in said["discs"])]
+    )
     assert found.separation.planes == DISCS
     assert np.max(np.abs(found.unbalance + own)) < 0.15 * np.max(np.abs(own))
     put_on = dict(zip(DISCS, found.unbalance.tolist(), strict=True))
@@ -62,18 +68,11 @@ def test_a_correction_takes_the_unbalance_away_and_the_check_run_keeps_the_promi
     shown = np.isfinite(check.vector)
     assert np.mean(check.held[shown]) > 0.85
     assert np.nanmax(np.abs(check.vector)) < 0.3 * np.nanmax(np.abs(found.correction.before.value))
-    grades = [(rotor.before.grade, rotor.after.grade) for rotor in map(Pair, found.before, found.after)]
+    grades = [(before.grade, after.grade) for before, after in zip(found.before, found.after, strict=True)]
     assert all(after < 0.2 * before for before, after in grades)
     measured = [plane for rotor in check.residual for plane in rotor.planes]
     true_left = own + found.unbalance
     assert max(abs(one.unbalance) for one in measured) < 5 * np.max(np.abs(true_left)) + 1e-6
-
-
-class Pair:
-    """Balances of one rotor before and after."""
-
-    def __init__(self, before: Any, after: Any) -> None:
-        self.before, self.after = before, after
 
 
 def test_what_is_promised_is_what_nine_of_ten_check_runs_keep() -> None:

@@ -1,4 +1,4 @@
-"""Influence coefficients from trials, from a model or from both: the one that predicts held-out runs best is taken and told."""
+"""Influence coefficients from trials, from a model or from both: what predicts held-out runs best is taken and told."""
 
 import numpy as np
 import pytest
@@ -26,8 +26,8 @@ def test_an_exact_model_is_taken_where_the_trials_are_noisy() -> None:
 
 
 def test_a_model_seen_through_wrong_gains_is_scaled() -> None:
-    gain = np.array([0.4, 2.0, 1.0, -1.0, 1j, 0.5])[:, None]
-    found = choose_influence(few(), model=INFLUENCE * gain)
+    gain = np.array([[0.4], [2.0], [1.0], [-1.0], [1j], [0.5]], dtype=complex)
+    found = choose_influence(few(), model=np.asarray(INFLUENCE * gain, dtype=complex))
     assert found.method in ("scaled model", "corrected model")
     errors = {one.method: one.error for one in found.compared}
     assert (errors["model"] or 0.0) > 2 * (errors["scaled model"] or 1e9)
@@ -41,7 +41,7 @@ def test_trials_alone_are_taken_where_the_model_is_wrong() -> None:
 
 def test_a_model_that_is_nearly_right_is_corrected_to_less_error_than_either() -> None:
     """Mean over 30 sets of trials."""
-    missed = {name: 0.0 for name in ("influence coefficients", "model", "corrected model")}
+    missed = dict.fromkeys(("influence coefficients", "model", "corrected model"), 0.0)
     for seed in range(30):
         runs = seen(np.concatenate([CLASSICAL, -CLASSICAL[1:]]), error=0.3, seed=seed)
         for name in missed:

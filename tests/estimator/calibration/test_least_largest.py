@@ -5,14 +5,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from estimator.arrays import Complexes
 from estimator.calibration.least_largest import least_largest
 from tests.estimator.trains import few_examples
 
 
-def drawn(points: int, planes: int, seed: int) -> tuple[np.ndarray, np.ndarray]:
+def drawn(points: int, planes: int, seed: int) -> tuple[Complexes, Complexes]:
     rng = np.random.default_rng(seed)
     matrix = rng.standard_normal((points, planes)) + 1j * rng.standard_normal((points, planes))
-    return matrix, rng.standard_normal(points) + 1j * rng.standard_normal(points)
+    return np.asarray(matrix), rng.standard_normal(points) + 1j * rng.standard_normal(points)
 
 
 @few_examples
@@ -43,7 +44,7 @@ def test_it_is_below_least_squares_at_the_worst_point_and_above_it_in_squares() 
 def test_units_do_not_matter(scale: float) -> None:
     matrix, target = drawn(8, 2, 3)
     expected = least_largest(matrix, target, np.array([0.2, np.inf]))
-    found = least_largest(matrix * scale, target * 1e-6, np.array([0.2e-6 / scale, np.inf]))
+    found = least_largest(np.asarray(matrix * scale), np.asarray(target * 1e-6), np.array([0.2e-6 / scale, np.inf]))
     assert found * scale * 1e6 == pytest.approx(expected, rel=1e-3, abs=1e-4)
 
 

@@ -1,4 +1,4 @@
-"""Weights at the places of a plane: what they give together, the fewest and lightest, whole steps, and what cannot be given."""
+"""Weights at the places of a plane: what they give together, the lightest of them, whole steps, and what cannot be given."""
 
 import cmath
 import math
