@@ -48,7 +48,7 @@ class BalancingRun:
 
 @dataclass(frozen=True)
 class BalancingOptions:
-    """What a correction may be, and how it is judged.
+    """Bounds of a correction, and the grade by which it is judged.
 
     Attributes:
         planes: Ids of the discs to correct in; None for those that had trial weights.
@@ -140,35 +140,16 @@ def balance_from_trials(
         BalancingFailed: No best correction was found within the limits.
     """
     asked = options or BalancingOptions()
-    if not trials:
-        raise TrialsUnusable("no run has a trial weight: a correction needs the initial run and a trial on each plane")
-    for run in trials:
-        if run.added is None or not np.any(run.added != 0.0):
-            raise TrialsUnusable(
-                f"{run.name} states no trial weight: its sidecar, or the request, needs the disc, amount and angle"
-            )
+    _require_weights(trials)
     speed = _speeds(machine, [*initial, *trials], asked)
     every, left_points = vectors_of(machine, [*initial, *trials], speed).determined()
     mass = sum(mass_and_centre(assemble_rotor(machine), shaft.id)[0] for shaft in machine.shafts)
     require_plausible_weights(every, mass=mass, speed=float(speed.min()))
     choice = choose_influence(every, model=_at_points(every, speed, machine, model), method=asked.method)
-    influence = choice.influence
-    planes = _planes(machine, every, asked)
-    separation = separate_planes(influence.pick(planes))
+    separation = separate_planes(choice.influence.pick(_planes(machine, every, asked)))
     if not separation.planes:
         raise TrialsUnusable("; ".join(separation.words))
-    chosen = influence.pick(separation.planes)
-    limit = np.array([asked.limit.get(plane, np.inf) for plane in separation.planes])
-    proposal = correct(chosen, criterion=asked.criterion, limit=limit)
-    splits = _splits(machine, proposal, asked)
-    put_on = np.array(
-        [
-            turning(np.array(splits[plane].unbalance), machine.direction) if plane in splits else weight
-            for plane, weight in zip(separation.planes, proposal.weight, strict=True)
-        ]
-    )
-    proposal = proposal.installed(put_on)
-    known = influence.pick(separate_planes(influence).planes)
+    proposal, splits = _proposal(machine, choice.influence.pick(separation.planes), asked)
     found = FieldBalancing(
         machine=machine,
         options=asked,
@@ -177,13 +158,41 @@ def balance_from_trials(
         choice=choice,
         separation=separation,
         correction=proposal,
-        known=known,
+        known=choice.influence.pick(separate_planes(choice.influence).planes),
         splits=splits,
         before=(),
         after=(),
         notes=(*separation.words, *weak_trials(every), *_point_notes(left_points)),
     )
     return _with_residuals(found)
+
+
+def _require_weights(trials: Sequence[BalancingRun]) -> None:
+    if not trials:
+        raise TrialsUnusable("no run has a trial weight: a correction needs the initial run and a trial on each plane")
+    for run in trials:
+        if run.added is None or not np.any(run.added != 0.0):
+            raise TrialsUnusable(
+                f"{run.name} states no trial weight: its sidecar, or the request, needs the disc, amount and angle"
+            )
+
+
+def _proposal(
+    machine: Machine, influence: MeasuredInfluence, asked: BalancingOptions
+) -> tuple[InfluenceCorrection, dict[str, SplitWeight]]:
+    """Compute the correction, and put it on the places that planes have; the prediction is of what these really give."""
+    limit = np.array([asked.limit.get(plane, np.inf) for plane in influence.planes])
+    best = correct(influence, criterion=asked.criterion, limit=limit)
+    unbalances = turning(best.weight, machine.direction)
+    splits = {
+        plane: split_weight(complex(one), asked.places[plane])
+        for plane, one in zip(influence.planes, unbalances, strict=True)
+        if plane in asked.places
+    }
+    given = [
+        splits[plane].unbalance if plane in splits else one for plane, one in zip(influence.planes, unbalances, strict=True)
+    ]
+    return best.installed(turning(np.array(given, dtype=complex), machine.direction)), splits
 
 
 def _with_residuals(found: FieldBalancing) -> FieldBalancing:
@@ -294,16 +303,6 @@ def _at_points(runs: TrialRuns, speed: Floats, machine: Machine, model: ModelInf
     names = [f"{channel} at {rad_per_s_to_rpm(one):.0f} r/min" for one in speed for channel in machine.channels]
     whole = model(runs.planes, speed).reshape(len(names), -1)
     return np.asarray(whole[[names.index(point) for point in runs.points]])
-
-
-def _splits(machine: Machine, proposal: InfluenceCorrection, asked: BalancingOptions) -> dict[str, SplitWeight]:
-    unbalances = turning(proposal.weight, machine.direction)
-    planes = proposal.influence.planes
-    return {
-        plane: split_weight(complex(one), asked.places[plane])
-        for plane, one in zip(planes, unbalances, strict=True)
-        if plane in asked.places
-    }
 
 
 def _point_notes(left_out: tuple[str, ...]) -> list[str]:

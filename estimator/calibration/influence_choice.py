@@ -26,7 +26,7 @@ UNKNOWN_NOISE = 0.1
 
 @dataclass(frozen=True)
 class HeldOutError:
-    """How well a method predicts runs that took no part.
+    """Error of a method where it predicts runs that took no part.
 
     Attributes:
         method: The method.

@@ -18,7 +18,7 @@ from estimator.updated_model.balancing import least_squares_within
 from estimator.updated_model.uncertainty import PhasorBand
 
 Criterion = Literal["least-squares", "min-max"]
-"""What a correction minimises: the squares of the vibration, or its largest amplitude."""
+"""Quantity that a correction minimises: the squares of the vibration, or its largest amplitude."""
 
 
 class CorrectionUnusable(Invalid):
@@ -132,7 +132,7 @@ def equivalent_unbalance(
 
 
 def _covariance(influence: MeasuredInfluence, found: Complexes, scale: Floats) -> Complexes:
-    """Propagate the errors of offset and coefficients to the correction, that of the residuals' share included.
+    """Compute the covariance of the correction from the errors of offset and coefficients, first order.
 
     c = -(AᴴA)⁻¹Aᴴ V0, so dc = -(AᴴA)⁻¹ (Aᴴ (dV0 + dA c) + dAᴴ r) with the residual r.
     """

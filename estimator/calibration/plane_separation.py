@@ -1,9 +1,9 @@
 """Planes whose weights do nearly the same at all measuring points, and which of them to leave out.
 
 Darlow (The identification and elimination of non-independent balance planes in influence coefficient balancing, ASME paper
-82-GT-203, 1982) orthogonalises the planes' columns of influence coefficients one after the other, the longest first; what
-is left of a column, over its length, is its significance. A plane with little of its own gets large weights against
-another's that nearly cancel, and that any error of the coefficients changes at will.
+82-GT-203, doi:10.1115/82-GT-203) orthogonalises the planes' columns of influence coefficients one after the other, the
+longest first; what is left of a column, over its length, is its significance. A plane with little of its own gets large
+weights against another's that nearly cancel, and that any error of the coefficients changes at will.
 """
 
 from dataclasses import dataclass

@@ -166,7 +166,7 @@ def _rank(added: Complexes) -> int:
 
 
 def _few_trials(runs: TrialRuns, rank: int) -> str:
-    """Say why the weights of R runs do not tell Q planes apart."""
+    """Describe why the weights of R runs do not tell Q planes apart."""
     distinct = {tuple(np.round(row / max(1e-300, np.max(np.abs(runs.added))), 9)) for row in runs.added}
     need = len(runs.planes) + 1
     if len(distinct) < need:

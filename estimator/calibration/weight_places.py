@@ -102,7 +102,7 @@ def combine_weights(masses: Sequence[float], *, radii: Sequence[float], angles_d
 
 
 def split_weight(unbalance: complex, places: WeightPlaces) -> SplitWeight:
-    """Split an unbalance onto the places of a plane, with the least total mass (Dantzig, Princeton, 1963).
+    """Divide an unbalance onto the places of a plane, with the least total mass (Dantzig, Princeton, 1963).
 
     Args:
         unbalance: Unbalance to give [kg m].

@@ -30,6 +30,8 @@ METHODS = re.compile(
 )
 """Names of authors whose methods are meant where they occur."""
 OWN = {
+    "calibration/trial_runs.py": "the rank of a matrix of weights, whose method is measured_influence's",
+    "calibration/vectors_at_speeds.py": "a straight line over a narrow window, in the module's docstring",
     "diagnosis/data_faults.py": "probabilities of counts and of χ², stated at each function",
     "diagnosis/observation.py": "a second-order expansion of the likelihood, in the module's docstring",
     "films/pad_table.py": "coordinates of an interpolation, in the module's docstring",
