@@ -91,9 +91,10 @@ service/api/findings: estimator estimator/diagnosis estimator/fit estimator/mach
     estimator/rotor estimator/trends estimator/updated_model service/api/cache service/api/conventions service/http
     service/identification service/monitoring service/security service/workers storage storage/findings
     storage/machines storage/tables
-service/api/machines: estimator estimator/machine estimator/phasors estimator/runs service/alerts service/api/cache
-    service/api/conventions service/http service/identification service/monitoring service/runs service/security
-    storage storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
+service/api/machines: estimator estimator/calibration estimator/machine estimator/phasors estimator/runs
+    estimator/updated_model service/alerts service/api/cache service/api/conventions service/balancing service/http
+    service/identification service/monitoring service/runs service/security storage storage/database storage/encoding
+    storage/findings storage/machines storage/measurements storage/tables
 service/api/trends: estimator estimator/trends estimator/updated_model service/api/cache service/api/conventions
     service/monitoring service/security storage/database storage/findings storage/machines
 service/api/alerts: estimator service/alerts service/api/cache service/api/conventions service/api/findings
@@ -104,7 +105,8 @@ service/api: service/api/alerts service/api/cache service/api/conventions servic
     service/http service/identification service/journal service/resilience service/security storage/database
 service/doctor: service/api service/configuration service/delivery service/maintenance service/messaging
     service/security service/wire storage/alerts storage/backup storage/database storage/operation
-service/balancing: estimator estimator/calibration estimator/fit estimator/updated_model
+service/balancing: estimator estimator/calibration estimator/fit estimator/machine estimator/phasors
+    estimator/updated_model storage/alerts storage/machines storage/measurements
 service/commands: estimator estimator/calibration estimator/fit estimator/identification estimator/machine estimator/modes
     estimator/phasors estimator/simulation estimator/statics estimator/thesis estimator/updated_model service/api
     service/api/operation service/balancing service/configuration service/delivery service/doctor service/edge
