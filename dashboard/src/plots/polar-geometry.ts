@@ -11,6 +11,10 @@ export interface PolarCurve {
   faint?: boolean;
   /** Without speeds beside it. */
   unlabelled?: boolean;
+  /** A vector: its name stands beside its end in place of speeds, and its read-out has none. */
+  named?: boolean;
+  /** Radius of the circle around the last point in which it lies with 95 %. */
+  radius?: number;
 }
 
 export interface Point {
