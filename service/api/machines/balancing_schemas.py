@@ -71,7 +71,7 @@ class PlacesIn(StrictModel):
 
 
 class CorrectionIn(StrictModel):
-    """What a correction may be."""
+    """Bounds of a correction, and the grade by which it is judged."""
 
     discs: Annotated[list[Identifier], Field(min_length=1, max_length=100)] | None = Field(
         default=None, description="discs to correct in; by default all that had a trial weight"
