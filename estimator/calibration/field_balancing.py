@@ -144,7 +144,7 @@ def balance_from_trials(
     speed = _speeds(machine, [*initial, *trials], asked)
     every, left_points = vectors_of(machine, [*initial, *trials], speed).determined()
     mass = sum(mass_and_centre(assemble_rotor(machine), shaft.id)[0] for shaft in machine.shafts)
-    require_plausible_weights(every, mass=mass, speed=float(speed.min()))
+    require_plausible_weights(every, mass=mass)
     choice = choose_influence(every, model=_at_points(every, speed, machine, model), method=asked.method)
     separation = separate_planes(choice.influence.pick(_planes(machine, every, asked)))
     if not separation.planes:
@@ -218,7 +218,13 @@ def vectors_of(machine: Machine, runs: Sequence[BalancingRun], speed: Floats) ->
 
     Returns:
         The runs with the planes that have a trial weight in any of them.
+
+    Raises:
+        TrialsUnusable: A run turned against the document's rotation.
     """
+    for run in runs:
+        if np.any(run.measurement.direction != machine.direction):
+            raise TrialsUnusable(f"{run.name} turned against the rotation of the document, which is {machine.rotation}")
     found = [vectors_at(run.measurement, speed, noise=machine.noise) for run in runs]
     discs = [disc.id for disc in machine.discs]
     added = np.array([np.zeros(len(discs)) if run.added is None else run.added for run in runs], dtype=complex)

@@ -12,10 +12,8 @@ import numpy as np
 from estimator.arrays import Complexes, Floats
 from estimator.errors import Invalid
 
-STANDARD_GRAVITY = 9.80665
-"""Standard acceleration of free fall [m/s²]."""
-LARGEST_PULL = 10.0
-"""Largest pull of a trial weight that is taken for meant, over the rotors' weight [-]; usual ones pull with some 0.1."""
+LARGEST_SHIFT = 5e-3
+"""Largest shift of the rotors' centre of mass by a trial weight that is taken for meant [m]; usual ones move it by some µm."""
 SAME = 1e-12
 """Relative difference below which the vectors of two runs are copies of each other [-]."""
 COLLINEAR = 1e-6
@@ -192,25 +190,23 @@ def _require_no_copies(runs: TrialRuns) -> None:
                 )
 
 
-def require_plausible_weights(runs: TrialRuns, *, mass: float, speed: float) -> None:
+def require_plausible_weights(runs: TrialRuns, *, mass: float) -> None:
     """Check that trial weights are of a size that somebody would put on a rotor.
 
     Args:
         runs: The runs.
         mass: Mass of the rotors [kg].
-        speed: Lowest of the runs' speeds [rad/s].
 
     Raises:
-        TrialsUnusable: A weight would pull with many times the weight of the rotors.
+        TrialsUnusable: A weight would move the centre of mass by millimetres.
     """
     for name, row in zip(runs.names, runs.added, strict=True):
         for plane, unbalance in zip(runs.planes, np.abs(row), strict=True):
-            pull = float(unbalance) * speed**2 / (mass * STANDARD_GRAVITY)
-            if pull > LARGEST_PULL:
+            shift = float(unbalance) / mass
+            if shift > LARGEST_SHIFT:
                 raise TrialsUnusable(
-                    f"{name}: {unbalance:.3g} kg m on {plane} would pull with {pull:.3g} times the rotors' weight at "
-                    f"{speed * 30 / np.pi:.0f} r/min; is it in another unit? {unbalance:.3g} g mm are "
-                    f"{unbalance * 1e-6:.3g} kg m"
+                    f"{name}: {unbalance:.3g} kg m on {plane} would move the centre of mass of {mass:.3g} kg by "
+                    f"{1e3 * shift:.3g} mm; is it in another unit? {unbalance:.3g} g mm are {unbalance * 1e-6:.3g} kg m"
                 )
 
 

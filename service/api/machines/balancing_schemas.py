@@ -14,7 +14,7 @@ from service.api.conventions.fields import Comment
 from service.security.principal import Author
 
 Angle = Annotated[float, Field(ge=-3600, le=3600, allow_inf_nan=False, description="from the keyphasor mark, +x to +y [°]")]
-Size = Annotated[float, Field(gt=0, le=1e9, allow_inf_nan=False)]
+Size = Annotated[float, Field(ge=1e-6, le=1e9, allow_inf_nan=False)]
 RunNumber = Annotated[int, Field(ge=0, le=2**62)]
 
 

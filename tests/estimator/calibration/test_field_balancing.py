@@ -121,7 +121,7 @@ def test_a_check_run_renews_the_correction() -> None:
     ("changed", "message"),
     [
         ({"added": {}}, "trial states no trial weight"),
-        ({"added": {"D1": 48.0 + 0j}}, r"48 kg m on D1 would pull with .* 48 g mm are 4.8e-05 kg m"),
+        ({"added": {"D1": 48.0 + 0j}}, r"48 kg m on D1 would move the centre of mass .* 48 g mm are 4.8e-05 kg m"),
     ],
 )
 def test_wrong_trial_weights_are_named(changed: dict[str, Any], message: str) -> None:
@@ -134,6 +134,14 @@ def test_wrong_trial_weights_are_named(changed: dict[str, Any], message: str) ->
     wrong = BalancingRun("trial", run.measurement.with_trial_weight(added))
     with pytest.raises(TrialsUnusable, match=message):
         balance_from_trials(machine, [run_of(said, "initial", {}, seed=1)], [wrong])
+
+
+def test_a_run_against_the_documents_rotation_is_named() -> None:
+    said = document()
+    _, trials = runs(said)
+    turned = Measurement.of(speed=SPEED, phasor=trials[0].measurement.phasor, direction=-1.0)
+    with pytest.raises(TrialsUnusable, match="initial turned against the rotation of the document, which is positive"):
+        balance_from_trials(parse_machine(said), [BalancingRun("initial", turned)], trials)
 
 
 def test_a_weight_that_shows_nothing_is_named() -> None:

@@ -110,7 +110,7 @@ def test_runs_whose_weights_are_missing_or_copied_are_named(runs: list[str], tmp
     heavy = recorded(tmp_path, "heavy", {"D1": (100.0, 0.0)}, seed=5)
     (tmp_path / "heavy.yaml").write_text((tmp_path / "heavy.yaml").read_text().replace("unit: g mm", "unit: kg m"))
     told = run("balance", runs[0], runs[1], heavy, status=1)
-    assert "100 kg m on D1 would pull with" in told
+    assert "100 kg m on D1 would move the centre of mass" in told
     assert "100 g mm are 0.0001 kg m" in told
     assert "1 of 4 planes" not in run("balance", *runs[:3]), "one trial is enough for one plane"
 
