@@ -109,7 +109,7 @@ def test_a_machine_is_balanced_from_the_page(seen: Seen, service: Service) -> No
     dialog = _step(seen, "Compute the correction …")
     _send(dialog, "Compute")
     expect(dialog).to_have_count(0)
-    (found,) = service.get(f"/machines/{COPY}/balancings")
+    found = service.get(f"/machines/{COPY}/balancings")[0]
     (plane,) = found["correction"]["planes"]
     assert plane["disc"] == "D1"
     expect(seen.page.get_by_role("cell", name=f"{round(plane['angle_deg'])}", exact=False).first).to_be_visible()

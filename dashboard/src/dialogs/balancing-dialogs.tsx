@@ -96,7 +96,7 @@ function WeightFields({ machine }: { machine: Document }) {
         </select>
       </label>
       <label>
-        Amount, all that is on the disc
+        Amount, all that is on it
         <input name="amount" type="number" step="any" min="0" required />
       </label>
       <label>
