@@ -162,7 +162,7 @@ def balance_from_trials(
         splits=splits,
         before=(),
         after=(),
-        notes=(*separation.words, *weak_trials(every), *_point_notes(left_points)),
+        notes=(*separation.words, *weak_trials(every), *_point_notes(left_points), *_disc_notes(machine, every)),
     )
     return _with_residuals(found)
 
@@ -309,6 +309,16 @@ def _at_points(runs: TrialRuns, speed: Floats, machine: Machine, model: ModelInf
     names = [f"{channel} at {rad_per_s_to_rpm(one):.0f} r/min" for one in speed for channel in machine.channels]
     whole = model(runs.planes, speed).reshape(len(names), -1)
     return np.asarray(whole[[names.index(point) for point in runs.points]])
+
+
+def _disc_notes(machine: Machine, runs: TrialRuns) -> list[str]:
+    bare = [disc.id for disc in machine.discs if disc.id not in runs.planes]
+    if not bare:
+        return []
+    return [
+        f"no trial weight was on {', '.join(bare)}: what their unbalances do counts as if it came from "
+        f"{', '.join(runs.planes)}, in the residual unbalance, too"
+    ]
 
 
 def _point_notes(left_out: tuple[str, ...]) -> list[str]:

@@ -11,8 +11,8 @@ export interface PolarCurve {
   faint?: boolean;
   /** Without speeds beside it. */
   unlabelled?: boolean;
-  /** A vector: its name stands beside its end in place of speeds, and its read-out has none. */
-  named?: boolean;
+  /** A vector from the middle to its last point: no speeds stand beside it or in its read-out. */
+  vector?: boolean;
   /** Radius of the circle around the last point in which it lies with 95 %. */
   radius?: number;
 }

@@ -81,12 +81,7 @@ function CurveOf({ drawn: { curve, points }, scale }: { drawn: DrawnCurve; scale
     <g class={`curve s${curve.style % COLOURS} ${curve.faint ? "faint" : ""}`}>
       {curve.line ? <path d={linePath(points)} /> : <path class="dots" d={points.map((one) => `M${one.x.toFixed(1)} ${one.y.toFixed(1)}h0`).join("")} />}
       {curve.radius !== undefined && end && <path d={circlePath(end, curve.radius * scale)} />}
-      {curve.named && end && (
-        <text class="speed" x={end.x + 5} y={end.y - 4}>
-          {curve.name}
-        </text>
-      )}
-      {!curve.faint && !curve.unlabelled && !curve.named && labelledPoints(points).map((one) => (
+      {!curve.faint && !curve.unlabelled && !curve.vector && labelledPoints(points).map((one) => (
         <text class="speed" x={one.x + 5} y={one.y - 4}>
           {Math.round(curve.rpm[one.index]!)}
         </text>
@@ -105,6 +100,6 @@ function circlePath({ x, y }: Point, radius: number): string {
 }
 
 function pointText(curve: PolarCurve, { index }: Point, unit: string): string {
-  const speed = curve.named ? "" : `${rpm(curve.rpm[index])}, `;
+  const speed = curve.vector ? "" : `${rpm(curve.rpm[index])}, `;
   return `${curve.name}: ${speed}${number(curve.amplitude[index])} ${unit}, ${Math.round(curve.lag[index]!)}° lag`;
 }
