@@ -162,7 +162,13 @@ def balance_from_trials(
         splits=splits,
         before=(),
         after=(),
-        notes=(*separation.words, *weak_trials(every), *_point_notes(left_points), *_disc_notes(machine, every)),
+        notes=(
+            *separation.words,
+            *weak_trials(every),
+            *_point_notes(left_points),
+            *_disc_notes(machine, every),
+            *_repeat_notes(choice),
+        ),
     )
     return _with_residuals(found)
 
@@ -318,6 +324,15 @@ def _disc_notes(machine: Machine, runs: TrialRuns) -> list[str]:
     return [
         f"no trial weight was on {', '.join(bare)}: what their unbalances do counts as if it came from "
         f"{', '.join(runs.planes)}, in the residual unbalance, too"
+    ]
+
+
+def _repeat_notes(choice: ChosenInfluence) -> list[str]:
+    if np.isfinite(choice.influence.freedom):
+        return []
+    return [
+        "no run was repeated: intervals and promises hold the noise of the vectors, but not how the rotor settles anew at "
+        "each start; a repeated initial run would tell"
     ]
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 SIZE = 220
 RADIUS = 88
-COLOURS = ("#1f5a93", "#9a5b00", "#5c7c1e", "#7a3b8f", "#555555")
+COLOURS = ("#1f5a93", "#9a5b00", "#5c7c1e", "#7a3b8f", "#555555", "#a02b2b", "#0f7f7f", "#b03a7e")
 
 
 @dataclass(frozen=True)
