@@ -20,6 +20,8 @@ InfluenceMethod = Literal["influence coefficients", "model", "scaled model", "co
 METHODS: tuple[InfluenceMethod, ...] = ("influence coefficients", "model", "scaled model", "corrected model")
 USUAL_DEVIATION = 0.2
 """Prior spread of a coefficient about the scaled model's, as a part of it [-]."""
+CLEARLY_BETTER = 0.98
+"""Error of a model's predictions over that of the trials alone [-] below which the model is used."""
 UNKNOWN_NOISE = 0.1
 """Error of a vector where nothing is known of it, as a part of what the trial weights change [-]."""
 
@@ -76,8 +78,9 @@ def choose_influence(
         raise TrialsUnusable(f"the method '{method}' needs a model")
     errors = {name: _held_out(runs, model, name) for name in names}
     known = sorted((name for name in names if errors[name] is not None), key=lambda name: errors[name] or 0.0)
-    # Trials that cannot be left out cannot be compared: they are the usual practice and need no model.
-    best = known[0] if errors["influence coefficients"] is not None else "influence coefficients"
+    # Trials that cannot be left out cannot be compared: they are the usual practice and need no model. Nor does a tie need one.
+    own = errors["influence coefficients"]
+    best = known[0] if own is not None and (errors[known[0]] or 0.0) < CLEARLY_BETTER * own else "influence coefficients"
     chosen = method or best
     unknown = [name for name in names if errors[name] is None]
     return ChosenInfluence(

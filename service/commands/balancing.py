@@ -171,15 +171,14 @@ def _numbers(text: str, example: str, fewest: int, most: int) -> tuple[str, list
     return disc, numbers
 
 
-def _model(machine: Path, files: list[Path]) -> "ModelInfluence | None":
-    """Return the influence coefficients of the model that the same runs identify; None, with a word, where it is refused."""
+def _model(machine: Path, files: list[Path]) -> "ModelInfluence":
+    """Return the influence coefficients of the model that the same runs identify, with a word where the fit is refused."""
     from estimator.updated_model.balancing import influence_coefficients
     from estimator.updated_model.model import updated_model
     from service.commands.analysis import identified
 
     described, _, result = identified(machine, files, None)
     if not result.accepted:
-        say(f"the model is not used: {result.verdict}", err=True)
-        return None
+        say(f"the model is only used where it predicts runs left out better: {result.verdict}", err=True)
     model = updated_model(described, result)
     return lambda planes, speed: influence_coefficients(model, planes=planes, speed=speed)
