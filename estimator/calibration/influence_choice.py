@@ -78,7 +78,7 @@ def choose_influence(
         raise TrialsUnusable(f"the method '{method}' needs a model")
     errors = {name: _held_out(runs, model, name) for name in names}
     known = sorted((name for name in names if errors[name] is not None), key=lambda name: errors[name] or 0.0)
-    # Trials that cannot be left out cannot be compared: they are the usual practice and need no model. Nor does a tie need one.
+    # Trials that cannot be left out cannot be compared: they are the usual practice, and need no model; nor does a tie.
     own = errors["influence coefficients"]
     best = known[0] if own is not None and (errors[known[0]] or 0.0) < CLEARLY_BETTER * own else "influence coefficients"
     chosen = method or best
@@ -209,4 +209,5 @@ def _words(chosen: InfluenceMethod, given: InfluenceMethod | None, errors: dict[
         return f"{chosen} taken{' as asked' if given else ''}; {reason}"
     if len(errors) == 1:
         return f"influence coefficients, {told['influence coefficients']} ({measure})"
-    return f"{chosen} taken{' as asked' if given else ', which predict best'}: {listed} ({measure})"
+    reason = ", no model predicts clearly better" if chosen == "influence coefficients" else ", which predicts best"
+    return f"{chosen} taken{' as asked' if given else reason}: {listed} ({measure})"

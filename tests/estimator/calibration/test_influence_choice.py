@@ -21,7 +21,7 @@ def test_an_exact_model_is_taken_where_the_trials_are_noisy() -> None:
     found = choose_influence(few(), model=INFLUENCE)
     assert found.method == "model"
     assert found.influence.influence == pytest.approx(INFLUENCE)
-    assert found.words.startswith("model taken, which predict best: model ")
+    assert found.words.startswith("model taken, which predicts best: model ")
     assert "influence coefficients" in found.words
 
 
