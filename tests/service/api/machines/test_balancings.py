@@ -12,6 +12,7 @@ from service.alerts.transitions import AlertFinding
 from storage.database.engine import Database
 from storage.machines import machines, timeline
 from storage.measurements import runs
+from storage.operation import audit
 from tests.api_in_process import Api
 from tests.estimator.trains import dense_response, noisy
 from tests.plant import KEY, SECOND, START, document, identification, samples, store_identification
@@ -162,8 +163,10 @@ def test_a_weight_in_a_wrong_unit_is_named_when_the_correction_is_computed(store
     assert "is it in another unit?" in told
 
 
-def test_nothing_else_is_written_than_the_balancing(store: Database, api: Api, begun: int) -> None:
+def test_each_step_is_in_the_audit_trail_and_nothing_else_is_changed(store: Database, api: Api, begun: int) -> None:
     with store.reading() as session:
+        done = [one.operation for one in audit.newest(session, limit=10)]
+        assert done == ["add_balancing_trial", "add_balancing_trial", "begin_balancing"]
         assert list(timeline.of_machine(session, KEY.machine, limit=10)) == []
         assert machines.get(session, KEY.machine).revision == 1
     assert api("GET", f"{PATH}/{begun}")["revision"] == 1
