@@ -85,6 +85,9 @@ class CorrectionIn(StrictModel):
         default=2.5, description="balance quality grade G asked for, ISO 21940-11 [mm/s]"
     )
     service_rpm: Size | None = Field(default=None, description="by default the end of the speed range [r/min]")
+    identification: RunNumber | None = Field(
+        default=None, description="one whose model is used, alone or corrected, where it clearly predicts runs left out better"
+    )
     by: Author
 
 

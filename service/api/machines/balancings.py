@@ -11,13 +11,19 @@ from fastapi import APIRouter, Request, status
 from sqlalchemy.orm import Session
 
 from estimator.calibration.balancing_check import check_balancing
-from estimator.calibration.field_balancing import BalancingOptions, BalancingRun, FieldBalancing, balance_from_trials
+from estimator.calibration.field_balancing import (
+    BalancingOptions,
+    BalancingRun,
+    FieldBalancing,
+    ModelInfluence,
+    balance_from_trials,
+)
 from estimator.calibration.weight_places import WeightPlaces
 from estimator.errors import Conflict
 from estimator.machine.document import Machine
 from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model.balance_quality import GRAM_MILLIMETRE
-from estimator.updated_model.balancing import BalancingFailed
+from estimator.updated_model.balancing import BalancingFailed, influence_coefficients
 from service.api.conventions.dependencies import MachineId, Number, Reading, database
 from service.api.conventions.paging import ById
 from service.api.conventions.problems import CHANGES, RESPONSES, Unsuitable
@@ -25,6 +31,7 @@ from service.api.machines import balancing_schemas as schemas
 from service.balancing.open_causes import require_nothing_else
 from service.balancing.rendering import check_fields, correction_fields
 from service.balancing.stored_runs import StoredWeight, balancing_run, read_weights
+from service.identification.stored_model import identified
 from service.security.requirement import ANALYST, VIEWER
 from storage.clock import now, to_datetime
 from storage.machines import balancings, machines
@@ -152,10 +159,21 @@ def _computed(session: Session, row: BalancingRow, asked: dict[str, Any]) -> Fie
 
     initial = [run(one, []) for one in row.steps["initial"]]
     trials = [run(one["run"], read_weights(one["weights"])) for one in row.steps["trials"]]
+    model = _model(session, machine, asked.get("identification"))
     try:
-        return balance_from_trials(machine, initial, trials, options=_options(machine, asked))
+        return balance_from_trials(machine, initial, trials, options=_options(machine, asked), model=model)
     except BalancingFailed as error:
         raise Unsuitable(str(error)) from error
+
+
+def _model(session: Session, machine: Machine, identification_id: int | None) -> ModelInfluence | None:
+    """Return the influence coefficients of an identification's model. Raises IdentificationUnknown, NoModel, Unsuitable."""
+    if identification_id is None:
+        return None
+    one = identified(session, identification_id)
+    if one.machine.id != machine.id or one.machine.channels != machine.channels:
+        raise Unsuitable(f"identification {identification_id} is not of this machine with its probes")
+    return lambda planes, speed: influence_coefficients(one.model, planes=planes, speed=speed)
 
 
 def _options(machine: Machine, asked: dict[str, Any]) -> BalancingOptions:

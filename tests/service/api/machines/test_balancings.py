@@ -16,6 +16,7 @@ from storage.operation import audit
 from tests.api_in_process import Api
 from tests.estimator.trains import dense_response, noisy
 from tests.plant import KEY, SECOND, START, document, identification, samples, store_identification
+from tests.service.api.findings.test_model import outcome
 
 PATH = f"/machines/{KEY.machine}/balancings"
 POINTS = 40
@@ -121,6 +122,21 @@ def test_no_masses_are_proposed_while_an_alert_says_that_something_else_is_wrong
     told = api("POST", f"{PATH}/{begun}/correction", 409, json={"by": "Ada"})["detail"]
     assert told.startswith("mend C1 first, no masses are proposed while something else is wrong: alert ")
     assert told.endswith("(misalignment): The misalignment at coupling C1 has changed")
+
+
+def test_the_model_of_an_identification_is_used_where_it_predicts_better(store: Database, api: Api, begun: int) -> None:
+    asked = {"identification": 1, "by": "Ada"}
+    assert "no identification 1" in api("POST", f"{PATH}/{begun}/correction", 404, json=asked)["detail"]
+    with store.transaction() as session:
+        store_identification(session, outcome(), run_id=1)
+    for number, disc in enumerate(TRIALS, 20):
+        again = (TRIALS[disc][0], TRIALS[disc][1] + 120.0)
+        weights = [WEIGHTS[disc][0] | {"angle_deg": again[1]}]
+        body = {"run": add_run(store, {disc: again}, number=number), "weights": weights, "by": "Ada"}
+        api("POST", f"{PATH}/{begun}/trials", json=body)
+    correction = api("POST", f"{PATH}/{begun}/correction", json=asked)["correction"]
+    assert "scaled model" in correction["influence"]
+    assert correction["planes"][1]["angle_deg"] == pytest.approx(20.0, abs=3.0)
 
 
 def test_steps_in_a_wrong_order_and_runs_that_do_not_belong_are_refused(store: Database, api: Api) -> None:
