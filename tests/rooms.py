@@ -19,12 +19,13 @@ estimator/statics: estimator estimator/bearings estimator/films estimator/machin
 estimator/fit: estimator estimator/bearings estimator/machine estimator/modes estimator/phasors estimator/rotor
     estimator/statics
 estimator/runs: estimator estimator/machine estimator/phasors
-estimator/calibration: estimator estimator/fit estimator/machine estimator/phasors estimator/rotor
 estimator/thesis: estimator estimator/bearings estimator/machine estimator/modes estimator/phasors estimator/rotor
 estimator/simulation: estimator estimator/bearings estimator/machine estimator/phasors estimator/rotor estimator/runs
     estimator/statics estimator/trends
 estimator/updated_model: estimator estimator/bearings estimator/fit estimator/machine estimator/modes estimator/phasors
     estimator/rotor estimator/statics
+estimator/calibration: estimator estimator/fit estimator/machine estimator/phasors estimator/rotor
+    estimator/updated_model
 estimator/alignment: estimator estimator/bearings estimator/fit estimator/machine estimator/statics estimator/updated_model
 estimator/diagnosis: estimator estimator/alignment estimator/fit estimator/machine estimator/rotor estimator/statics
     estimator/trends estimator/updated_model
@@ -62,6 +63,8 @@ rotorundown/plots: estimator estimator/fit estimator/machine estimator/modes est
 rotorundown: estimator estimator/diagnosis estimator/fit estimator/identification estimator/machine estimator/modes
     estimator/phasors estimator/simulation estimator/updated_model rotorundown/environment rotorundown/plots
     service/configuration service/sources service/wire storage storage/encoding
+service/balancing: estimator estimator/calibration estimator/fit estimator/machine estimator/phasors
+    estimator/updated_model storage/alerts storage/machines storage/measurements
 service/workers: service/configuration
 service/delivery: estimator service/alerts service/configuration service/replication service/resilience service/secrets
     storage storage/alerts storage/backup storage/database storage/encoding storage/machines storage/operation storage/tables
@@ -99,9 +102,10 @@ service/api/findings: estimator estimator/alignment estimator/diagnosis estimato
     estimator/phasors estimator/rotor estimator/trends estimator/updated_model service/api/cache service/api/conventions
     service/http service/identification service/monitoring service/security service/workers storage storage/findings
     storage/machines storage/tables
-service/api/machines: estimator estimator/machine estimator/phasors estimator/runs service/alerts service/api/cache
-    service/api/conventions service/http service/identification service/monitoring service/runs service/security
-    storage storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
+service/api/machines: estimator estimator/calibration estimator/machine estimator/phasors estimator/runs
+    estimator/updated_model service/alerts service/api/cache service/api/conventions service/balancing service/http
+    service/identification service/monitoring service/runs service/security storage storage/database storage/encoding
+    storage/findings storage/machines storage/measurements storage/tables
 service/api/trends: estimator estimator/trends estimator/updated_model service/api/cache service/api/conventions
     service/monitoring service/security storage/database storage/findings storage/machines
 service/api/alerts: estimator service/alerts service/api/cache service/api/conventions service/api/findings
@@ -115,11 +119,11 @@ service/doctor: service/api service/configuration service/delivery service/maint
 service/commands: rotorundown
     estimator estimator/calibration estimator/fit estimator/identification estimator/machine estimator/modes estimator/phasors
     estimator/simulation estimator/statics estimator/thesis estimator/updated_model service/api
-    service/api/operation service/configuration service/delivery service/doctor service/edge service/export service/http
-    service/identification service/ingest service/journal service/maintenance service/messaging service/monitoring
-    service/replication service/resilience service/runs service/secrets service/security service/sources service/wire
-    service/workers storage storage/backup storage/database storage/encoding storage/machines storage/operation
-    storage/tables
+    service/api/operation service/balancing service/configuration service/delivery service/doctor service/edge
+    service/export service/http service/identification service/ingest service/journal service/maintenance
+    service/messaging service/monitoring service/replication service/resilience service/runs service/secrets
+    service/security service/sources service/wire service/workers storage storage/backup storage/database storage/encoding
+    storage/machines storage/operation storage/tables
 service: estimator/machine service/alerts service/api/alerts service/api/findings service/api/machines
     service/api/measurements service/api/trends service/commands service/http
 """

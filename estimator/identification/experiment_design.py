@@ -23,6 +23,7 @@ from estimator.phasors.measurement import Measurement
 from estimator.phasors.noise import error_size
 from estimator.rotor.condensation import CondensedTrain, condense
 from estimator.rotor.response import sensitivity
+from estimator.units import rpm_to_rad_per_s
 
 
 @dataclass(frozen=True)
@@ -72,10 +73,12 @@ def helpful_speeds(
 ) -> tuple[HelpfulSpeed, ...]:
     """Choose the speeds at which one more sample each helps most (Atkinson, Donev and Tobias 2007).
 
+    Speeds outside the document's range are none that a machine may be asked to run at.
+
     Args:
         machine: The machine.
         identification: Its identification.
-        candidates: Candidate speeds (C,) [rad/s].
+        candidates: Candidate speeds (C,) [rad/s]; those outside the speed range are left out.
         count: Number of speeds to choose.
         targets: Names of coordinates to be known better; None for all.
 
@@ -83,9 +86,10 @@ def helpful_speeds(
         Chosen speeds [rad/s] with their effect, in the order in which they were chosen.
 
     Raises:
-        ValueError: A target is no coordinate of the identification, or the identification is of other unknowns.
+        ValueError: A target is no coordinate of the identification, the identification is of other unknowns, or no candidate
+            lies in the speed range.
     """
-    candidates = np.asarray(candidates, dtype=float)
+    candidates = _within_range(machine, np.asarray(candidates, dtype=float))
     rows = _rows(machine, identification, candidates)
     chosen = _greedy(list(rows), identification, count, targets)
     return tuple(
@@ -133,6 +137,16 @@ def helpful_probes(
         )
         for i, shrinkage, error in chosen
     )
+
+
+def _within_range(machine: Machine, candidates: Floats) -> Floats:
+    limits = machine.speed_range
+    lowest, highest = rpm_to_rad_per_s(limits.minimum_rpm), rpm_to_rad_per_s(limits.maximum_rpm)
+    # The ends of the range themselves count, rounded or not.
+    within = candidates[(candidates >= lowest * (1 - 1e-9)) & (candidates <= highest * (1 + 1e-9))]
+    if within.size == 0:
+        raise ValueError(f"no candidate lies in the speed range, {limits.minimum_rpm:g} to {limits.maximum_rpm:g} r/min")
+    return within
 
 
 def _candidate_probes(machine: Machine) -> list[Probe]:

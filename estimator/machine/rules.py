@@ -51,6 +51,9 @@ class Operation(Part):
     running_rpm: Positive | None = Field(
         default=None, description="speed at which it works, for loads at running speed [r/min]; by default a run's highest"
     )
+    vibration_limit: Positive | None = Field(
+        default=None, description="largest 1× vibration that a balanced machine may have at any probe, 0-to-peak [m]"
+    )
     longest_hold_s: Annotated[float, Field(ge=10, le=604_800)] = Field(
         default=3600.0, description="a sweep that stands still on its way for longer, as in a heat soak, is over [s]"
     )

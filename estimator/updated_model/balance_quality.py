@@ -9,11 +9,15 @@ Both are of rigid rotors: identified disc unbalances are carried to the bearing 
 above its first bending mode may pass and still shake; see `balancing`.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Literal
 
 import numpy as np
 
+from estimator.arrays import Complexes, Floats
+from estimator.machine.document import Machine
 from estimator.machine.parts import Bearing
 from estimator.rotor.assembly import Rotor, assemble_rotor
 from estimator.rotor.shaft_element import NODE_DOFS
@@ -34,6 +38,8 @@ bearings.
 
 Verdict = Literal["met", "not met", "open"]
 """Verdict on a plane; 'open' where the identification is not sure enough to tell."""
+PlaneUnbalances = Callable[[str, tuple[Bearing, Bearing]], PhasorBand]
+"""Function that returns the unbalances (2,) of a shaft in the planes of two bearings [kg m]."""
 
 
 @dataclass(frozen=True)
@@ -117,34 +123,79 @@ def balance_grades(
     Raises:
         ValueError: The grade or a speed is not positive.
     """
+    required = _required(grade, service_speed, maximum_continuous_speed)
+    return _balances(model.machine, partial(_identified_unbalances, model), required)
+
+
+def balance_of_unbalances(
+    machine: Machine,
+    *,
+    unbalance: Complexes,
+    covariance: Floats,
+    grade: float,
+    service_speed: float,
+    maximum_continuous_speed: float,
+) -> tuple[RotorBalance, ...]:
+    """Judge given unbalances of the discs as `balance_grades` does those of a model (ISO 21940-11:2016, API 617).
+
+    Args:
+        machine: The machine.
+        unbalance: Unbalances of its discs (P,) [kg m].
+        covariance: Covariance (2 P, 2 P) of their real and imaginary parts, disc by disc [kg² m²].
+        grade: Balance quality grade G asked for [mm/s].
+        service_speed: Highest service speed [rad/s].
+        maximum_continuous_speed: Maximum continuous speed [rad/s].
+
+    Returns:
+        One balance per rotor with two bearings or more, in the document's order.
+
+    Raises:
+        ValueError: The grade or a speed is not positive.
+    """
+
+    def band(shaft: str, ends: tuple[Bearing, Bearing]) -> PhasorBand:
+        transfer = _transfer(machine, shaft, ends)
+        slope = np.stack([transfer, 1j * transfer], axis=-1).reshape(len(transfer), -1)
+        return phasor_band(transfer @ unbalance, slope, covariance)
+
+    return _balances(machine, band, _required(grade, service_speed, maximum_continuous_speed))
+
+
+@dataclass(frozen=True)
+class _Required:
+    """Grade asked for [mm/s] and the speeds at which it counts [rad/s]."""
+
+    grade: float
+    service_speed: float
+    maximum_continuous_speed: float
+
+
+def _required(grade: float, service_speed: float, maximum_continuous_speed: float) -> _Required:
     if not min(grade, service_speed, maximum_continuous_speed) > 0:
         raise ValueError("grade, service_speed and maximum_continuous_speed must be positive")
-    rotor = assemble_rotor(model.machine)
+    return _Required(grade, service_speed, maximum_continuous_speed)
+
+
+def _balances(machine: Machine, band: PlaneUnbalances, required: _Required) -> tuple[RotorBalance, ...]:
+    rotor = assemble_rotor(machine)
     result = []
-    for shaft in model.machine.shafts:
-        bearings = sorted((one for one in model.machine.bearings if one.shaft == shaft.id), key=lambda one: one.station)
+    for shaft in machine.shafts:
+        bearings = sorted((one for one in machine.bearings if one.shaft == shaft.id), key=lambda one: one.station)
         if len(bearings) >= 2 and bearings[-1].station > bearings[0].station:
             ends = (bearings[0], bearings[-1])
-            result.append(_rotor_balance(model, rotor, shaft.id, ends, grade, service_speed, maximum_continuous_speed))
+            result.append(_rotor_balance(rotor, shaft.id, ends, band(shaft.id, ends), required))
     return tuple(result)
 
 
 def _rotor_balance(
-    model: UpdatedModel,
-    rotor: Rotor,
-    shaft: str,
-    ends: tuple[Bearing, Bearing],
-    grade: float,
-    service_speed: float,
-    maximum_continuous_speed: float,
+    rotor: Rotor, shaft: str, ends: tuple[Bearing, Bearing], bands: PhasorBand, required: _Required
 ) -> RotorBalance:
     mass, centre = mass_and_centre(rotor, shaft)
-    bands = _plane_unbalances(model, shaft, ends)
     levers = _levers(centre, ends)
     planes = []
     for number, bearing in enumerate(ends):
         # U_per of the plane is share · m · G/ω; with G in mm/s this is in kg m after a factor of 1e-3.
-        of_one_grade = 1e-3 * _share(levers, number) * mass / service_speed
+        of_one_grade = 1e-3 * _share(levers, number) * mass / required.service_speed
         load = mass * abs(levers[number])
         planes.append(
             PlaneBalance(
@@ -153,8 +204,8 @@ def _rotor_balance(
                 lower=float(bands.lower[number]),
                 upper=float(bands.upper[number]),
                 load=load,
-                iso_permissible=grade * of_one_grade,
-                api_permissible=GRAM_MILLIMETRE * API_617 * load / rad_per_s_to_rpm(maximum_continuous_speed),
+                iso_permissible=required.grade * of_one_grade,
+                api_permissible=GRAM_MILLIMETRE * API_617 * load / rad_per_s_to_rpm(required.maximum_continuous_speed),
                 grade=float(bands.amplitude[number]) / of_one_grade,
             )
         )
@@ -194,16 +245,21 @@ def _share(levers: tuple[float, float], number: int) -> float:
     return min(max(levers[number], LEAST_SHARE), largest)
 
 
-def _plane_unbalances(model: UpdatedModel, shaft: str, ends: tuple[Bearing, Bearing]) -> PhasorBand:
+def _transfer(machine: Machine, shaft: str, ends: tuple[Bearing, Bearing]) -> Floats:
+    """Compute the parts (2, P) of each disc's unbalance that act in the planes of two bearings of a rigid rotor."""
+    return np.array([_levers(disc.station, ends) if disc.shaft == shaft else (0.0, 0.0) for disc in machine.discs]).T
+
+
+def _identified_unbalances(model: UpdatedModel, shaft: str, ends: tuple[Bearing, Bearing]) -> PhasorBand:
     """Compute the unbalances (2,) in the planes of two bearings that act on a rigid rotor as those of its discs."""
-    discs = model.machine.discs
-    transfer = np.array([_levers(disc.station, ends) if disc.shaft == shaft else (0.0, 0.0) for disc in discs]).T
+    transfer = _transfer(model.machine, shaft, ends)
+    discs = transfer.shape[1]
     slope = np.zeros((2, model.values.size), dtype=complex)
-    places = model.coordinates_at(np.ones(1)).excitation_place[: len(discs)]
+    places = model.coordinates_at(np.ones(1)).excitation_place[:discs]
     for disc, first in enumerate(places):
         if first >= 0:
             slope[:, first], slope[:, first + 1] = transfer[:, disc], 1j * transfer[:, disc]
-    return phasor_band(transfer @ model.excitations[: len(discs)], slope, model.covariance)
+    return phasor_band(transfer @ model.excitations[:discs], slope, model.covariance)
 
 
 def _verdict(plane: PlaneBalance, permissible: float) -> Verdict:

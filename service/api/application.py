@@ -28,6 +28,7 @@ from service.api.findings.diagnoses import router as diagnoses
 from service.api.findings.identifications import router as identifications
 from service.api.findings.model import router as model
 from service.api.findings.model_process import ModelProcess
+from service.api.machines.balancings import router as balancings
 from service.api.machines.baselines import router as baselines
 from service.api.machines.calibrations import router as calibrations
 from service.api.machines.fleet import router as fleet
@@ -192,6 +193,7 @@ def _routes() -> list[BaseRoute]:
         event_stream,
         suppressions,
         timeline,
+        balancings,
         baselines,
         deviations,
         alignment,

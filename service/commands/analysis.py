@@ -110,7 +110,7 @@ def model(
     _print_films(machine, service_rpm, needed=not files)
     if not files:
         return
-    described, _, result = _identified(machine, files, sidecar)
+    described, _, result = identified(machine, files, sidecar)
     say(result.verdict)
     if not result.accepted:
         raise typer.Exit(1)
@@ -153,7 +153,7 @@ def compare(
     from service.sources.recorded_runs import read_measurement
     from service.wire import Rejected
 
-    described, _, healthy = _identified(machine, [baseline], None)
+    described, _, healthy = identified(machine, [baseline], None)
     if not healthy.accepted:
         fail(f"{baseline}: {healthy.verdict}")
     try:
@@ -229,7 +229,8 @@ def _runs(
     return corrected, rest
 
 
-def _identified(machine: Path, files: list[Path], sidecar: Path | None) -> "tuple[Machine, Measurement, Identification]":
+def identified(machine: Path, files: list[Path], sidecar: Path | None) -> "tuple[Machine, Measurement, Identification]":
+    """Return a document, its runs and their identification; end the command where there is none."""
     described, measurement, found = _gated(machine, files, sidecar)
     if found.identification is None:
         fail(found.error or "there is nothing to identify from")

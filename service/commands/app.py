@@ -15,6 +15,7 @@ import typer
 
 from estimator.simulation.stories import Story
 from service.commands.analysis import compare, identify_offline, model, show_slow_roll
+from service.commands.balancing import balance_machine
 from service.commands.calibration import calibrate
 from service.commands.exit import fail
 from service.commands.first_steps import check, init
@@ -304,6 +305,7 @@ app.command()(model)
 app.command()(compare)
 app.command()(calibrate)
 app.command("slow-roll")(show_slow_roll)
+app.command("balance")(balance_machine)
 
 
 @app.command()

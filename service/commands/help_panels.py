@@ -6,7 +6,7 @@ from typer.core import TyperGroup
 
 PANELS: dict[str, tuple[str, ...]] = {
     "Try it": ("demo", "init", "check", "document", "sample"),
-    "Analyse recorded runs": ("identify", "model", "compare", "slow-roll"),
+    "Analyse recorded runs": ("identify", "model", "compare", "calibrate", "balance", "slow-roll"),
     "Run the service": ("serve", "doctor", "key", "audit"),
     "Connect machines": ("edge", "replay", "simulate", "router"),
     "Keep the data": ("backup", "restore", "move", "export", "retention"),
@@ -23,6 +23,8 @@ EXAMPLES: dict[str, str] = {
     "identify": "rundown identify examples/motor-pump.yaml healthy.csv --advice",
     "model": "rundown model examples/motor-pump.yaml healthy.csv --service-rpm 2980",
     "compare": "rundown compare examples/motor-pump.yaml healthy.csv later.csv --coupling C1",
+    "calibrate": "rundown calibrate examples/rk4-rotor-kit-four-probes.yaml tests/data/rk4_unbalance_1x.csv",
+    "balance": "rundown balance pump-12.yaml initial.csv trial-1.csv trial-2.csv --check check.csv",
     "slow-roll": "rundown slow-roll examples/motor-pump.yaml healthy.csv 300:400",
     "serve": "rundown serve --port 8080",
     "doctor": "rundown doctor --url http://localhost:8080",

@@ -18,8 +18,6 @@ from estimator.units import METRES, PEAK, rad_per_s_to_rpm, rpm_to_rad_per_s
 CANDIDATE_SPEEDS = 60
 EXPLAINED = 2.0
 """Largest χ²/dof at which the regression's values count as explaining a run."""
-BEYOND = 1.5
-"""Highest candidate speed, as a multiple of the speed range's end."""
 
 
 def quality_text(names: Sequence[str], qualities: Sequence[Quality], *, gate: bool) -> str:
@@ -47,7 +45,7 @@ def identification_text(result: Identification) -> str:
 def advice_text(machine: Machine, result: Identification, measurement: Measurement) -> str:
     """Return the additional speeds and probes that would help most, with their effect."""
     limits = machine.speed_range
-    lowest, highest = rpm_to_rad_per_s(limits.minimum_rpm), BEYOND * rpm_to_rad_per_s(limits.maximum_rpm)
+    lowest, highest = rpm_to_rad_per_s(limits.minimum_rpm), rpm_to_rad_per_s(limits.maximum_rpm)
     speeds = helpful_speeds(machine, result, candidates=np.linspace(lowest, highest, CANDIDATE_SPEEDS))
     probes = helpful_probes(machine, result, measurement)
     lines = ["", "What would help most, and by how much the standard errors would shrink together:"]

@@ -101,8 +101,10 @@ def _correction(model: UpdatedModel, speed: float) -> Iterator[str]:
 
 
 def _balancing_speeds(model: UpdatedModel, speed: float) -> Floats:
-    lowest = rpm_to_rad_per_s(model.machine.speed_range.minimum_rpm)
-    return np.linspace(min(lowest, speed), speed, 30)
+    """Return speeds up to the service speed, inside the document's range."""
+    limits = model.machine.speed_range
+    lowest, highest = rpm_to_rad_per_s(limits.minimum_rpm), rpm_to_rad_per_s(limits.maximum_rpm)
+    return np.linspace(lowest, min(max(speed, lowest), highest), 30)
 
 
 def _impact_test(model: UpdatedModel) -> Iterator[str]:

@@ -1,3 +1,4 @@
-"""Repositories of machine documents, baselines, limits, calibrations, slow-roll vectors, timelines and the fleet. They import
+"""Repositories of machine documents, baselines, limits, calibrations, slow-roll vectors, field
+balancings, timelines and the fleet. They import
 `database` and `tables`; every part of the service reads the document in force from here.
 """

@@ -1,4 +1,4 @@
-"""Tables of machines: documents, slow-roll vectors, limits, baselines, calibrations, notes."""
+"""Tables of machines: documents, slow-roll vectors, limits, baselines, calibrations, notes, field balancings."""
 
 from typing import Any
 
@@ -86,6 +86,25 @@ class CalibrationRow(Base):
     certificate: Mapped[str] = mapped_column(Text)
     by: Mapped[str] = mapped_column(Name(120))
     created_at: Mapped[int]
+
+
+class BalancingRow(Base):
+    """A field balancing, from its initial runs to its check run; each step stays as it was told and computed."""
+
+    __tablename__ = "balancings"
+    __table_args__ = (Index(None, "machine_id", "id"),)
+
+    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"))
+    revision: Mapped[int]
+    """Revision of the document under which all its runs were measured."""
+    state: Mapped[str] = mapped_column(Name(16))
+    steps: Mapped[dict[str, Any]]
+    """Initial runs, trials with their weights, the correction and the check run, as in `storage.machines.balancings`."""
+    by: Mapped[str] = mapped_column(Name(120))
+    comment: Mapped[str] = mapped_column(Text)
+    created_at: Mapped[int]
+    updated_at: Mapped[int]
 
 
 class BaselineRow(Base):

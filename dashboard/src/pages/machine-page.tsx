@@ -9,6 +9,7 @@ import { openAlertsPath } from "../data/open-alerts";
 import { prefetch, useResource } from "../data/resource";
 import { MachineStatus } from "../panels/machine-status";
 import type { MachineRevision } from "../schemas/machines";
+import { BalancingTab } from "./balancing-tab";
 import { ModelTab } from "./model-tab";
 import { OverviewTab } from "./overview-tab";
 import { ParametersTab } from "./parameters-tab";
@@ -59,6 +60,8 @@ function tabContent(tab: string, found: MachineRevision): ComponentChildren {
       return <ShapesTab machine={machine} />;
     case "model":
       return <ModelTab machine={machine} />;
+    case "balancing":
+      return <BalancingTab machine={machine} />;
     case "identified":
       return <ParametersTab machine={machine} />;
     case "settings":

@@ -1,4 +1,4 @@
-// The tabs of a machine's page, in the order of the keys 1 to 7.
+// The tabs of a machine's page, in the order of the keys 1 to 8.
 
 export const TABS = [
   { id: "overview", name: "Overview" },
@@ -6,6 +6,7 @@ export const TABS = [
   { id: "response", name: "Bode and polar" },
   { id: "shapes", name: "Orbits and modes" },
   { id: "model", name: "Model" },
+  { id: "balancing", name: "Balancing" },
   { id: "identified", name: "Parameters" },
   { id: "settings", name: "Limits and suppressions" },
 ] as const;

@@ -11,6 +11,10 @@ export interface PolarCurve {
   faint?: boolean;
   /** Without speeds beside it. */
   unlabelled?: boolean;
+  /** A vector from the middle to its last point: no speeds stand beside it or in its read-out. */
+  vector?: boolean;
+  /** Radius of the circle around the last point in which it lies with 95 %. */
+  radius?: number;
 }
 
 export interface Point {

@@ -11,7 +11,7 @@ const RADIUS = 132;
 
 export function PolarPlot({ title, curves, unit = "µm pp" }: { title: string; curves: PolarCurve[]; unit?: string }) {
   const [place, setPlace] = useState<PointPlace | null>(null);
-  const largest = Math.max(1e-9, ...curves.flatMap((one) => one.amplitude.map((value) => value ?? 0)));
+  const largest = Math.max(1e-9, ...curves.flatMap((one) => one.amplitude.map((value) => (value ?? 0) + (one.radius ?? 0))));
   const ring = niceStep(largest / 3);
   const rings = Math.ceil(largest / ring);
   const scale = RADIUS / (ring * rings);
@@ -49,7 +49,7 @@ export function PolarPlot({ title, curves, unit = "µm pp" }: { title: string; c
       >
         <Grid rings={rings} spacing={ring * scale} />
         {drawn.map((one) => (
-          <CurveOf drawn={one} />
+          <CurveOf drawn={one} scale={scale} />
         ))}
         {point && <circle class="chosen" cx={point.x} cy={point.y} r={5} />}
       </svg>
@@ -75,11 +75,13 @@ function Grid({ rings, spacing }: { rings: number; spacing: number }) {
   );
 }
 
-function CurveOf({ drawn: { curve, points } }: { drawn: DrawnCurve }) {
+function CurveOf({ drawn: { curve, points }, scale }: { drawn: DrawnCurve; scale: number }) {
+  const end = points.at(-1);
   return (
     <g class={`curve s${curve.style % COLOURS} ${curve.faint ? "faint" : ""}`}>
       {curve.line ? <path d={linePath(points)} /> : <path class="dots" d={points.map((one) => `M${one.x.toFixed(1)} ${one.y.toFixed(1)}h0`).join("")} />}
-      {!curve.faint && !curve.unlabelled && labelledPoints(points).map((one) => (
+      {curve.radius !== undefined && end && <path d={circlePath(end, curve.radius * scale)} />}
+      {!curve.faint && !curve.unlabelled && !curve.vector && labelledPoints(points).map((one) => (
         <text class="speed" x={one.x + 5} y={one.y - 4}>
           {Math.round(curve.rpm[one.index]!)}
         </text>
@@ -92,6 +94,12 @@ function linePath(points: Point[]): string {
   return points.map((one, index) => `${index ? "L" : "M"}${one.x.toFixed(1)} ${one.y.toFixed(1)}`).join("");
 }
 
+function circlePath({ x, y }: Point, radius: number): string {
+  const half = (to: number) => `A${radius.toFixed(1)} ${radius.toFixed(1)} 0 1 1 ${(x + to * radius).toFixed(1)} ${y.toFixed(1)}`;
+  return `M${(x - radius).toFixed(1)} ${y.toFixed(1)}${half(1)}${half(-1)}`;
+}
+
 function pointText(curve: PolarCurve, { index }: Point, unit: string): string {
-  return `${curve.name}: ${rpm(curve.rpm[index])}, ${number(curve.amplitude[index])} ${unit}, ${Math.round(curve.lag[index]!)}° lag`;
+  const speed = curve.vector ? "" : `${rpm(curve.rpm[index])}, `;
+  return `${curve.name}: ${speed}${number(curve.amplitude[index])} ${unit}, ${Math.round(curve.lag[index]!)}° lag`;
 }

@@ -253,11 +253,24 @@ def _correction(
     planes = plane or [disc.id for disc in one.machine.discs]
     if not planes:
         raise Unsuitable(f"machine '{one.machine.id}' has no disc to correct in")
-    speed = _speeds(one, from_rpm, to_rpm, points)
+    speed = _balancing_speeds(one, from_rpm, to_rpm, points)
     try:
         return balance(one.model, planes=planes, speed=speed)
     except ValueError as error:
         raise Unsuitable(f"plane: {error}") from error
+
+
+def _balancing_speeds(one: Identified, from_rpm: float | None, to_rpm: float | None, points: int) -> Floats:
+    """Return the speeds to balance at, inside the document's range: the machine may not be asked to run elsewhere."""
+    speed, limits = _speeds(one, from_rpm, to_rpm, points), one.machine.speed_range
+    outside = [rpm for rpm in (from_rpm, to_rpm) if rpm is not None and not limits.minimum_rpm <= rpm <= limits.maximum_rpm]
+    if outside:
+        raise Unsuitable(
+            f"{outside[0]:g} r/min lies outside the document's speed range, "
+            f"{limits.minimum_rpm:g} to {limits.maximum_rpm:g} r/min"
+        )
+    lowest, highest = rpm_to_rad_per_s(limits.minimum_rpm), rpm_to_rad_per_s(limits.maximum_rpm)
+    return np.linspace(max(speed[0], lowest), min(speed[-1], highest), points)
 
 
 def _highest(one: Identified) -> float:

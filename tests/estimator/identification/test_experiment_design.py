@@ -66,6 +66,18 @@ def test_a_probe_that_would_help_does(narrow: Identification) -> None:
     assert "probe on shaft" in best.what
 
 
+def test_only_speeds_inside_the_documents_range_are_advised(narrow: Identification) -> None:
+    document = chapter_3_document()
+    document["speed_range"] = {"minimum_rpm": 900, "maximum_rpm": 2000}
+    machine = parse_machine(document)
+    everywhere = helpful_speeds(chapter_3(), narrow, candidates=CANDIDATES, count=3)
+    assert max(one.speed for one in everywhere) > 2000 * np.pi / 30, "which speeds beyond would help"
+    within = helpful_speeds(machine, narrow, candidates=CANDIDATES, count=3)
+    assert all(900 <= one.speed * 30 / np.pi <= 2000 for one in within)
+    with pytest.raises(ValueError, match="no candidate lies in the speed range, 900 to 2000 r/min"):
+        helpful_speeds(machine, narrow, candidates=np.array([300.0, 400.0]))
+
+
 def test_a_target_that_is_none_is_named(narrow: Identification) -> None:
     with pytest.raises(ValueError, match=r"coordinates: bearing\.B9\.kxx"):
         helpful_speeds(chapter_3(), narrow, candidates=CANDIDATES, targets=["bearing.B9.kxx"])

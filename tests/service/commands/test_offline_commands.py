@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -55,6 +56,9 @@ def test_runs_with_and_without_a_trial_weight_are_fitted_together(healthy: str, 
     text = run("identify", DOCUMENT, healthy, heavier, "--advice")
     assert text.startswith("accepted")
     assert f"{2 * SPEED.size} samples" in text
+    advised = [float(one) for one in re.findall(r"rad/s \((\d+) rpm\)", text)]
+    assert len(advised) == 3
+    assert all(90 <= one <= 6000 for one in advised), "inside the document's range"
     found, error = value(text, "bearing.B1.kxx")
     assert abs(found - 250_000) < 4 * error
     found, error = value(text, "disc.D1.unbalance")

@@ -9,7 +9,7 @@ from service.monitoring import baseline_changes
 from storage.alerts import deliveries, suppressions
 from storage.database.engine import Database
 from storage.encoding.source_key import SourceKey
-from storage.machines import calibrations, machines
+from storage.machines import balancings, calibrations, machines
 from storage.measurements import quarantine, runs, samples
 from storage.measurements.quarantine import Rejection
 from tests.plant import SECOND, START, identification, machine, store_identification, sweep_rpm
@@ -34,6 +34,7 @@ class Ids:
     subscription_id: int
     delivery_id: int
     job_id: int
+    balancing_id: int
 
     def path(self, template: str) -> str:
         """A path with its parameters."""
@@ -79,7 +80,10 @@ def _plant(database: Database, document: Any, word: str) -> Ids:
         session.flush()
         delivery = deliveries.of_subscription(session, subscription.id, limit=1)[0]
         calibrations.add(session, document.id, channel=document.channels[0], at=START, certificate=word, by=word)
-        return Ids(document.id, run.id, row.id, alert.id, suppression.id, subscription.id, delivery.id, row.job_id)
+        balancing = balancings.add(session, document.id, revision=1, initial=[run.id], by=word, comment=word)
+        return Ids(
+            document.id, run.id, row.id, alert.id, suppression.id, subscription.id, delivery.id, row.job_id, balancing.id
+        )
 
 
 def leaks(text: str, but: tuple[str, ...] = ()) -> bool:

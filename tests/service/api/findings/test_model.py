@@ -179,6 +179,13 @@ def test_balancing_leaves_less_vibration(api: Api) -> None:
     assert squares[1] < squares[0]
 
 
+def test_no_correction_is_proposed_for_speeds_outside_the_documents_range(api: Api) -> None:
+    body = api.value("/identifications/1/model/balancing")
+    assert 300 <= min(body["speed"]) <= max(body["speed"]) <= MAXIMUM_RPM
+    answer = api.get("/identifications/1/model/balancing", to_rpm=MAXIMUM_RPM + 1)
+    assert "lies outside the document's speed range" in problem(answer, 422)["detail"]
+
+
 def test_bode_of_measured_points_fit_and_residuals(api: Api) -> None:
     body = api.value("/identifications/1/bode", points=50)
     assert body["slow_roll_subtracted"] is False

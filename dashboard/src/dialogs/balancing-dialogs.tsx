@@ -1,0 +1,138 @@
+// The steps of a field balancing: begin with an initial run, add a trial run, compute the correction, compare a check run.
+import { post, type IdempotencyKeys } from "../data/http-client";
+import { refetch, useResource } from "../data/resource";
+import { when } from "../format/times";
+import type { Document } from "../schemas/machines";
+import type { Run } from "../schemas/runs";
+import { author, CommentField, FormDialog } from "./form-dialog";
+
+const RUNS = 50;
+const UNITS = ["g mm", "g", "kg mm", "kg", "oz in", "oz", "g in"];
+const MASSES = ["g", "kg", "oz"];
+
+export type BalancingStep = "begin" | "trial" | "correction" | "check";
+
+interface Props {
+  machine: Document;
+  step: BalancingStep;
+  /** The balancing that goes on; null to begin one. */
+  balancing: number | null;
+  onClose: () => void;
+}
+
+const TITLES: Record<BalancingStep, [title: string, button: string]> = {
+  begin: ["Begin a field balancing", "Begin"],
+  trial: ["Add a trial run", "Add"],
+  correction: ["Compute the correction", "Compute"],
+  check: ["Compare a check run", "Compare"],
+};
+
+export function BalancingDialog({ machine, step, balancing, onClose }: Props) {
+  const [title, button] = TITLES[step];
+  const list = `/machines/${machine.id}/balancings`;
+  const submit = async (form: FormData, keys: IdempotencyKeys) => {
+    const path = { begin: list, trial: `${list}/${balancing}/trials`, correction: `${list}/${balancing}/correction`, check: `${list}/${balancing}/check` }[step];
+    try {
+      await post(path, bodyOf(step, form), null, keys);
+    } finally {
+      refetch(list);
+    }
+  };
+  return (
+    <FormDialog title={title} button={button} onSubmit={submit} onClose={onClose}>
+      {step === "begin" && <RunField machine={machine.id} label="Run without trial weights" />}
+      {step === "begin" && <CommentField />}
+      {step === "trial" && <RunField machine={machine.id} label="Run with the weight" />}
+      {step === "trial" && <WeightFields machine={machine} />}
+      {step === "correction" && <CorrectionFields />}
+      {step === "check" && <RunField machine={machine.id} label="Run with the proposed weights" />}
+    </FormDialog>
+  );
+}
+
+function bodyOf(step: BalancingStep, form: FormData): unknown {
+  const by = author(form);
+  const run = Number(form.get("run"));
+  switch (step) {
+    case "begin":
+      return { runs: [run], comment: form.get("comment") ?? "", by };
+    case "trial": {
+      const unit = String(form.get("unit"));
+      const radius = MASSES.includes(unit) ? { radius_mm: Number(form.get("radius")) } : {};
+      const weight = { disc: form.get("disc"), amount: Number(form.get("amount")), unit, angle_deg: Number(form.get("angle")), ...radius };
+      return { run, weights: [weight], by };
+    }
+    case "correction":
+      return { criterion: form.get("criterion"), grade: Number(form.get("grade")), by };
+    case "check":
+      return { run, by };
+  }
+}
+
+function RunField({ machine, label }: { machine: string; label: string }) {
+  const { data } = useResource<Run[]>(`/machines/${machine}/runs?limit=${RUNS}`);
+  const closed = data?.filter((one) => one.state === "closed" && one.samples !== 0) ?? [];
+  return (
+    <label>
+      {label}
+      <select name="run" required>
+        {closed.map((one) => (
+          <option key={one.id} value={one.id}>{`${one.id}  ${one.kind}, ${when(one.started_at)}`}</option>
+        ))}
+      </select>
+    </label>
+  );
+}
+
+function WeightFields({ machine }: { machine: Document }) {
+  return (
+    <>
+      <label>
+        Disc
+        <select name="disc" required>
+          {machine.discs.map((one) => (
+            <option key={one.id}>{one.id}</option>
+          ))}
+        </select>
+      </label>
+      <label>
+        Amount, all that is on it
+        <input name="amount" type="number" step="any" min="0" required />
+      </label>
+      <label>
+        Unit
+        <select name="unit">
+          {UNITS.map((one) => (
+            <option key={one}>{one}</option>
+          ))}
+        </select>
+      </label>
+      <label>
+        Radius of a mass (g, kg, oz) [mm]
+        <input name="radius" type="number" step="any" min="0" />
+      </label>
+      <label>
+        Angle from the keyphasor mark, +x towards +y [°]
+        <input name="angle" type="number" step="any" min="-360" max="360" required />
+      </label>
+    </>
+  );
+}
+
+function CorrectionFields() {
+  return (
+    <>
+      <label>
+        Least
+        <select name="criterion">
+          <option value="least-squares">squares of the vibration</option>
+          <option value="min-max">largest vibration</option>
+        </select>
+      </label>
+      <label>
+        Balance quality grade G, ISO 21940-11 [mm/s]
+        <input name="grade" type="number" step="any" min="0.1" defaultValue="2.5" required />
+      </label>
+    </>
+  );
+}

@@ -1,0 +1,86 @@
+// Field balancings of a machine: the steps taken so far.
+
+export interface Weight {
+  disc: string;
+  g_mm: number;
+  angle_deg: number;
+}
+
+export interface CorrectionPlane extends Weight {
+  lower_g_mm: number;
+  upper_g_mm: number;
+  half_width_deg: number;
+  masses: { angle_deg: number; grams: number }[];
+  missed: number | null;
+}
+
+export type BalanceVerdict = "met" | "not met" | "open";
+
+export interface Residual {
+  g_mm: number;
+  upper_g_mm: number;
+  reached_grade: number;
+  verdict: BalanceVerdict;
+}
+
+interface BearingPlane {
+  shaft: string;
+  bearing: string;
+  permissible_g_mm: number;
+}
+
+export interface Vector {
+  amplitude_um_pp: number;
+  lag_deg: number;
+}
+
+/** A measuring point, a channel at a speed. radius_um_pp: of the prediction's 95 % circle. */
+export interface PointVectors {
+  point: string;
+  channel: string;
+  runs: (Vector & { name: string })[];
+  predicted: Vector;
+  radius_um_pp: number;
+}
+
+export interface ProposedCorrection {
+  by: string;
+  at: string;
+  speeds_rpm: number[];
+  criterion: string;
+  grade: number;
+  service_rpm: number;
+  influence: string;
+  notes: string[];
+  planes: CorrectionPlane[];
+  channels: { channel: string; before_um_pp: number; after_um_pp: number; upper_um_pp: number }[];
+  limit_um_pp: number | null;
+  limit_verdict: BalanceVerdict | null;
+  residual: (BearingPlane & { before: Residual; after: Residual })[];
+  vectors: PointVectors[];
+}
+
+export interface CheckRun {
+  by: string;
+  at: string;
+  run: number;
+  points: number;
+  points_kept: number;
+  channels: { channel: string; check_um_pp: number | null; kept: boolean | null }[];
+  limit_met: boolean | null;
+  residual: (BearingPlane & Residual)[];
+  trim: Weight[];
+  vectors: (Vector & { point: string })[];
+}
+
+export interface FieldBalancing {
+  id: number;
+  state: "begun" | "tried" | "proposed" | "checked";
+  by: string;
+  comment: string;
+  created_at: string;
+  initial: number[];
+  trials: { run: number; weights: Weight[]; by: string }[];
+  correction: ProposedCorrection | null;
+  check: CheckRun | null;
+}

@@ -1,0 +1,259 @@
+"""Requests and answers of field balancings."""
+
+from datetime import datetime
+from typing import Annotated, Literal, Self
+
+from pydantic import BaseModel, Field, model_validator
+
+from estimator.calibration.influence_correction import Criterion
+from estimator.field_types import Identifier
+from estimator.strict_model import StrictModel
+from estimator.units import KILOGRAM_METRES, KILOGRAMS, MassUnit, UnbalanceUnit
+from estimator.updated_model.balance_quality import GRAM_MILLIMETRE, Verdict
+from service.api.conventions.fields import Comment
+from service.security.principal import Author
+
+Angle = Annotated[float, Field(ge=-3600, le=3600, allow_inf_nan=False, description="from the keyphasor mark, +x to +y [°]")]
+Size = Annotated[float, Field(ge=1e-6, le=1e9, allow_inf_nan=False)]
+RunNumber = Annotated[int, Field(ge=0, le=2**62)]
+
+
+class WeightIn(StrictModel):
+    """A weight on a disc: an unbalance, or a mass at a radius."""
+
+    disc: Identifier
+    amount: Size = Field(description="an unbalance or a mass, in `unit`")
+    unit: UnbalanceUnit | MassUnit
+    radius_mm: Size | None = Field(default=None, description="at which a mass sits [mm]")
+    angle_deg: Angle
+
+    @model_validator(mode="after")
+    def _whole(self) -> Self:
+        if (self.unit in KILOGRAMS) != (self.radius_mm is not None):
+            raise ValueError("a mass (kg, g, oz) needs its radius_mm; an unbalance (g mm, kg mm, g in, oz in, kg m) has none")
+        return self
+
+    @property
+    def g_mm(self) -> float:
+        """Return the unbalance [g mm]."""
+        if self.radius_mm is None:
+            return self.amount * KILOGRAM_METRES[self.unit] / GRAM_MILLIMETRE
+        return self.amount * KILOGRAMS[self.unit] * 1e-3 * self.radius_mm / GRAM_MILLIMETRE
+
+
+Weights = Annotated[list[WeightIn], Field(max_length=100)]
+
+
+class BalancingIn(StrictModel):
+    """The beginning of a balancing: runs of the machine as it is, before any trial weight."""
+
+    runs: Annotated[list[RunNumber], Field(min_length=1, max_length=20)]
+    comment: Comment = ""
+    by: Author
+
+
+class TrialIn(StrictModel):
+    """A run with trial weights: all that was on, also what an earlier trial left."""
+
+    run: RunNumber
+    weights: Annotated[list[WeightIn], Field(min_length=1, max_length=100)]
+    by: Author
+
+
+class PlacesIn(StrictModel):
+    """Evenly spaced places of a disc where weights can sit."""
+
+    count: int = Field(ge=1, le=1000)
+    radius_mm: Size
+    first_deg: Angle = 0.0
+    largest_g: Size | None = Field(default=None, description="largest mass at one place [g]")
+    step_g: Size | None = Field(default=None, description="step of the masses [g]")
+
+
+class CorrectionIn(StrictModel):
+    """Bounds of a correction, and the grade by which it is judged."""
+
+    discs: Annotated[list[Identifier], Field(min_length=1, max_length=100)] | None = Field(
+        default=None, description="discs to correct in; by default all that had a trial weight"
+    )
+    criterion: Criterion = Field(default="least-squares", description="of the vibration: least squares, or least largest")
+    limits_g_mm: Annotated[dict[Identifier, Size], Field(max_length=100)] = Field(
+        default_factory=dict, description="largest correction by disc [g mm]"
+    )
+    places: Annotated[dict[Identifier, PlacesIn], Field(max_length=100)] = Field(default_factory=dict)
+    grade: Annotated[float, Field(gt=0, le=1e4, allow_inf_nan=False)] = Field(
+        default=2.5, description="balance quality grade G asked for, ISO 21940-11 [mm/s]"
+    )
+    service_rpm: Size | None = Field(default=None, description="by default the end of the speed range [r/min]")
+    identification: RunNumber | None = Field(
+        default=None, description="one whose model is used, alone or corrected, where it clearly predicts runs left out better"
+    )
+    by: Author
+
+
+class CheckIn(StrictModel):
+    """The run after the correction."""
+
+    run: RunNumber
+    weights: Weights | None = Field(default=None, description="all that is on; by default the weights that were proposed")
+    by: Author
+
+
+class WeightOut(BaseModel):
+    """An unbalance on a disc, from the keyphasor mark on, +x to +y."""
+
+    disc: str
+    g_mm: float
+    angle_deg: float
+
+
+class TrialOut(BaseModel):
+    """A trial run with all weights that were on."""
+
+    run: int
+    weights: list[WeightOut]
+    by: str
+
+
+class PlacedMass(BaseModel):
+    """A mass at a place of a disc."""
+
+    angle_deg: float
+    grams: float
+
+
+class CorrectionPlaneOut(WeightOut):
+    """An unbalance to add to a disc, with 95 % intervals."""
+
+    lower_g_mm: float
+    upper_g_mm: float
+    half_width_deg: float = Field(description="half the interval of the angle; 180 where any angle is possible [°]")
+    masses: list[PlacedMass] = Field(description="at the places of the disc, where these are known")
+    missed: float | None = Field(description="part of the best unbalance that the places miss")
+
+
+class ChannelEffectOut(BaseModel):
+    """Largest vibration of a channel over the speeds, as it was and as it is promised."""
+
+    channel: str
+    before_um_pp: float
+    after_um_pp: float
+    upper_um_pp: float = Field(description="95 % bound: what the next run will stay below")
+
+
+class ResidualOut(BaseModel):
+    """Residual unbalance in a bearing plane as that of a rigid rotor, by ISO 21940-11."""
+
+    g_mm: float
+    upper_g_mm: float
+    reached_grade: float
+    verdict: Verdict
+
+
+class ResidualPlaneOut(BaseModel):
+    """A bearing plane before and after a correction."""
+
+    shaft: str
+    bearing: str
+    permissible_g_mm: float
+    before: ResidualOut
+    after: ResidualOut
+
+
+class CheckedPlaneOut(ResidualOut):
+    """A bearing plane as the check run shows it."""
+
+    shaft: str
+    bearing: str
+    permissible_g_mm: float
+
+
+class VectorOfRun(BaseModel):
+    """A vector of one run."""
+
+    name: str
+    amplitude_um_pp: float
+    lag_deg: float
+
+
+class PredictedVector(BaseModel):
+    """A predicted vector."""
+
+    amplitude_um_pp: float
+    lag_deg: float
+
+
+class PointVectors(BaseModel):
+    """Vectors at one measuring point, a channel at a speed."""
+
+    point: str
+    channel: str
+    runs: list[VectorOfRun]
+    predicted: PredictedVector
+    radius_um_pp: float = Field(description="of the prediction's 95 % circle")
+
+
+class CorrectionOut(BaseModel):
+    """A proposed correction, and what it will leave."""
+
+    by: str
+    at: datetime
+    speeds_rpm: list[float]
+    criterion: str
+    grade: float
+    service_rpm: float
+    influence: str = Field(description="method of the influence coefficients, and how well it predicts runs left out")
+    notes: list[str]
+    planes: list[CorrectionPlaneOut]
+    channels: list[ChannelEffectOut]
+    limit_um_pp: float | None = Field(description="the document's vibration limit")
+    limit_verdict: Verdict | None
+    residual: list[ResidualPlaneOut]
+    vectors: list[PointVectors]
+
+
+class CheckedChannelOut(BaseModel):
+    """Largest vibration of a channel in the check run, and whether the promise for it was kept."""
+
+    channel: str
+    check_um_pp: float | None
+    kept: bool | None
+
+
+class CheckedVector(PredictedVector):
+    """A vector of the check run at a measuring point."""
+
+    point: str
+
+
+class CheckOut(BaseModel):
+    """A check run beside what was promised for the weights that are on."""
+
+    by: str
+    at: datetime
+    run: int
+    weights: list[WeightOut] | None = Field(description="null: those that were proposed")
+    points: int
+    points_kept: int
+    channels: list[CheckedChannelOut]
+    limit_met: bool | None
+    residual: list[CheckedPlaneOut]
+    trim: list[WeightOut] = Field(description="what to add to the weights that are on")
+    vectors: list[CheckedVector]
+
+
+class BalancingOut(BaseModel):
+    """A field balancing with the steps taken so far."""
+
+    id: int
+    machine: str
+    revision: int
+    state: Literal["begun", "tried", "proposed", "checked"]
+    by: str
+    comment: str
+    created_at: datetime
+    updated_at: datetime
+    initial: list[int] = Field(description="runs before any trial weight")
+    trials: list[TrialOut]
+    correction: CorrectionOut | None
+    check: CheckOut | None

@@ -1,0 +1,232 @@
+"""Field balancings of a machine: initial run, trial runs, correction and check run, each step stored.
+
+Computations read in one transaction and are stored in another, which nobody waits for meanwhile.
+"""
+
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from fastapi import APIRouter, Request, status
+from sqlalchemy.orm import Session
+
+from estimator.calibration.balancing_check import check_balancing
+from estimator.calibration.field_balancing import (
+    BalancingOptions,
+    BalancingRun,
+    FieldBalancing,
+    ModelInfluence,
+    balance_from_trials,
+)
+from estimator.calibration.weight_places import WeightPlaces
+from estimator.errors import Conflict
+from estimator.machine.document import Machine
+from estimator.units import rpm_to_rad_per_s
+from estimator.updated_model.balance_quality import GRAM_MILLIMETRE
+from estimator.updated_model.balancing import BalancingFailed, influence_coefficients
+from service.api.conventions.dependencies import MachineId, Number, Reading, database
+from service.api.conventions.paging import ById
+from service.api.conventions.problems import CHANGES, RESPONSES, Unsuitable
+from service.api.machines import balancing_schemas as schemas
+from service.balancing.open_causes import require_nothing_else
+from service.balancing.rendering import check_fields, correction_fields
+from service.balancing.stored_runs import StoredWeight, balancing_run, read_weights
+from service.identification.stored_model import identified
+from service.security.requirement import ANALYST, VIEWER
+from storage.clock import now, to_datetime
+from storage.machines import balancings, machines
+from storage.tables.machines import BalancingRow
+
+router = APIRouter(prefix="/machines/{machine_id}/balancings", tags=["balancing"], responses=RESPONSES, dependencies=[VIEWER])
+
+
+class BalancingMoved(Conflict):
+    """Raised when somebody else took a step of the balancing meanwhile."""
+
+
+class StepMissing(Conflict):
+    """Raised when a step is asked for before the one that it needs."""
+
+
+@router.get("", operation_id="list_balancings")
+def list_balancings(session: Reading, machine_id: MachineId, paging: ById) -> list[schemas.BalancingOut]:
+    """List a machine's field balancings, newest first."""
+    machines.get(session, machine_id)
+    rows = balancings.of_machine(session, machine_id, limit=paging.wanted, after=paging.after)
+    return [_rendered(row) for row in paging.page(rows, lambda row: (row.id,))]
+
+
+@router.get("/{balancing_id}", operation_id="read_balancing_steps")
+def read_balancing(session: Reading, machine_id: MachineId, balancing_id: Number) -> schemas.BalancingOut:
+    """Read a field balancing with the steps taken so far."""
+    return _rendered(balancings.get(session, machine_id, balancing_id))
+
+
+@router.post("", operation_id="begin_balancing", status_code=status.HTTP_201_CREATED, dependencies=[ANALYST])
+def begin_balancing(request: Request, machine_id: MachineId, said: schemas.BalancingIn) -> schemas.BalancingOut:
+    """Begin a field balancing with runs of the machine as it is, before any trial weight."""
+    with database(request).transaction() as session:
+        revision = machines.get(session, machine_id).revision
+        for run in said.runs:
+            balancing_run(session, machine_id, revision, run, None)
+        row = balancings.add(
+            session, machine_id, revision=revision, initial=list(dict.fromkeys(said.runs)), by=said.by, comment=said.comment
+        )
+        return _rendered(row)
+
+
+@router.post("/{balancing_id}/trials", operation_id="add_balancing_trial", dependencies=[ANALYST], responses=CHANGES)
+def add_trial(request: Request, machine_id: MachineId, balancing_id: Number, said: schemas.TrialIn) -> schemas.BalancingOut:
+    """Add a run with trial weights. A correction that was computed before is computed anew on request."""
+    weights = _weights(said.weights)
+    with database(request).transaction() as session:
+        row = balancings.get(session, machine_id, balancing_id, to_change=True)
+        if said.run in [*row.steps["initial"], *(trial["run"] for trial in row.steps["trials"])]:
+            raise Unsuitable(f"run {said.run} is part of this balancing already")
+        balancing_run(session, machine_id, row.revision, said.run, weights)
+        trial = {"run": said.run, "weights": [asdict(one) for one in weights], "by": said.by}
+        balancings.record(row, balancings.TRIED, trials=[*row.steps["trials"], trial], correction=None, check=None)
+        return _rendered(row)
+
+
+@router.post(
+    "/{balancing_id}/correction", operation_id="compute_balancing_correction", dependencies=[ANALYST], responses=CHANGES
+)
+def compute_correction(
+    request: Request, machine_id: MachineId, balancing_id: Number, said: schemas.CorrectionIn
+) -> schemas.BalancingOut:
+    """Compute the correction from the trial runs so far.
+
+    Answers 409 and proposes no masses while an open alert says that something else than unbalance is wrong.
+    """
+    with database(request).reading() as session:
+        require_nothing_else(session, machine_id)
+        row = balancings.get(session, machine_id, balancing_id)
+        read = row.updated_at
+        found = _computed(session, row, said.model_dump(mode="json", exclude={"by"}))
+    result = correction_fields(found)
+    asked = said.model_dump(mode="json", exclude={"by"})
+    step = {"asked": asked, "by": said.by, "at": now(), "result": result}
+    with database(request).transaction() as session:
+        row = _unmoved(session, machine_id, balancing_id, read)
+        balancings.record(row, balancings.PROPOSED, correction=step, check=None)
+        return _rendered(row)
+
+
+@router.post("/{balancing_id}/check", operation_id="check_balancing", dependencies=[ANALYST], responses=CHANGES)
+def check_correction(
+    request: Request, machine_id: MachineId, balancing_id: Number, said: schemas.CheckIn
+) -> schemas.BalancingOut:
+    """Compare a run after the correction with what was promised, and say what to trim."""
+    weights = None if said.weights is None else _weights(said.weights)
+    with database(request).reading() as session:
+        row = balancings.get(session, machine_id, balancing_id)
+        read = row.updated_at
+        if row.steps["correction"] is None:
+            raise StepMissing(f"balancing {balancing_id} has no correction yet, which a check run could keep")
+        found = _computed(session, row, row.steps["correction"]["asked"])
+        run = balancing_run(session, machine_id, row.revision, said.run, weights)
+    result = check_fields(found, check_balancing(found, run))
+    step = {
+        "run": said.run,
+        "weights": None if weights is None else [asdict(one) for one in weights],
+        "by": said.by,
+        "at": now(),
+        "result": result,
+    }
+    with database(request).transaction() as session:
+        row = _unmoved(session, machine_id, balancing_id, read)
+        balancings.record(row, balancings.CHECKED, check=step)
+        return _rendered(row)
+
+
+def _unmoved(session: Session, machine_id: str, balancing_id: int, read: int) -> BalancingRow:
+    """Return a balancing, locked, as it was when it was read. Raises BalancingMoved."""
+    row = balancings.get(session, machine_id, balancing_id, to_change=True)
+    if row.updated_at != read:
+        raise BalancingMoved(f"balancing {balancing_id} was changed meanwhile: read it again")
+    return row
+
+
+def _computed(session: Session, row: BalancingRow, asked: dict[str, Any]) -> FieldBalancing:
+    """Return the correction from a balancing's stored runs. Raises StepMissing, TrialsUnusable, NoCommonSpeed, Unsuitable."""
+    if not row.steps["trials"]:
+        raise StepMissing(f"balancing {row.id} has no trial run yet: add one with a weight on each plane")
+    machine = machines.document(session, row.machine_id, row.revision)
+
+    def run(run_id: int, weights: list[StoredWeight]) -> BalancingRun:
+        return balancing_run(session, row.machine_id, row.revision, run_id, weights)
+
+    initial = [run(one, []) for one in row.steps["initial"]]
+    trials = [run(one["run"], read_weights(one["weights"])) for one in row.steps["trials"]]
+    model = _model(session, machine, asked.get("identification"))
+    try:
+        return balance_from_trials(machine, initial, trials, options=_options(machine, asked), model=model)
+    except BalancingFailed as error:
+        raise Unsuitable(str(error)) from error
+
+
+def _model(session: Session, machine: Machine, identification_id: int | None) -> ModelInfluence | None:
+    """Return the influence coefficients of an identification's model. Raises IdentificationUnknown, NoModel, Unsuitable."""
+    if identification_id is None:
+        return None
+    one = identified(session, identification_id)
+    if one.machine.id != machine.id or one.machine.channels != machine.channels:
+        raise Unsuitable(f"identification {identification_id} is not of this machine with its probes")
+    return lambda planes, speed: influence_coefficients(one.model, planes=planes, speed=speed)
+
+
+def _options(machine: Machine, asked: dict[str, Any]) -> BalancingOptions:
+    said = schemas.CorrectionIn.model_validate(asked | {"by": "-"})
+    discs = [disc.id for disc in machine.discs]
+    for name in [*(said.discs or []), *said.limits_g_mm, *said.places]:
+        if name not in discs:
+            raise Unsuitable(f"there is no disc {name}; the discs are {', '.join(discs)}")
+    return BalancingOptions(
+        planes=None if said.discs is None else tuple(said.discs),
+        criterion=said.criterion,
+        limit={disc: size * GRAM_MILLIMETRE for disc, size in said.limits_g_mm.items()},
+        places={disc: _places(one) for disc, one in said.places.items()},
+        grade=said.grade,
+        service_speed=None if said.service_rpm is None else rpm_to_rad_per_s(said.service_rpm),
+    )
+
+
+def _places(said: schemas.PlacesIn) -> WeightPlaces:
+    return WeightPlaces.evenly(
+        said.count,
+        radius=1e-3 * said.radius_mm,
+        first_deg=said.first_deg,
+        largest=np.inf if said.largest_g is None else 1e-3 * said.largest_g,
+        step=0.0 if said.step_g is None else 1e-3 * said.step_g,
+    )
+
+
+def _weights(said: list[schemas.WeightIn]) -> list[StoredWeight]:
+    return [StoredWeight(one.disc, one.g_mm, one.angle_deg) for one in said]
+
+
+def _rendered(row: BalancingRow) -> schemas.BalancingOut:
+    correction, check = row.steps["correction"], row.steps["check"]
+    return schemas.BalancingOut.model_validate(
+        {
+            "id": row.id,
+            "machine": row.machine_id,
+            "revision": row.revision,
+            "state": row.state,
+            "by": row.by,
+            "comment": row.comment,
+            "created_at": to_datetime(row.created_at),
+            "updated_at": to_datetime(row.updated_at),
+            "initial": row.steps["initial"],
+            "trials": row.steps["trials"],
+            "correction": None if correction is None else correction["result"] | _taken(correction),
+            "check": None
+            if check is None
+            else check["result"] | _taken(check) | {key: check[key] for key in ("run", "weights")},
+        }
+    )
+
+
+def _taken(step: dict[str, Any]) -> dict[str, Any]:
+    return {"by": step["by"], "at": to_datetime(step["at"])}

@@ -1,0 +1,41 @@
+"""Open alerts that say that something else than unbalance is wrong: weights would hide it, and the trial runs would lie."""
+
+from collections.abc import Sequence
+
+from sqlalchemy.orm import Session
+
+from estimator.errors import Conflict
+from storage.alerts import alerts
+from storage.alerts.alerts import ListedAlert
+
+BALANCED_AWAY = ("unbalance",)
+"""Rules whose alerts a balancing is the answer to."""
+DRIFTING_UNBALANCE = ("rate_of_change", "disc.")
+"""Rule and element of an alert that an unbalance drifts, which is balanced away, too."""
+GONE = ("normal", "returned")
+"""Conditions of an alert whose cause is gone."""
+MOST = 1000
+
+
+class SomethingElseWrong(Conflict):
+    """Raised when no masses are proposed because an open alert names another cause of the vibration."""
+
+
+def require_nothing_else(session: Session, machine_id: str) -> None:
+    """Raise SomethingElseWrong while an open alert of the machine has a present cause that no weight mends."""
+    found = alerts.find(session, machine_id=machine_id, only_open=True, limit=MOST)
+    other = [one for one in found if one.condition not in GONE and not _is_of_unbalance(one)]
+    if other:
+        raise SomethingElseWrong(_words(other))
+
+
+def _is_of_unbalance(alert: ListedAlert) -> bool:
+    rule, element = DRIFTING_UNBALANCE
+    return alert.rule in BALANCED_AWAY or (alert.rule == rule and alert.element.startswith(element))
+
+
+def _words(other: Sequence[ListedAlert]) -> str:
+    names = dict.fromkeys(alert.element.rpartition(".")[2] or "what is wrong" for alert in other)
+    told = "; ".join(f"alert {alert.id} ({alert.rule}): {alert.message}" for alert in other[:3])
+    more = f"; and {len(other) - 3} more" if len(other) > 3 else ""
+    return f"mend {', '.join(names)} first, no masses are proposed while something else is wrong: {told}{more}"

@@ -1,0 +1,60 @@
+"""One printed page of a balancing: the report's text, and a vector plot of each channel at the speed where it moves most."""
+
+import html
+from collections.abc import Sequence
+
+import numpy as np
+
+from estimator.calibration.balancing_check import BalancingCheck
+from estimator.calibration.field_balancing import FieldBalancing
+from estimator.fit.estimates import CONFIDENCE_95
+from service.balancing.balancing_text import balancing_text
+from service.balancing.correction_rows import MICROMETRES
+from service.balancing.vector_plot import PlottedVector, vector_plot
+
+STYLE = (
+    "@page{size:A4;margin:12mm}body{font:10px/1.35 sans-serif;margin:1em;color:#111}pre{font:9px/1.35 monospace;"
+    "white-space:pre-wrap}figure{display:inline-block;margin:0 6px 6px 0;width:220px;vertical-align:top}"
+    "figcaption{font-size:9px}.ring{fill:none;stroke:#bbb;stroke-width:.6}text{font-size:8px;fill:#555}"
+)
+
+
+def printed_page(found: FieldBalancing, check: BalancingCheck | None = None) -> str:
+    """Return the page as HTML that needs nothing beside it."""
+    plots = "".join(channel_plots(found, check))
+    title = html.escape(f"Balancing of {found.machine.name}")
+    return (
+        f'<!doctype html><html lang="en"><head><meta charset="utf-8"/><title>{title}</title><style>{STYLE}</style></head>'
+        f"<body><pre>{html.escape(balancing_text(found, check))}</pre>{plots}</body></html>\n"
+    )
+
+
+def channel_plots(found: FieldBalancing, check: BalancingCheck | None = None) -> Sequence[str]:
+    """Return a vector plot of each channel, at the point where its vibration was largest."""
+    plots = []
+    for channel in found.machine.channels:
+        own = [at for at, point in enumerate(found.runs.points) if point.startswith(f"{channel} at ")]
+        if own:
+            at = max(own, key=lambda one: float(found.correction.before.amplitude[one]))
+            plots.append(vector_plot(found.runs.points[at], _vectors(found, check, at), unit="µm pp"))
+    return plots
+
+
+def _vectors(found: FieldBalancing, check: BalancingCheck | None, at: int) -> list[PlottedVector]:
+    runs = found.runs
+    unloaded = ~np.any(runs.added != 0.0, axis=1)
+    shown = [
+        PlottedVector(name, complex(vector) / MICROMETRES, dashed=bool(not base))
+        for name, vector, base in zip(runs.names, runs.vector[:, at], unloaded, strict=True)
+        if np.isfinite(vector)
+    ][:MOST_RUNS]
+    after = found.correction.after
+    size = found.correction.influence.widening * CONFIDENCE_95 * float(np.sqrt(np.trace(after.covariance[at]) / 2.0))
+    shown.append(PlottedVector("predicted", complex(after.value[at]) / MICROMETRES, uncertain=size / MICROMETRES))
+    if check is not None and np.isfinite(check.vector[at]):
+        shown.append(PlottedVector(check.name, complex(check.vector[at]) / MICROMETRES))
+    return shown
+
+
+MOST_RUNS = 6
+"""Largest number of runs in one plot."""

@@ -1,0 +1,117 @@
+"""Renders a correction and its check run as fields of plain numbers, as the API answers them and the store keeps them."""
+
+import cmath
+import math
+from typing import Any
+
+import numpy as np
+
+from estimator.calibration.balancing_check import BalancingCheck
+from estimator.calibration.field_balancing import FieldBalancing
+from estimator.fit.estimates import CONFIDENCE_95
+from estimator.units import rad_per_s_to_rpm
+from estimator.updated_model.balance_quality import GRAM_MILLIMETRE, PlaneBalance, RotorBalance
+from service.balancing.correction_rows import MICROMETRES, channel_effects, limit_verdicts, plane_weights, trim_weights
+
+
+def correction_fields(found: FieldBalancing) -> dict[str, Any]:
+    """Return a correction: weights, what they leave, residual unbalances, vectors."""
+    limit = limit_verdicts(found)
+    return {
+        "speeds_rpm": [rad_per_s_to_rpm(float(one)) for one in found.speed],
+        "criterion": found.correction.criterion,
+        "grade": found.options.grade,
+        "service_rpm": rad_per_s_to_rpm(found.service_speed),
+        "influence": found.choice.words,
+        "notes": list(found.notes),
+        "planes": [
+            {
+                "disc": one.plane,
+                "g_mm": one.g_mm,
+                "lower_g_mm": one.lower_g_mm,
+                "upper_g_mm": one.upper_g_mm,
+                "angle_deg": one.angle_deg,
+                "half_width_deg": one.half_width_deg,
+                "masses": [{"angle_deg": angle, "grams": grams} for angle, grams in one.masses],
+                "missed": one.missed,
+            }
+            for one in plane_weights(found)
+        ],
+        "channels": [
+            {"channel": one.channel, "before_um_pp": one.before, "after_um_pp": one.after, "upper_um_pp": one.upper}
+            for one in channel_effects(found)
+        ],
+        "limit_um_pp": None if limit is None else limit[0],
+        "limit_verdict": None if limit is None else limit[1],
+        "residual": [
+            {**_plane(shaft, before), "before": _residual(before), "after": _residual(after)}
+            for shaft, before, after in _pairs(found.before, found.after)
+        ],
+        "vectors": _vectors(found),
+    }
+
+
+def check_fields(found: FieldBalancing, check: BalancingCheck) -> dict[str, Any]:
+    """Return what a check run shows beside what was promised."""
+    shown = np.isfinite(check.vector)
+    limit = found.machine.operation.vibration_limit
+    return {
+        "points": int(np.count_nonzero(shown)),
+        "points_kept": int(np.count_nonzero(check.held)),
+        "channels": [
+            {"channel": one.channel, "check_um_pp": one.check, "kept": one.held} for one in channel_effects(found, check)
+        ],
+        "limit_met": None if limit is None else bool(np.nanmax(np.abs(check.vector)) <= limit),
+        "residual": [{**_plane(shaft, one), **_residual(one)} for shaft, one, _ in _pairs(check.residual, check.residual)],
+        "trim": [{"disc": plane, "g_mm": size, "angle_deg": angle} for plane, size, angle in trim_weights(found, check)],
+        "vectors": [
+            {"point": point, **_polar(complex(value))}
+            for point, value in zip(found.runs.points, check.vector, strict=True)
+            if np.isfinite(value)
+        ],
+    }
+
+
+def _vectors(found: FieldBalancing) -> list[dict[str, Any]]:
+    """Return each point's vectors of all runs, and the prediction with the radius of its 95 % circle."""
+    after, runs = found.correction.after, found.runs
+    radius = found.correction.influence.widening * CONFIDENCE_95 * np.sqrt(np.trace(after.covariance, axis1=1, axis2=2) / 2)
+    return [
+        {
+            "point": point,
+            "channel": point.partition(" at ")[0],
+            "runs": [
+                {"name": name, **_polar(complex(value))}
+                for name, value in zip(runs.names, runs.vector[:, at], strict=True)
+                if np.isfinite(value)
+            ],
+            "predicted": _polar(complex(after.value[at])),
+            "radius_um_pp": float(radius[at]) / MICROMETRES,
+        }
+        for at, point in enumerate(runs.points)
+    ]
+
+
+def _polar(value: complex) -> dict[str, float]:
+    return {"amplitude_um_pp": abs(value) / MICROMETRES, "lag_deg": -math.degrees(cmath.phase(value)) % 360.0 % 360.0}
+
+
+def _pairs(one: tuple[RotorBalance, ...], other: tuple[RotorBalance, ...]) -> list[tuple[str, PlaneBalance, PlaneBalance]]:
+    return [
+        (first.shaft, plane, beside)
+        for first, second in zip(one, other, strict=True)
+        for plane, beside in zip(first.planes, second.planes, strict=True)
+    ]
+
+
+def _plane(shaft: str, plane: PlaneBalance) -> dict[str, Any]:
+    return {"shaft": shaft, "bearing": plane.bearing, "permissible_g_mm": plane.iso_permissible / GRAM_MILLIMETRE}
+
+
+def _residual(plane: PlaneBalance) -> dict[str, Any]:
+    return {
+        "g_mm": abs(plane.unbalance) / GRAM_MILLIMETRE,
+        "upper_g_mm": plane.upper / GRAM_MILLIMETRE,
+        "reached_grade": plane.grade,
+        "verdict": plane.iso,
+    }

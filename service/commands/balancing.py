@@ -1,0 +1,184 @@
+"""The command `rundown balance`: from an initial run and trial runs to a correction, and its check run."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import numpy as np
+import typer
+
+from estimator.calibration.influence_correction import Criterion
+from service.commands.exit import fail
+from service.commands.terminal import say, say_lines
+
+if TYPE_CHECKING:
+    from estimator.calibration.field_balancing import BalancingOptions, BalancingRun, ModelInfluence
+    from estimator.machine.document import Machine
+
+GRAM = 1e-3
+MILLIMETRE = 1e-3
+
+
+def balance_machine(
+    machine: Annotated[Path, typer.Argument(help="machine document")],
+    initial: Annotated[Path, typer.Argument(help="recorded run before any trial weight")],
+    trials: Annotated[list[Path], typer.Argument(help="recorded runs with the trial weights that their sidecars state")],
+    check: Annotated[Path | None, typer.Option(help="run after the correction; its sidecar says which weights are on")] = None,
+    plane: Annotated[list[str] | None, typer.Option(help="disc to correct in; by default all that had a trial weight")] = None,
+    criterion: Annotated[
+        Criterion, typer.Option(help="least squares of the vibration, or the least largest")
+    ] = "least-squares",
+    limit: Annotated[list[str] | None, typer.Option(help="largest correction of a disc, such as D1=50 [g mm]")] = None,
+    holes: Annotated[
+        list[str] | None,
+        typer.Option(help="places of a disc, as DISC=COUNT,RADIUS[,FIRST[,LARGEST[,STEP]]] in mm, ° and g: D1=16,30,0,5,0.1"),
+    ] = None,
+    rpm: Annotated[list[float] | None, typer.Option(help="speed to balance at; by default all that the runs share")] = None,
+    grade: Annotated[float, typer.Option(min=1e-3, help="balance quality grade G asked for [mm/s]")] = 2.5,
+    service_rpm: Annotated[float | None, typer.Option(min=1e-3, help="service speed; by default the range's end")] = None,
+    use_model: Annotated[
+        bool, typer.Option("--model", help="identify the machine from the same runs, and use its model if it predicts better")
+    ] = False,
+    page: Annotated[Path | None, typer.Option(help="HTML file for one printed page with vector plots")] = None,
+) -> None:
+    """Compute correction weights from an initial run and trial runs, without a service, and judge a check run.
+
+    Prints the correction with 95 % intervals, the vibration and the residual unbalance that it will leave (ISO 21940-11,
+    and the document's vibration limit). With --check ends with status 1 where the run shows more than was promised.
+    """
+    import threadpoolctl
+
+    from estimator.calibration.balancing_check import check_balancing
+    from estimator.calibration.field_balancing import balance_from_trials
+    from service.balancing.balancing_text import balancing_text
+    from service.balancing.correction_rows import channel_effects
+    from service.balancing.printed_page import printed_page
+    from service.commands.document_warnings import say_warnings
+    from service.configuration.document_files import UnreadableFile, read_machine
+    from service.wire import Rejected
+
+    try:
+        described = read_machine(machine)
+        say_warnings(described)
+        options = _options(plane, criterion, limit or [], holes or [], rpm, grade, service_rpm)
+        groups = [run for file in (initial, *trials) for run in _balancing_runs(described, file, required=file != initial)]
+        unloaded = [run for run in groups if run.added is not None and not np.any(run.added)]
+        loaded = [run for run in groups if run.added is None or np.any(run.added)]
+        model = _model(machine, [initial, *trials]) if use_model else None
+        with threadpoolctl.threadpool_limits(1):
+            found = balance_from_trials(described, unloaded, loaded, options=options, model=model)
+            checked = None
+            if check is not None:
+                checked = check_balancing(found, _check_run(described, check))
+        say_lines(balancing_text(found, checked))
+        if page is not None:
+            page.write_text(printed_page(found, checked), encoding="utf-8")
+    except (UnreadableFile, Rejected, ValueError, OSError) as error:
+        fail(str(error))
+    if checked is not None and not all(one.held for one in channel_effects(found, checked) if one.held is not None):
+        raise typer.Exit(1)
+
+
+def _balancing_runs(machine: "Machine", file: Path, *, required: bool) -> "list[BalancingRun]":
+    """Return the runs of a file: rows with the same weights and of the same mounting are one.
+
+    required: whether the file must state its weights. A run that states none is taken to have had none.
+    """
+    from estimator.calibration.field_balancing import BalancingRun
+    from service.configuration.document_files import UnreadableFile
+    from service.sources.recorded_runs import read_runs
+    from service.sources.recording import read_circumstances
+
+    ((_, measurement),), left_out = read_runs(machine, [file])
+    for line in left_out:
+        say(line, err=True)
+    circumstances = read_circumstances(file)
+    if required and not circumstances.stated:
+        raise UnreadableFile(
+            f"{file} states no trial weight: its sidecar needs `added_unbalance` with disc, amount, unit and angle, or `none`"
+        )
+    rows = measurement.speed.size
+    added = np.zeros((rows, len(machine.discs)), dtype=complex) if measurement.added is None else measurement.added
+    mounting = circumstances.mounting
+    if len(set(mounting)) <= 1:
+        mounting = [""] * rows
+    if len(mounting) != rows:
+        raise UnreadableFile(f"{file}: rows that cannot be used must be taken out of a file with several runs, see above")
+    keys = [(mounted, *row.tolist()) for mounted, row in zip(mounting, added, strict=True)]
+    distinct = list(dict.fromkeys(keys))
+    runs = []
+    for number, key in enumerate(distinct, 1):
+        which = np.array([one == key for one in keys])
+        own = measurement.pick(which)
+        name = file.stem if len(distinct) == 1 else f"{file.stem} {key[0] or number}"
+        runs.append(BalancingRun(name, own.with_trial_weight(added[which][0])))
+    return runs
+
+
+def _check_run(machine: "Machine", file: Path) -> "BalancingRun":
+    """Return a check run; where it states no weights, those of the correction are taken to be on."""
+    from estimator.calibration.field_balancing import BalancingRun
+    from service.configuration.document_files import UnreadableFile
+    from service.sources.recorded_runs import read_runs
+
+    runs = _balancing_runs(machine, file, required=False)
+    if len(runs) > 1:
+        raise UnreadableFile(f"{file} holds {len(runs)} runs with different weights; a check run is one")
+    ((_, measurement),), _ = read_runs(machine, [file])
+    return BalancingRun(file.stem, measurement)
+
+
+def _options(
+    planes: list[str] | None,
+    criterion: Criterion,
+    limits: list[str],
+    holes: list[str],
+    rpm: list[float] | None,
+    grade: float,
+    service_rpm: float | None,
+) -> "BalancingOptions":
+    from estimator.calibration.field_balancing import BalancingOptions
+    from estimator.calibration.weight_places import WeightPlaces
+    from estimator.units import rpm_to_rad_per_s
+    from estimator.updated_model.balance_quality import GRAM_MILLIMETRE
+
+    places = {}
+    for text in holes:
+        disc, numbers = _numbers(text, "--holes D1=16,30,0,5,0.1: count, radius [mm], first [°], largest and step [g]", 2, 5)
+        count, radius, first, largest, step = [*numbers, *(0.0, np.inf, 0.0)[len(numbers) - 2 :]]
+        places[disc] = WeightPlaces.evenly(
+            int(count), radius=radius * MILLIMETRE, first_deg=first, largest=largest * GRAM, step=step * GRAM
+        )
+    bounds = dict(_numbers(text, "--limit D1=50: g mm", 1, 1) for text in limits)
+    return BalancingOptions(
+        planes=None if planes is None else tuple(planes),
+        criterion=criterion,
+        limit={disc: numbers[0] * GRAM_MILLIMETRE for disc, numbers in bounds.items()},
+        places=places,
+        grade=grade,
+        service_speed=None if service_rpm is None else rpm_to_rad_per_s(service_rpm),
+        speed=None if rpm is None else np.array([rpm_to_rad_per_s(one) for one in rpm]),
+    )
+
+
+def _numbers(text: str, example: str, fewest: int, most: int) -> tuple[str, list[float]]:
+    disc, _, rest = text.partition("=")
+    try:
+        numbers = [float(one) for one in rest.split(",")]
+    except ValueError:
+        numbers = []
+    if not disc or not fewest <= len(numbers) <= most or min(numbers) < 0.0:
+        raise ValueError(f"'{text}' is not written as {example}")
+    return disc, numbers
+
+
+def _model(machine: Path, files: list[Path]) -> "ModelInfluence":
+    """Return the influence coefficients of the model that the same runs identify, with a word where the fit is refused."""
+    from estimator.updated_model.balancing import influence_coefficients
+    from estimator.updated_model.model import updated_model
+    from service.commands.analysis import identified
+
+    described, _, result = identified(machine, files, None)
+    if not result.accepted:
+        say(f"the model is only used where it predicts runs left out better: {result.verdict}", err=True)
+    model = updated_model(described, result)
+    return lambda planes, speed: influence_coefficients(model, planes=planes, speed=speed)

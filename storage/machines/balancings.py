@@ -1,0 +1,64 @@
+"""Repository of field balancings. A balancing's steps are one object, with fields
+
+`initial`: ids of the runs before any trial weight; `trials`: for each trial run its id and weights; `correction`: what was
+asked and what came; `check`: the check run with its weights and what it shows. A later step is null until it is taken.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+from sqlalchemy import select
+from sqlalchemy.orm import Session
+
+from estimator.errors import Missing
+from storage.clock import now
+from storage.paging import Keys, ordered
+from storage.tables.machines import BalancingRow
+
+BEGUN, TRIED, PROPOSED, CHECKED = "begun", "tried", "proposed", "checked"
+"""States of a balancing: the step taken last."""
+
+
+class BalancingUnknown(Missing):
+    """Raised when a machine has no balancing of this id."""
+
+    subject = "balancing"
+
+
+def add(session: Session, machine_id: str, *, revision: int, initial: Sequence[int], by: str, comment: str) -> BalancingRow:
+    """Begin a balancing with its initial runs."""
+    moment = now()
+    row = BalancingRow(
+        machine_id=machine_id,
+        revision=revision,
+        state=BEGUN,
+        steps={"initial": list(initial), "trials": [], "correction": None, "check": None},
+        by=by,
+        comment=comment,
+        created_at=moment,
+        updated_at=moment,
+    )
+    session.add(row)
+    session.flush()
+    return row
+
+
+def get(session: Session, machine_id: str, balancing_id: int, *, to_change: bool = False) -> BalancingRow:
+    """Return a machine's balancing, locked when `to_change`. Raises BalancingUnknown."""
+    row = session.get(BalancingRow, balancing_id, with_for_update=to_change or None)
+    if row is None or row.machine_id != machine_id:
+        raise BalancingUnknown(balancing_id)
+    return row
+
+
+def of_machine(session: Session, machine_id: str, *, limit: int, after: Keys | None = None) -> Sequence[BalancingRow]:
+    """Return a machine's balancings, newest first. after: the id of the last one of the page before."""
+    query = select(BalancingRow).where(BalancingRow.machine_id == machine_id)
+    return session.scalars(ordered(query, (BalancingRow.id,), after).limit(limit)).all()
+
+
+def record(row: BalancingRow, state: str, **steps: Any) -> None:
+    """Record a step; those that follow from it and were taken before are given as None."""
+    row.steps = row.steps | steps
+    row.state = state
+    row.updated_at = now()

@@ -1,0 +1,140 @@
+"""Field balancing in a real browser: begun with a run, tried, computed, checked, drawn; refused while an alert is open."""
+
+from datetime import datetime
+from typing import Any
+
+import numpy as np
+import pytest
+from playwright.sync_api import Locator, expect
+
+from estimator.machine.document import parse_machine
+from tests.browser.conftest import Seen
+from tests.browser.story import MACHINE, closed
+from tests.end_to_end.processes import Service, example, until
+from tests.estimator.trains import dense_response
+
+COPY = "to-be-balanced"
+RUNS = 3
+TRIAL_G_MM = 5000.0
+
+
+@pytest.fixture(scope="module")
+def place(place: Service) -> Service:
+    """The same service, with a copy of its machine, of whose three runs the second had a trial weight on D1."""
+    with place.running():
+        document = example(MACHINE) | {"id": COPY, "name": "Train to be balanced"}
+        assert place.client.post("/machines", json=document).status_code == 201
+        answer = place.client.post(f"/machines/{COPY}/samples", json=_with_trial_weight(place))
+        assert answer.status_code == 200, answer.text
+        until(lambda: closed(place, COPY) >= RUNS, within_s=30, what="the runs of the copy are closed")
+    return place
+
+
+def _with_trial_weight(service: Service) -> dict[str, Any]:
+    """The samples of the machine's first runs as a source would send them, the second with a weight on D1 at 0°."""
+    begins = sorted(run["started_at"] for run in service.get(f"/machines/{MACHINE}/runs"))
+    read = service.get(f"/machines/{MACHINE}/samples", to=begins[RUNS + 1], include="scatter")
+    phasor = np.array(read["amplitude_um_pp"], dtype=float) * np.exp(
+        -1j * np.radians(np.array(read["phase_lag_deg"], dtype=float))
+    )
+    speed = np.array(read["speed_rpm"]) * np.pi / 30
+    moments = [datetime.fromisoformat(time) for time in read["time"]]
+    loaded = np.array([datetime.fromisoformat(begins[1]) <= one < datetime.fromisoformat(begins[2]) for one in moments])
+    phasor = phasor.T + np.where(loaded[:, None], 2e6 * 1e-6 * TRIAL_G_MM * _influence(speed), 0.0)
+    return {
+        "schema": 1,
+        "plant": example(MACHINE)["plant"],
+        "machine": COPY,
+        "source": "copy",
+        "epoch": 1,
+        "sequence": 0,
+        "channels": read["channels"],
+        "speed_unit": "rpm",
+        "amplitude_unit": "um",
+        "amplitude_kind": "peak-to-peak",
+        "phase_convention": "lag",
+        "phase_unit": "deg",
+        "direction": "positive",
+        "time_ns": [int(one.timestamp() * 1e6) * 1000 for one in moments],
+        "speed": read["speed_rpm"],
+        "amplitude": np.abs(phasor).tolist(),
+        "phase": (-np.degrees(np.angle(phasor))).tolist(),
+    }
+
+
+def _influence(speed: Any) -> Any:
+    """Vibration per unbalance on D1 [m/(kg m)]."""
+    document = example(MACHINE)
+    for disc in document["discs"]:
+        disc["unbalance"] = {"magnitude": 1.0 if disc["id"] == "D1" else 0.0, "angle_deg": 0.0}
+    return dense_response(parse_machine(document), np.maximum(speed, 1.0), direction=1)
+
+
+def _step(seen: Seen, button: str) -> Locator:
+    seen.page.get_by_role("button", name=button).click()
+    dialog = seen.page.get_by_role("dialog")
+    dialog.get_by_label("Your name").fill("anna")
+    return dialog
+
+
+def _send(dialog: Locator, button: str) -> None:
+    dialog.get_by_role("button", name=button, exact=True).click()
+
+
+def _until_tried(seen: Seen, machine: str, runs: list[int]) -> None:
+    """Begin a balancing with the first of some runs, and add the second as a trial."""
+    seen.open(f"machines/{machine}/balancing")
+    dialog = _step(seen, "Begin …")
+    dialog.get_by_label("Run without trial weights").select_option(str(runs[0]))
+    _send(dialog, "Begin")
+    expect(dialog).to_have_count(0)
+    dialog = _step(seen, "Add a trial run …")
+    dialog.get_by_label("Run with the weight").select_option(str(runs[1]))
+    dialog.get_by_label("Disc").select_option("D1")
+    dialog.get_by_label("Amount").fill(str(TRIAL_G_MM))
+    dialog.get_by_label("Angle").fill("0")
+    _send(dialog, "Add")
+    expect(dialog).to_have_count(0)
+    expect(seen.page.get_by_text(f"Trial run {runs[1]}: 5000 g·mm on D1 at 0°")).to_be_visible()
+
+
+def _closed_runs(service: Service, machine: str) -> list[int]:
+    """Closed runs, the oldest first."""
+    return sorted(run["id"] for run in service.get(f"/machines/{machine}/runs") if run["state"] == "closed")
+
+
+def test_a_machine_is_balanced_from_the_page(seen: Seen, service: Service) -> None:
+    runs = _closed_runs(service, COPY)
+    _until_tried(seen, COPY, runs)
+    dialog = _step(seen, "Compute the correction …")
+    _send(dialog, "Compute")
+    expect(dialog).to_have_count(0)
+    found = service.get(f"/machines/{COPY}/balancings")[0]
+    (plane,) = found["correction"]["planes"]
+    assert plane["disc"] == "D1"
+    expect(seen.page.get_by_role("cell", name=f"{round(plane['angle_deg'])}", exact=False).first).to_be_visible()
+    expect(seen.page.locator(".polars figure")).to_have_count(8)
+    expect(seen.page.get_by_role("heading", name="Residual unbalance as of rigid rotors, ISO 21940-11 G 2.50")).to_be_visible()
+    dialog = _step(seen, "Compare a check run …")
+    dialog.get_by_label("Run with the proposed weights").select_option(str(runs[2]))
+    _send(dialog, "Compare")
+    expect(dialog).to_have_count(0)
+    expect(seen.page.get_by_text("points within the prediction. To trim, add")).to_be_visible()
+    expect(seen.page.get_by_text("more than promised").first).to_be_visible()
+    assert service.get(f"/machines/{COPY}/balancings")[0]["state"] == "checked"
+    assert seen.errors == []
+
+
+def test_on_paper_the_buttons_are_left_out(seen: Seen, service: Service) -> None:
+    _until_tried(seen, COPY, _closed_runs(service, COPY))
+    seen.page.emulate_media(media="print")
+    expect(seen.page.get_by_role("button", name="Compute the correction …")).to_be_hidden()
+    expect(seen.page.get_by_role("button", name="Print")).to_be_hidden()
+    expect(seen.page.get_by_text("Initial run")).to_be_visible()
+
+
+def test_no_masses_while_an_alert_says_that_the_coupling_is_misaligned(seen: Seen, service: Service) -> None:
+    _until_tried(seen, MACHINE, _closed_runs(service, MACHINE))
+    dialog = _step(seen, "Compute the correction …")
+    _send(dialog, "Compute")
+    expect(dialog.get_by_role("alert")).to_contain_text("mend C1 first, no masses are proposed")

@@ -1,0 +1,188 @@
+"""Field balancing over the API, on stored runs of the dense model: begun, tried, proposed, checked; what it refuses."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from estimator.machine.document import parse_machine
+from service.alerts import transitions
+from service.alerts.transitions import AlertFinding
+from storage.database.engine import Database
+from storage.machines import machines, timeline
+from storage.measurements import runs
+from storage.operation import audit
+from tests.api_in_process import Api
+from tests.estimator.trains import dense_response, noisy
+from tests.plant import KEY, SECOND, START, document, identification, samples, store_identification
+from tests.service.api.findings.test_model import outcome
+
+PATH = f"/machines/{KEY.machine}/balancings"
+POINTS = 40
+RPM = np.linspace(1400.0, 900.0, POINTS)
+SPEED = RPM * np.pi / 30.0
+TRIALS = {"D1": (800.0, 0.0), "D2": (800.0, 90.0)}
+"""Trial weights [g mm, °]; pump-7 has the unbalances of its document, 1000 and 2000 g mm."""
+WEIGHTS = {
+    disc: [{"disc": disc, "amount": size, "unit": "g mm", "angle_deg": angle}] for disc, (size, angle) in TRIALS.items()
+}
+
+
+def phasors(weights: dict[str, tuple[float, float]], seed: int) -> Any:
+    said = document()
+    for disc in said["discs"]:
+        size, angle = weights.get(disc["id"], (0.0, 0.0))
+        own = disc["unbalance"]
+        total = own["magnitude"] * np.exp(1j * np.radians(own["angle_deg"])) + 1e-6 * size * np.exp(1j * np.radians(angle))
+        disc["unbalance"] = {"magnitude": float(abs(total)), "angle_deg": float(np.degrees(np.angle(total)))}
+    return noisy(dense_response(parse_machine(said), SPEED, direction=1), seed=seed, relative=0.003)
+
+
+def add_run(database: Database, weights: dict[str, tuple[float, float]], *, number: int) -> int:
+    """A closed run with weights on [g mm, °]; its id."""
+    begin = START + number * 3600 * SECOND
+    held = replace(samples(POINTS, start=begin, rpm=RPM.tolist()), phasor=phasors(weights, number))
+    with database.transaction() as session:
+        row = runs.open_run(session, KEY.machine, revision=1, kind="run-down", direction=1, time_first=begin)
+        runs.close(row, samples=held, state=runs.CLOSED, reason="the speed left the speed range")
+        return row.id
+
+
+@pytest.fixture
+def store(database: Database) -> Database:
+    with database.transaction() as session:
+        machines.create(session, parse_machine(document(operation={"vibration_limit": 1e-4})))
+    return database
+
+
+@pytest.fixture
+def api(store: Database) -> Api:
+    return Api(store)
+
+
+@pytest.fixture
+def begun(store: Database, api: Api) -> int:
+    """A balancing with its trial runs; its id."""
+    first = add_run(store, {}, number=1)
+    found = api("POST", PATH, 201, json={"runs": [first], "by": "Ada", "comment": "after the overhaul"})
+    for number, disc in enumerate(TRIALS, 2):
+        run = add_run(store, {disc: TRIALS[disc]}, number=number)
+        found = api("POST", f"{PATH}/{found['id']}/trials", json={"run": run, "weights": WEIGHTS[disc], "by": "Ada"})
+    return int(found["id"])
+
+
+def test_the_steps_of_a_balancing(store: Database, api: Api, begun: int) -> None:
+    tried = api("GET", f"{PATH}/{begun}")
+    assert (tried["state"], tried["by"], tried["comment"], len(tried["trials"])) == ("tried", "Ada", "after the overhaul", 2)
+    found = api("POST", f"{PATH}/{begun}/correction", json={"grade": 6.3, "by": "Ada"})
+    assert found["state"] == "proposed"
+    correction = found["correction"]
+    assert correction["planes"][0]["g_mm"] == pytest.approx(1000.0, rel=0.05)
+    assert correction["planes"][0]["angle_deg"] == pytest.approx(210.0, abs=3.0)
+    assert correction["planes"][1]["angle_deg"] == pytest.approx(20.0, abs=3.0)
+    # B2X gives no phasors, and B2Y shows less than the noise's floor.
+    assert [one["channel"] for one in correction["channels"]] == ["B2Y", "B3X", "B3Y"]
+    assert all(one["upper_um_pp"] < 0.25 * one["before_um_pp"] for one in correction["channels"][1:])
+    assert (correction["limit_um_pp"], correction["limit_verdict"]) == (pytest.approx(200.0), "met")
+    assert {one["bearing"] for one in correction["residual"]} == {"B1", "B2", "B3", "B4"}
+    assert all(one["before"]["verdict"] == "not met" for one in correction["residual"])
+    assert len(correction["vectors"][0]["runs"]) == 3
+    put_on = {one["disc"]: (one["g_mm"], one["angle_deg"]) for one in correction["planes"]}
+    run = add_run(store, put_on, number=9)
+    checked = api("POST", f"{PATH}/{begun}/check", json={"run": run, "by": "Ben"})
+    assert checked["state"] == "checked"
+    assert all(one["kept"] for one in checked["check"]["channels"])
+    assert checked["check"]["limit_met"] is True
+    assert max(one["g_mm"] for one in checked["check"]["trim"]) < 100.0
+    assert api("GET", f"{PATH}/{begun}") == checked, "it is stored"
+    assert [one["id"] for one in api("GET", PATH)] == [begun]
+
+
+def test_a_check_run_without_the_weights_shows_more_than_was_promised(store: Database, api: Api, begun: int) -> None:
+    api("POST", f"{PATH}/{begun}/correction", json={"by": "Ada"})
+    run = add_run(store, {}, number=9)
+    checked = api("POST", f"{PATH}/{begun}/check", json={"run": run, "by": "Ada"})
+    assert [one["kept"] for one in checked["check"]["channels"]][1:] == [False, False]
+    again = api("POST", f"{PATH}/{begun}/check", json={"run": run, "weights": [], "by": "Ada"})
+    assert all(one["kept"] for one in again["check"]["channels"]), "said rightly, it is as predicted"
+
+
+def test_no_masses_are_proposed_while_an_alert_says_that_something_else_is_wrong(
+    store: Database, api: Api, begun: int
+) -> None:
+    with store.transaction() as session:
+        row = store_identification(session, identification({"coupling.C1.kxx": 1.0}), run_id=1)
+        finding = AlertFinding("The misalignment at coupling C1 has changed", {"sigma": 6.1}, row.id, START, latching=False)
+        unbalanced = AlertFinding("The unbalance of disc D1 has changed", {"sigma": 6.1}, row.id, START, latching=False)
+        transitions.raise_alert(session, KEY.machine, rule="unbalance", element="disc.D1", finding=unbalanced)
+    assert api("POST", f"{PATH}/{begun}/correction", json={"by": "Ada"})["state"] == "proposed"
+    with store.transaction() as session:
+        transitions.raise_alert(session, KEY.machine, rule="misalignment", element="coupling.C1", finding=finding)
+    told = api("POST", f"{PATH}/{begun}/correction", 409, json={"by": "Ada"})["detail"]
+    assert told.startswith("mend C1 first, no masses are proposed while something else is wrong: alert ")
+    assert told.endswith("(misalignment): The misalignment at coupling C1 has changed")
+
+
+def test_the_model_of_an_identification_is_used_where_it_predicts_better(store: Database, api: Api, begun: int) -> None:
+    asked = {"identification": 1, "by": "Ada"}
+    assert "no identification 1" in api("POST", f"{PATH}/{begun}/correction", 404, json=asked)["detail"]
+    with store.transaction() as session:
+        store_identification(session, outcome(), run_id=1)
+    for number, disc in enumerate(TRIALS, 20):
+        again = (TRIALS[disc][0], TRIALS[disc][1] + 120.0)
+        weights = [WEIGHTS[disc][0] | {"angle_deg": again[1]}]
+        body = {"run": add_run(store, {disc: again}, number=number), "weights": weights, "by": "Ada"}
+        api("POST", f"{PATH}/{begun}/trials", json=body)
+    correction = api("POST", f"{PATH}/{begun}/correction", json=asked)["correction"]
+    assert "scaled model" in correction["influence"]
+    assert correction["planes"][1]["angle_deg"] == pytest.approx(20.0, abs=3.0)
+
+
+def test_steps_in_a_wrong_order_and_runs_that_do_not_belong_are_refused(store: Database, api: Api) -> None:
+    run = add_run(store, {}, number=1)
+    assert "no run 77" in api("POST", PATH, 404, json={"runs": [77], "by": "Ada"})["detail"]
+    found = api("POST", PATH, 201, json={"runs": [run], "by": "Ada"})
+    here = f"{PATH}/{found['id']}"
+    assert "has no trial run yet" in api("POST", f"{here}/correction", 409, json={"by": "Ada"})["detail"]
+    assert "has no correction yet" in api("POST", f"{here}/check", 409, json={"run": run, "by": "Ada"})["detail"]
+    again = {"run": run, "weights": WEIGHTS["D1"], "by": "Ada"}
+    assert "part of this balancing already" in api("POST", f"{here}/trials", 422, json=again)["detail"]
+    other = add_run(store, {"D1": TRIALS["D1"]}, number=2)
+    unknown = {"run": other, "weights": [WEIGHTS["D1"][0] | {"disc": "D9"}], "by": "Ada"}
+    assert "there is no disc D9; the discs are D1, D2" in api("POST", f"{here}/trials", 422, json=unknown)["detail"]
+    api("GET", f"{PATH}/77", 404)
+
+
+@pytest.mark.parametrize(
+    ("weight", "words"),
+    [
+        ({"amount": 0}, "greater than or equal to"),
+        ({"unit": "g"}, "a mass (kg, g, oz) needs its radius_mm"),
+        ({"radius_mm": 30}, "an unbalance (g mm, kg mm, g in, oz in, kg m) has none"),
+        ({"unit": "lb"}, "Input should be"),
+    ],
+)
+def test_a_trial_weight_that_is_none_is_refused(api: Api, weight: dict[str, Any], words: str, begun: int) -> None:
+    body = {"run": 1, "weights": [WEIGHTS["D1"][0] | weight], "by": "Ada"}
+    answer = api("POST", f"{PATH}/{begun}/trials", 422, json=body)
+    assert any(words in one["message"] for one in answer["errors"])
+
+
+def test_a_weight_in_a_wrong_unit_is_named_when_the_correction_is_computed(store: Database, api: Api) -> None:
+    first, second = add_run(store, {}, number=1), add_run(store, {"D1": TRIALS["D1"]}, number=2)
+    here = f"{PATH}/{api('POST', PATH, 201, json={'runs': [first], 'by': 'Ada'})['id']}"
+    heavy = [WEIGHTS["D1"][0] | {"unit": "kg m"}]
+    api("POST", f"{here}/trials", json={"run": second, "weights": heavy, "by": "Ada"})
+    told = api("POST", f"{here}/correction", 422, json={"by": "Ada"})["detail"]
+    assert "would move the centre of mass" in told
+    assert "is it in another unit?" in told
+
+
+def test_each_step_is_in_the_audit_trail_and_nothing_else_is_changed(store: Database, api: Api, begun: int) -> None:
+    with store.reading() as session:
+        done = [one.operation for one in audit.newest(session, limit=10)]
+        assert done == ["add_balancing_trial", "add_balancing_trial", "begin_balancing"]
+        assert list(timeline.of_machine(session, KEY.machine, limit=10)) == []
+        assert machines.get(session, KEY.machine).revision == 1
+    assert api("GET", f"{PATH}/{begun}")["revision"] == 1

@@ -1,0 +1,121 @@
+"""The command `rundown balance`, on runs of the dense model of the Chapter 3 train."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+
+from estimator.machine.document import parse_machine
+from tests.estimator.trains import chapter_3_document, dense_response, noisy
+from tests.service.commands.command_line import run
+from tests.service.commands.recorded_run import write_run
+
+SPEED = np.linspace(160.0, 100.0, 40)
+TRIALS = {"D1": (100.0, 0.0), "D2": (100.0, 90.0), "D3": (100.0, 180.0), "D4": (100.0, 270.0)}
+"""Trial weights [g mm, °]."""
+
+
+def balanced_document() -> dict[str, Any]:
+    found = chapter_3_document()
+    for disc in found["discs"]:
+        disc["unbalance"]["magnitude"] *= 0.02
+    found["operation"] = {"vibration_limit": 2e-5}
+    return found
+
+
+def recorded(folder: Path, name: str, weights: dict[str, tuple[float, float]], *, seed: int, **sidecar: Any) -> str:
+    """A run with weights on [g mm, °], whose sidecar says so."""
+    said = balanced_document()
+    for disc in said["discs"]:
+        size, angle = weights.get(disc["id"], (0.0, 0.0))
+        own = disc["unbalance"]
+        total = own["magnitude"] * np.exp(1j * np.radians(own["angle_deg"])) + 1e-6 * size * np.exp(1j * np.radians(angle))
+        disc["unbalance"] = {"magnitude": float(abs(total)), "angle_deg": float(np.degrees(np.angle(total)))}
+    machine = parse_machine(said)
+    phasor = noisy(dense_response(machine, SPEED, direction=1), seed=seed)
+    described = {"plant": "examples", "machine": "thesis-chapter-3", "interval_s": 1.0}
+    if weights:
+        described["added_unbalance"] = {
+            disc: {"amount": size, "unit": "g mm", "angle_deg": angle} for disc, (size, angle) in weights.items()
+        }
+    return write_run(folder / f"{name}.csv", SPEED, 1e6 * phasor, channels=machine.channels, **(described | sidecar))
+
+
+@pytest.fixture
+def runs(tmp_path: Path) -> list[str]:
+    """The document, the initial run and the trial runs."""
+    document = tmp_path / "machine.yaml"
+    document.write_text(yaml.safe_dump(balanced_document()))
+    trials = [recorded(tmp_path, f"trial-{disc}", {disc: said}, seed=at) for at, (disc, said) in enumerate(TRIALS.items(), 2)]
+    return [str(document), recorded(tmp_path, "initial", {}, seed=1), *trials]
+
+
+def correction(text: str) -> dict[str, tuple[float, float]]:
+    """Planes, unbalances [g mm] and angles [°] of a printed correction."""
+    found = re.findall(r"^  (D\d) +([\d.]+) \(.*\) at +(?:any angle|([\d.]+) ±)", text, re.MULTILINE)
+    return {plane: (float(size), float(angle or 0.0)) for plane, size, angle in found}
+
+
+def test_initial_run_trials_correction_and_check_run(runs: list[str], tmp_path: Path) -> None:
+    text = run("balance", *runs)
+    assert re.match(r"Balancing of Two-shaft train .* \(thesis-chapter-3\) at 10 speeds from 955 to 15\d\d r/min\n", text)
+    found = correction(text)
+    for disc in balanced_document()["discs"]:
+        own = disc["unbalance"]
+        left = own["magnitude"] * 1e6 * np.exp(1j * np.radians(own["angle_deg"]))
+        size, angle = found[disc["id"]]
+        assert abs(left + size * np.exp(1j * np.radians(angle))) < 0.15 * 0.0112 * 0.02 * 1e6
+    check = recorded(tmp_path, "check", found, seed=20)
+    page = tmp_path / "page.html"
+    checked = run("balance", *runs, "--check", check, "--page", str(page), "--grade", "6.3")
+    assert "MORE THAN PROMISED" not in checked
+    assert re.search(r"Check run check: \d+ of 80 points within the prediction", checked)
+    assert "against ISO 21940-11 G 6.3 at 6000 r/min" in checked
+    assert re.search(r"limit of the document 40 µm pp: (met|open)", checked)
+    assert "limit of the document: met" in checked, "by the check run itself"
+    drawn = page.read_text(encoding="utf-8")
+    assert drawn.count("<svg") == 8
+    assert "Balancing of Two-shaft train" in drawn
+    assert "http" not in drawn, "it needs nothing beside it"
+
+
+def test_a_check_run_that_shows_more_than_promised_ends_with_status_1(runs: list[str], tmp_path: Path) -> None:
+    check = recorded(tmp_path, "check", {}, seed=20)
+    text = run("balance", *runs, "--check", check, status=1)
+    assert "MORE THAN PROMISED" in text, "it says nothing of weights: the correction's are taken to be on"
+
+
+def test_limits_holes_and_min_max(runs: list[str]) -> None:
+    asked = ("--limit", "D2=30", "--holes", "D1=12,50,0,100,0.1", "--criterion", "min-max", "--plane", "D1", "--plane", "D2")
+    text = run("balance", *runs, *asked)
+    assert set(correction(text)) == {"D1", "D2"}
+    assert correction(text)["D2"][0] <= 30.0 + 1e-6
+    masses = [float(one) for one in re.findall(r"([\d.]+) g at the place at", text)]
+    assert masses
+    assert all(abs(10 * one - round(10 * one)) < 1e-6 for one in masses)
+    assert "is not written as --limit D1=50" in run("balance", *runs, "--limit", "D1", status=1)
+    assert "D9: no such disc" in run("balance", *runs, "--limit", "D9=1", status=1)
+
+
+def test_runs_whose_weights_are_missing_or_copied_are_named(runs: list[str], tmp_path: Path) -> None:
+    unsaid = recorded(tmp_path, "unsaid", {}, seed=3)
+    assert "unsaid.csv states no trial weight: its sidecar needs `added_unbalance`" in run("balance", *runs, unsaid, status=1)
+    copy = recorded(tmp_path, "copy", {"D1": (200.0, 45.0)}, seed=2)
+    for ending in (".csv",):
+        (tmp_path / f"copy{ending}").write_text((tmp_path / f"trial-D1{ending}").read_text())
+    assert "hold the same vectors: one is a copy" in run("balance", *runs, copy, status=1)
+    heavy = recorded(tmp_path, "heavy", {"D1": (100.0, 0.0)}, seed=5)
+    (tmp_path / "heavy.yaml").write_text((tmp_path / "heavy.yaml").read_text().replace("unit: g mm", "unit: kg m"))
+    told = run("balance", runs[0], runs[1], heavy, status=1)
+    assert "100 kg m on D1 would move the centre of mass" in told
+    assert "100 g mm are 0.0001 kg m" in told
+    assert "1 of 4 planes" not in run("balance", *runs[:3]), "one trial is enough for one plane"
+
+
+def test_the_model_of_the_same_runs_is_compared_with_the_trials(runs: list[str], tmp_path: Path) -> None:
+    again = [recorded(tmp_path, f"again-{disc}", {disc: (80.0, 120.0)}, seed=at) for at, disc in enumerate(TRIALS, 30)]
+    text = run("balance", *runs, *again, "--model")
+    assert re.search(r"Influence: .* taken, (which predicts best|no model predicts clearly better): .*model [\d.]+ %", text)
