@@ -53,3 +53,19 @@ def test_a_step_to_where_nothing_can_be_condensed_is_shortened(
     assert calls > 3
     assert found.accepted
     assert_allclose(found.chi_square, expected.chi_square, rtol=1e-6)
+
+
+def test_with_few_samples_the_best_optimum_is_reached_twice(train: Machine, measured: Measurement) -> None:
+    few = measured.pick(np.arange(measured.speed.size) % 2 == 0)
+    found = identify(train, few)
+    assert found.accepted
+    assert found.starts >= 2
+    assert "reached once only" not in found.verdict
+    assert identify(train, measured).starts == 1
+
+
+def test_an_optimum_that_was_reached_once_is_said_to_be_open(train: Machine, measured: Measurement) -> None:
+    few = measured.pick(np.arange(measured.speed.size) % 2 == 0)
+    found = identify(train, few, Options(starts=1))
+    assert found.accepted
+    assert "the best of 1 starts was reached once only: whether there is a better one is open" in found.verdict
