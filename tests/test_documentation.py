@@ -49,7 +49,7 @@ def test_files_that_a_page_names_exist(page: Path) -> None:
     listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.splitlines()
     names = {Path(one).name for one in listed if one.startswith(("estimator/", "storage/", "service/"))}
     named = re.findall(r"`((?:[\w-]+/)*[\w-]+\.(?:py|yaml|md))`|\]\(([\w/-]+\.md)\)", page.read_text())
-    invented = {"FILE.yaml"}
+    invented = {"FILE.yaml", "columns.yaml"}
     found = [pair[0] or pair[1] for pair in named]
     missing = [
         name

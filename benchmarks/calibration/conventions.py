@@ -104,7 +104,7 @@ def _named_rightly(name: str, sent: Sent, seed: int, *, nominal: bool) -> bool:
         return sent.words in verdict
     named = {"every pair" if "every pair" in one.convention.words else one.convention.name for one in found.named}
     if sent.named == "swapped-probes" and named == {"swapped-probes"}:
-        return [one.convention.order for one in found.named] == [sent.wrong.order]
+        return sent.wrong.order in [one.convention.order for one in found.named]
     return sent.named in named and (len(named) == 1 or named == MIRRORED)
 
 

@@ -33,6 +33,8 @@ from estimator.rotor.elimination import SingularCondensation
 
 COARSELY_BETTER = 4.0
 """Least factor by which a hypothesis must lower the coarse misfit to be fitted [-]."""
+BETTER = 2.0
+"""Least factor on the squared misfit by which a hypothesis is named whose fit is accepted [-]."""
 FAR_BETTER = 30.0
 """Least factor on the squared misfit by which a hypothesis is named although its own fit is refused [-]."""
 EQUALLY_WELL = 2.0
@@ -125,7 +127,11 @@ def _telling(gated: GatedIdentification, verdict: str) -> GatedIdentification:
 def _words(named: Sequence[NamedConvention]) -> str:
     """Describe what explains the run, in a sentence's part that stands before the verdict."""
     best = named[0]
-    times = f"{best.improvement:.0f}" if best.improvement < MANY_TIMES else f"over {MANY_TIMES:.0f}"
+    times = (
+        f"{best.improvement:.{0 if best.improvement >= 10.0 else 1}f}"
+        if best.improvement < MANY_TIMES
+        else f"over {MANY_TIMES:.0f}"
+    )
     words = f"the run fits {times} times better with {best.convention.words}"
     others = [one.convention.words for one in named[1:]]
     if others:
@@ -152,7 +158,7 @@ class _Trial:
         named = [
             NamedConvention(one, before / max(after[one.words], 1e-300), result.accepted)
             for one, result in fitted
-            if result.accepted or before >= FAR_BETTER * after[one.words]
+            if before >= (BETTER if result.accepted else FAR_BETTER) * after[one.words]
         ]
         named.sort(key=lambda one: (not one.accepted, -one.improvement))
         return tuple(
