@@ -45,7 +45,7 @@ CHANCE = 0.01
 
 The rise has at most as many degrees of freedom as modes grow (Self and Liang 1987, doi:10.1080/01621459.1987.10478472).
 """
-LARGEST_STEP_COUNT = 60
+LARGEST_STEP_COUNT = 40
 """Most steps to such a model, also those that are not taken."""
 STEP_LIMIT = 0.5
 """Largest change of a coordinate in one step [-]."""
