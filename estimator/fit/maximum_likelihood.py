@@ -12,6 +12,7 @@ with weights taken as known.
 """
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -47,6 +48,8 @@ STALLED_STEPS = 12
 """Number of steps over which the decrease of χ² is watched where derivatives promise more than steps bring."""
 STALLED_DECREASE = 0.05
 """Decrease of χ² over that many steps below which a stage ends [-]."""
+STAGES = tuple(zip(STAGE_MISFITS, STAGE_ITERATIONS, strict=True))
+"""Stages of a fit: misfit that weights allow for [-], and most iterations."""
 STALLED_PROMISE = 5.0
 """Decrease of χ² that a full Newton step may promise where a stage ends so [-]: the end of the valley is within some two
 standard errors."""
@@ -72,14 +75,8 @@ def fit(
     Returns:
         End of the fit.
     """
-    measured = problem.first_amplitude
     theta, iterations, converged = start, 0, False
-    stages = list(zip(STAGE_MISFITS, STAGE_ITERATIONS, strict=True))
-    if near:
-        # Weights and what is far too large or small are taken from the earlier fit, so that outliers do not lead away from it.
-        measured = np.abs(problem.model(start))
-        problem = without_outliers(problem, start, STAGE_MISFITS[-2])
-        stages = stages[-2:] if problem.outlier.any() else stages[-1:]
+    problem, measured, stages = _near(problem, start) if near else (problem, problem.first_amplitude, STAGES)
     coarse_misfit = math.nan
     for misfit, limit in stages:
         weight = problem.weight(measured, misfit)
@@ -115,6 +112,15 @@ def fit(
         channel_noise=problem.channel_noise,
         coarse_misfit=coarse_misfit,
     )
+
+
+def _near(problem: FitProblem, start: Floats) -> tuple[FitProblem, Floats, Sequence[tuple[float, int]]]:
+    """Return the problem, the amplitudes of its weights and the stages for a start at an earlier fit's end.
+
+    Weights and what is far too large or small are taken from that fit, so that outliers do not lead away from it.
+    """
+    without = without_outliers(problem, start, STAGE_MISFITS[-2])
+    return without, np.abs(problem.model(start)), STAGES[-2:] if without.outlier.any() else STAGES[-1:]
 
 
 def _misfit(problem: FitProblem, chi_square: float, weight: Floats) -> float:

@@ -7,6 +7,7 @@ what stays below the noise of each is the same at many neighbouring points and m
 errors.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -72,7 +73,7 @@ class _Treatment:
         # What was not corrected, with the document's model, counts as an error in full.
         off = np.where(self.corrected, self.deviation, 0.0)
         part = np.where(self.corrected, PREDICTION_ERROR, 1.0) * np.abs(self.deviation)
-        scatter = np.where(self.size > NEGLIGIBLE, np.sqrt(self.error**2 + part**2), base.scatter)
+        scatter = np.where(self.size > NEGLIGIBLE, np.hypot(self.error, part), base.scatter)
         return replace(base, phasor=base.phasor - off, scatter=scatter, usable=base.usable & ~self.excluded)
 
 
@@ -236,7 +237,9 @@ def _closest_transient(machine: Machine, base: Measurement, steady: Complexes, t
     rest = np.where(telling, base.phasor - steady, 0.0)
 
     def misfit(deviation: Complexes) -> float:
-        return float(np.sum(np.minimum(np.abs((rest - deviation)[telling]) ** 2 / error[telling] ** 2, LARGEST_SQUARE)))
+        # A model with growing modes predicts transients whose squares no number holds.
+        size = np.abs((rest - deviation)[telling]) / error[telling]
+        return float(np.sum(np.minimum(size, math.sqrt(LARGEST_SQUARE)) ** 2))
 
     return min((transient.averaged, transient.instant), key=misfit)
 
@@ -254,10 +257,11 @@ def _steady_fits_better(
         return False
     without = expected_phasors(machine, base, plain.point)
     error = error_size(machine.noise, np.abs(without), base.scatter)
-    widened = np.sqrt(treatment.error**2 + (PREDICTION_ERROR * np.abs(treatment.deviation)) ** 2)
+    widened = np.hypot(treatment.error, PREDICTION_ERROR * np.abs(treatment.deviation))
 
     def cost(model: Complexes, size: Floats) -> float:
-        squares = np.minimum(np.abs(base.phasor - model)[there] ** 2 / size[there] ** 2, LARGEST_SQUARE)
+        ratio = np.abs(base.phasor - model)[there] / size[there]
+        squares = np.minimum(ratio, math.sqrt(LARGEST_SQUARE)) ** 2
         return float(np.sum(2.0 * squares + 4.0 * np.log(size[there])))
 
     return cost(without, error) + CERTAIN < cost(steady + treatment.deviation, widened)
