@@ -2,9 +2,10 @@
 
 The measured rotor kit by its nameplate, calibrated anew without each fifth of its conditions, whose known unbalances are
 then estimated; beside it plain least squares in the same folds. Then from three runs only, simulated kits, and the time of
-many sweeps. `--short` takes three splits and a few kits, and a minute.
+many sweeps; printed balancing cases, and influence coefficients on the kit. `--short` takes three splits and a few kits, and a
+minute. `--conventions` tries wrong conventions instead, for an hour or more.
 
-    python -m benchmarks.calibration [--short]
+    python -m benchmarks.calibration [--short | --conventions]
 """
 
 import argparse
@@ -15,6 +16,8 @@ from itertools import product
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from benchmarks.calibration.conventions import conventions_figures
+from benchmarks.calibration.field_balancing import measured_kit, printed_balancing
 from benchmarks.calibration.rotor_kit import HeldOut, by_least_squares, by_model, folds, gathered, kit
 from benchmarks.calibration.simulated_kit import later_changes
 from benchmarks.calibration.sweep_time import SECONDS_ASKED, seconds_of_sweeps
@@ -39,11 +42,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Print a line for each figure; status 1 where one falls short."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.calibration", description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--short", action="store_true", help="few splits and kits")
-    short = parser.parse_args(arguments).short
+    parser.add_argument("--conventions", action="store_true", help="wrong conventions of sources instead")
+    asked = parser.parse_args(arguments)
     kept = True
     print(f"  {'calibration':<76}{'asked':>12}{'measured':>24}")
     with threadpool_limits(limits=1):
-        for line in figures(short=short):
+        for line in conventions_figures() if asked.conventions else figures(short=asked.short):
             print(line, flush=True)
             kept &= line.kept
     if not kept:
@@ -55,6 +59,8 @@ def figures(*, short: bool) -> Iterator[ReportLine]:
     splits, kits = (SHORT_SPLITS, SHORT_KITS) if short else (SPLITS, KITS)
     yield from _shared_conditions(splits)
     yield from _three_runs()
+    yield from printed_balancing()
+    yield from measured_kit(splits)
     later = gathered([later_changes(seed) for seed in range(kits)])
     low, high = COVERED_SIMULATED
     held = not kits >= FEWEST_KITS or low <= later.covered <= high

@@ -94,7 +94,8 @@ def sweep_transient(model: UpdatedModel, *, time: Floats, speed: Floats, added: 
     output = probe_rows(machine, rotor)
     seen = over(np.stack([output @ basis.expanded(one.shape) for one in tracks.modes]), place)
     instant, averaged = (np.zeros((time.size, len(output)), dtype=complex) for _ in range(2))
-    for k in range(eigenvalue.shape[1]):
+    # A mode that is damped at the middle of the sweep may grow at an end of it.
+    for k in np.flatnonzero(eigenvalue.real.max(axis=0, initial=-np.inf) < 0.0).tolist():
         course = modal_course(sweep, eigenvalue[:, k], pushed[:, k], resting[:, k])
         instant += course.deviation[place, None] * seen[:, :, k]
         averaged += (course.mean(place) - course.rest[place])[:, None] * seen[:, :, k]

@@ -28,6 +28,7 @@ LISTED: Mapping[str, str] = {
     "revision": f": {OF_MACHINE}/revisions lists them",
     "parameter": "",
     "run": f": {OF_MACHINE}/runs lists those of a machine",
+    "balancing": f": {OF_MACHINE}/balancings lists those of a machine",
     "identification": f": {OF_MACHINE}/identifications lists them",
     "slow-roll vectors": f"; {OF_MACHINE}/slow-roll lists the versions",
     "job": f": {OF_MACHINE}/jobs lists those of a machine",

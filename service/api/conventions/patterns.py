@@ -10,6 +10,7 @@ WORDS: Mapping[str, str] = {
     r"^[^\x00]*$": "a text has no NUL in it",
     r"^[^\x00]*[^\x00\s][^\x00]*$": "it must say something: more than blanks, and without NUL",
     r"^[!-~]+$": "a header's value has visible ASCII characters only",
+    r"^([0-9a-f]{64})?$": "it is a SHA-256 sum of 64 digits from 0 to 9 and a to f, or blank",
     r"^(none|in_force|[0-9]{1,9})$": "it is 'none', 'in_force' or the number of a version",
     r"^\w+\.\S{1,200}$": "it is a kind, a dot and a name, such as bearing.B1 or bearing.B1.kxx",
     r"^\w+\.\S+$": "a parameter is a kind, a dot and a name, such as bearing.B1.kxx or critical_speed.1",
