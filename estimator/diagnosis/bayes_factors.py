@@ -19,7 +19,7 @@ from estimator.arrays import Floats
 from estimator.diagnosis.finding_kind import Cause
 from estimator.diagnosis.healthy_variation import run_variation, slow_variation, typical_amplitude
 from estimator.diagnosis.hypotheses import Hypothesis, hypotheses
-from estimator.diagnosis.observation import Observation
+from estimator.diagnosis.observation import Observation, names_in_common
 from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe
 from estimator.rotor.assembly import assemble_rotor
@@ -133,11 +133,7 @@ def reference(machine: Machine, baseline: Sequence[Observation]) -> Reference:
     Raises:
         ValueError: There are no observations, or they are of different quantities.
     """
-    if not baseline:
-        raise ValueError("a baseline needs at least one identification")
-    names = baseline[0].names
-    if any(one.names != names for one in baseline):
-        raise ValueError("the baseline's identifications are of different quantities")
+    names = names_in_common(baseline)
     unknown = unknowns(machine, assemble_rotor(machine))
     origin = np.median([one.reference for one in baseline], axis=0)
     unit = run_variation(baseline)

@@ -18,7 +18,7 @@ from estimator.arrays import Floats
 from estimator.diagnosis.bayes_factors import UNKNOWN_PRECISION, Reference, channel_precision, through_variation
 from estimator.diagnosis.healthy_variation import SCALE_FACTOR, channel_variation, slow_variation, typical_amplitude
 from estimator.diagnosis.hypotheses import hypotheses
-from estimator.diagnosis.observation import Observation, ObservedFit, fit_observation
+from estimator.diagnosis.observation import Observation, ObservedFit, fit_observation, names_in_common
 from estimator.fit.coordinates import Coordinates
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.document import Machine
@@ -93,11 +93,7 @@ def film_reference(machine: Machine, baseline: Sequence[Observation], variation:
     Raises:
         ValueError: There are no observations, or they are of different quantities.
     """
-    if not baseline:
-        raise ValueError("a baseline needs at least one identification")
-    names = baseline[0].names
-    if any(one.names != names for one in baseline):
-        raise ValueError("the baseline's identifications are of different quantities")
+    names = names_in_common(baseline)
     origin = np.median([one.reference for one in baseline], axis=0)
     coordinates = _coordinates(machine)
     known = np.array([names.index(name) for name in coordinates.names])

@@ -179,6 +179,26 @@ def fit_observation(fit: ObservedFit, channels: tuple[str, ...]) -> Observation:
     )
 
 
+def names_in_common(baseline: "Sequence[Observation]") -> tuple[str, ...]:
+    """Return the names of the quantities that all observations of a baseline have.
+
+    Args:
+        baseline: The observations.
+
+    Returns:
+        Their names.
+
+    Raises:
+        ValueError: There are no observations, or they are of different quantities.
+    """
+    if not baseline:
+        raise ValueError("a baseline needs at least one identification")
+    names = baseline[0].names
+    if any(one.names != names for one in baseline):
+        raise ValueError("the baseline's identifications are of different quantities")
+    return names
+
+
 def inverse(covariance: Floats) -> Floats:
     """Compute the inverse of a covariance or an information matrix whose coordinates are of very different sizes.
 
