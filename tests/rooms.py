@@ -116,7 +116,7 @@ service/api: service/api/alerts service/api/cache service/api/conventions servic
     service/http service/identification service/journal service/resilience service/security storage/database
 service/doctor: service/api service/configuration service/delivery service/maintenance service/messaging
     service/security service/wire storage/alerts storage/backup storage/database storage/operation
-service/commands: rotorundown
+service/commands: rotorundown rotorundown/environment
     estimator estimator/calibration estimator/fit estimator/identification estimator/machine estimator/modes estimator/phasors
     estimator/simulation estimator/statics estimator/thesis estimator/updated_model service/api
     service/api/operation service/balancing service/configuration service/delivery service/doctor service/edge
