@@ -20,6 +20,7 @@ from service.commands.calibration import calibrate
 from service.commands.exit import fail
 from service.commands.first_steps import check, init
 from service.commands.help_panels import PanelledGroup
+from service.commands.json_output import JsonWanted, say_json
 from service.commands.keys import audit_app, key_app
 from service.commands.retention import retention_app
 from service.commands.storage import backup, export, move, restore
@@ -108,6 +109,7 @@ def doctor(
     exposed: Annotated[
         bool, typer.Option("--exposed", help="list instead what somebody on the network could reach, and why")
     ] = False,
+    as_json: JsonWanted = False,
 ) -> None:
     """Check a deployment, with the settings of its service: database, room, certificates, API, zenoh, ingest.
 
@@ -118,13 +120,20 @@ def doctor(
     from service.secrets.files import read_secret
 
     settings = _settings({})
+    if exposed and as_json:
+        fail("--exposed is printed as text only")
     if exposed:
         report(settings, url=url)
         return
-    wrong = 0
-    for finding in examine(settings, url=url, api_key=None if api_key_file is None else read_secret(str(api_key_file))):
-        say(f"{finding.level:8s} {finding.what}: {finding.words}")
-        wrong += finding.level == "wrong"
+    key = None if api_key_file is None else read_secret(str(api_key_file))
+    found = []
+    for finding in examine(settings, url=url, api_key=key):
+        found.append(finding)
+        if not as_json:
+            say(f"{finding.level:8s} {finding.what}: {finding.words}")
+    if as_json:
+        say_json([{"level": one.level, "what": one.what, "words": one.words} for one in found])
+    wrong = sum(one.level == "wrong" for one in found)
     if wrong:
         fail(f"{wrong} wrong; docs/runbook.md says what to do")
 

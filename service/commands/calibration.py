@@ -6,7 +6,8 @@ from typing import Annotated
 import typer
 
 from service.commands.exit import fail
-from service.commands.terminal import say, say_lines
+from service.commands.json_output import JsonWanted, say_json
+from service.commands.terminal import say, say_lines, working
 
 
 def calibrate(
@@ -16,6 +17,7 @@ def calibrate(
         Path | None, typer.Option(help="calibrated document to write; by default the document's name with -calibrated")
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="of the random starts")] = 0,
+    as_json: JsonWanted = False,
 ) -> None:
     """Calibrate a machine from runs with known unbalances, and write the document that later fits start from.
 
@@ -31,12 +33,18 @@ def calibrate(
     try:
         described = read_machine(machine)
         say_warnings(described)
-        found = calibrated(described, files, seed=seed)
+        with working("calibrating"):
+            found = calibrated(described, files, seed=seed)
     except (UnreadableFile, NotCalibrated) as error:
         fail(str(error))
     for line in found.left_out:
         say(line, err=True)
-    say_lines(str(found))
+    if as_json:
+        said = found.found
+        told = {"machine": described.id, "accepted": found.accepted, "verdict": found.verdict, "remarks": said.remarks}
+        say_json(told | {"starts": said.starts, "calibration": found.machine.calibration})
+    else:
+        say_lines(str(found))
     if not found.accepted:
         raise typer.Exit(1)
     target = output or machine.with_name(f"{machine.stem}-calibrated.yaml")
@@ -44,4 +52,7 @@ def calibrate(
         found.write(target)
     except OSError as error:
         fail(f"{target}: {error.strerror}")
-    say(f"Written: {target}; `rundown identify {target} RUN` starts from it, and states the unbalance gained since")
+    say(
+        f"Written: {target}; `rundown identify {target} RUN` starts from it, and states the unbalance gained since",
+        err=as_json,
+    )
