@@ -5,6 +5,7 @@ Each imports what it needs by itself: web server, database and estimator take a 
 
 import json
 import logging
+import os
 import signal
 import threading
 import time
@@ -28,6 +29,7 @@ from service.commands.terminal import say, say_lines
 from service.configuration.log_format import log_to_terminal
 from service.configuration.release import VERSION
 from service.configuration.settings import DEFAULT_ZENOH_ENDPOINT, Role, Settings, SettingsWrong, settings_of
+from service.configuration.settings_file import VARIABLE as CONFIG_VARIABLE
 
 if TYPE_CHECKING:
     from estimator.machine.document import Machine
@@ -72,8 +74,16 @@ def serve(
     allow_no_authentication: Annotated[
         bool | None, typer.Option("--allow-no-authentication", help="the first of two settings; see docs/security.md")
     ] = None,
+    config: Annotated[
+        Path | None, typer.Option(envvar=CONFIG_VARIABLE, help="TOML file of settings, each by its name")
+    ] = None,
 ) -> None:
-    """Run the service. Every setting can also come from the environment as RUNDOWN_NAME; see docs/operators.md."""
+    """Run the service. Every setting can also come from the environment as RUNDOWN_NAME, or from a TOML file.
+
+    Options go before the environment, which goes before the file; see docs/operators.md.
+    """
+    if config is not None:
+        os.environ[CONFIG_VARIABLE] = str(config)  # for all that asks for settings later, in its processes too
     given: dict[str, Any] = {
         "database": database,
         "host": host,
