@@ -12,7 +12,7 @@ export PYTHONDONTWRITEBYTECODE =
 # Small matrices: more BLAS threads only get in each other's way.
 export OPENBLAS_NUM_THREADS = 1
 
-.PHONY: demo compiled test test-browser test-long test-postgresql lint audit benchmarks dashboard clean
+.PHONY: demo compiled test test-browser test-long test-postgresql lint audit benchmarks dashboard docs sbom clean
 
 $(VENV)/.installed: pyproject.toml setup.py
 	$(PYTHON) -m venv $(VENV)
@@ -53,6 +53,14 @@ benchmarks: $(VENV)/.installed
 dashboard: $(VENV)/.installed ## build the page anew into service/dashboard/, where it is committed; needs Node.js 20
 	$(BIN)/python -m service.commands.page_declarations dashboard/src/declarations
 	cd dashboard && npm ci --no-audit --no-fund && npm run build
+
+docs: $(VENV)/.installed ## the documentation as a site in build/site, to be opened and searched without a server
+	$(BIN)/python -m docs_site
+
+sbom: $(VENV)/.installed ## what an installation of the service consists of, as CycloneDX, in build/rotorundown.cdx.json
+	$(PYTHON) -m venv --clear build/sbom
+	build/sbom/bin/pip install --quiet --disable-pip-version-check '.[service]'
+	$(BIN)/cyclonedx-py environment --pyproject pyproject.toml --output-file build/rotorundown.cdx.json build/sbom/bin/python
 
 clean:
 	rm -rf $(VENV) build *.egg-info

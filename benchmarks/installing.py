@@ -7,6 +7,7 @@ fresh environment. Imports are the best of several fresh interpreters, less one 
 """
 
 import argparse
+import os
 import subprocess
 import sys
 import tempfile
@@ -27,13 +28,14 @@ READY = "import rotorundown as rd; rd.read_machine, rd.read_run, rd.identify, rd
 
 
 def seconds(code: str, *, tries: int) -> float:
-    """Return the least time of a fresh interpreter that runs code [s]."""
+    """Return the least time of a fresh interpreter that runs code [s]; modules are compiled, as if installed."""
+    compiling = os.environ | {"PYTHONDONTWRITEBYTECODE": ""}
     found = []
-    for _ in range(tries):
+    for _ in range(1 + tries):
         began = time.perf_counter()
-        subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True)
+        subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True, env=compiling)
         found.append(time.perf_counter() - began)
-    return min(found)
+    return min(found[1:])
 
 
 def imports(tries: int) -> bool:

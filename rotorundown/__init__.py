@@ -3,13 +3,16 @@
 before a name is used.
 """
 
+import gc
 from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from rotorundown.environment.own_packages import require_own_packages
 
 if TYPE_CHECKING:
     from estimator.machine.document import Machine
+    from rotorundown.calibration import CalibratedMachine, calibrate
     from rotorundown.comparison import CouplingComparison, compare
     from rotorundown.diagnosis import CausesFound, diagnose
     from rotorundown.identification import identify
@@ -17,40 +20,56 @@ if TYPE_CHECKING:
     from rotorundown.machine_model import Model
     from rotorundown.plots.trend import plot_trend
     from rotorundown.result import Result
+    from rotorundown.ross_models import read_ross_model
     from rotorundown.runs import MachineRun, read_run
+    from rotorundown.service_client import Service
+    from rotorundown.service_requests import ServiceError
+    from rotorundown.service_rows import Rows
     from rotorundown.simulation import simulate
     from rotorundown.updated_models import model
 
 __all__ = [
+    "CalibratedMachine",
     "CausesFound",
     "CouplingComparison",
     "Machine",
     "MachineRun",
     "Model",
     "Result",
+    "Rows",
+    "Service",
+    "ServiceError",
+    "calibrate",
     "compare",
     "diagnose",
     "identify",
     "model",
     "plot_trend",
     "read_machine",
+    "read_ross_model",
     "read_run",
     "simulate",
 ]
 
 _PLACES = {
+    "CalibratedMachine": "rotorundown.calibration",
     "CausesFound": "rotorundown.diagnosis",
     "CouplingComparison": "rotorundown.comparison",
     "Machine": "estimator.machine.document",
+    "MachineRun": "rotorundown.runs",
     "Model": "rotorundown.machine_model",
     "Result": "rotorundown.result",
-    "MachineRun": "rotorundown.runs",
+    "Rows": "rotorundown.service_rows",
+    "Service": "rotorundown.service_client",
+    "ServiceError": "rotorundown.service_requests",
+    "calibrate": "rotorundown.calibration",
     "compare": "rotorundown.comparison",
     "diagnose": "rotorundown.diagnosis",
     "identify": "rotorundown.identification",
     "model": "rotorundown.updated_models",
     "plot_trend": "rotorundown.plots.trend",
     "read_machine": "rotorundown.machine_files",
+    "read_ross_model": "rotorundown.ross_models",
     "read_run": "rotorundown.runs",
     "simulate": "rotorundown.simulation",
 }
@@ -66,9 +85,20 @@ def __getattr__(name: str) -> Any:
 
         raise AttributeError(f"rotorundown has no '{name}'{did_you_mean(name, __all__)}")
     # A module of the package may have the same name as a function; the function is what the user asks for.
-    found = getattr(import_module(_PLACES[name]), name)
+    found = getattr(_imported(_PLACES[name]), name)
     globals()[name] = found
     return found
+
+
+def _imported(module: str) -> ModuleType:
+    """Load a module; nothing of what is loaded is garbage, and looking for some takes a sixth of the time."""
+    collecting = gc.isenabled()
+    gc.disable()
+    try:
+        return import_module(module)
+    finally:
+        if collecting:
+            gc.enable()
 
 
 def __dir__() -> list[str]:

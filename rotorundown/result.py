@@ -6,12 +6,16 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from estimator.close_matches import did_you_mean
 from estimator.fit.estimates import Estimate
 from estimator.fit.identify import Identification
+from estimator.identification.experiment_design import HelpfulProbe, HelpfulSpeed, helpful_probes, helpful_speeds
 from estimator.machine.document import Machine
+from estimator.phasors.measurement import joined
 from estimator.phasors.quality import Quality
-from estimator.units import rad_per_s_to_rpm
+from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 from estimator.updated_model.model import updated_model
 from rotorundown.environment.optional_packages import optional_package
 from rotorundown.estimate_summary import element_lines
@@ -21,6 +25,8 @@ from rotorundown.runs import MachineRun
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+CANDIDATE_SPEEDS = 60
+"""Number of speeds of which the most helpful are chosen."""
 COLUMNS = ("element", "quantity", "value", "standard_error", "lower", "upper", "imaginary", "imaginary_standard_error", "unit")
 """Columns of a table of estimates, beside `reason`."""
 
@@ -79,6 +85,18 @@ class Result:
 
     def __contains__(self, name: object) -> bool:
         return any(one == name for one in self)
+
+    def helpful_speeds(self, *, count: int = 3) -> tuple[HelpfulSpeed, ...]:
+        """Return the speeds of the machine's range at which one more sample each would help most, with the effect."""
+        limits = self.machine.speed_range
+        lowest, highest = rpm_to_rad_per_s(limits.minimum_rpm), rpm_to_rad_per_s(limits.maximum_rpm)
+        candidates = np.linspace(lowest, highest, CANDIDATE_SPEEDS)
+        return helpful_speeds(self.machine, self.identification, candidates=candidates, count=count)
+
+    def helpful_probes(self, *, count: int = 3) -> tuple[HelpfulProbe, ...]:
+        """Return the probes that would have helped most in the same runs, with the effect."""
+        measured = joined([run.measurement for run in self.runs])
+        return helpful_probes(self.machine, self.identification, measured, count=count)
 
     def to_frame(self) -> Any:
         """Return a pandas DataFrame with a row per parameter, in SI units. Raises PackageMissing without pandas."""

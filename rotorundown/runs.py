@@ -1,5 +1,6 @@
 """Runs as the library takes them: recordings with a sidecar, plain CSV tables, data frames, or arrays."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -45,6 +46,7 @@ class MachineRun:
         measurement: The same samples as input of a fit, with the trial weights that were on.
         left_out: What was left out when it was read, with the reason of each.
         units: Units in which it was read.
+        truth: True parameters of a simulated run by name [SI]; None for a measured one.
     """
 
     name: str
@@ -53,6 +55,7 @@ class MachineRun:
     measurement: Measurement
     left_out: tuple[str, ...] = ()
     units: str = "as its sidecar says"
+    truth: Mapping[str, float] | None = None
 
     def __len__(self) -> int:
         return int(self.recorded.speed.size)

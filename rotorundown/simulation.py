@@ -35,7 +35,7 @@ def simulate(
         duration_s: Duration [s].
 
     Returns:
-        The run.
+        The run, with its true parameters.
 
     Raises:
         ValueError: The document does not say enough to simulate from.
@@ -43,8 +43,11 @@ def simulate(
     true = truth_at_progress(draw_truth(machine, np.random.default_rng(seed)), machine, story, progress)
     rng = np.random.default_rng([seed, run_seed])
     time, speed = speed_law(machine, "run-down", duration=duration_s, samples=samples)
-    phasor = measured_phasors(machine, truth_of_run(true, rng), speed, rng)
+    own = truth_of_run(true, rng)
+    phasor = measured_phasors(machine, own, speed, rng)
     status = np.full(phasor.shape, ChannelStatus.GOOD, dtype=np.uint8)
     recorded = RecordedRun(time, speed, phasor, status, np.full(phasor.shape, np.nan), machine.channels)
     measurement = Measurement.of(speed=speed, phasor=phasor, direction=machine.direction)
-    return MachineRun(f"simulated {story}", machine.channels, recorded, measurement, units="simulated, SI")
+    return MachineRun(
+        f"simulated {story}", machine.channels, recorded, measurement, units="simulated, SI", truth=own.parameters
+    )

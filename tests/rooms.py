@@ -60,8 +60,8 @@ service/sources: estimator estimator/calibration estimator/machine estimator/pha
 rotorundown/environment:
 rotorundown/plots: estimator estimator/fit estimator/machine estimator/modes estimator/phasors estimator/statics
     estimator/updated_model rotorundown/environment
-rotorundown: estimator estimator/diagnosis estimator/fit estimator/identification estimator/machine estimator/modes
-    estimator/phasors estimator/simulation estimator/updated_model rotorundown/environment rotorundown/plots
+rotorundown: estimator estimator/calibration estimator/diagnosis estimator/fit estimator/identification estimator/machine
+    estimator/modes estimator/phasors estimator/simulation estimator/updated_model rotorundown/environment rotorundown/plots
     service/configuration service/sources service/wire storage storage/encoding
 service/balancing: estimator estimator/calibration estimator/fit estimator/machine estimator/phasors
     estimator/updated_model storage/alerts storage/machines storage/measurements

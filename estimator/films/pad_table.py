@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.special import expit
+import scipy
 
 from estimator.arrays import Floats
 from estimator.films.pad import FULL_ARC
@@ -162,7 +162,7 @@ class PadTable:
 def _directions(half: float, count: int) -> Floats:
     """Return directions of one turn (count,), twice as dense where the thinnest film is on the pad."""
     even = np.linspace(-math.pi, math.pi, 2001)
-    density = 1.0 + expit((half + 0.35 - np.abs(even)) / 0.15)
+    density = 1.0 + scipy.special.expit((half + 0.35 - np.abs(even)) / 0.15)
     share = np.concatenate([[0.0], np.cumsum(density[1:] + density[:-1])])
     return np.asarray(np.interp(np.arange(count) / count * share[-1], share, even), dtype=float)
 

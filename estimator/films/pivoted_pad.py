@@ -13,7 +13,7 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from estimator.arrays import Floats
 from estimator.films.reynolds import PadSolver
@@ -130,7 +130,7 @@ class PivotedPadSolver:
         high = (1.0 - _CLOSEST - WELL_LOADED * math.cos(end)) / math.sin(end)
         if math.atan2(high, WELL_LOADED) < end:  # the film closes before the trailing edge
             high = math.sqrt((1.0 - _CLOSEST) ** 2 - WELL_LOADED**2)
-        return float(brentq(lambda one: self.at(WELL_LOADED, one).force[1], LEAST_TILT, high, xtol=1e-6))
+        return float(scipy.optimize.brentq(lambda one: self.at(WELL_LOADED, one).force[1], LEAST_TILT, high, xtol=1e-6))
 
     def unloading(self) -> list[tuple[float, float]]:
         """Follow a pad from where it is well loaded to where it loses its film.

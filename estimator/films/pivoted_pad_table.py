@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from estimator.arrays import Complexes, Floats
 from estimator.films.pad_table import THINNEST_FILM, THINNEST_TABULATED
@@ -101,7 +101,7 @@ class PivotedPadTable:
             rows.append(solver.at(e, across[-1]))
         self._last = self._end - (1.0 - self._end) * math.expm1(-(p[-1] ** 2))
         self._thinnest_last = rows[-1].thinnest
-        self._spline = CubicSpline(np.array(p), np.array([_quantities(one) for one in rows]))
+        self._spline = scipy.interpolate.CubicSpline(np.array(p), np.array([_quantities(one) for one in rows]))
 
     def thinnest(self, e: Floats) -> Floats:
         """Compute the thickness of the film where it is thinnest.

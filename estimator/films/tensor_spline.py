@@ -6,7 +6,7 @@ Cubic splines as in C. de Boor, A Practical Guide to Splines, Springer, 1978.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from estimator.arrays import Floats
 
@@ -73,7 +73,7 @@ class TensorSpline:
 
 def _pieces(nodes: Floats, values: Floats, *, periodic: bool) -> tuple[Floats, Floats]:
     """Return break points (n + 1,) and polynomials (4, n, …), highest power first, through values (nodes, …)."""
-    pieces = CubicSpline(nodes, values, bc_type="periodic" if periodic else "not-a-knot")
+    pieces = scipy.interpolate.CubicSpline(nodes, values, bc_type="periodic" if periodic else "not-a-knot")
     return pieces.x, pieces.c
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from estimator.arrays import Floats
 
@@ -70,5 +70,5 @@ class ViscosityOverSpeed:
         return np.asarray(np.log(np.clip(speed, self.course[0][0], self.course[0][-1])))
 
     @cached_property
-    def _logarithm(self) -> CubicSpline | None:
-        return None if self.course is None else CubicSpline(np.log(self.course[0]), np.log(self.course[1]))
+    def _logarithm(self) -> "scipy.interpolate.CubicSpline | None":
+        return None if self.course is None else scipy.interpolate.CubicSpline(np.log(self.course[0]), np.log(self.course[1]))

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.optimize
+import scipy
 
 from estimator.arrays import Floats
 from estimator.bearings.deviation_shapes import DeviationShapes

@@ -6,8 +6,8 @@ with the covariance I - C, C being that which the data leave (Rasmussen and Will
 """
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.special import chdtrc
 
 from estimator.arrays import Floats
 from estimator.fit.coordinates import Coordinates
@@ -93,4 +93,4 @@ def _surprise(numbers: Floats, covariance: Floats) -> tuple[float, float]:
     if not seen.any():
         return 1.0, 0.0
     squares = (directions.T @ numbers)[seen] ** 2 / variance[seen]
-    return float(chdtrc(squares.size, squares.sum())), float(np.sqrt(squares.mean()))
+    return float(scipy.special.chdtrc(squares.size, squares.sum())), float(np.sqrt(squares.mean()))

@@ -8,8 +8,8 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import chi2
 
 from estimator.arrays import Complexes, Floats
 from estimator.fit.coordinates import Coordinates
@@ -306,7 +306,7 @@ def without_growing_modes(
     final = with_fitted_noise(problem, found)
     weight = final.weight(np.abs(final.model(found.theta)), 0.0)
     growing = sum(one.grows for one in limits.watched(found.theta))
-    highest = _linearised(final, found.theta, weight)[0] + float(chi2.isf(CHANCE, growing))
+    highest = _linearised(final, found.theta, weight)[0] + float(scipy.special.chdtri(growing, CHANCE))
     search = _Search(limits, final, weight, highest)
     kept = search.run(search.nearer_to_document(found.theta))
     return (found, first) if kept is None else (replace(found, theta=kept), None)

@@ -9,7 +9,7 @@ curves that veer away from each other from curves that cross.
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.optimize
+import scipy
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
+import scipy
 import scipy.linalg
-import scipy.optimize
 
 from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine

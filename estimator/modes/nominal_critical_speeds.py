@@ -4,7 +4,7 @@ from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
-import scipy.optimize
+import scipy
 
 from estimator.arrays import Floats
 from estimator.machine.document import Machine

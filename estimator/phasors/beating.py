@@ -13,7 +13,7 @@ mode's response does.
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.optimize
+import scipy
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats

@@ -3,7 +3,7 @@
 from math import log
 
 import numpy as np
-import scipy.optimize
+import scipy
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.interpolate
+import scipy
 
 from estimator.arrays import Floats
 
@@ -22,7 +22,7 @@ class SpeedLaw:
 
     begin: float
     end: float
-    _angle: scipy.interpolate.PPoly
+    _angle: "scipy.interpolate.PPoly"
 
     @classmethod
     def through(cls, time: Floats, speed: Floats) -> "SpeedLaw":

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import CubicSpline, PchipInterpolator
+import scipy
 
 from estimator.arrays import Floats
 from estimator.errors import Invalid
@@ -52,9 +52,9 @@ class NominalFilms:
         return np.geomspace(self.slowest, self.fastest, SPEEDS)
 
     @cached_property
-    def spline(self) -> CubicSpline:
+    def spline(self) -> "scipy.interpolate.CubicSpline":
         """Return the spline over the logarithm of the speed by which values (G,) at these speeds weigh at others."""
-        return CubicSpline(np.log(self.speed), np.eye(SPEEDS))
+        return scipy.interpolate.CubicSpline(np.log(self.speed), np.eye(SPEEDS))
 
     @cached_property
     def equilibria(self) -> tuple[FilmEquilibrium, ...]:
@@ -78,7 +78,7 @@ class NominalFilms:
         few = np.linspace(0, SPEEDS - 1, FOLLOWED).round().astype(int)
         met = [one for one in self.train.over(self.speed[few]) if one is not None]
         if len(met) == few.size:
-            path = PchipInterpolator(np.log(self.speed[few]), np.stack([one.position for one in met]))
+            path = scipy.interpolate.PchipInterpolator(np.log(self.speed[few]), np.stack([one.position for one in met]))
             found = equilibria_near(self.train, self.speed, path(np.log(self.speed)))
             if found is not None:
                 return found

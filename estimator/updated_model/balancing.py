@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.optimize
+import scipy
 
 from estimator.arrays import Complexes, Floats
 from estimator.updated_model.forced_response import ForcedResponse, forced_response

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
-import scipy.special
+import scipy
 
 from estimator.arrays import Complexes, Floats
 from estimator.fit.estimates import CONFIDENCE_95

@@ -3,6 +3,7 @@
 Each imports what it computes with by itself: that takes a second, which other commands should not spend.
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -11,13 +12,15 @@ import typer
 from estimator.errors import Invalid
 from estimator.thesis.parameter_rules import Rule
 from service.commands.exit import fail
-from service.commands.terminal import say, say_lines
+from service.commands.json_output import JsonWanted, say_json
+from service.commands.terminal import say, say_lines, working
 
 if TYPE_CHECKING:
     from estimator.fit.identify import Identification
     from estimator.identification.quality_gate import GatedIdentification
     from estimator.machine.document import Machine
     from estimator.phasors.measurement import Measurement
+    from estimator.phasors.quality import Quality
     from estimator.phasors.recorded_run import RecordedRun
 
 Method = Literal["likelihood", "regression"]
@@ -41,25 +44,20 @@ def identify_offline(
     slow_roll: Annotated[
         str | None, typer.Option(help="subtract the run's own slow-roll vectors of this band, such as 200:400 [rpm]")
     ] = None,
+    as_json: JsonWanted = False,
 ) -> None:
     """Identify a machine from recorded runs, without a service, and print estimates ± standard errors.
 
     Ends with status 1 when the fit is not accepted.
     """
-    from estimator.calibration.unbalance_since import unbalance_since
-    from estimator.updated_model.derived_quantities import alignment_quantities
-    from estimator.updated_model.model import updated_model
-    from service.commands.alignment_report import alignment_text
-    from service.commands.calibration_report import since_text
-    from service.commands.identification_report import advice_text, identification_text, quality_text
-    from service.sources.recording import read_circumstances
+    from service.commands.identification_report import advice_text, quality_text
 
     if method == "regression" and advice:
         fail("--advice goes with the likelihood: the regression has no information to read it from")
     if method == "likelihood" and tikhonov is not None:
         fail("--tikhonov goes with --method regression: the likelihood has its own prior")
     if method == "regression":
-        _regress(machine, files, sidecar, tikhonov, slow_roll)
+        _regress(machine, files, sidecar, tikhonov, slow_roll, as_json=as_json)
         return
     described, measurement, found = _gated(
         machine, files, sidecar, half_power=half_power, accepted_rpm=accepted_rpm, gate=gate, slow_roll=slow_roll
@@ -68,20 +66,50 @@ def identify_offline(
     if found.identification is None:
         fail("\n".join([found.error or "", text]).strip())
     result = found.identification
-    say_lines(identification_text(result))
-    since = unbalance_since(described, result)
-    if since is not None:
-        told = read_circumstances(files[0], sidecar)
-        say_lines(since_text(since, told.scale, direction=told.direction))
-    alignment = alignment_text(alignment_quantities(updated_model(described, result))) if result.accepted else ""
-    if alignment:
-        say_lines(alignment)
-    if text:
-        say_lines(f"\n{text}")
+    if as_json:
+        _print_json(described, result, [file.name for file in files], found.qualities)
+    else:
+        _print(described, result, files[0], sidecar)
+        if text:
+            say_lines(f"\n{text}")
     if advice:
-        say_lines(advice_text(described, result, measurement))
+        with working("looking for what would help"):
+            helpful = advice_text(described, result, measurement)
+        say_lines(helpful, err=as_json)
     if not result.accepted:
         raise typer.Exit(1)
+
+
+def _print(machine: "Machine", result: "Identification", file: Path, sidecar: Path | None) -> None:
+    """Print estimates, and what a calibrated machine has gained and how couplings are aligned."""
+    from estimator.calibration.unbalance_since import unbalance_since
+    from estimator.updated_model.derived_quantities import alignment_quantities
+    from estimator.updated_model.model import updated_model
+    from service.commands.alignment_report import alignment_text
+    from service.commands.identification_report import identification_text, since_text
+    from service.sources.recording import read_circumstances
+
+    say_lines(identification_text(result))
+    since = unbalance_since(machine, result)
+    if since is not None:
+        told = read_circumstances(file, sidecar)
+        say_lines(since_text(since, told.scale, direction=told.direction))
+    alignment = alignment_text(alignment_quantities(updated_model(machine, result))) if result.accepted else ""
+    if alignment:
+        say_lines(alignment)
+
+
+def _print_json(machine: "Machine", result: "Identification", names: list[str], qualities: "Sequence[Quality]") -> None:
+    from estimator.calibration.unbalance_since import unbalance_since
+    from estimator.updated_model.derived_quantities import alignment_quantities
+    from estimator.updated_model.model import updated_model
+    from service.commands.result_content import identification_content, quality_content, since_content
+
+    since = unbalance_since(machine, result)
+    alignment = alignment_quantities(updated_model(machine, result)) if result.accepted else ()
+    gained = {} if since is None else {"unbalance_since_calibration": since_content(since)}
+    rest = {"alignment": alignment, "runs": quality_content(names, qualities)}
+    say_json(identification_content(machine, result) | gained | rest)
 
 
 def model(
@@ -94,32 +122,46 @@ def model(
         float | None, typer.Option(min=1e-3, help="speed at which it works; by default the range's end")
     ] = None,
     grade: Annotated[float, typer.Option(min=1e-3, help="balance quality grade G asked for [mm/s]")] = 2.5,
+    as_json: JsonWanted = False,
 ) -> None:
     """Identify a machine from recorded runs and print the results of the updated model.
 
     Critical speeds, amplification factors and separation margins, coupling loads, balance and corrections, impact test. Where
     the document gives the film of each bearing, the static state comes first: loads, specific pressures, eccentricities,
     positions, Sommerfeld numbers and the speed from which on the train would whirl. Ends with status 1 when the fit is not
-    accepted.
+    accepted. With --json the runs' results alone are printed, which need a run.
     """
     import threadpoolctl
 
     from estimator.updated_model.model import updated_model
+    from rotorundown.machine_model import Model
     from service.commands.model_report import model_text
+    from service.commands.result_content import model_content
 
-    _print_films(machine, service_rpm, needed=not files)
+    if as_json and not files:
+        fail("--json needs a run: the static state on oil films is printed as text only")
+    if not as_json:
+        _print_films(machine, service_rpm, needed=not files)
     if not files:
         return
     described, _, result = identified(machine, files, sidecar)
-    say(result.verdict)
+    say(result.verdict, err=as_json)
     if not result.accepted:
         raise typer.Exit(1)
     try:
         speed = described.speed_range.maximum_rpm if service_rpm is None else service_rpm
-        with threadpoolctl.threadpool_limits(1):
-            say_lines(model_text(updated_model(described, result), service_rpm=speed, grade=grade))
+        updated = updated_model(described, result)
+        with threadpoolctl.threadpool_limits(1), working("computing the model's results"):
+            if as_json:
+                content = model_content(Model(updated), service_rpm=speed, grade=grade)
+            else:
+                text = model_text(updated, service_rpm=speed, grade=grade)
     except ValueError as error:
         fail(str(error))
+    if as_json:
+        say_json(content)
+    else:
+        say_lines(text)
 
 
 def _print_films(machine: Path, service_rpm: float | None, *, needed: bool) -> None:
@@ -143,12 +185,14 @@ def compare(
     baseline: Annotated[Path, typer.Argument(help="a recorded run of the healthy machine")],
     files: RunFiles,
     coupling: Annotated[str, typer.Option(help="id of the coupling that may be misaligned")],
+    as_json: JsonWanted = False,
 ) -> None:
     """Tell whether later runs show changed coefficients at a coupling, an equivalent load in it, or no change."""
     import threadpoolctl
 
     from estimator.identification.model_comparison import compare_misalignment
     from service.commands.identification_report import comparison_text
+    from service.commands.result_content import comparison_content
     from service.configuration.document_files import UnreadableFile
     from service.sources.recorded_runs import read_measurement
     from service.wire import Rejected
@@ -158,13 +202,16 @@ def compare(
         fail(f"{baseline}: {healthy.verdict}")
     try:
         measurement, _ = read_measurement(described, files)
-        with threadpoolctl.threadpool_limits(1):
+        with threadpoolctl.threadpool_limits(1), working("comparing models"):
             found = compare_misalignment(described, measurement, baseline=healthy, coupling=coupling)
     except KeyError:
         fail(f"'{coupling}' is no coupling of '{described.id}'; there are {', '.join(c.id for c in described.couplings)}")
     except (UnreadableFile, Rejected, ValueError) as error:
         fail(str(error))
-    say_lines(comparison_text(found))
+    if as_json:
+        say_json(comparison_content(found))
+    else:
+        say_lines(comparison_text(found))
 
 
 def show_slow_roll(
@@ -172,37 +219,50 @@ def show_slow_roll(
     file: Annotated[Path, typer.Argument(help="recorded run, as for replay")],
     band: Annotated[str, typer.Argument(help="lowest and highest speed, such as 200:400 [rpm]")],
     sidecar: OtherSidecar = None,
+    as_json: JsonWanted = False,
 ) -> None:
     """Print the slow-roll vectors of a recorded run. Ends with status 1 when no channel shows one."""
     from estimator.phasors.measurement import joined
     from service.commands.identification_report import slow_roll_text
+    from service.commands.result_content import slow_roll_content
     from service.configuration.document_files import UnreadableFile
     from service.sources.recorded_runs import captured
     from service.wire import Rejected
 
     try:
         described, runs = _runs(machine, [file], sidecar)
-        say_lines(slow_roll_text(described, captured(described, joined([measured for _, measured in runs]), band)))
+        found = captured(described, joined([measured for _, measured in runs]), band)
     except (UnreadableFile, Rejected, ValueError) as error:
         fail(str(error))
+    if as_json:
+        say_json(slow_roll_content(described, found))
+    else:
+        say_lines(slow_roll_text(described, found))
 
 
-def _regress(machine: Path, files: list[Path], sidecar: Path | None, tikhonov: Rule | None, slow_roll: str | None) -> None:
+def _regress(
+    machine: Path, files: list[Path], sidecar: Path | None, tikhonov: Rule | None, slow_roll: str | None, *, as_json: bool
+) -> None:
     import threadpoolctl
 
     from estimator.phasors.measurement import joined
     from estimator.thesis.machine_regression import regress
     from service.commands.identification_report import EXPLAINED, regression_text
+    from service.commands.result_content import regression_content
     from service.configuration.document_files import UnreadableFile
     from service.wire import Rejected
 
     try:
         described, runs = _runs(machine, files, sidecar, slow_roll)
         measurement = joined([measured for _, measured in runs])
-        with threadpoolctl.threadpool_limits(1):
+        with threadpoolctl.threadpool_limits(1), working("solving the regression"):
             found = regress(described, measurement, tikhonov=tikhonov)
-        say_lines(regression_text(found))
-        if found.reduced_chi_square > EXPLAINED or found.impossible:
+        accepted = not (found.reduced_chi_square > EXPLAINED or found.impossible)
+        if as_json:
+            say_json(regression_content(described, found, accepted=accepted))
+        else:
+            say_lines(regression_text(found))
+        if not accepted:
             raise typer.Exit(1)
     except (UnreadableFile, Rejected, ValueError) as error:
         fail(str(error))
@@ -256,7 +316,8 @@ def _gated(
     try:
         described, runs = _runs(machine, files, sidecar, slow_roll)
         named = [MachineRun(file.name, described.channels, *run) for file, run in zip(files, runs, strict=True)]
-        found = identify_behind_gate(described, named, gate=gate, half_power=half_power, accepted_rpm=accepted_rpm)
+        with working("identifying"):
+            found = identify_behind_gate(described, named, gate=gate, half_power=half_power, accepted_rpm=accepted_rpm)
         return described, joined([run.measurement for run in named]), found
     except (UnreadableFile, Rejected, ValueError) as error:
         fail(str(error))

@@ -5,6 +5,7 @@ Each imports what it needs by itself: web server, database and estimator take a 
 
 import json
 import logging
+import os
 import signal
 import threading
 import time
@@ -20,6 +21,7 @@ from service.commands.calibration import calibrate
 from service.commands.exit import fail
 from service.commands.first_steps import check, init
 from service.commands.help_panels import PanelledGroup
+from service.commands.json_output import JsonWanted, say_json
 from service.commands.keys import audit_app, key_app
 from service.commands.retention import retention_app
 from service.commands.storage import backup, export, move, restore
@@ -27,6 +29,7 @@ from service.commands.terminal import say, say_lines
 from service.configuration.log_format import log_to_terminal
 from service.configuration.release import VERSION
 from service.configuration.settings import DEFAULT_ZENOH_ENDPOINT, Role, Settings, SettingsWrong, settings_of
+from service.configuration.settings_file import VARIABLE as CONFIG_VARIABLE
 
 if TYPE_CHECKING:
     from estimator.machine.document import Machine
@@ -71,8 +74,16 @@ def serve(
     allow_no_authentication: Annotated[
         bool | None, typer.Option("--allow-no-authentication", help="the first of two settings; see docs/security.md")
     ] = None,
+    config: Annotated[
+        Path | None, typer.Option(envvar=CONFIG_VARIABLE, help="TOML file of settings, each by its name")
+    ] = None,
 ) -> None:
-    """Run the service. Every setting can also come from the environment as RUNDOWN_NAME; see docs/operators.md."""
+    """Run the service. Every setting can also come from the environment as RUNDOWN_NAME, or from a TOML file.
+
+    Options go before the environment, which goes before the file; see docs/operators.md.
+    """
+    if config is not None:
+        os.environ[CONFIG_VARIABLE] = str(config)  # for all that asks for settings later, in its processes too
     given: dict[str, Any] = {
         "database": database,
         "host": host,
@@ -108,6 +119,7 @@ def doctor(
     exposed: Annotated[
         bool, typer.Option("--exposed", help="list instead what somebody on the network could reach, and why")
     ] = False,
+    as_json: JsonWanted = False,
 ) -> None:
     """Check a deployment, with the settings of its service: database, room, certificates, API, zenoh, ingest.
 
@@ -118,13 +130,20 @@ def doctor(
     from service.secrets.files import read_secret
 
     settings = _settings({})
+    if exposed and as_json:
+        fail("--exposed is printed as text only")
     if exposed:
         report(settings, url=url)
         return
-    wrong = 0
-    for finding in examine(settings, url=url, api_key=None if api_key_file is None else read_secret(str(api_key_file))):
-        say(f"{finding.level:8s} {finding.what}: {finding.words}")
-        wrong += finding.level == "wrong"
+    key = None if api_key_file is None else read_secret(str(api_key_file))
+    found = []
+    for finding in examine(settings, url=url, api_key=key):
+        found.append(finding)
+        if not as_json:
+            say(f"{finding.level:8s} {finding.what}: {finding.words}")
+    if as_json:
+        say_json([{"level": one.level, "what": one.what, "words": one.words} for one in found])
+    wrong = sum(one.level == "wrong" for one in found)
     if wrong:
         fail(f"{wrong} wrong; docs/runbook.md says what to do")
 

@@ -8,10 +8,12 @@ import typer
 
 from estimator.calibration.influence_correction import Criterion
 from service.commands.exit import fail
-from service.commands.terminal import say, say_lines
+from service.commands.json_output import JsonWanted, say_json
+from service.commands.terminal import say, say_lines, working
 
 if TYPE_CHECKING:
-    from estimator.calibration.field_balancing import BalancingOptions, BalancingRun, ModelInfluence
+    from estimator.calibration.balancing_check import BalancingCheck
+    from estimator.calibration.field_balancing import BalancingOptions, BalancingRun, FieldBalancing, ModelInfluence
     from estimator.machine.document import Machine
 
 GRAM = 1e-3
@@ -39,6 +41,7 @@ def balance_machine(
         bool, typer.Option("--model", help="identify the machine from the same runs, and use its model if it predicts better")
     ] = False,
     page: Annotated[Path | None, typer.Option(help="HTML file for one printed page with vector plots")] = None,
+    as_json: JsonWanted = False,
 ) -> None:
     """Compute correction weights from an initial run and trial runs, without a service, and judge a check run.
 
@@ -49,7 +52,6 @@ def balance_machine(
 
     from estimator.calibration.balancing_check import check_balancing
     from estimator.calibration.field_balancing import balance_from_trials
-    from service.balancing.balancing_text import balancing_text
     from service.balancing.correction_rows import channel_effects
     from service.balancing.printed_page import printed_page
     from service.commands.document_warnings import say_warnings
@@ -64,18 +66,42 @@ def balance_machine(
         unloaded = [run for run in groups if run.added is not None and not np.any(run.added)]
         loaded = [run for run in groups if run.added is None or np.any(run.added)]
         model = _model(machine, [initial, *trials]) if use_model else None
-        with threadpoolctl.threadpool_limits(1):
+        with threadpoolctl.threadpool_limits(1), working("balancing"):
             found = balance_from_trials(described, unloaded, loaded, options=options, model=model)
             checked = None
             if check is not None:
                 checked = check_balancing(found, _check_run(described, check))
-        say_lines(balancing_text(found, checked))
+        _print(found, checked, as_json=as_json)
         if page is not None:
             page.write_text(printed_page(found, checked), encoding="utf-8")
     except (UnreadableFile, Rejected, ValueError, OSError) as error:
         fail(str(error))
     if checked is not None and not all(one.held for one in channel_effects(found, checked) if one.held is not None):
         raise typer.Exit(1)
+
+
+def _print(found: "FieldBalancing", checked: "BalancingCheck | None", *, as_json: bool) -> None:
+    from estimator.units import rad_per_s_to_rpm
+    from service.balancing.balancing_text import balancing_text
+    from service.balancing.correction_rows import channel_effects, plane_weights
+
+    if not as_json:
+        say_lines(balancing_text(found, checked))
+        return
+    effects = channel_effects(found, checked)
+    say_json(
+        {
+            "machine": found.machine.id,
+            "speeds_rpm": [rad_per_s_to_rpm(one) for one in found.speed],
+            "runs": found.runs.names,
+            "influence": found.choice.words,
+            "notes": found.notes,
+            "criterion": found.correction.criterion,
+            "correction": plane_weights(found),
+            "largest_vibration_um_pp": effects,
+            "held": None if checked is None else all(one.held for one in effects if one.held is not None),
+        }
+    )
 
 
 def _balancing_runs(machine: "Machine", file: Path, *, required: bool) -> "list[BalancingRun]":

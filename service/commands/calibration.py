@@ -4,13 +4,10 @@ from pathlib import Path
 from typing import Annotated
 
 import typer
-import yaml
 
-from estimator.machine.document import Machine
 from service.commands.exit import fail
-from service.commands.terminal import say, say_lines
-
-LINE_WIDTH = 120
+from service.commands.json_output import JsonWanted, say_json
+from service.commands.terminal import say, say_lines, working
 
 
 def calibrate(
@@ -20,6 +17,7 @@ def calibrate(
         Path | None, typer.Option(help="calibrated document to write; by default the document's name with -calibrated")
     ] = None,
     seed: Annotated[int, typer.Option(min=0, help="of the random starts")] = 0,
+    as_json: JsonWanted = False,
 ) -> None:
     """Calibrate a machine from runs with known unbalances, and write the document that later fits start from.
 
@@ -27,37 +25,34 @@ def calibrate(
     together; what differs between mountings and how channels scatter comes from the runs. What they cannot determine is said
     and held at the document's values. Ends with status 1, and writes nothing, when the model does not fit.
     """
-    import threadpoolctl
-
-    from estimator.calibration.calibrate import calibrate as calibrated
-    from service.commands.calibration_report import calibration_text
+    from rotorundown.calibration import NotCalibrated
+    from rotorundown.calibration import calibrate as calibrated
     from service.commands.document_warnings import say_warnings
     from service.configuration.document_files import UnreadableFile, read_machine
-    from service.sources.recorded_runs import read_calibration_runs
-    from service.wire import Rejected
 
     try:
         described = read_machine(machine)
         say_warnings(described)
-        runs, left_out = read_calibration_runs(described, files)
-        for line in left_out:
-            say(line, err=True)
-        with threadpoolctl.threadpool_limits(1):
-            found = calibrated(described, runs, seed=seed)
-    except (UnreadableFile, Rejected, ValueError) as error:
+        with working("calibrating"):
+            found = calibrated(described, files, seed=seed)
+    except (UnreadableFile, NotCalibrated) as error:
         fail(str(error))
-    say_lines(calibration_text(found))
+    for line in found.left_out:
+        say(line, err=True)
+    if as_json:
+        said = found.found
+        told = {"machine": described.id, "accepted": found.accepted, "verdict": found.verdict, "remarks": said.remarks}
+        say_json(told | {"starts": said.starts, "calibration": found.machine.calibration})
+    else:
+        say_lines(str(found))
     if not found.accepted:
         raise typer.Exit(1)
     target = output or machine.with_name(f"{machine.stem}-calibrated.yaml")
-    _write(target, found.machine)
-    say(f"Written: {target}; `rundown identify {target} RUN` starts from it, and states the unbalance gained since")
-
-
-def _write(path: Path, machine: Machine) -> None:
-    content = machine.model_dump(mode="json", exclude_none=True)
-    text = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=LINE_WIDTH, allow_unicode=True)
     try:
-        path.write_text(text, encoding="utf-8")
+        found.write(target)
     except OSError as error:
-        fail(f"{path}: {error.strerror}")
+        fail(f"{target}: {error.strerror}")
+    say(
+        f"Written: {target}; `rundown identify {target} RUN` starts from it, and states the unbalance gained since",
+        err=as_json,
+    )

@@ -3,11 +3,12 @@
 import re
 from importlib.resources import files
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from service.commands.exit import fail
+from service.commands.json_output import JsonWanted, say_json
 from service.commands.terminal import say, say_lines
 
 TEMPLATE = "first_machine.yaml"
@@ -33,11 +34,13 @@ def init(
 def check(
     machine: Annotated[Path, typer.Argument(help="machine document")],
     runs: Annotated[list[Path] | None, typer.Argument(help="recorded runs of this machine, as for replay")] = None,
+    as_json: JsonWanted = False,
 ) -> None:
     """Check a machine document, and recorded runs against it: what they hold, and what is probably a mistake.
 
     Ends with status 1 where something is wrong; a warning is none.
     """
+    from estimator.machine.document_warnings import document_warnings
     from rotorundown.machine_files import WrongMachine, read_machine
     from rotorundown.runs import WrongRun, read_run
     from service.commands.document_warnings import say_warnings
@@ -54,15 +57,24 @@ def check(
         (described.couplings, "coupling"),
         (described.probes, "probe"),
     )
-    counted = ", ".join(f"{len(those)} {name}{'' if len(those) == 1 else 's'}" for those, name in parts)
+    counts = {name: len(those) for those, name in parts}
     limits = described.speed_range
-    say(f"{described.id}: {counted}; {limits.minimum_rpm:g} to {limits.maximum_rpm:g} r/min")
-    wrong = 0
+    if not as_json:
+        counted = ", ".join(f"{count} {name}{'' if count == 1 else 's'}" for name, count in counts.items())
+        say(f"{described.id}: {counted}; {limits.minimum_rpm:g} to {limits.maximum_rpm:g} r/min")
+    read: list[dict[str, Any]] = []
     for file in runs or ():
         try:
-            say_lines(str(read_run(file, machine=described)))
+            run = read_run(file, machine=described)
         except WrongRun as error:
+            read.append({"file": file, "wrong": str(error)})
             say_lines(str(error), err=True)
-            wrong += 1
+            continue
+        read.append({"file": file, "samples": len(run), "units": run.units, "left_out": run.left_out})
+        if not as_json:
+            say_lines(str(run))
+    wrong = sum("wrong" in one for one in read)
+    if as_json:
+        say_json({"machine": described.id, **counts, "warnings": document_warnings(described), "runs": read})
     if wrong:
-        fail(f"{wrong} of {len(runs or ())} runs cannot be read")
+        fail(f"{wrong} of {len(read)} runs cannot be read")

@@ -26,7 +26,7 @@ EXAMPLES: dict[str, str] = {
     "calibrate": "rundown calibrate examples/rk4-rotor-kit-four-probes.yaml tests/data/rk4_unbalance_1x.csv",
     "balance": "rundown balance pump-12.yaml initial.csv trial-1.csv trial-2.csv --check check.csv",
     "slow-roll": "rundown slow-roll examples/motor-pump.yaml healthy.csv 300:400",
-    "serve": "rundown serve --port 8080",
+    "serve": "rundown serve --config rundown.toml --port 8080",
     "doctor": "rundown doctor --url http://localhost:8080",
     "edge": "rundown edge edge.yaml --exit",
     "replay": "rundown replay healthy.csv --speedup 10",

@@ -1,10 +1,13 @@
-"""Renders identifications, advice and model comparisons as text for a terminal."""
+"""Renders identifications, advice, the unbalance gained since a calibration and comparisons as text for a terminal."""
 
+import cmath
+import math
 from collections.abc import Sequence
 
 import numpy as np
 
-from estimator.fit.estimates import Estimate
+from estimator.calibration.unbalance_since import UnbalanceSince
+from estimator.fit.estimates import CONFIDENCE_95, Estimate
 from estimator.fit.identify import Identification
 from estimator.identification.experiment_design import helpful_probes, helpful_speeds
 from estimator.identification.model_comparison import ModelComparison
@@ -14,8 +17,11 @@ from estimator.phasors.quality import Quality
 from estimator.phasors.slow_roll import Capture
 from estimator.thesis.machine_regression import PublishedEstimate
 from estimator.units import METRES, PEAK, rad_per_s_to_rpm, rpm_to_rad_per_s
+from service.sources.trial_weights import DiscScale
 
 CANDIDATE_SPEEDS = 60
+GRAM_MILLIMETRES = 1e6
+"""g mm per kg m."""
 EXPLAINED = 2.0
 """Largest χ²/dof at which the regression's values count as explaining a run."""
 
@@ -51,6 +57,20 @@ def advice_text(machine: Machine, result: Identification, measurement: Measureme
     lines = ["", "What would help most, and by how much the standard errors would shrink together:"]
     lines += [f"  {one.what} ({rad_per_s_to_rpm(one.speed):.0f} rpm): by {100 * (1 - one.shrinkage):.1f} %" for one in speeds]
     lines += [f"  {one.what}: by {100 * (1 - one.shrinkage):.1f} %" for one in probes]
+    return "\n".join(lines)
+
+
+def since_text(since: UnbalanceSince, scale: DiscScale, *, direction: int) -> str:
+    """Return the unbalance gained since the calibration, a line per disc, with 95 % intervals, angles on the discs' scale."""
+    counted = "from +x towards +y" if scale == DiscScale() else f"on the discs' scale, {scale.counted}"
+    heading = "Unbalance gained since the calibration (± 95 %, with the calibration's uncertainty and that of a new mounting)"
+    lines = ["", f"{heading}, angles {counted}"]
+    for place, (disc, value) in enumerate(zip(since.discs, since.value, strict=True)):
+        half = CONFIDENCE_95 * since.standard_error(place) * GRAM_MILLIMETRES
+        size, open_angle = abs(value) * GRAM_MILLIMETRES, since.angle_error_deg(place)
+        reading = f"{scale.reading(float(np.angle(value)), direction=direction):.1f}"
+        angle = f"{reading} ± {open_angle:.1f}°" if open_angle < 180.0 else f"{reading}°, which is left open"
+        lines.append(f"  {disc:<12} {size:9.3f} ± {half:.3f} g mm at {angle}")
     return "\n".join(lines)
 
 
@@ -105,9 +125,19 @@ def _value(estimate: Estimate) -> str:
     if estimate.value is None or estimate.standard_error is None:
         return f"not estimable: {estimate.reason}"
     if estimate.imaginary is not None and estimate.imaginary_standard_error is not None:
+        if estimate.quantity == "unbalance":
+            return _unbalance(complex(estimate.value, estimate.imaginary), estimate)
         return (
             f"{estimate.value:+.4e} ± {estimate.standard_error:.1e}  "
             f"{estimate.imaginary:+.4e}j ± {estimate.imaginary_standard_error:.1e} {estimate.unit}"
         )
     percent = 100 * estimate.standard_error / abs(estimate.value) if estimate.value else float("inf")
     return f"{estimate.value:+.4e} ± {estimate.standard_error:.1e} {estimate.unit} ({percent:.2g} %)"
+
+
+def _unbalance(value: complex, estimate: Estimate) -> str:
+    """Return an unbalance in g mm at degrees from the keyphasor mark, +x to +y, with the larger error of its two parts."""
+    error = max(estimate.standard_error or 0.0, estimate.imaginary_standard_error or 0.0)
+    open_angle = math.degrees(math.asin(min(error / abs(value), 1.0))) if value else 180.0
+    size, half = GRAM_MILLIMETRES * abs(value), GRAM_MILLIMETRES * error
+    return f"{size:.4g} ± {half:.2g} g mm at {math.degrees(cmath.phase(value)) % 360.0:.1f} ± {open_angle:.1f}°"

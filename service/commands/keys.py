@@ -4,13 +4,14 @@ import re
 import unicodedata
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from pydantic import TypeAdapter, ValidationError
 
 from estimator.field_types import Identifier
 from service.commands.exit import fail
+from service.commands.json_output import JsonWanted, say_json
 from service.commands.terminal import say
 from service.security.principal import Role
 
@@ -60,13 +61,16 @@ def create_key(
 
 
 @key_app.command("list")
-def list_keys(database: Store = None) -> None:
+def list_keys(database: Store = None, as_json: JsonWanted = False) -> None:
     """List all keys ever made, without their secrets."""
     from storage.clock import now
     from storage.operation import api_keys as keys
 
     with _open_store(database) as opened, opened.reading() as session:
         moment = now()
+        if as_json:
+            say_json([_plain_key(row, at=moment) for row in keys.list_all(session)])
+            return
         for row in keys.list_all(session):
             state = _state(row, at=moment)
             plants = "all plants" if row.plants is None else ",".join(row.plants)
@@ -150,6 +154,7 @@ def verify_audit(
         typer.Option(errors="replace", help="log of the service, for the notes in it; - is standard input"),
     ] = None,
     database: Store = None,
+    as_json: JsonWanted = False,
 ) -> None:
     """Check that no entry was changed, removed or moved. Prints the newest number and hash: note them elsewhere.
 
@@ -168,11 +173,15 @@ def verify_audit(
     with _open_store(database) as opened, opened.reading() as session:
         found = audit.verify(session, known=known)
         number, digest = audit.head(session)
+    if as_json:
+        wrong = [{"entry": one.number, "reason": one.reason} for one in found]
+        say_json({"entries": number, "newest": f"{number}:{digest}", "wrong": wrong})
     for one in found:
         say(f"entry {one.number}: {one.reason}", err=True)
     if found:
         fail(f"the audit trail does not hold, in {len(found)} places")
-    say(f"{number} entries hold: {number}:{digest}")
+    if not as_json:
+        say(f"{number} entries hold: {number}:{digest}")
 
 
 def _parse_entry(text: str) -> tuple[int, str]:
@@ -207,6 +216,18 @@ def _open_store(url: str | None, *, new: bool = False) -> "Iterator[Database]":
         fail(f"the database does not answer as it should: {error.orig}")
     finally:
         database.close()
+
+
+def _plain_key(row: "ApiKeyRow", *, at: int) -> dict[str, Any]:
+    return {
+        "prefix": row.prefix,
+        "state": _state(row, at=at),
+        "role": row.role,
+        "plants": row.plants,
+        "name": row.name,
+        "expires_at": _time(abs(row.expires_at)),
+        "last_used_at": None if row.last_used_at is None else _time(row.last_used_at),
+    }
 
 
 def _state(row: "ApiKeyRow", *, at: int) -> str:

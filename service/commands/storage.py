@@ -6,7 +6,8 @@ from typing import Annotated
 import typer
 
 from service.commands.exit import fail
-from service.commands.terminal import say
+from service.commands.json_output import JsonWanted, say_json
+from service.commands.terminal import say, working
 from service.configuration.settings import SettingsWrong, settings_of
 
 DatabaseUrl = Annotated[str | None, typer.Option(help="SQLAlchemy URL; by default the setting `database`")]
@@ -15,6 +16,7 @@ DatabaseUrl = Annotated[str | None, typer.Option(help="SQLAlchemy URL; by defaul
 def backup(
     file: Annotated[Path, typer.Argument(help="file to write; FILE.json beside it says what it is")],
     database: DatabaseUrl = None,
+    as_json: JsonWanted = False,
 ) -> None:
     """Copy the database as of one moment, while the service runs."""
     from storage.backup import backup as backups
@@ -22,9 +24,13 @@ def backup(
     from storage.database.claim import DatabaseUnusable
 
     try:
-        made = backups.back_up(_url(database), file)
+        with working("copying the database"):
+            made = backups.back_up(_url(database), file)
     except (BackupUnusable, DatabaseUnusable) as error:
         fail(str(error))
+    if as_json:
+        say_json({"file": file, "made_at": made.made_at, "rows": made.rows, "bytes": made.size, "sha256": made.sha256})
+        return
     say(f"{file}: {sum(made.rows.values())} rows of {made.made_at}, {made.size / 1e6:.1f} MB, SHA-256 {made.sha256}")
 
 
@@ -42,7 +48,8 @@ def restore(
     from storage.database.claim import DatabaseUnusable
 
     try:
-        restored = backups.restore(_url(database), file, overwrite=overwrite, without_keys=without_keys)
+        with working("restoring the database"):
+            restored = backups.restore(_url(database), file, overwrite=overwrite, without_keys=without_keys)
     except (BackupUnusable, DatabaseUnusable) as error:
         fail(str(error))
     found, access = restored.backup, restored.access
@@ -66,6 +73,7 @@ def restore(
 def move(
     source: Annotated[str, typer.Argument(metavar="FROM_URL", help="database with the data")],
     target: Annotated[str, typer.Argument(metavar="TO_URL", help="a new database, SQLite or PostgreSQL")],
+    as_json: JsonWanted = False,
 ) -> None:
     """Copy all data into a new database, while no service runs: from SQLite to PostgreSQL, or back."""
     from sqlalchemy.exc import DBAPIError
@@ -75,11 +83,15 @@ def move(
     from storage.database.claim import DatabaseUnusable
 
     try:
-        moved = move_data(source, target)
+        with working("moving the data"):
+            moved = move_data(source, target)
     except (TransferFailed, DatabaseUnusable) as error:
         fail(str(error))
     except DBAPIError as error:
         fail(f"the data were not taken over, the new database is empty: {error.orig}")
+    if as_json:
+        say_json({"rows": moved.rows, "texts_with_escaped_nul": moved.escaped})
+        return
     for name, count in moved.rows.items():
         say(f"{name:24s} {count:12d}")
     for name, count in moved.escaped.items():
@@ -91,6 +103,7 @@ def export(
     machine: Annotated[str, typer.Argument(help="id of the machine")],
     folder: Annotated[Path, typer.Argument(help="new or empty folder")],
     database: DatabaseUrl = None,
+    as_json: JsonWanted = False,
 ) -> None:
     """Write a machine's history as CSV and Parquet; columns.json explains each column.
 
@@ -110,8 +123,13 @@ def export(
     except DatabaseUnusable as error:
         fail(str(error))
     try:
-        for name, count in export_history(opened, machine, folder).items():
-            say(f"{name:24s} {count:12d}")
+        with working("writing the history"):
+            written = export_history(opened, machine, folder)
+        if as_json:
+            say_json({"machine": machine, "folder": folder, "rows": written})
+        else:
+            for name, count in written.items():
+                say(f"{name:24s} {count:12d}")
     except MachineUnknown:
         fail(f"no machine '{machine}' is known")
     except (ParquetMissing, OSError) as error:

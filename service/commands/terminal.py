@@ -3,6 +3,10 @@
 Escaped are control characters (C0, DEL, C1) and those that reverse the direction of writing or are invisible.
 """
 
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import typer
 
 from storage.encoding.text import plain_lines, plain_text
@@ -16,3 +20,19 @@ def say(line: str, *, err: bool = False) -> None:
 def say_lines(text: str, *, err: bool = False) -> None:
     """Print a text that keeps its line breaks."""
     typer.echo(plain_lines(text), err=err)
+
+
+@contextmanager
+def working(what: str) -> Iterator[None]:
+    """Show within the block that work goes on, and for how long, where a person looks at the standard error output."""
+    if not sys.stderr.isatty():
+        yield
+        return
+    # Only here: it takes a tenth of a second, and programs never see it.
+    from rich.console import Console
+    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+
+    columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+        progress.add_task(plain_text(what), total=None)
+        yield

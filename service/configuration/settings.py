@@ -1,5 +1,6 @@
-"""All settings of the service, from the environment (`RUNDOWN_…`) or the command line."""
+"""All settings of the service, from the command line, the environment (`RUNDOWN_…`) or a TOML file."""
 
+import os
 import re
 from typing import Annotated, Any, Literal, Self
 
@@ -8,6 +9,7 @@ from pydantic_settings import BaseSettings, SettingsConfigDict, SettingsError
 
 from service.configuration.hosts import encrypted
 from service.configuration.log_format import LogFormat
+from service.configuration.settings_file import WrongSettingsFile, read_settings_file, settings_file
 from service.secrets.files import read_keys, read_secret, require_private
 
 Role = Literal["all", "ingest", "identify", "api"]
@@ -210,11 +212,24 @@ class SettingsWrong(ValueError):
 
 
 def settings_of(**given: Any) -> Settings:
-    """Return the settings from the environment and from the arguments. Raises SettingsWrong."""
+    """Return the settings from the arguments, else the environment, else the file that it names. Raises SettingsWrong."""
     try:
-        return Settings(**given)
+        return Settings(**(_from_file() | given))
+    except WrongSettingsFile as error:
+        raise SettingsWrong(str(error)) from None
     except ValidationError as error:
         found = [(".".join(map(str, one["loc"])), one["msg"].removeprefix("Value error, ")) for one in error.errors()]
     except SettingsError as error:
         raise SettingsWrong(f'{error}: lists are written as JSON, such as ["tcp/127.0.0.1:7447"]') from None
     raise SettingsWrong("\n".join(f"setting {name}: {words}" if name else words for name, words in found))
+
+
+def _from_file() -> dict[str, Any]:
+    """Return the settings of the file that the environment does not have, too."""
+    path = settings_file()
+    if path is None:
+        return {}
+    prefix = str(Settings.model_config.get("env_prefix", ""))
+    there = {name.upper() for name in os.environ}
+    found = read_settings_file(path, known=Settings.model_fields)
+    return {name: value for name, value in found.items() if f"{prefix}{name}".upper() not in there}

@@ -1,0 +1,95 @@
+"""The reference of the machine document, from the declarations of its parts: every field's meaning, unit and default."""
+
+from collections.abc import Iterator
+from typing import Any
+
+from docs_site.cli_reference import table_cell
+from estimator.machine.document import Machine
+
+HEAD = """# Machine document: reference
+
+Every part and field that a document may have, in SI units unless a name ends in another. `rundown init` writes a commented
+one, `rundown check` names each wrong field. Axes: z along the train from driver to driven, x horizontal, y vertical.
+"""
+
+
+def document_page() -> str:
+    """Return the page: the document, then its parts in the order in which they are met."""
+    schema = Machine.model_json_schema()
+    parts = schema["$defs"]
+    lines = [HEAD, *_part("Machine", schema)]
+    for name in _met(schema, parts):
+        lines += _part(name, parts[name])
+    return "\n".join([*lines, ""])
+
+
+def _met(schema: dict[str, Any], parts: dict[str, Any]) -> list[str]:
+    """Return the names of the parts, breadth first from the document."""
+    found: list[str] = []
+    ahead = [schema]
+    while ahead:
+        for name in _named(ahead.pop(0)):
+            if name not in found:
+                found.append(name)
+                ahead.append(parts[name])
+    return found
+
+
+def _named(node: Any) -> Iterator[str]:
+    if isinstance(node, dict):
+        if "$ref" in node:
+            yield node["$ref"].rpartition("/")[2]
+        for key, one in node.items():
+            if key not in ("$defs", "discriminator"):
+                yield from _named(one)
+    elif isinstance(node, list):
+        for one in node:
+            yield from _named(one)
+
+
+def _part(name: str, schema: dict[str, Any]) -> Iterator[str]:
+    # A heading's anchor is its name in small letters.
+    yield from ("", f"## {name}", "", schema.get("description", ""), "")
+    if "properties" not in schema:
+        if "enum" in schema:
+            yield ", ".join(f"`{one}`" for one in schema["enum"])
+        return
+    yield from ("| field | kind | default | meaning |", "|---|---|---|---|")
+    needed = set(schema.get("required", ()))
+    for field, said in schema["properties"].items():
+        default = "needed" if field in needed else _default(said.get("default"))
+        bounds = _bounds(said)
+        meaning = "; ".join(part for part in (table_cell(said.get("description", "")), bounds) if part)
+        yield f"| `{field}` | {_kind(said)} | {default} | {meaning} |"
+
+
+def _default(value: Any) -> str:
+    if value is None:
+        return "left out"
+    return f"`{value}`" if not isinstance(value, dict | list) or not value else "its own"
+
+
+def _kind(said: dict[str, Any]) -> str:
+    if "$ref" in said:
+        name = said["$ref"].rpartition("/")[2]
+        return f"[{name}](#{name.lower()})"
+    several = said.get("anyOf") or said.get("oneOf") or said.get("allOf")
+    if several:
+        return " or ".join(dict.fromkeys(_kind(one) for one in several if one.get("type") != "null"))
+    if "const" in said:
+        return f"`{said['const']}`"
+    if "enum" in said:
+        return " or ".join(f"`{one}`" for one in said["enum"])
+    if said.get("type") == "array":
+        return f"list of {_kind(said['items'])}" if "items" in said else "list"
+    if said.get("type") == "object":
+        within = said.get("additionalProperties") or next(iter(said.get("patternProperties", {}).values()), None)
+        return f"{_kind(within)} by name" if isinstance(within, dict) else "object"
+    return {"string": "text", "integer": "whole number", "boolean": "true or false"}.get(said.get("type", ""), "number")
+
+
+def _bounds(said: dict[str, Any]) -> str:
+    places = [said, *(said.get("anyOf") or ())]
+    words = {"minimum": "at least", "exclusiveMinimum": "more than", "maximum": "at most", "exclusiveMaximum": "less than"}
+    found = [f"{text} {one[name]:g}" for one in places for name, text in words.items() if name in one]
+    return ", ".join(one for one in found if not one.endswith(("e+15", "e-30")))

@@ -1,0 +1,93 @@
+"""Calibrates a machine from recorded runs with known unbalances, as `rundown calibrate` does."""
+
+import html
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import yaml
+
+from estimator.calibration.calibrate import Calibrated
+from estimator.calibration.calibrate import calibrate as calibrate_runs
+from estimator.errors import Invalid
+from estimator.machine.document import Machine
+from rotorundown.calibration_summary import calibration_text
+from rotorundown.environment.blas_threads import one_blas_thread
+from service.configuration.document_files import UnreadableFile
+from service.sources.recorded_runs import read_calibration_runs
+from service.wire import Rejected
+
+LINE_WIDTH = 120
+
+
+class NotCalibrated(Invalid):
+    """Raised when runs cannot calibrate a machine; the message says why."""
+
+
+@dataclass(frozen=True, eq=False)
+class CalibratedMachine:
+    """Outcome of a calibration.
+
+    Attributes:
+        found: The calibrated machine, the verdict on it, and what the runs could not determine.
+        left_out: Rows that were left out when the recordings were read, with the reason of each.
+    """
+
+    found: Calibrated
+    left_out: tuple[str, ...] = ()
+
+    @property
+    def machine(self) -> Machine:
+        """Return the machine with the calibration in its document: later fits start from it."""
+        return self.found.machine
+
+    @property
+    def accepted(self) -> bool:
+        """Return whether the calibration may be used."""
+        return self.found.accepted
+
+    @property
+    def verdict(self) -> str:
+        """Return the verdict in words."""
+        return self.found.verdict
+
+    def write(self, file: str | Path) -> None:
+        """Write the calibrated document as YAML. Raises NotCalibrated for one that is not accepted, OSError."""
+        if not self.accepted:
+            raise NotCalibrated(f"nothing is written, for the calibration is not accepted: {self.verdict}")
+        content = self.machine.model_dump(mode="json", exclude_none=True)
+        text = yaml.safe_dump(content, sort_keys=False, default_flow_style=None, width=LINE_WIDTH, allow_unicode=True)
+        Path(file).write_text(text, encoding="utf-8")
+
+    def __str__(self) -> str:
+        return calibration_text(self.found)
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return the text for a notebook, escaped."""
+        return f"<pre>{html.escape(str(self))}</pre>"
+
+
+def calibrate(machine: Machine, files: Sequence[str | Path], *, seed: int = 0) -> CalibratedMachine:
+    """Calibrate a machine from recorded runs with known unbalances.
+
+    Gains, phases and run-outs of channels, moduli, coefficients and the machine's own unbalance are fitted to all runs.
+
+    Args:
+        machine: The machine, with what is known of it beforehand.
+        files: Paths of recordings, whose sidecars state which trial weights were on (`added_unbalance`).
+        seed: Seed of the random starts.
+
+    Returns:
+        The calibration. One that is not accepted is returned too, and says so: look at `accepted` before using it.
+
+    Raises:
+        NotCalibrated: A file cannot be read, states no or impossible weights, or nothing differs between the runs.
+    """
+    try:
+        runs, left_out = read_calibration_runs(machine, [Path(file) for file in files])
+        with one_blas_thread():
+            return CalibratedMachine(calibrate_runs(machine, runs, seed=seed), tuple(left_out))
+    except (UnreadableFile, Rejected, ValueError) as error:
+        raise NotCalibrated(str(error)) from None

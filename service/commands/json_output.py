@@ -1,0 +1,43 @@
+"""Results of commands as JSON, for programs: SI units unless a name says another; what is no number is null."""
+
+import dataclasses
+import json
+import math
+from collections.abc import Mapping
+from datetime import datetime
+from enum import Enum
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from pydantic import BaseModel
+
+from service.commands.terminal import say_lines
+
+JsonWanted = Annotated[bool, typer.Option("--json", help="print the result as JSON, for a program")]
+
+
+def say_json(content: Any) -> None:
+    """Print a result as JSON on the standard output; letters beyond ASCII are escaped."""
+    say_lines(json.dumps(plain(content), indent=1, allow_nan=False))
+
+
+def plain(value: Any) -> Any:
+    """Return a value as JSON has it: dataclasses as objects, arrays as lists, complex numbers by their two parts."""
+    if isinstance(value, BaseModel):
+        return value.model_dump(mode="json", exclude_none=True)
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        return {one.name: plain(getattr(value, one.name)) for one in dataclasses.fields(value)}
+    if isinstance(value, Mapping):
+        return {str(name): plain(one) for name, one in value.items()}
+    if hasattr(value, "tolist"):  # of numpy, which most commands do without
+        return plain(value.tolist())
+    if isinstance(value, list | tuple | set | frozenset):
+        return [plain(one) for one in (sorted(value) if isinstance(value, set | frozenset) else value)]
+    if isinstance(value, complex):
+        return {"real": plain(value.real), "imaginary": plain(value.imag)}
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, Enum):
+        return value.name
+    return str(value) if isinstance(value, Path | datetime) else value

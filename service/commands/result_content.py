@@ -1,0 +1,182 @@
+"""Contents of the JSON that commands on recorded runs print: what their texts say, by names."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from estimator.calibration.unbalance_since import UnbalanceSince
+from estimator.fit.estimates import Estimate
+from estimator.fit.identify import Identification
+from estimator.identification.model_comparison import ModelComparison
+from estimator.machine.document import Machine
+from estimator.phasors.quality import Quality
+from estimator.phasors.slow_roll import Capture
+from estimator.thesis.machine_regression import PublishedEstimate
+from estimator.units import METRES, PEAK, rad_per_s_to_rpm
+from estimator.updated_model.modal_uncertainty import critical_speed_errors
+from estimator.updated_model.uncertainty import PhasorBand
+from rotorundown.machine_model import Model
+
+GRAM_MILLIMETRES = 1e6
+"""g mm per kg m."""
+MICROMETRES_PP = METRES["um"] * PEAK["peak-to-peak"]
+LOADS = {"force_x": "N", "force_y": "N", "moment_x": "N m", "moment_y": "N m"}
+"""Unit of each load of a coupling."""
+
+
+def identification_content(machine: Machine, found: Identification) -> dict[str, Any]:
+    """Return the verdict, the fit's figures and the estimates, unbalances in g mm at degrees too."""
+    return {
+        "machine": machine.id,
+        "accepted": found.accepted,
+        "verdict": found.verdict,
+        "chi_square": found.chi_square,
+        "degrees_of_freedom": found.degrees_of_freedom,
+        "samples": found.samples,
+        "speed_minimum_rpm": rad_per_s_to_rpm(found.speed_minimum),
+        "speed_maximum_rpm": rad_per_s_to_rpm(found.speed_maximum),
+        "starts": found.starts,
+        "iterations": found.iterations,
+        "condition_number": found.condition_number,
+        "estimates": [_estimate(one) for one in found.estimates],
+    }
+
+
+def quality_content(names: Sequence[str], qualities: Sequence[Quality]) -> list[dict[str, Any]]:
+    """Return what there is to say of each run."""
+    return [
+        {"run": name, "findings": quality.findings, "left_out": quality.words or None}
+        for name, quality in zip(names, qualities, strict=True)
+    ]
+
+
+def since_content(since: UnbalanceSince) -> list[dict[str, Any]]:
+    """Return the unbalance that each disc has gained since the calibration, angles from +x towards +y."""
+    return [
+        {
+            "disc": disc,
+            **_vector(complex(value)),
+            "standard_error_g_mm": GRAM_MILLIMETRES * since.standard_error(place),
+            "angle_half_width_deg": since.angle_error_deg(place),
+        }
+        for place, (disc, value) in enumerate(zip(since.discs, since.value, strict=True))
+    ]
+
+
+def model_content(model: Model, *, service_rpm: float, grade: float) -> dict[str, Any]:
+    """Return critical speeds, coupling loads, residual unbalance and correction at a service speed [r/min]."""
+    critical = model.critical_speeds()
+    errors = critical_speed_errors(model.updated, critical)
+    loads = model.coupling_loads([service_rpm])
+    correction = model.balance([service_rpm])
+    return {
+        "machine": model.machine.id,
+        "service_rpm": service_rpm,
+        "critical_speeds": [
+            {
+                "rpm": rad_per_s_to_rpm(one.speed),
+                "standard_error_rpm": rad_per_s_to_rpm(float(error)),
+                "log_decrement": one.log_decrement,
+                "whirl": one.whirl,
+            }
+            for one, error in zip(critical, errors, strict=True)
+        ],
+        "coupling_loads": [
+            {"coupling": load.coupling, "load": name, "unit": unit, **_band(getattr(load, name))}
+            for load in loads
+            for name, unit in LOADS.items()
+        ],
+        "residual_unbalance": [
+            {
+                "shaft": rotor.shaft,
+                "bearing": plane.bearing,
+                **_vector(plane.unbalance),
+                "grade": plane.grade,
+                "iso_21940_11": plane.iso,
+                "iso_permissible_g_mm": GRAM_MILLIMETRES * plane.iso_permissible,
+                "api_617": plane.api,
+                "api_permissible_g_mm": GRAM_MILLIMETRES * plane.api_permissible,
+            }
+            for rotor in model.balance_grades(service_rpm, grade=grade)
+            for plane in rotor.planes
+        ],
+        "correction_at_service_speed": [
+            {"disc": disc, **_vector(complex(value))}
+            for disc, value in zip(correction.planes, correction.unbalance, strict=True)
+        ],
+    }
+
+
+def comparison_content(found: ModelComparison) -> dict[str, Any]:
+    """Return the verdict, the compared models, the best first, and its values at the coupling."""
+    best = found.views[0].identification
+    return {
+        "coupling": found.coupling,
+        "preferred": found.preferred,
+        "verdict": found.verdict,
+        "models": [
+            {"name": one.name, "criterion": one.criterion, "unknowns": one.unknowns, "verdict": one.identification.verdict}
+            for one in found.views
+        ],
+        "estimates": [
+            _estimate(one) for one in best.estimates if one.element in found.elements and one.quantity != "unbalance"
+        ],
+    }
+
+
+def slow_roll_content(machine: Machine, found: Capture) -> dict[str, Any]:
+    """Return the vectors of a capture by channel, with the reasons of channels without one."""
+    rows = zip(machine.channels, found.slow_roll.vector, found.slow_roll.standard_error, strict=True)
+    return {
+        "machine": machine.id,
+        "samples": found.samples,
+        "speed_minimum_rpm": rad_per_s_to_rpm(found.speed_minimum),
+        "speed_maximum_rpm": rad_per_s_to_rpm(found.speed_maximum),
+        "channels": [
+            {"channel": channel, "reason": found.reasons[channel]}
+            if channel in found.reasons
+            else {
+                "channel": channel,
+                "um_pp": abs(vector) / MICROMETRES_PP,
+                "standard_error_um_pp": error / MICROMETRES_PP,
+                "lag_deg": float(-np.degrees(np.angle(vector)) % 360.0),
+            }
+            for channel, vector, error in rows
+        ],
+    }
+
+
+def regression_content(machine: Machine, found: PublishedEstimate, *, accepted: bool) -> dict[str, Any]:
+    """Return the values of the thesis's regression, which has no intervals."""
+    return {
+        "machine": machine.id,
+        "accepted": accepted,
+        "reduced_chi_square": found.reduced_chi_square,
+        "not_positive": found.impossible,
+        "condition_number": found.solution.condition_number_before,
+        "regularisation": found.solution.parameter,
+        "estimates": [
+            {"name": name, "value": value, "unit": unit}
+            for name, value, unit in zip(found.names, found.solution.values, found.units, strict=True)
+        ],
+    }
+
+
+def _estimate(one: Estimate) -> dict[str, Any]:
+    vector = (
+        _vector(complex(one.value, one.imaginary))
+        if one.quantity == "unbalance" and one.value is not None and one.imaginary is not None
+        else {}
+    )
+    return {**vars(one), **vector}
+
+
+def _band(band: PhasorBand) -> dict[str, float]:
+    """Return a load at its one speed, 0-to-peak, with its 95 % band."""
+    return {"amplitude": float(band.amplitude[0]), "lower": float(band.lower[0]), "upper": float(band.upper[0])}
+
+
+def _vector(value: complex) -> dict[str, float]:
+    """Return an unbalance [kg m] in g mm, and its angle from the keyphasor mark, +x to +y."""
+    return {"g_mm": GRAM_MILLIMETRES * abs(value), "angle_deg": float(np.degrees(np.angle(value)) % 360.0)}

@@ -1,0 +1,36 @@
+"""Reads settings from a TOML file, in which each stands by its own name."""
+
+import os
+import tomllib
+from collections.abc import Collection
+from pathlib import Path
+from typing import Any
+
+from estimator.close_matches import did_you_mean
+
+VARIABLE = "RUNDOWN_CONFIG"
+"""Environment variable that names the file for every command."""
+
+
+class WrongSettingsFile(ValueError):
+    """The file of settings cannot be read or holds something else; the message names the file, but no values."""
+
+
+def settings_file() -> Path | None:
+    """Return the path of the file that the environment names."""
+    named = os.environ.get(VARIABLE)
+    return Path(named) if named else None
+
+
+def read_settings_file(path: Path, *, known: Collection[str]) -> dict[str, Any]:
+    """Return the settings in a file. known: the names of all settings. Raises WrongSettingsFile."""
+    try:
+        content = tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise WrongSettingsFile(f"{path}: {error.strerror}") from None
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        raise WrongSettingsFile(f"{path} is no TOML: {error}") from None
+    unknown = [name for name in content if name not in known]
+    if unknown:
+        raise WrongSettingsFile(f"{path}: '{unknown[0]}' is no setting{did_you_mean(unknown[0], sorted(known))}")
+    return content

@@ -1,0 +1,95 @@
+"""The documentation's site: every page is in its navigation, references have every name, and a broken link fails the build."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import rotorundown
+from docs_site import source
+from docs_site.cli_reference import cli_page
+from docs_site.document_reference import document_page
+from docs_site.gallery import FOLDER, NOTEBOOKS, cells, write_gallery
+from docs_site.python_reference import python_page
+from docs_site.rest_reference import DOCUMENT, rest_page
+from docs_site.settings_reference import settings_page
+from docs_site.source import DOCS, ELSEWHERE, NAVIGATION, REFERENCES, site_links, write_source
+from estimator.machine.document import Machine
+from service.commands.help_panels import EXAMPLES
+from service.configuration.settings import Settings
+from tests.paths import ROOT
+
+LISTED = [page for names in NAVIGATION.values() for page in names]
+
+
+def test_every_page_is_in_the_navigation_once() -> None:
+    pages = {page.name for page in DOCS.glob("*.md")} | set(ELSEWHERE.values()) | set(REFERENCES)
+    assert sorted(LISTED) == sorted(pages | {f"gallery-{name}.md" for name in NOTEBOOKS})
+    assert {one.stem for one in FOLDER.glob("*.py")} == set(NOTEBOOKS)
+
+
+def test_references_have_every_name() -> None:
+    assert [name for name in rotorundown.__all__ if f".{name}\n" not in python_page()] == []
+    assert [name for name in EXAMPLES if f"### rundown {name}\n" not in cli_page()] == []
+    assert [name for name in Settings.model_fields if f"| `{name}` |" not in settings_page()] == []
+    assert [name for name in Machine.model_fields if f"| `{name}` |" not in document_page()] == []
+    paths = json.loads(DOCUMENT.read_text())["paths"]
+    assert [path for path in paths if f" {path}`" not in rest_page()] == []
+
+
+def test_the_machine_document_s_fields_have_unit_bounds_and_default() -> None:
+    lines = document_page().splitlines()
+    assert "| `young_modulus` | number | needed | E [N/m²]; more than 0 |" in lines
+    assert "| `shafts` | list of [Shaft](#shaft) | needed |  |" in lines
+    assert any(line.startswith("| `rotation` | `positive` or `negative` | `positive` |") for line in lines)
+    anchors = {line.removeprefix("## ").lower() for line in lines if line.startswith("## ")}
+    links = {part.partition(")")[0] for line in lines for part in line.split("](#")[1:]}
+    assert links <= anchors
+
+
+def test_links_lead_to_pages_of_the_site_or_become_names() -> None:
+    said = site_links(
+        "[a](docs/operators.md#storage) [b](deploy/) [c](https://x.org/) [d](examples/by-hand.sh) [e](#here)", ROOT
+    )
+    assert said == "[a](operators.md#storage) [b](deploy.md) [c](https://x.org/) d (`examples/by-hand.sh`) [e](#here)"
+    assert site_links("[x](../README.md)", DOCS) == "[x](index.md)"
+
+
+def test_notebooks_are_run_cell_by_cell_with_what_they_show(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "one.py").write_text(
+        "# %% [markdown]\n# # Title\n#\n# Text.\n\n# %%\nimport matplotlib.pyplot as plt\n\nprint(1)\n2\n\n"
+        "# %%\nplt.plot([1, 2]);\n"
+    )
+    monkeypatch.setattr("docs_site.gallery.FOLDER", tmp_path)
+    monkeypatch.setattr("docs_site.gallery.NOTEBOOKS", ("one",))
+    assert [kind for kind, _ in cells((tmp_path / "one.py").read_text())] == [True, False, False]
+    write_gallery(tmp_path, short=False)
+    page = (tmp_path / "gallery-one.md").read_text()
+    assert page.startswith("# Title\n\nText.\n")
+    assert "```text\n1\n2\n```" in page
+    assert "](gallery-one-1.svg)" in page
+    assert (tmp_path / "gallery-one-1.svg").read_text().startswith("<?xml")
+
+
+@pytest.mark.long
+def test_the_site_builds_and_a_broken_link_fails(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    done = subprocess.run([sys.executable, "-m", "docs_site", str(tmp_path / "site"), "--short"], cwd=ROOT, check=False)
+    assert done.returncode == 0
+    for page in LISTED:
+        name = "index.html" if page == "index.md" else f"{page.removesuffix('.md')}.html"
+        assert (tmp_path / "site" / name).is_file()
+
+    def titles_only(pages: Path, **_how: bool) -> None:
+        for name in NOTEBOOKS:
+            (pages / f"gallery-{name}.md").write_text(f"# {name}\n")
+
+    monkeypatch.setattr(source, "write_gallery", titles_only)
+    configuration = write_source(tmp_path / "source", short=True)
+    python = tmp_path / "source" / "pages" / "python.md"
+    python.write_text(python.read_text() + "\n[nowhere](nowhere.md)\n")
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--config-file", str(configuration)]
+    broken = subprocess.run([*command, "--site-dir", str(tmp_path / "broken")], capture_output=True, text=True, check=False)
+    assert broken.returncode != 0
+    assert "nowhere.md" in broken.stderr

@@ -1,0 +1,140 @@
+"""`--json`: each command that prints results prints them for programs, too, and nothing else on the standard output."""
+
+import json
+from datetime import UTC, datetime
+from enum import Enum
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import typer.main
+from typer.testing import CliRunner
+
+import rotorundown as rd
+from service.commands.app import app
+from service.commands.json_output import plain
+from service.commands.terminal import working
+from service.sources.recording import write_recording
+from storage.database.engine import Database
+from storage.machines import machines
+from tests.paths import EXAMPLES
+from tests.plant import machine
+
+PUMP = str(EXAMPLES / "motor-pump.yaml")
+PRINTING = (
+    "identify model compare calibrate balance slow-roll check doctor backup move export",
+    "key list",
+    "audit verify",
+)
+"""Commands that print results: those of the service's own, then those of groups."""
+
+
+def printed(*arguments: str, status: int = 0) -> Any:
+    """What a command prints with --json on its standard output, decoded."""
+    ended = CliRunner().invoke(app, [*arguments, "--json"])
+    assert ended.exit_code == status, ended.output
+    return json.loads(ended.stdout)
+
+
+@pytest.fixture(scope="module")
+def recordings(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, str]:
+    """A healthy and a misaligned run-down of the pump, as files."""
+    pump, folder = rd.read_machine(PUMP), tmp_path_factory.mktemp("runs")
+    files = folder / "healthy.csv", folder / "later.csv"
+    for seed, (file, story) in enumerate(zip(files, ("healthy", "misalignment"), strict=True), 1):
+        run = rd.simulate(pump, story=story, run_seed=seed, samples=100)  # type: ignore[arg-type]
+        write_recording(file, pump, speed_rpm=run.speed_rpm, phasor=run.recorded.phasor, interval_s=run.interval_s)
+    return str(files[0]), str(files[1])
+
+
+def test_every_command_that_prints_results_has_it() -> None:
+    group: Any = typer.main.get_command(app)
+    alone, *grouped = PRINTING
+    commands = [group.commands[name] for name in alone.split()]
+    commands += [group.commands[name].commands[one] for name, one in map(str.split, grouped)]
+    assert [one.name for one in commands if not any("--json" in option.opts for option in one.params)] == []
+
+
+def test_an_identification(recordings: tuple[str, str]) -> None:
+    found = printed("identify", PUMP, recordings[0])
+    assert (found["machine"], found["accepted"]) == ("motor-pump", True)
+    estimates = {one["name"]: one for one in found["estimates"]}
+    kxx = estimates["coupling.C1.kxx"]
+    assert kxx["lower"] < kxx["value"] < kxx["upper"]
+    disc = next(one for one in estimates.values() if one["quantity"] == "unbalance")
+    assert disc["g_mm"] == pytest.approx(1e6 * abs(complex(disc["value"], disc["imaginary"])))
+    assert 0.0 <= disc["angle_deg"] < 360.0
+    assert found["runs"][0]["run"] == "healthy.csv"
+
+
+def test_a_model(recordings: tuple[str, str]) -> None:
+    found = printed("model", PUMP, recordings[0], "--service-rpm", "1450")
+    assert found["critical_speeds"][0]["rpm"] > 0.0
+    load = found["coupling_loads"][0]
+    assert load["lower"] <= load["amplitude"] <= load["upper"]
+    assert (load["coupling"], load["load"], load["unit"]) == ("C1", "force_x", "N")
+    assert {one["bearing"] for one in found["residual_unbalance"]} == {"B1", "B2", "B3", "B4"}
+    assert found["correction_at_service_speed"][0]["g_mm"] > 0.0
+
+
+def test_a_comparison_and_slow_roll(recordings: tuple[str, str]) -> None:
+    found = printed("compare", PUMP, *recordings, "--coupling", "C1")
+    assert found["preferred"] == "changed coefficients"
+    assert found["estimates"]
+    assert printed("slow-roll", PUMP, recordings[0], "300:400")["channels"]
+
+
+def test_a_look_at_document_and_runs(recordings: tuple[str, str], tmp_path: Path) -> None:
+    (tmp_path / "wrong.csv").write_text("speed\n")
+    found = printed("check", PUMP, recordings[0], str(tmp_path / "wrong.csv"), status=1)
+    assert (found["shaft"], found["coupling"], found["warnings"]) == (2, 1, [])
+    first, second = found["runs"]
+    assert first["samples"] == 100
+    assert "no rows below a header line" in second["wrong"]
+
+
+def test_stores_and_keys(tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path / 'rundown.db'}"
+    database = Database(url)
+    with database.transaction() as session:
+        machines.create(session, machine())
+    database.close()
+    CliRunner().invoke(app, ["key", "create", "historian", "--role", "viewer", "--database", url])
+    (key,) = printed("key", "list", "--database", url)
+    assert (key["name"], key["state"], key["plants"]) == ("historian", "valid", None)
+    assert printed("audit", "verify", "--database", url)["wrong"] == []
+    made = printed("backup", str(tmp_path / "monday.db"), "--database", url)
+    assert made["rows"]["machines"] == 1
+    assert len(made["sha256"]) == 64
+    assert printed("export", machine().id, str(tmp_path / "out"), "--database", url)["machine"] == machine().id
+    moved = printed("move", url, f"sqlite:///{tmp_path / 'new.db'}")
+    assert moved["rows"]["machines"] == 1
+
+
+def test_values_become_what_json_has() -> None:
+    class Colour(Enum):
+        RED = 1
+
+    value = {"a": np.array([1.0, np.nan]), "b": 1 + 2j, "c": Path("x"), "d": Colour.RED, "e": {2, 1}, "f": (np.int64(3), None)}
+    assert plain(value) == {
+        "a": [1.0, None],
+        "b": {"real": 1.0, "imaginary": 2.0},
+        "c": "x",
+        "d": "RED",
+        "e": [1, 2],
+        "f": [3, None],
+    }
+    assert plain(datetime(2026, 1, 2, tzinfo=UTC)) == "2026-01-02 00:00:00+00:00"
+
+
+def test_work_is_shown_only_to_people(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    with working("identifying"):
+        pass
+    assert capsys.readouterr() == ("", "")
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
+    with working("identifying [r/min]"):
+        pass
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert "identifying [r/min]" in shown.err
