@@ -6,7 +6,7 @@ from estimator.calibration.calibrate import Calibrated
 from estimator.calibration.unbalance_since import UnbalanceSince
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.calibration import Calibration
-from service.sources.trial_weights import DiscScale
+from estimator.machine.disc_scale import DiscScale
 
 GRAM_MILLIMETRES = 1e6
 """g mm per kg m."""

@@ -22,7 +22,15 @@ from storage.measurements import runs
 from storage.tables.alerting import SuppressionRow
 from storage.tables.base import Base
 from storage.tables.findings import DiagnosisRow
-from storage.tables.machines import BaselineRow, CalibrationRow, LimitsRow, SlowRollRow, TimelineRow
+from storage.tables.machines import (
+    BalancingRow,
+    BaselineRow,
+    CalibrationRow,
+    LimitsRow,
+    ModelCalibrationRow,
+    SlowRollRow,
+    TimelineRow,
+)
 from storage.tables.measurements import MachineStateRow
 from tests.databases import Databases
 from tests.end_to_end.processes import EXAMPLES
@@ -37,6 +45,8 @@ SAID: dict[str, type[Base]] = {
     "suppressions": SuppressionRow,
     "limits": LimitsRow,
     "calibrations": CalibrationRow,
+    "model_calibrations": ModelCalibrationRow,
+    "balancings": BalancingRow,
     "slow_roll_vectors": SlowRollRow,
     "states": MachineStateRow,
 }
