@@ -54,7 +54,7 @@ class Rig:
         loaded = replace(self.truth, unbalances=self.truth.unbalances + added)
         phasor = GAIN * measured_phasors(self.machine, loaded, speed, self.rng) + RUN_OUT
         begin = START + self.count * 3600 * SECOND
-        held = forward_samples(begin + np.arange(POINTS) * float(SECOND), speed, phasor)
+        held = forward_samples(np.linspace(begin, begin + (POINTS - 1) * SECOND, POINTS), speed, phasor)
         with self.database.transaction() as session:
             row = runs.open_run(
                 session, self.machine.id, revision=revision, kind="run-down", direction=1, time_first=int(held.time[0])
