@@ -14,8 +14,8 @@ from service.configuration.document_files import read_machine
 
 RUNS, SPEEDS = 20, 150
 SECONDS_ASKED = 10.0
-GAIN_ERROR, RUN_OUT = 0.2, 3e-6
-"""Rms errors of the channels' gain and phase [-, rad], and rms parts of their run-outs [m]."""
+GAIN_ERROR, RUN_OUT = 0.7, 3e-6
+"""Rms of the logarithm of the channels' gains [-], whose phases are any, and rms parts of their run-outs [m]."""
 MOUNTING_ECCENTRICITY = 1e-6
 """Rms parts of what the discs' eccentricity differs by from run to run [m]."""
 WEIGHT_ECCENTRICITY = 1e-5
@@ -30,7 +30,7 @@ def seconds_of_sweeps() -> float:
     limits = machine.speed_range
     speed = np.linspace(rpm_to_rad_per_s(limits.minimum_rpm), rpm_to_rad_per_s(limits.maximum_rpm), SPEEDS)
     channels = len(machine.probes)
-    gain = np.exp(GAIN_ERROR * (rng.standard_normal(channels) + 1j * rng.standard_normal(channels)))
+    gain = np.exp(GAIN_ERROR * rng.standard_normal(channels) + 1j * rng.uniform(-np.pi, np.pi, channels))
     run_out = RUN_OUT * (rng.standard_normal(channels) + 1j * rng.standard_normal(channels))
     mass = np.array([disc.mass for disc in machine.discs])
     runs = []
