@@ -82,6 +82,7 @@ service/identification: estimator estimator/fit estimator/identification estimat
     estimator/phasors estimator/updated_model service/configuration service/monitoring service/replication
     service/resilience service/workers storage/database storage/encoding storage/findings storage/machines storage/measurements
     storage/tables
+    estimator/calibration service/balancing storage
 service/journal: estimator estimator/machine service/replication service/resilience service/runs service/wire
     storage/database storage/encoding storage/machines storage/measurements storage/tables
 service/maintenance: service/configuration service/replication service/resilience service/runs storage storage/backup

@@ -7,12 +7,15 @@ must be what the printed inputs give (solved here once more by other means), and
 import numpy as np
 from scipy.optimize import NonlinearConstraint, minimize
 
-from benchmarks.calibration.measured_kit import held_out
+from benchmarks.calibration.measured_kit import held_out, simulated_runs
 from benchmarks.calibration.printed_balancing import PrintedCase, printed_cases
 from benchmarks.fluid_film.report_line import ReportLine
 from estimator.arrays import Complexes, Floats
 from estimator.calibration.plane_separation import separate_planes
 
+SIMULATED_SPLITS, SEEDS = 3, 8
+NOISES = (0.1, 0.5, 1.0)
+"""Noise of single points in simulated kits, in units of the measured kit's scatter [-]."""
 ALLOWED = 0.02
 """Largest relative difference of a correction [-]."""
 
@@ -36,6 +39,19 @@ def measured_kit(splits: int = 20) -> list[ReportLine]:
         ),
         ReportLine(f"{what}95 % intervals", "90–100 %", f"{100 * found.coverage:.0f} %", found.coverage >= 0.9),
         ReportLine(f"{what}χ² of errors", "0.7–1.3", f"{chi_square:.2f}", 0.7 <= chi_square <= 1.3),
+        *_simulated_kits(),
+    ]
+
+
+def _simulated_kits() -> list[ReportLine]:
+    """Return the lines of kits simulated with the measured one's coefficients, some with more noise of single points."""
+    found = [held_out(SIMULATED_SPLITS, simulated_runs(seed, noise=noise)) for noise in NOISES for seed in range(SEEDS)]
+    parts = np.concatenate([one.standardised for one in found])
+    chi_square, covered = float(np.mean(parts**2)), float(np.mean([one.coverage for one in found]))
+    what = f"{len(found)} simulated kits, influence coefficients, five folds: "
+    return [
+        ReportLine(f"{what}χ² of errors", "0.7–1.3", f"{chi_square:.2f}", 0.7 <= chi_square <= 1.3),
+        ReportLine(f"{what}95 % intervals", "90–100 %", f"{100 * covered:.0f} %", covered >= 0.9),
     ]
 
 

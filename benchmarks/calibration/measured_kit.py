@@ -2,7 +2,7 @@
 
 import csv
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +17,8 @@ DATA = Path(__file__).resolve().parents[2] / "tests" / "data" / "rk4_unbalance_1
 CHANNELS = ("p1x", "p1y", "p2x", "p2y")
 SPEEDS = ("N1", "N2")
 FOLDS = 5
+MOUNTING_G_MM = 3.0
+"""Rms of what the unbalance of a simulated kit differs by from mounting to mounting [g mm]."""
 LARGE_G_MM = 24.0
 """Unbalances from which on the phase is judged [g mm]."""
 
@@ -72,9 +74,29 @@ def kit_runs() -> TrialRuns:
     return TrialRuns(tuple(names), ("D1", "D2"), points, vector, added, np.full(vector.shape, np.nan))
 
 
-def held_out(splits: int) -> HeldOutUnbalances:
-    """Return the errors over some random splits of the conditions into five folds, each left out in turn."""
-    runs = kit_runs()
+def simulated_runs(seed: int, *, noise: float) -> TrialRuns:
+    """Return runs as the kit's, simulated with its coefficients: mountings that differ by `MOUNTING_G_MM` in each plane.
+
+    noise: of single points, in units of the measured kit's scatter.
+    """
+    runs, rng = kit_runs(), np.random.default_rng(seed)
+    influence = measure_influence(runs)
+
+    def scattered(*shape: int) -> Complexes:
+        return np.asarray((rng.standard_normal(shape) + 1j * rng.standard_normal(shape)) / np.sqrt(2.0))
+
+    moved = runs.added + MOUNTING_G_MM * scattered(*runs.added.shape)
+    vector = influence.offset + moved @ influence.influence.T
+    vector += noise * np.sqrt(np.real(np.diag(influence.scatter))) * scattered(*vector.shape)
+    return replace(runs, vector=np.where(np.isfinite(runs.vector), vector, complex(np.nan, np.nan)))
+
+
+def held_out(splits: int, runs: TrialRuns | None = None) -> HeldOutUnbalances:
+    """Return the errors over some random splits of the conditions into five folds, each left out in turn.
+
+    runs: by default those of the measured kit.
+    """
+    runs = runs or kit_runs()
     rng = np.random.default_rng(0)
     count = len(runs.names)
     found, truth, size = [], [], []

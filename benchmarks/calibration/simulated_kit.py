@@ -63,13 +63,13 @@ class SimulatedKit:
         return added
 
 
-def later_changes(seed: int) -> HeldOut:
-    """Estimate, with a simulated kit calibrated, unbalances that it gains later."""
+def later_changes(seed: int, *, mountings: int = RUNS) -> HeldOut:
+    """Estimate, with a simulated kit calibrated from some mountings, unbalances that it gains later."""
     plant = SimulatedKit(seed)
     count = len(SPEEDS_RPM)
     runs = [
         CalibrationRun(f"run-{number}", plant.run(plant.trial(number)), (f"run-{number}",) * count, steady=True)
-        for number in range(RUNS)
+        for number in range(mountings)
     ]
     calibrated = calibrate(plant.machine, runs).machine
     true, found, covariance = [], [], []

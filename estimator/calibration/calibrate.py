@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
+from estimator.calibration.calibrated_document import calibrated_document
 from estimator.calibration.calibration_runs import CalibrationRun, check_runs
 from estimator.calibration.mounted_problem import MountedProblem
 from estimator.calibration.undetermined import distinct_speeds, freed
@@ -16,7 +17,7 @@ from estimator.fit.goodness_of_fit import LARGEST_ESTIMATED_NOISE
 from estimator.fit.maximum_likelihood import descend
 from estimator.fit.multistart import best_fit
 from estimator.machine.calibration import Calibration, CalibrationRunRecord, ChannelScatter, MountingSpread
-from estimator.machine.document import Machine, parse_machine
+from estimator.machine.document import Machine
 from estimator.machine.rules import Noise
 from estimator.phasors.measurement import Measurement, joined
 from estimator.phasors.noise import error_size
@@ -113,7 +114,7 @@ def calibrate(machine: Machine, runs: Sequence[CalibrationRun], *, seed: int = 0
     calibration = _calibration(problem, theta, runs, sizes, speeds=speeds, groups=scatter.group).model_copy(
         update={"verdict": "; ".join((verdict, *remarks))}
     )
-    found = _with_calibration(machine, fitted, calibration)
+    found = calibrated_document(machine, fitted, calibration)
     return Calibrated(found, accepted, verdict, remarks, first.starts, bool(first.unique), sizes, speeds)
 
 
@@ -267,13 +268,3 @@ def _calibration(
             for run in runs
         ),
     )
-
-
-def _with_calibration(machine: Machine, fitted: Machine, calibration: Calibration) -> Machine:
-    """Return the document with the calibration, and with the spreads without which its parameters would not be fitted."""
-    rms = [one.rms for one in calibration.scatter if one.rpm is not None]
-    noise = machine.noise.model_copy(update={"floor": min([machine.noise.floor, *rms])})
-    whole = machine.model_copy(
-        update={"probes": fitted.probes, "materials": fitted.materials, "noise": noise, "calibration": calibration}
-    )
-    return parse_machine(whole.model_dump(mode="json", exclude_unset=False))

@@ -8,7 +8,7 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.fit.coordinates import Coordinates
-from estimator.fit.fit_problem import FitProblem, FitResult, best_excitations
+from estimator.fit.fit_problem import FitProblem, FitResult
 from estimator.fit.maximum_likelihood import FINAL_PASSES, STAGE_MISFITS, fit
 
 START_SPREAD_LOG = 0.35
@@ -140,9 +140,9 @@ def chosen_start(problem: FitProblem, rng: np.random.Generator, *, first: bool) 
     coordinates = problem.coordinates
     weight = problem.weight(problem.first_amplitude, STAGE_MISFITS[0])
     if first and not coordinates.guessed.any():
-        return best_excitations(problem, coordinates.centre, weight)
+        return problem.begun(coordinates.centre, weight)
     candidates = [
-        best_excitations(problem, _candidate(coordinates, rng), weight)
+        problem.begun(_candidate(coordinates, rng), weight)
         for _ in range(GUESSED_CANDIDATES if coordinates.guessed.any() else CANDIDATES)
     ]
     misfits = np.array([problem.chi_square(theta, weight) for theta in candidates])

@@ -6,6 +6,7 @@ the speed squared, so a mean over a band in which the vectors grow is no slow ro
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
 from estimator.errors import Invalid
+from estimator.machine.calibration import Calibration
 from estimator.machine.document import Machine
 from estimator.machine.rules import Noise
 from estimator.phasors.measurement import Measurement
@@ -167,7 +169,8 @@ def corrected(machine: Machine, measurement: Measurement, slow_roll: SlowRoll) -
     The error of a vector is common to all samples of its channel, so it is no noise: it leaves a run-out of that spread, an
     unknown of the fit with that prior. It takes the place of the spread that the document gives for a run-out that was not
     subtracted. The noise stays a part of what the probe saw, run-out and all: where the source gave no scatter and the
-    document states the noise, it is written down before the run-out is gone.
+    document states the noise, it is written down before the run-out is gone. A calibration has found run-outs as they were
+    measured: they are moved by the vectors, exactly, and keep its covariance.
 
     Args:
         machine: The machine.
@@ -178,15 +181,33 @@ def corrected(machine: Machine, measurement: Measurement, slow_roll: SlowRoll) -
         Document and measurement without run-out.
     """
     scatter = measurement.scatter
-    if not machine.noise.estimated:
+    if not machine.noise.estimated and machine.calibration is None:  # which has found the scatter itself
         stated = error_size(machine.noise, np.abs(np.where(measurement.usable, measurement.phasor, 0.0)), scatter)
         scatter = np.where(slow_roll.known, stated, scatter)
+    held = () if machine.calibration is None else machine.calibration.parameters
     probes = tuple(
-        probe.model_copy(update={"run_out_spread": float(error)}) if known else probe
-        for probe, known, error in zip(machine.probes, slow_roll.known, slow_roll.standard_error, strict=True)
+        probe.model_copy(update={"run_out_spread": float(error)})
+        if known and f"probe.{channel}.run_out.real" not in held
+        else probe
+        for probe, channel, known, error in zip(
+            machine.probes, machine.channels, slow_roll.known, slow_roll.standard_error, strict=True
+        )
     )
     without = replace(subtracted(measurement, slow_roll), scatter=scatter)
-    return machine.model_copy(update={"probes": probes}), without
+    calibration = None if machine.calibration is None else _moved(machine.calibration, machine.channels, slow_roll)
+    return machine.model_copy(update={"probes": probes, "calibration": calibration}), without
+
+
+def _moved(calibration: Calibration, channels: Sequence[str], slow_roll: SlowRoll) -> Calibration:
+    """Return a calibration whose run-outs are what remains of them without the vectors."""
+    values = dict(zip(calibration.parameters, calibration.values, strict=True))
+    turning_forward = slow_roll.turned(np.ones(1))[0]
+    for channel, vector in zip(channels, turning_forward, strict=True):
+        for part, moved in (("real", vector.real), ("imaginary", vector.imag)):
+            name = f"probe.{channel}.run_out.{part}"
+            if name in values:
+                values[name] -= float(moved)
+    return calibration.model_copy(update={"values": tuple(values.values())})
 
 
 def _vector(noise: Noise, speed: Floats, phasor: Complexes, scatter: Floats) -> tuple[complex, float] | str:

@@ -35,6 +35,7 @@ from service.api.machines.fleet import router as fleet
 from service.api.machines.limits import router as limits
 from service.api.machines.machine_list import MachineList
 from service.api.machines.machine_state import router as machine_state
+from service.api.machines.model_calibrations import router as model_calibrations
 from service.api.machines.overview import Overview
 from service.api.machines.routes import router as machines
 from service.api.machines.slow_roll import router as slow_roll
@@ -195,6 +196,7 @@ def _routes() -> list[BaseRoute]:
         suppressions,
         timeline,
         balancings,
+        model_calibrations,
         baselines,
         deviations,
         alignment,

@@ -9,6 +9,7 @@ import numpy as np
 from estimator.calibration.balancing_check import BalancingCheck
 from estimator.calibration.field_balancing import FieldBalancing
 from estimator.fit.estimates import CONFIDENCE_95
+from estimator.machine.disc_scale import DiscScale
 from estimator.units import rad_per_s_to_rpm
 from estimator.updated_model.balance_quality import GRAM_MILLIMETRE, PlaneBalance, RotorBalance
 from service.balancing.correction_rows import MICROMETRES, channel_effects, limit_verdicts, plane_weights, trim_weights
@@ -70,6 +71,18 @@ def check_fields(found: FieldBalancing, check: BalancingCheck) -> dict[str, Any]
             if np.isfinite(value)
         ],
     }
+
+
+def on_scale(fields: Any, scale: DiscScale, direction: int) -> Any:
+    """Return fields in which each weight's angle stands beside its number on the disc's scale, `scale_deg`."""
+    if isinstance(fields, list):
+        return [on_scale(one, scale, direction) for one in fields]
+    if not isinstance(fields, dict):
+        return fields
+    found = {name: on_scale(one, scale, direction) for name, one in fields.items()}
+    if "angle_deg" in found:
+        found["scale_deg"] = scale.reading(math.radians(found["angle_deg"]), direction=direction)
+    return found
 
 
 def _vectors(found: FieldBalancing) -> list[dict[str, Any]]:

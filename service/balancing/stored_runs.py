@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from sqlalchemy.orm import Session
 
+from estimator.arrays import Complexes
 from estimator.calibration.field_balancing import BalancingRun
 from estimator.errors import Invalid
 from estimator.machine.document import Machine
@@ -56,7 +57,7 @@ def balancing_run(
         measurement = corrected(machine, measurement, vectors)[1]
     if weights is None:
         return BalancingRun(f"run {run_id}", measurement)
-    return BalancingRun(f"run {run_id}", replace(measurement, added=None).with_trial_weight(_added(machine, weights)))
+    return BalancingRun(f"run {run_id}", replace(measurement, added=None).with_trial_weight(added_unbalance(machine, weights)))
 
 
 def read_weights(said: Sequence[Mapping[str, float | str]]) -> list[StoredWeight]:
@@ -64,7 +65,8 @@ def read_weights(said: Sequence[Mapping[str, float | str]]) -> list[StoredWeight
     return [StoredWeight(str(one["disc"]), float(one["g_mm"]), float(one["angle_deg"])) for one in said]
 
 
-def _added(machine: Machine, weights: Sequence[StoredWeight]) -> np.ndarray:
+def added_unbalance(machine: Machine, weights: Sequence[StoredWeight]) -> Complexes:
+    """Return the unbalance that weights add to each disc (P,) [kg m]. Raises RunUnsuitable for an unknown disc."""
     discs = [disc.id for disc in machine.discs]
     added = np.zeros(len(discs), dtype=complex)
     for one in weights:

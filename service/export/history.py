@@ -21,7 +21,17 @@ from storage.measurements import runs
 from storage.tables.alerting import AlertEventRow, AlertRow, SuppressionRow
 from storage.tables.base import Base
 from storage.tables.findings import DerivedRow, DiagnosisRow, EstimateRow, IdentificationRow
-from storage.tables.machines import BaselineRow, CalibrationRow, LimitsRow, MachineRow, RevisionRow, SlowRollRow, TimelineRow
+from storage.tables.machines import (
+    BalancingRow,
+    BaselineRow,
+    CalibrationRow,
+    LimitsRow,
+    MachineRow,
+    ModelCalibrationRow,
+    RevisionRow,
+    SlowRollRow,
+    TimelineRow,
+)
 from storage.tables.measurements import MachineStateRow, RunRow
 
 logger = logging.getLogger(__name__)
@@ -169,6 +179,29 @@ CALIBRATIONS = (
     Column("certificate", "text", "what the certificate says"),
     *_BY,
 )
+MODEL_CALIBRATIONS = (
+    Column("id", "integer", "number of the calibration"),
+    Column("revision", "integer", "revision of the machine's document that it begins from"),
+    Column("asked", "text", "runs with their weights [g mm, °] and the seed, as JSON"),
+    Column("computed_at", "time", "when it was computed"),
+    Column("accepted", "truth", "whether the model explains the runs"),
+    Column("verdict", "text", "the same in words"),
+    Column("result", "text", "remarks and starts, as JSON"),
+    Column("document", "text", "the calibrated document, as JSON"),
+    Column("code_version", "text", "release of Rundown that computed it"),
+    Column("revision_in_force", "integer", "revision as which it was put in force last"),
+    Column("comment", "text", "what was said of it"),
+    *_BY,
+)
+BALANCINGS = (
+    Column("id", "integer", "number of the field balancing"),
+    Column("revision", "integer", "revision of the machine's document that its runs were measured under"),
+    Column("state", "text", "step taken last: begun, tried, proposed or checked"),
+    Column("steps", "text", "initial runs, trials with their weights, correction and check run, as JSON"),
+    Column("comment", "text", "what was said of it"),
+    Column("updated_at", "time", "when its last step was taken"),
+    *_BY,
+)
 STATES = (
     Column("since", "time", "from when on, until the next row"),
     Column("mode", "text", "what the machine did"),
@@ -200,6 +233,8 @@ _TABLES: tuple[tuple[str, tuple[Column, ...], type[Base], tuple[str, ...]], ...]
     ("suppressions", SUPPRESSIONS, SuppressionRow, ("id",)),
     ("limits", LIMITS, LimitsRow, ("version",)),
     ("calibrations", CALIBRATIONS, CalibrationRow, ("at", "id")),
+    ("model_calibrations", MODEL_CALIBRATIONS, ModelCalibrationRow, ("id",)),
+    ("balancings", BALANCINGS, BalancingRow, ("id",)),
     ("slow_roll_vectors", SLOW_ROLL, SlowRollRow, ("version",)),
 )
 """File name, columns, source table, and order of the rows."""

@@ -3,6 +3,7 @@
 from concurrent.futures import Future
 from dataclasses import dataclass
 
+from service.identification.calibration_task import CalibrationOutcome
 from service.identification.task import IdentificationOutcome
 
 
@@ -18,5 +19,6 @@ class TakenJob:
     reopened: tuple[int, ...]
 
 
-ComputingJobs = dict[Future[IdentificationOutcome], TakenJob]
+JobFuture = Future[IdentificationOutcome] | Future[CalibrationOutcome]
+ComputingJobs = dict[JobFuture, TakenJob]
 """Jobs that are being computed, or whose outcome is still to be filed, in the order in which filing is tried."""

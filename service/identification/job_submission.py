@@ -5,7 +5,10 @@ from collections.abc import Callable
 
 from estimator.fit.identify import Options
 from service.identification import computation, job_options
-from service.identification.computing_jobs import ComputingJobs, TakenJob
+from service.identification.calibration_computation import compute_calibration
+from service.identification.calibration_jobs import calibration_task
+from service.identification.calibration_task import CalibrationTask
+from service.identification.computing_jobs import ComputingJobs, JobFuture, TakenJob
 from service.identification.task import IdentificationTask
 from service.identification.task_builder import reopened, task
 from service.monitoring.assessment_queue import AssessmentQueue, DueAssessment
@@ -63,7 +66,7 @@ class JobSubmission:
             if built is None:
                 continue
             try:
-                future = self._executor.submit(built.timeout_s, computation.compute, built)
+                future = self._submitted(built)
                 self._computing[future] = taken
                 future.add_done_callback(lambda _: self._wake())
             except ExecutorUnavailable as error:
@@ -71,6 +74,11 @@ class JobSubmission:
                 self._held.requeue_uncounted(taken.job_id)
         if unavailable is not None:
             raise unavailable
+
+    def _submitted(self, built: IdentificationTask | CalibrationTask) -> JobFuture:
+        if isinstance(built, CalibrationTask):
+            return self._executor.submit(built.timeout_s, compute_calibration, built)
+        return self._executor.submit(built.timeout_s, computation.compute, built)
 
     def _any_waiting(self, *, automatic: bool = False) -> bool:
         with self._database.reading() as session:
@@ -89,17 +97,20 @@ class JobSubmission:
                 self._automatic_in_a_row = self._automatic_in_a_row + 1 if automatic else 0
                 stored = identifications.of_job(session, row.id)
                 if stored is None:
-                    job_options.slow_roll_version(session, row)
+                    if row.scope != jobs.CALIBRATION:  # which subtracts none
+                        job_options.slow_roll_version(session, row)
                     taken.append(TakenJob(row.id, automatic, reopened(session, row)))
                 else:
                     self._assessments.add(DueAssessment(row.id, stored, row.machine_id))
         return taken
 
-    def _task(self, taken: TakenJob) -> IdentificationTask | None:
+    def _task(self, taken: TakenJob) -> IdentificationTask | CalibrationTask | None:
         """Build a job's task; return None when its data cannot be read, so that other jobs go on."""
         try:
             with self._database.reading() as session:
                 row = jobs.get(session, taken.job_id)
+                if row.scope == jobs.CALIBRATION:
+                    return calibration_task(session, row, timeout_s=self._timeout_s)
                 return task(session, row, self._options, timeout_s=self._timeout_s)
         except MemoryError as error:
             self._held.requeue(taken.job_id, f"its data need more memory than there is: {error}")

@@ -3,7 +3,7 @@
 import logging
 import time
 from collections import deque
-from concurrent.futures import CancelledError, Future
+from concurrent.futures import CancelledError
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import replace
 
@@ -11,7 +11,9 @@ from sqlalchemy.exc import DataError, IntegrityError
 from sqlalchemy.orm import Session
 
 from estimator.fit.identify import Options
-from service.identification.computing_jobs import ComputingJobs, TakenJob
+from service.identification.calibration_jobs import file_calibration
+from service.identification.calibration_task import CalibrationOutcome
+from service.identification.computing_jobs import ComputingJobs, JobFuture, TakenJob
 from service.identification.task import IdentificationOutcome
 from service.identification.task_builder import origin, reopened
 from service.monitoring.assessment_queue import AssessmentQueue, DueAssessment
@@ -65,9 +67,9 @@ class ResultFiling:
                 self._computing[future] = taken
                 raise
 
-    def _file(self, future: Future[IdentificationOutcome], taken: TakenJob) -> None:
+    def _file(self, future: JobFuture, taken: TakenJob) -> None:
         try:
-            outcome = future.result()
+            outcome: IdentificationOutcome | CalibrationOutcome = future.result()
         except Exception as error:  # noqa: BLE001 - whatever a fit raises is recorded with its job
             self._file_error(taken.job_id, error)
             return
@@ -106,7 +108,7 @@ class ResultFiling:
         else:
             self._held.fail(job_id, f"{type(error).__name__}: {error}")
 
-    def _store(self, taken: TakenJob, outcome: IdentificationOutcome) -> None:
+    def _store(self, taken: TakenJob, outcome: IdentificationOutcome | CalibrationOutcome) -> None:
         """Store an outcome and finish its job, or queue its assessment, which finishes the job."""
         with self._database.transaction() as session:
             row = self._held.own(session, taken.job_id)
@@ -116,6 +118,9 @@ class ResultFiling:
             if reopened(session, row) != taken.reopened:
                 logger.info("job %d is computed again: late samples have made its run anew meanwhile", taken.job_id)
                 jobs.requeue_uncounted(row)
+                return
+            if isinstance(outcome, CalibrationOutcome):
+                file_calibration(session, row, outcome)
                 return
             if row.scope == jobs.RUN:
                 runs.store_quality(session, row.run_ids[0], outcome.qualities[0])

@@ -9,7 +9,7 @@ from storage.database.engine import Database
 from storage.database.plant_scope import PlantScope
 from storage.tables.alerting import AlertRow, DeliveryRow, SubscriptionRow, SuppressionRow
 from storage.tables.findings import IdentificationRow, JobRow
-from storage.tables.machines import BalancingRow, MachineRow
+from storage.tables.machines import BalancingRow, MachineRow, ModelCalibrationRow
 from storage.tables.measurements import RunRow
 
 ROWS: Mapping[str, tuple[type[Any], str]] = {
@@ -18,6 +18,7 @@ ROWS: Mapping[str, tuple[type[Any], str]] = {
     "run_id": (RunRow, "run"),
     "identification_id": (IdentificationRow, "identification"),
     "balancing_id": (BalancingRow, "balancing"),
+    "calibration_id": (ModelCalibrationRow, "calibration"),
     "alert_id": (AlertRow, "alert"),
     "suppression_id": (SuppressionRow, "suppression"),
     "subscription_id": (SubscriptionRow, "subscription"),

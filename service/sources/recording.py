@@ -14,12 +14,13 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from estimator.arrays import Complexes, Floats
 from estimator.field_types import Identifier, Positive
+from estimator.machine.disc_scale import DiscScale
 from estimator.machine.document import Machine, field_path
 from estimator.units import RADIANS
 from service.configuration.document_files import UnreadableFile, read_yaml
 from service.export.csv_cells import CsvWriter, cell
 from service.sources.recorded_table import RecordedTable
-from service.sources.trial_weights import DiscScale, TrialWeight
+from service.sources.trial_weights import TrialWeight
 from service.wire import TABLES, WIRE_SCHEMA, SampleBatch
 from storage.clock import from_datetime
 from storage.database.private_files import prepare

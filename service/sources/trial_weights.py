@@ -1,40 +1,17 @@
 """Trial weights as a recording's sidecar states them: how much, in which unit, at which angle of the disc's scale."""
 
 import cmath
-import math
 from collections.abc import Callable
-from typing import Literal, Self
+from typing import Self
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from estimator.field_types import Angle, NotNegative, Positive
+from estimator.machine.disc_scale import DiscScale
 from estimator.units import KILOGRAM_METRES, KILOGRAMS, RADII, MassUnit, RadiusUnit, UnbalanceUnit
 
 Cell = Callable[[str], float]
 """Function that returns the number in a column of one row."""
-
-
-class DiscScale(BaseModel):
-    """The scale of angles on the discs, as a person reads it."""
-
-    model_config = ConfigDict(extra="forbid")
-
-    counted: Literal["x-to-y", "with-rotation", "against-rotation"] = Field(
-        default="x-to-y", description="sense in which the numbers on the scale grow"
-    )
-    zero_deg: Angle = Field(
-        default=0.0, description="where the scale's zero is when the keyphasor's pulse comes, from +x towards +y [°]"
-    )
-
-    def angle(self, degrees: float, *, direction: int) -> float:
-        """Return the angle from +x towards +y of an angle on the scale [rad]; direction: +1 when +x turns to +y, else -1."""
-        sense = {"x-to-y": 1, "with-rotation": direction, "against-rotation": -direction}[self.counted]
-        return math.radians(self.zero_deg + sense * degrees)
-
-    def reading(self, angle: float, *, direction: int) -> float:
-        """Return the number on the scale [°], 0 to 360, of an angle from +x towards +y [rad]; direction: as in `angle`."""
-        sense = {"x-to-y": 1, "with-rotation": direction, "against-rotation": -direction}[self.counted]
-        return (sense * (math.degrees(angle) - self.zero_deg)) % 360.0
 
 
 class TrialWeight(BaseModel):

@@ -14,7 +14,7 @@ ZIP = b"PK"
 
 
 class _Block(msgspec.Struct, array_like=True):
-    """Arrays as bytes of little-endian doubles, row by row."""
+    """Arrays as bytes of little-endian doubles, row by row; coordinates: rows of `bias`, missing in older blocks."""
 
     names: tuple[str, ...]
     bias: bytes
@@ -22,6 +22,7 @@ class _Block(msgspec.Struct, array_like=True):
     score: bytes
     phasors: tuple[int, ...]
     amplitude: tuple[float, ...]
+    coordinates: int | None = None
 
 
 def encode(effects: ChannelEffects) -> bytes:
@@ -33,6 +34,7 @@ def encode(effects: ChannelEffects) -> bytes:
         score=_bytes(effects.score),
         phasors=effects.phasors,
         amplitude=effects.amplitude,
+        coordinates=len(effects.bias),
     )
     return zlib.compress(msgspec.msgpack.encode(block))
 
@@ -45,7 +47,7 @@ def decode(block: bytes) -> ChannelEffects:
     errors = len(found.names)
     return ChannelEffects(
         names=found.names,
-        bias=np.frombuffer(found.bias, "<f8").reshape(-1, errors),
+        bias=np.frombuffer(found.bias, "<f8").reshape(-1 if found.coordinates is None else found.coordinates, errors),
         information=np.frombuffer(found.information, "<f8").reshape(errors, errors),
         score=np.frombuffer(found.score, "<f8"),
         phasors=found.phasors,

@@ -24,10 +24,13 @@ DONE, FAILED, QUARANTINED = "done", "failed", "quarantined"
 """Final states of a job; one that crashed its process or exceeded its time or memory too often ends as quarantined."""
 STATES = (QUEUED, RUNNING, DONE, FAILED, QUARANTINED)
 
-RUN, GATHERED, VARIANT = "run", "gathered", "variant"
-"""Scope of a job: one run as usual, the newest runs pooled, or one run with other options, which no trend follows."""
+RUN, GATHERED, VARIANT, CALIBRATION = "run", "gathered", "variant", "calibration"
+"""Scope of a job: one run as usual, the newest runs pooled, one run with other options, which no trend follows, or a
+calibration of the model from runs with known unbalances."""
 
 LARGEST_ATTEMPTS = 3
+LONGEST_LIST = 120
+"""Characters of a request's list of runs beyond which a checksum stands for it."""
 
 
 class JobUnknown(Missing):
@@ -80,10 +83,13 @@ def find_request(session: Session, *, scope: str, run_ids: list[int], options: d
 
 
 def _request(scope: str, run_ids: list[int], options: dict[str, Any] | None) -> str:
-    request = f"{scope}:{','.join(map(str, sorted(run_ids)))}"
-    if options:
-        request += ":" + hashlib.sha256(json.dumps(options, sort_keys=True).encode()).hexdigest()[:32]
-    return request
+    listed = ",".join(map(str, sorted(run_ids)))
+    request = f"{scope}:{listed if len(listed) <= LONGEST_LIST else _checksum(listed)}"
+    return f"{request}:{_checksum(json.dumps(options, sort_keys=True))}" if options else request
+
+
+def _checksum(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
 def take(

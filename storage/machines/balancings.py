@@ -1,5 +1,6 @@
 """Repository of field balancings. A balancing's steps are one object, with fields
 
+`disc_scale`: the scale of angles on the discs, as `estimator.machine.disc_scale` has it, missing in older ones;
 `initial`: ids of the runs before any trial weight; `trials`: for each trial run its id and weights; `correction`: what was
 asked and what came; `check`: the check run with its weights and what it shows. A later step is null until it is taken.
 """
@@ -25,14 +26,23 @@ class BalancingUnknown(Missing):
     subject = "balancing"
 
 
-def add(session: Session, machine_id: str, *, revision: int, initial: Sequence[int], by: str, comment: str) -> BalancingRow:
+def add(
+    session: Session,
+    machine_id: str,
+    *,
+    revision: int,
+    initial: Sequence[int],
+    by: str,
+    comment: str,
+    disc_scale: dict[str, Any] | None = None,
+) -> BalancingRow:
     """Begin a balancing with its initial runs."""
     moment = now()
     row = BalancingRow(
         machine_id=machine_id,
         revision=revision,
         state=BEGUN,
-        steps={"initial": list(initial), "trials": [], "correction": None, "check": None},
+        steps={"disc_scale": disc_scale or {}, "initial": list(initial), "trials": [], "correction": None, "check": None},
         by=by,
         comment=comment,
         created_at=moment,

@@ -107,6 +107,35 @@ class BalancingRow(Base):
     updated_at: Mapped[int]
 
 
+class ModelCalibrationRow(Base):
+    """A calibration of a machine's model from runs with known unbalances: what was asked, and what came of it."""
+
+    __tablename__ = "model_calibrations"
+    __table_args__ = (Index(None, "machine_id", "id"),)
+
+    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"))
+    revision: Mapped[int]
+    """Revision of the document that it begins from."""
+    job_id: Mapped[int | None] = mapped_column(ForeignKey("identification_jobs.id"))
+    asked: Mapped[dict[str, Any]]
+    """Runs with their weights and the seed, as in `storage.machines.model_calibrations`."""
+    by: Mapped[str] = mapped_column(Name(120))
+    comment: Mapped[str] = mapped_column(Text)
+    created_at: Mapped[int]
+    # Null until it is computed.
+    computed_at: Mapped[int | None]
+    accepted: Mapped[bool | None]
+    verdict: Mapped[str | None] = mapped_column(Text)
+    result: Mapped[dict[str, Any] | None]
+    """Remarks, starts, and whether the optimum was found twice."""
+    document: Mapped[dict[str, Any] | None] = mapped_column(deferred=True)
+    """The machine's document with the calibration."""
+    code_version: Mapped[str | None] = mapped_column(Name(64))
+    revision_in_force: Mapped[int | None]
+    """Revision of the document as which it was put in force last; null: never."""
+
+
 class BaselineRow(Base):
     """A baseline: the first identifications from `since` on, or the named ones.
 

@@ -1,5 +1,6 @@
 """Requests and answers of field balancings."""
 
+import math
 from datetime import datetime
 from typing import Annotated, Literal, Self
 
@@ -7,13 +8,17 @@ from pydantic import BaseModel, Field, model_validator
 
 from estimator.calibration.influence_correction import Criterion
 from estimator.field_types import Identifier
+from estimator.machine.disc_scale import DiscScale
 from estimator.strict_model import StrictModel
 from estimator.units import KILOGRAM_METRES, KILOGRAMS, MassUnit, UnbalanceUnit
 from estimator.updated_model.balance_quality import GRAM_MILLIMETRE, Verdict
 from service.api.conventions.fields import Comment
+from service.balancing.stored_runs import StoredWeight
 from service.security.principal import Author
 
-Angle = Annotated[float, Field(ge=-3600, le=3600, allow_inf_nan=False, description="from the keyphasor mark, +x to +y [°]")]
+Angle = Annotated[
+    float, Field(ge=-3600, le=3600, allow_inf_nan=False, description="on the disc's scale [°]; see `disc_scale`")
+]
 Size = Annotated[float, Field(ge=1e-6, le=1e9, allow_inf_nan=False)]
 RunNumber = Annotated[int, Field(ge=0, le=2**62)]
 
@@ -33,6 +38,10 @@ class WeightIn(StrictModel):
             raise ValueError("a mass (kg, g, oz) needs its radius_mm; an unbalance (g mm, kg mm, g in, oz in, kg m) has none")
         return self
 
+    def stored(self, scale: DiscScale, direction: int) -> StoredWeight:
+        """Return the weight as the store holds it. direction: sense of rotation, +1 from +x to +y, else -1."""
+        return StoredWeight(self.disc, self.g_mm, math.degrees(scale.angle(self.angle_deg, direction=direction)))
+
     @property
     def g_mm(self) -> float:
         """Return the unbalance [g mm]."""
@@ -48,6 +57,10 @@ class BalancingIn(StrictModel):
     """The beginning of a balancing: runs of the machine as it is, before any trial weight."""
 
     runs: Annotated[list[RunNumber], Field(min_length=1, max_length=20)]
+    disc_scale: DiscScale = Field(
+        default=DiscScale(),
+        description="on which all angles of weights are said; by default from the keyphasor mark, +x to +y",
+    )
     comment: Comment = ""
     by: Author
 
@@ -100,11 +113,12 @@ class CheckIn(StrictModel):
 
 
 class WeightOut(BaseModel):
-    """An unbalance on a disc, from the keyphasor mark on, +x to +y."""
+    """An unbalance on a disc."""
 
     disc: str
     g_mm: float
-    angle_deg: float
+    angle_deg: float = Field(description="from the keyphasor mark, +x to +y [°]")
+    scale_deg: float = Field(description="the same on the disc's scale [°]")
 
 
 class TrialOut(BaseModel):
@@ -118,7 +132,8 @@ class TrialOut(BaseModel):
 class PlacedMass(BaseModel):
     """A mass at a place of a disc."""
 
-    angle_deg: float
+    angle_deg: float = Field(description="from the keyphasor mark, +x to +y [°]")
+    scale_deg: float = Field(description="the same on the disc's scale [°]")
     grams: float
 
 
@@ -253,6 +268,7 @@ class BalancingOut(BaseModel):
     comment: str
     created_at: datetime
     updated_at: datetime
+    disc_scale: DiscScale
     initial: list[int] = Field(description="runs before any trial weight")
     trials: list[TrialOut]
     correction: CorrectionOut | None

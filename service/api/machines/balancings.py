@@ -3,6 +3,7 @@
 Computations read in one transaction and are stored in another, which nobody waits for meanwhile.
 """
 
+import math
 from dataclasses import asdict
 from typing import Any
 
@@ -20,6 +21,7 @@ from estimator.calibration.field_balancing import (
 )
 from estimator.calibration.weight_places import WeightPlaces
 from estimator.errors import Conflict
+from estimator.machine.disc_scale import DiscScale
 from estimator.machine.document import Machine
 from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model.balance_quality import GRAM_MILLIMETRE
@@ -29,7 +31,7 @@ from service.api.conventions.paging import ById
 from service.api.conventions.problems import CHANGES, RESPONSES, Unsuitable
 from service.api.machines import balancing_schemas as schemas
 from service.balancing.open_causes import require_nothing_else
-from service.balancing.rendering import check_fields, correction_fields
+from service.balancing.rendering import check_fields, correction_fields, on_scale
 from service.balancing.stored_runs import StoredWeight, balancing_run, read_weights
 from service.identification.stored_model import identified
 from service.security.requirement import ANALYST, VIEWER
@@ -53,13 +55,13 @@ def list_balancings(session: Reading, machine_id: MachineId, paging: ById) -> li
     """List a machine's field balancings, newest first."""
     machines.get(session, machine_id)
     rows = balancings.of_machine(session, machine_id, limit=paging.wanted, after=paging.after)
-    return [_rendered(row) for row in paging.page(rows, lambda row: (row.id,))]
+    return [_rendered(session, row) for row in paging.page(rows, lambda row: (row.id,))]
 
 
 @router.get("/{balancing_id}", operation_id="read_balancing_steps")
 def read_balancing(session: Reading, machine_id: MachineId, balancing_id: Number) -> schemas.BalancingOut:
     """Read a field balancing with the steps taken so far."""
-    return _rendered(balancings.get(session, machine_id, balancing_id))
+    return _rendered(session, balancings.get(session, machine_id, balancing_id))
 
 
 @router.post("", operation_id="begin_balancing", status_code=status.HTTP_201_CREATED, dependencies=[ANALYST])
@@ -70,23 +72,29 @@ def begin_balancing(request: Request, machine_id: MachineId, said: schemas.Balan
         for run in said.runs:
             balancing_run(session, machine_id, revision, run, None)
         row = balancings.add(
-            session, machine_id, revision=revision, initial=list(dict.fromkeys(said.runs)), by=said.by, comment=said.comment
+            session,
+            machine_id,
+            revision=revision,
+            initial=list(dict.fromkeys(said.runs)),
+            by=said.by,
+            comment=said.comment,
+            disc_scale=said.disc_scale.model_dump(mode="json"),
         )
-        return _rendered(row)
+        return _rendered(session, row)
 
 
 @router.post("/{balancing_id}/trials", operation_id="add_balancing_trial", dependencies=[ANALYST], responses=CHANGES)
 def add_trial(request: Request, machine_id: MachineId, balancing_id: Number, said: schemas.TrialIn) -> schemas.BalancingOut:
     """Add a run with trial weights. A correction that was computed before is computed anew on request."""
-    weights = _weights(said.weights)
     with database(request).transaction() as session:
         row = balancings.get(session, machine_id, balancing_id, to_change=True)
+        weights = _weights(session, row, said.weights)
         if said.run in [*row.steps["initial"], *(trial["run"] for trial in row.steps["trials"])]:
             raise Unsuitable(f"run {said.run} is part of this balancing already")
         balancing_run(session, machine_id, row.revision, said.run, weights)
         trial = {"run": said.run, "weights": [asdict(one) for one in weights], "by": said.by}
         balancings.record(row, balancings.TRIED, trials=[*row.steps["trials"], trial], correction=None, check=None)
-        return _rendered(row)
+        return _rendered(session, row)
 
 
 @router.post(
@@ -110,7 +118,7 @@ def compute_correction(
     with database(request).transaction() as session:
         row = _unmoved(session, machine_id, balancing_id, read)
         balancings.record(row, balancings.PROPOSED, correction=step, check=None)
-        return _rendered(row)
+        return _rendered(session, row)
 
 
 @router.post("/{balancing_id}/check", operation_id="check_balancing", dependencies=[ANALYST], responses=CHANGES)
@@ -118,10 +126,10 @@ def check_correction(
     request: Request, machine_id: MachineId, balancing_id: Number, said: schemas.CheckIn
 ) -> schemas.BalancingOut:
     """Compare a run after the correction with what was promised, and say what to trim."""
-    weights = None if said.weights is None else _weights(said.weights)
     with database(request).reading() as session:
         row = balancings.get(session, machine_id, balancing_id)
         read = row.updated_at
+        weights = None if said.weights is None else _weights(session, row, said.weights)
         if row.steps["correction"] is None:
             raise StepMissing(f"balancing {balancing_id} has no correction yet, which a check run could keep")
         found = _computed(session, row, row.steps["correction"]["asked"])
@@ -137,7 +145,7 @@ def check_correction(
     with database(request).transaction() as session:
         row = _unmoved(session, machine_id, balancing_id, read)
         balancings.record(row, balancings.CHECKED, check=step)
-        return _rendered(row)
+        return _rendered(session, row)
 
 
 def _unmoved(session: Session, machine_id: str, balancing_id: int, read: int) -> BalancingRow:
@@ -161,7 +169,7 @@ def _computed(session: Session, row: BalancingRow, asked: dict[str, Any]) -> Fie
     trials = [run(one["run"], read_weights(one["weights"])) for one in row.steps["trials"]]
     model = _model(session, machine, asked.get("identification"))
     try:
-        return balance_from_trials(machine, initial, trials, options=_options(machine, asked), model=model)
+        return balance_from_trials(machine, initial, trials, options=_options(machine, asked, _scale(row)), model=model)
     except BalancingFailed as error:
         raise Unsuitable(str(error)) from error
 
@@ -176,7 +184,7 @@ def _model(session: Session, machine: Machine, identification_id: int | None) ->
     return lambda planes, speed: influence_coefficients(one.model, planes=planes, speed=speed)
 
 
-def _options(machine: Machine, asked: dict[str, Any]) -> BalancingOptions:
+def _options(machine: Machine, asked: dict[str, Any], scale: DiscScale) -> BalancingOptions:
     said = schemas.CorrectionIn.model_validate(asked | {"by": "-"})
     discs = [disc.id for disc in machine.discs]
     for name in [*(said.discs or []), *said.limits_g_mm, *said.places]:
@@ -186,28 +194,34 @@ def _options(machine: Machine, asked: dict[str, Any]) -> BalancingOptions:
         planes=None if said.discs is None else tuple(said.discs),
         criterion=said.criterion,
         limit={disc: size * GRAM_MILLIMETRE for disc, size in said.limits_g_mm.items()},
-        places={disc: _places(one) for disc, one in said.places.items()},
+        places={disc: _places(one, scale, machine.direction) for disc, one in said.places.items()},
         grade=said.grade,
         service_speed=None if said.service_rpm is None else rpm_to_rad_per_s(said.service_rpm),
     )
 
 
-def _places(said: schemas.PlacesIn) -> WeightPlaces:
+def _places(said: schemas.PlacesIn, scale: DiscScale, direction: int) -> WeightPlaces:
     return WeightPlaces.evenly(
         said.count,
         radius=1e-3 * said.radius_mm,
-        first_deg=said.first_deg,
+        first_deg=math.degrees(scale.angle(said.first_deg, direction=direction)),
         largest=np.inf if said.largest_g is None else 1e-3 * said.largest_g,
         step=0.0 if said.step_g is None else 1e-3 * said.step_g,
     )
 
 
-def _weights(said: list[schemas.WeightIn]) -> list[StoredWeight]:
-    return [StoredWeight(one.disc, one.g_mm, one.angle_deg) for one in said]
+def _scale(row: BalancingRow) -> DiscScale:
+    return DiscScale.model_validate(row.steps.get("disc_scale") or {})
 
 
-def _rendered(row: BalancingRow) -> schemas.BalancingOut:
+def _weights(session: Session, row: BalancingRow, said: list[schemas.WeightIn]) -> list[StoredWeight]:
+    direction = machines.document(session, row.machine_id, row.revision).direction
+    return [one.stored(_scale(row), direction) for one in said]
+
+
+def _rendered(session: Session, row: BalancingRow) -> schemas.BalancingOut:
     correction, check = row.steps["correction"], row.steps["check"]
+    scale, direction = _scale(row), machines.document(session, row.machine_id, row.revision).direction
     return schemas.BalancingOut.model_validate(
         {
             "id": row.id,
@@ -218,12 +232,15 @@ def _rendered(row: BalancingRow) -> schemas.BalancingOut:
             "comment": row.comment,
             "created_at": to_datetime(row.created_at),
             "updated_at": to_datetime(row.updated_at),
+            "disc_scale": scale,
             "initial": row.steps["initial"],
-            "trials": row.steps["trials"],
-            "correction": None if correction is None else correction["result"] | _taken(correction),
+            "trials": on_scale(row.steps["trials"], scale, direction),
+            "correction": None
+            if correction is None
+            else on_scale(correction["result"], scale, direction) | _taken(correction),
             "check": None
             if check is None
-            else check["result"] | _taken(check) | {key: check[key] for key in ("run", "weights")},
+            else on_scale(check["result"] | {key: check[key] for key in ("run", "weights")}, scale, direction) | _taken(check),
         }
     )
 

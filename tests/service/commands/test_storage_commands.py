@@ -17,12 +17,20 @@ from storage.alerts import suppressions
 from storage.clock import to_datetime
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples
-from storage.machines import calibrations, limits, machines
+from storage.machines import balancings, calibrations, limits, machines, model_calibrations
 from storage.measurements import runs
 from storage.tables.alerting import SuppressionRow
 from storage.tables.base import Base
 from storage.tables.findings import DiagnosisRow
-from storage.tables.machines import BaselineRow, CalibrationRow, LimitsRow, SlowRollRow, TimelineRow
+from storage.tables.machines import (
+    BalancingRow,
+    BaselineRow,
+    CalibrationRow,
+    LimitsRow,
+    ModelCalibrationRow,
+    SlowRollRow,
+    TimelineRow,
+)
 from storage.tables.measurements import MachineStateRow
 from tests.databases import Databases
 from tests.end_to_end.processes import EXAMPLES
@@ -37,6 +45,8 @@ SAID: dict[str, type[Base]] = {
     "suppressions": SuppressionRow,
     "limits": LimitsRow,
     "calibrations": CalibrationRow,
+    "model_calibrations": ModelCalibrationRow,
+    "balancings": BalancingRow,
     "slow_roll_vectors": SlowRollRow,
     "states": MachineStateRow,
 }
@@ -232,6 +242,8 @@ def test_what_was_said_of_a_machine_is_exported_and_nothing_of_others(told: Data
             suppressions.add(session, of, kind="shelved", rule="misalignment", element=None, until=None, by="x", comment="why")
             limits.add(session, of, document={"deep": [1.5]}, by="x", comment="")
             calibrations.add(session, of, channel="DE-x", at=START, certificate="no. 7", by="x")
+            balancings.add(session, of, revision=1, initial=[1], by="x", comment="")
+            model_calibrations.add(session, of, revision=1, asked={"runs": [], "seed": 0}, by="x", comment="")
             vectors = {"DE-x": {"refused": "none"}}
             kept = SlowRollRow(machine_id=of, version=1, created_at=START, origin="given", direction=1, vectors=vectors)
             kept.comment = ""
@@ -262,4 +274,4 @@ def test_what_was_said_of_a_machine_is_exported_and_nothing_of_others(told: Data
                 assert same(row[column["name"]], value, column["kind"]), (name, column)
                 assert (row[column["name"]] == "") == (value in (None, "")), (name, column)
         left_out = {one.name for one in table.__table__.columns} - {one["name"] for one in described[name]}
-        assert left_out <= {"id", "machine_id", "identification_id"}, name
+        assert left_out <= {"id", "machine_id", "identification_id", "job_id"}, name

@@ -110,7 +110,7 @@ def test_each_role_gets_what_it_may_have(shared: Api, issuer: Issuer, filled: Fi
 
 def test_another_plant_is_not_there(api: Api, filled: Filled) -> None:
     """By id nothing is found, in lists it does not stand, and what is answered is the same as for what there is not."""
-    nothing = Ids("no-such-9", *[999_999] * 8)
+    nothing = Ids("no-such-9", *[999_999] * 9)
     headers = bearer(filled.keys["own"])
     looked = 0
     for one, method in operations(api):

@@ -9,7 +9,7 @@ from service.monitoring import baseline_changes
 from storage.alerts import deliveries, suppressions
 from storage.database.engine import Database
 from storage.encoding.source_key import SourceKey
-from storage.machines import balancings, calibrations, machines
+from storage.machines import balancings, calibrations, machines, model_calibrations
 from storage.measurements import quarantine, runs, samples
 from storage.measurements.quarantine import Rejection
 from tests.plant import SECOND, START, identification, machine, store_identification, sweep_rpm
@@ -35,6 +35,7 @@ class Ids:
     delivery_id: int
     job_id: int
     balancing_id: int
+    calibration_id: int
 
     def path(self, template: str) -> str:
         """A path with its parameters."""
@@ -81,8 +82,19 @@ def _plant(database: Database, document: Any, word: str) -> Ids:
         delivery = deliveries.of_subscription(session, subscription.id, limit=1)[0]
         calibrations.add(session, document.id, channel=document.channels[0], at=START, certificate=word, by=word)
         balancing = balancings.add(session, document.id, revision=1, initial=[run.id], by=word, comment=word)
+        asked = {"runs": [{"run": run.id, "weights": [], "mounting": word, "steady": False}], "seed": 0}
+        calibration = model_calibrations.add(session, document.id, revision=1, asked=asked, by=word, comment=word)
         return Ids(
-            document.id, run.id, row.id, alert.id, suppression.id, subscription.id, delivery.id, row.job_id, balancing.id
+            document.id,
+            run.id,
+            row.id,
+            alert.id,
+            suppression.id,
+            subscription.id,
+            delivery.id,
+            row.job_id,
+            balancing.id,
+            calibration.id,
         )
 
 

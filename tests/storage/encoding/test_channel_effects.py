@@ -33,6 +33,11 @@ def test_they_come_back_exactly(effects: ChannelEffects) -> None:
     assert_same(channel_effects.decode(channel_effects.encode(effects)), effects)
 
 
+def test_a_fit_that_knows_all_errors_as_parameters_has_none_left(effects: ChannelEffects) -> None:
+    none = ChannelEffects((), np.zeros((5, 0)), np.zeros((0, 0)), np.zeros(0), effects.phasors, effects.amplitude)
+    assert_same(channel_effects.decode(channel_effects.encode(none)), none)
+
+
 def test_blocks_of_older_releases_are_read(effects: ChannelEffects) -> None:
     block = io.BytesIO()
     np.savez_compressed(

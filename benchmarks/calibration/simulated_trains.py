@@ -1,0 +1,94 @@
+"""Simulated calibrations of the example trains from sweeps: intervals of later changes of their unbalance."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+
+from benchmarks.calibration.rotor_kit import ROOT, HeldOut
+from estimator.arrays import Complexes, Floats
+from estimator.calibration.calibrate import Calibrated, calibrate
+from estimator.calibration.calibration_runs import CalibrationRun
+from estimator.calibration.unbalance_since import unbalance_since
+from estimator.fit.identify import identify
+from estimator.machine.document import Machine
+from estimator.phasors.measurement import Measurement
+from estimator.simulation.simulated_plant import draw_truth, measured_phasors
+from estimator.units import rpm_to_rad_per_s
+from service.configuration.document_files import read_machine
+
+TRAINS = {"motor-pump": 40, "thesis-chapter-3": 12}
+"""Examples, and how many trains like each are simulated."""
+GAIN_ERROR, RUN_OUT = 0.7, 3e-6
+"""Rms of the logarithm of the channels' gains [-], whose phases are any, and rms parts of their run-outs [m]."""
+MOUNTING_ECCENTRICITY = 1e-6
+"""Rms parts of what the discs' eccentricity differs by from run to run [m]."""
+WEIGHT_ECCENTRICITY = 1e-5
+"""Trial weight over the disc's mass [m]."""
+RUNS, SPEEDS, LATER = 8, 60, 3
+
+
+@cache
+def _document(name: str) -> Machine:
+    return read_machine(ROOT / "examples" / f"{name}.yaml")
+
+
+class SimulatedTrain:
+    """A train near its document, whose probes read anything; its runs are sweeps, after each of which it is mounted anew."""
+
+    def __init__(self, name: str, seed: int) -> None:
+        self.machine = _document(name)
+        self.rng = np.random.default_rng(seed)
+        self.truth = draw_truth(self.machine, self.rng)
+        channels = len(self.machine.probes)
+        self.gain = np.exp(GAIN_ERROR * self.rng.standard_normal(channels) + 1j * self.rng.uniform(-np.pi, np.pi, channels))
+        self.run_out = RUN_OUT * self._complex(channels)
+        self.mass: Floats = np.array([disc.mass for disc in self.machine.discs])
+
+    def _complex(self, count: int) -> Complexes:
+        return np.asarray(self.rng.standard_normal(count) + 1j * self.rng.standard_normal(count))
+
+    def weight(self, number: int) -> Complexes:
+        """Return the trial weights of a run (P,) [kg m]: none in the first, then one disc after the other."""
+        added = np.zeros(self.mass.size, dtype=complex)
+        if number:
+            disc = number % added.size
+            added[disc] = self.mass[disc] * WEIGHT_ECCENTRICITY * np.exp(2j * np.pi * self.rng.random())
+        return added
+
+    def sweep(self, added: Complexes, speeds: int) -> Measurement:
+        """Measure a new mounting over the speed range with a known unbalance (P,) [kg m]."""
+        limits = self.machine.speed_range
+        speed = np.linspace(rpm_to_rad_per_s(limits.minimum_rpm), rpm_to_rad_per_s(limits.maximum_rpm), speeds)
+        moved = MOUNTING_ECCENTRICITY * self.mass * self._complex(self.mass.size)
+        loaded = replace(self.truth, unbalances=self.truth.unbalances + added + moved)
+        phasor = measured_phasors(self.machine, loaded, speed, self.rng) * self.gain + self.run_out
+        return Measurement.of(speed=speed, phasor=phasor).with_trial_weight(added)
+
+    def runs(self, count: int, speeds: int) -> list[CalibrationRun]:
+        """Return the runs of a calibration."""
+        measured = [self.sweep(self.weight(number), speeds) for number in range(count)]
+        return [CalibrationRun(f"run-{k}", one, (f"run-{k}",) * speeds, steady=False) for k, one in enumerate(measured)]
+
+
+def calibrated_train(name: str, seed: int) -> tuple[SimulatedTrain, Calibrated]:
+    """Return a simulated train and its calibration."""
+    plant = SimulatedTrain(name, seed)
+    return plant, calibrate(plant.machine, plant.runs(RUNS, SPEEDS))
+
+
+def later_changes_of_train(name: str, seed: int) -> HeldOut | None:
+    """Estimate, with a train calibrated, unbalances that it gains later; None where its calibration is refused."""
+    plant, found = calibrated_train(name, seed)
+    if not found.accepted:
+        return None
+    true, changes, covariance = [], [], []
+    for number in range(1, LATER + 1):
+        added = plant.weight(number)
+        later = replace(plant.sweep(added, SPEEDS), added=None)
+        since = unbalance_since(found.machine, identify(found.machine, later))
+        if since is not None:
+            true.append(added)
+            changes.append(since.value)
+            covariance.append(since.covariance)
+    return HeldOut(np.array(true), np.array(changes), np.array(covariance))

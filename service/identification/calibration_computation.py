@@ -1,0 +1,52 @@
+"""Computing a calibration in a worker process, from stored runs to a calibrated document, without database or network."""
+
+import hashlib
+from dataclasses import replace
+
+import numpy as np
+
+from estimator.calibration.calibrate import calibrate
+from estimator.calibration.calibrated_document import calibrated_document
+from estimator.calibration.calibration_runs import CalibrationRun
+from estimator.machine.document import Machine, parse_machine
+from estimator.machine.under_conditions import under_conditions
+from estimator.phasors.quality import assess
+from service.identification.calibration_task import CalibrationOutcome, CalibrationTask, StoredCalibrationRun
+from service.workers.time_limit import limited
+from storage.encoding.sample_blocks import Samples, decode, mean_conditions
+
+
+def compute_calibration(task: CalibrationTask) -> CalibrationOutcome:
+    """Calibrate a machine from stored runs. Raises the errors of `calibrate`, and OutOfTime.
+
+    Run-outs are found as the probes show them: slow-roll vectors are not subtracted, and a later fit moves the calibration by
+    those that it subtracts (`estimator.phasors.slow_roll.corrected`).
+    """
+    with limited(task.timeout_s):
+        machine = parse_machine(task.document)
+        held = [decode(one.block) for one in task.runs]
+        runs = [_run(machine, one, samples) for one, samples in zip(task.runs, held, strict=True)]
+        as_it_ran = under_conditions(machine, mean_conditions(held, machine.condition_names))
+        found = calibrate(as_it_ran, runs, seed=task.seed)
+        calibration = found.machine.calibration
+        assert calibration is not None
+        document = calibrated_document(machine, found.machine, calibration)
+        return CalibrationOutcome(
+            found.accepted,
+            found.verdict,
+            found.remarks,
+            found.starts,
+            found.unique,
+            document.model_dump(mode="json", exclude_none=True),
+        )
+
+
+def _run(machine: Machine, one: StoredCalibrationRun, samples: Samples) -> CalibrationRun:
+    measurement = samples.measurement()
+    if not one.steady:
+        usable = assess(samples.recorded(machine.channels), noise=machine.noise, rules=machine.quality).usable
+        measurement = replace(measurement, usable=measurement.usable & usable)
+    added = np.tile(one.added, (measurement.speed.size, 1))
+    checksum = hashlib.sha256(one.block).hexdigest()
+    names = (one.mounting,) * measurement.speed.size
+    return CalibrationRun(one.name, replace(measurement, added=added), names, one.steady, checksum)

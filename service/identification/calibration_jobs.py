@@ -1,0 +1,187 @@
+"""Calibrations of machines from stored runs: asked for, built for a worker, filed, and put in force.
+
+A calibration changes nothing by itself: put in force it is a new revision of the document, which every later fit starts from
+and is held by.
+"""
+
+import logging
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+from sqlalchemy.orm import Session
+
+from estimator.calibration.calibrated_document import calibrated_document, is_the_same_but_for_calibrations
+from estimator.calibration.calibration_runs import CalibrationRun, check_runs
+from estimator.errors import Conflict, Invalid
+from estimator.machine.document import Machine, parse_machine
+from service.balancing.stored_runs import StoredWeight, added_unbalance, read_weights
+from service.configuration.release import VERSION
+from service.identification.calibration_task import CalibrationOutcome, CalibrationTask, StoredCalibrationRun
+from service.identification.job_options import Requester
+from service.identification.job_quota import LONGEST_IDENTITY
+from service.monitoring import baseline_changes
+from storage.clock import now
+from storage.encoding.sample_blocks import encode
+from storage.findings import jobs
+from storage.machines import machines, model_calibrations, timeline
+from storage.measurements import runs
+from storage.tables.findings import JobRow
+from storage.tables.machines import ModelCalibrationRow, RevisionRow
+
+logger = logging.getLogger(__name__)
+
+CALIBRATION = "calibration"
+"""Kind of its entry on the timeline."""
+
+
+class CalibrationRunUnsuitable(Invalid):
+    """Raised for a run that cannot be part of a calibration: open, named twice, of another machine or of another train."""
+
+
+class NotToPutInForce(Conflict):
+    """Raised when a calibration cannot be put in force; the message states the reason."""
+
+
+@dataclass(frozen=True)
+class CalibrationRunAsked:
+    """A stored run with all weights that were on; mounting: by default the run is one of its own."""
+
+    run: int
+    weights: tuple[StoredWeight, ...] = ()
+    mounting: str | None = None
+    steady: bool = False
+
+
+def request_calibration(
+    session: Session,
+    machine_id: str,
+    asked: Sequence[CalibrationRunAsked],
+    asker: Requester,
+    *,
+    seed: int,
+    by: str,
+    comment: str,
+) -> ModelCalibrationRow:
+    """Queue a calibration from stored runs, checked as far as that costs no fit.
+
+    Raises MachineUnknown, RunUnknown, CalibrationRunUnsuitable, CalibrationImpossible, SamplesReleased, QuotaExceeded.
+    """
+    numbers = [one.run for one in asked]
+    twice = sorted({one for one in numbers if numbers.count(one) > 1})
+    if twice:
+        raise CalibrationRunUnsuitable(f"run {twice[0]} stands twice in the calibration: each run counts once")
+    revision = machines.get(session, machine_id).revision
+    machine = machines.document(session, machine_id, revision)
+    check_runs(machine, [_checked(session, machine, one) for one in asked])
+    identity = asker.identity[:LONGEST_IDENTITY]
+    asker.quota.require(session, by=identity, machine_id=machine_id)
+    stored = {"runs": [asdict(one) for one in asked], "seed": seed}
+    row = model_calibrations.add(session, machine_id, revision=revision, asked=stored, by=by, comment=comment)
+    job = jobs.enqueue(
+        session,
+        machine_id,
+        scope=jobs.CALIBRATION,
+        run_ids=numbers,
+        options={CALIBRATION: row.id},
+        asked_by=identity,
+        priority=asker.priority,
+    )
+    assert job is not None
+    row.job_id = job.id
+    return row
+
+
+def of_job(session: Session, job: JobRow) -> ModelCalibrationRow:
+    """Return the calibration that a job computes. Raises ModelCalibrationUnknown."""
+    return model_calibrations.get(session, job.machine_id, (job.options or {})[CALIBRATION], to_change=True)
+
+
+def calibration_task(session: Session, job: JobRow, *, timeout_s: float) -> CalibrationTask:
+    """Build the task of a calibration's job. Raises the errors of reading its data."""
+    row = of_job(session, job)
+    document = machines.revision(session, row.machine_id, row.revision).document
+    machine = parse_machine(document)
+    found = [_stored(session, machine, _read(one)) for one in row.asked["runs"]]
+    return CalibrationTask(document, found, int(row.asked["seed"]), timeout_s)
+
+
+def file_calibration(session: Session, job: JobRow, outcome: CalibrationOutcome) -> None:
+    """Store a calibration and finish its job."""
+    row = of_job(session, job)
+    told = {"remarks": list(outcome.remarks), "starts": outcome.starts, "unique": outcome.unique}
+    model_calibrations.record(
+        row,
+        accepted=outcome.accepted,
+        verdict=outcome.verdict,
+        result=told,
+        document=outcome.document,
+        code_version=VERSION,
+    )
+    jobs.finish(job, state=jobs.DONE)
+    logger.info("%s: calibration %d %s", row.machine_id, row.id, outcome.verdict)
+
+
+def put_in_force(session: Session, machine_id: str, calibration_id: int, *, by: str) -> RevisionRow:
+    """Make an accepted calibration part of the document in force, as a new revision, and note it on the timeline.
+
+    Raises MachineUnknown, ModelCalibrationUnknown, NotToPutInForce.
+    """
+    row = model_calibrations.get(session, machine_id, calibration_id, to_change=True)
+    if not row.accepted or row.document is None:
+        why = "it is not computed yet" if row.accepted is None else f"it was not accepted: {row.verdict}"
+        raise NotToPutInForce(f"calibration {calibration_id} cannot be put in force: {why}")
+    calibrated, current = parse_machine(row.document), machines.document(session, machine_id)
+    if not is_the_same_but_for_calibrations(calibrated, current):
+        raise NotToPutInForce(
+            f"calibration {calibration_id} is of revision {row.revision} of the document; the one in force describes another "
+            "train: calibrate that one"
+        )
+    assert calibrated.calibration is not None
+    revision = baseline_changes.revise(session, calibrated_document(current, calibrated, calibrated.calibration))
+    if row.revision_in_force != revision.revision:
+        row.revision_in_force = revision.revision
+        words = f"calibration {row.id} of the model is in force, as revision {revision.revision} of the document"
+        timeline.add(session, machine_id, at=now(), kind=CALIBRATION, text=words, by=by)
+    return revision
+
+
+def _checked(session: Session, machine: Machine, one: CalibrationRunAsked) -> CalibrationRun:
+    """Return a run as the checks before a fit need it. Raises RunUnknown, CalibrationRunUnsuitable, SamplesReleased."""
+    run = runs.get(session, one.run)
+    if run.machine_id != machine.id:
+        raise CalibrationRunUnsuitable(f"run {one.run} is one of machine '{run.machine_id}', not of '{machine.id}'")
+    if not is_the_same_but_for_calibrations(machine, machines.document(session, machine.id, run.revision)):
+        raise CalibrationRunUnsuitable(
+            f"run {one.run} was measured under revision {run.revision} of the document, which describes another train than "
+            "the one in force"
+        )
+    if run.state != runs.CLOSED:
+        raise CalibrationRunUnsuitable(f"run {one.run} is {run.state}: only closed runs calibrate")
+    held = runs.samples(session, one.run)
+    if held is None or len(held) == 0:
+        raise CalibrationRunUnsuitable(f"run {one.run} has no samples")
+    added = np.tile(added_unbalance(machine, one.weights), (len(held), 1))
+    measurement = replace(held.measurement(), added=added)
+    return CalibrationRun(_name(one), measurement, (_mounting(one),) * len(held), one.steady)
+
+
+def _stored(session: Session, machine: Machine, one: CalibrationRunAsked) -> StoredCalibrationRun:
+    held = runs.samples(session, one.run)
+    if held is None:
+        raise CalibrationRunUnsuitable(f"run {one.run} has no samples")
+    added = added_unbalance(machine, one.weights)
+    return StoredCalibrationRun(_name(one), encode(held), added, _mounting(one), one.steady)
+
+
+def _read(said: Mapping[str, Any]) -> CalibrationRunAsked:
+    return CalibrationRunAsked(**{**said, "weights": tuple(read_weights(said["weights"]))})
+
+
+def _name(one: CalibrationRunAsked) -> str:
+    return f"run {one.run}"
+
+
+def _mounting(one: CalibrationRunAsked) -> str:
+    return one.mounting or _name(one)
