@@ -84,6 +84,7 @@ service/identification: estimator estimator/fit estimator/identification estimat
     storage/tables
 service/journal: estimator estimator/machine service/replication service/resilience service/runs service/wire
     storage/database storage/encoding storage/machines storage/measurements storage/tables
+service/mqtt: service/alerts service/configuration service/journal service/replication service/resilience service/wire
 service/maintenance: service/configuration service/replication service/resilience service/runs storage storage/backup
     storage/database storage/machines storage/measurements storage/operation
 service/api/conventions: estimator estimator/machine service/export service/http service/identification
@@ -121,7 +122,7 @@ service/commands: rotorundown
     estimator/simulation estimator/statics estimator/thesis estimator/updated_model service/api
     service/api/operation service/balancing service/configuration service/delivery service/doctor service/edge
     service/export service/http service/identification service/ingest service/journal service/maintenance
-    service/messaging service/monitoring service/replication service/resilience service/runs service/secrets
+    service/messaging service/monitoring service/mqtt service/replication service/resilience service/runs service/secrets
     service/security service/sources service/wire service/workers storage storage/backup storage/database storage/encoding
     storage/machines storage/operation storage/tables
 service: estimator/machine service/alerts service/api/alerts service/api/findings service/api/machines

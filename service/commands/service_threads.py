@@ -1,6 +1,6 @@
 """The threads of a service process: the selection by role, and their states."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Protocol
@@ -13,7 +13,7 @@ from service.delivery.dispatcher import Dispatcher
 from service.delivery.signing_secrets import SigningSecrets
 from service.identification.scheduler import JobScheduler
 from service.ingest.ingest_thread import Ingest
-from service.journal.http_queue import Submissions
+from service.journal.http_queue import Submissions, SubmissionSink
 from service.journal.journal import Journal
 from service.maintenance.backup_check import BackupWatch
 from service.maintenance.housekeeping import Housekeeping
@@ -65,6 +65,7 @@ class ServiceThreads:
         self._backup_watch = BackupWatch(settings.backups)
         self._store_watch = StoreWatch(database)
         self._audit_watch = AuditWatch(database)
+        self._broker_gauges: list[Callable[[], Mapping[str, float]]] = []
         self._parts = dict(self._parts_of_role())
 
     def start(self, closing: ExitStack) -> None:
@@ -73,6 +74,19 @@ class ServiceThreads:
         for thread in (self._store_watch, *self._parts.values(), self._housekeeping, *watches):
             thread.start()
             closing.callback(thread.stop)
+
+    def take_from_broker(self, sink: SubmissionSink, closing: ExitStack) -> None:
+        """Start taking samples from the MQTT broker, if one is configured and this role stores samples."""
+        settings = self._settings
+        if not settings.mqtt_url or settings.mqtt_samples == "left" or settings.role not in ("all", "ingest"):
+            return
+        from service.mqtt.sample_intake import MqttSamples  # nobody else needs its library
+
+        samples = MqttSamples(settings, sink, self.leasing)
+        self._parts["mqtt_samples"] = samples
+        self._broker_gauges.append(lambda: samples.gauges)
+        samples.start()
+        closing.callback(samples.stop)
 
     def states(self) -> dict[str, str]:
         """Return the state of each part that runs here: `ok`, or the fault."""
@@ -91,8 +105,10 @@ class ServiceThreads:
 
     def gauges(self) -> Mapping[str, float]:
         """Return figures for a monitoring system."""
+        of_broker = {name: value for one in self._broker_gauges for name, value in one().items()}
         return (
             {"rundown_longest_transaction_seconds": self._database.longest_transaction.seconds}
+            | of_broker
             | self._housekeeping.gauges
             | self._ingest.gauges
             | self._scheduler.gauges
