@@ -53,7 +53,9 @@ class Listener:
         client.on_subscribe = lambda *_: self.subscribed.set()
         client.on_connect = lambda *_: client.subscribe([(one, 1) for one in topics]) if topics else self.subscribed.set()
 
-    def publish(self, topic: str, payload: bytes, *, qos: int = 1, retain: bool = False, kind: str = "") -> mqtt.MQTTMessageInfo:
+    def publish(
+        self, topic: str, payload: bytes, *, qos: int = 1, retain: bool = False, kind: str = ""
+    ) -> mqtt.MQTTMessageInfo:
         """Publish a message; it is sent again until the broker has it."""
         told = Properties(PacketTypes.PUBLISH)  # type: ignore[no-untyped-call]
         if kind:

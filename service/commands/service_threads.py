@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import zenoh
 
@@ -24,6 +24,9 @@ from service.runs.collector import Collector
 from service.security.audit_watch import AuditWatch
 from service.security.certificates import days_left
 from storage.database.engine import Database
+
+if TYPE_CHECKING:
+    from service.mqtt.publisher import MqttAlerts
 
 
 class ServiceThread(Protocol):
@@ -60,12 +63,13 @@ class ServiceThreads:
         self._ingest = Ingest(session, journal, silence_s=settings.silence_s, submissions=self.submissions, share=self.leasing)
         self._closing = Closing(database, collector, self.leasing)
         self._scheduler = JobScheduler(database, settings, self.leasing)
-        self.dispatcher = Dispatcher(database, session, settings, self.leasing, secrets)
+        self._broker_gauges: list[Callable[[], Mapping[str, float]]] = []
+        self._alerts_to_broker = self._publisher()
+        self.dispatcher = Dispatcher(database, session, settings, self.leasing, secrets, self._alerts_to_broker)
         self._housekeeping = Housekeeping(database, settings, self.leasing)
         self._backup_watch = BackupWatch(settings.backups)
         self._store_watch = StoreWatch(database)
         self._audit_watch = AuditWatch(database)
-        self._broker_gauges: list[Callable[[], Mapping[str, float]]] = []
         self._parts = dict(self._parts_of_role())
 
     def start(self, closing: ExitStack) -> None:
@@ -87,6 +91,16 @@ class ServiceThreads:
         self._broker_gauges.append(lambda: samples.gauges)
         samples.start()
         closing.callback(samples.stop)
+
+    def _publisher(self) -> "MqttAlerts | None":
+        """Return what publishes on the MQTT broker, if one is configured and this role delivers."""
+        if not self._settings.mqtt_url or self._settings.role not in ("all", "identify"):
+            return None
+        from service.mqtt.publisher import MqttAlerts
+
+        publisher = MqttAlerts(self._settings, self._database, self.leasing)
+        self._broker_gauges.append(lambda: publisher.gauges)
+        return publisher
 
     def states(self) -> dict[str, str]:
         """Return the state of each part that runs here: `ok`, or the fault."""
@@ -128,6 +142,8 @@ class ServiceThreads:
             yield "ingest", self._ingest
             yield "closing", self._closing
         if self._settings.role in ("all", "identify"):
+            if self._alerts_to_broker is not None:
+                yield "mqtt_alerts", self._alerts_to_broker
             yield "delivery", self.dispatcher
             yield "identifying", self._scheduler
 

@@ -17,7 +17,9 @@ PORTS = {"mqtt": 1883, "mqtts": 8883}
 class MqttSettings(BaseSettings):
     """Settings of the broker; without `mqtt_url` nothing of it is imported or started."""
 
-    mqtt_url: str = Field(default="", description="the plant's MQTT broker, mqtts://HOST:8883 or mqtt://HOST:1883; none by default")
+    mqtt_url: str = Field(
+        default="", description="the plant's MQTT broker, mqtts://HOST:8883 or mqtt://HOST:1883; none by default"
+    )
     mqtt_user: str = Field(default="", description="user at the broker, if it wants one")
     mqtt_password: SecretStr = Field(default=SecretStr(""), description="the user's password")
     mqtt_password_file: str = Field(default="", description="file that holds it")

@@ -53,9 +53,7 @@ class Forwarding:
         """Return why nothing can be stored at present, see `Submissions.trouble`."""
         return self._own.trouble
 
-    def offer(
-        self, machine: str, body: bytes, encoding: str, published: Publication | None = None
-    ) -> Future[StoreOutcome]:
+    def offer(self, machine: str, body: bytes, encoding: str, published: Publication | None = None) -> Future[StoreOutcome]:
         """Queue or forward a body, see `Submissions.offer`. Raises Busy or NotStoring."""
         if self._share.is_owner(machine):
             return self._own.offer(machine, body, encoding, published)

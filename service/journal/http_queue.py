@@ -69,9 +69,7 @@ class SubmissionSink(Protocol):
     def trouble(self) -> str | None:
         """Return why nothing can be stored at present; None when it can."""
 
-    def offer(
-        self, machine: str, body: bytes, encoding: str, published: Publication | None = None
-    ) -> Future[StoreOutcome]:
+    def offer(self, machine: str, body: bytes, encoding: str, published: Publication | None = None) -> Future[StoreOutcome]:
         """Accept a body. Raises Busy or NotStoring."""
 
     def __len__(self) -> int:
@@ -87,9 +85,7 @@ class Submissions:
         self.trouble: str | None = None
         """Why nothing can be stored at present; None when it can."""
 
-    def offer(
-        self, machine: str, body: bytes, encoding: str, published: Publication | None = None
-    ) -> Future[StoreOutcome]:
+    def offer(self, machine: str, body: bytes, encoding: str, published: Publication | None = None) -> Future[StoreOutcome]:
         """Queue a body. Raises Busy or NotStoring."""
         if self.trouble is not None:
             raise NotStoring(self.trouble)

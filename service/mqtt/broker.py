@@ -93,6 +93,11 @@ def new_client(settings: MqttSettings, name: str, *, lasting: bool, will: aiomqt
     return client
 
 
+def forget(client: aiomqtt.Client) -> None:
+    """Close the socket of a client whose connection failed: the library leaves it open after a refusal."""
+    client._client._sock_close()
+
+
 def only_new(qos: int) -> SubscribeOptions:
     """Return options of a subscription that is told retained messages once, not at every connection."""
     return SubscribeOptions(qos=qos, retainHandling=SubscribeOptions.RETAIN_SEND_IF_NEW_SUB)

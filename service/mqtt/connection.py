@@ -8,7 +8,7 @@ from contextlib import suppress
 import aiomqtt
 
 from service.configuration.mqtt_settings import MqttSettings
-from service.mqtt.broker import BrokerError
+from service.mqtt.broker import BrokerError, forget
 from service.replication.work_share import Share
 from service.resilience.supervised_thread import SupervisedThread
 
@@ -78,16 +78,22 @@ class MqttThread(SupervisedThread):
         return not self._stop.is_set() and self._share.is_leader(self._work)
 
     async def _connection(self) -> None:
-        async with self.new_client() as client:
-            self._client = client
-            using = asyncio.create_task(self.use(client))
-            try:
-                while self._goes_on and not using.done():
-                    await asyncio.wait([using], timeout=LOOK_S)
-                if not using.done():
-                    await self.leave()
-                    using.cancel()
-                with suppress(asyncio.CancelledError):
-                    await using
-            finally:
-                self._client = None
+        client = self.new_client()
+        try:
+            async with client:
+                self._client = client
+                await self._use(client)
+        finally:
+            self._client = None
+            forget(client)
+
+    async def _use(self, client: aiomqtt.Client) -> None:
+        """Use a connection until it ends, the thread is to stop, or another replica takes over."""
+        using = asyncio.create_task(self.use(client))
+        while self._goes_on and not using.done():
+            await asyncio.wait([using], timeout=LOOK_S)
+        if not using.done():
+            await self.leave()
+            using.cancel()
+        with suppress(asyncio.CancelledError):
+            await using

@@ -116,6 +116,8 @@ _GAUGES = {
     "rundown_clock_doubted": "1 while this machine's own clock is behind, and live samples wait for it to be set",
     "rundown_http_queue_batches": "batches from HTTP that wait",
     "rundown_mqtt_samples_connected": "1 while samples can come from the MQTT broker",
+    "rundown_mqtt_alerts_connected": "1 while alerts and trends can go to the MQTT broker",
+    "rundown_mqtt_published": "messages that the broker has taken since the start",
     "rundown_mqtt_messages": "messages with samples that came from the broker since the start",
     "rundown_mqtt_messages_under_way": "of these, those that are being stored",
     "rundown_mqtt_messages_given_up": "of these, those that could not be taken; their samples count as missing",

@@ -30,7 +30,9 @@ def body(first: int, last: int, encoding: str = JSON, **changes: object) -> byte
 
 def test_every_encoding_is_taken_with_and_without_its_name(mosquitto: Mosquitto, taking: Taking) -> None:
     with mosquitto.connected("edge") as edge:
-        for number, (encoding, named) in enumerate((one, name) for one in (JSON, MESSAGEPACK, BINARY) for name in (True, False)):
+        for number, (encoding, named) in enumerate(
+            (one, name) for one in (JSON, MESSAGEPACK, BINARY) for name in (True, False)
+        ):
             edge.publish(TOPIC, body(5 * number, 5 * number + 5, encoding), kind=encoding if named else "")
         wait_until(lambda: received(taking.database) == 30)
     assert stored_times(taking.database) == list(range(30))
@@ -129,7 +131,9 @@ def test_nothing_is_confirmed_before_it_is_durable(mosquitto: Mosquitto, router:
         ingest.stop()
 
 
-def test_a_broker_that_is_away_hinders_nobody_and_is_found_again(tmp_path_factory: pytest.TempPathFactory, taking: Taking) -> None:
+def test_a_broker_that_is_away_hinders_nobody_and_is_found_again(
+    tmp_path_factory: pytest.TempPathFactory, taking: Taking
+) -> None:
     one = Mosquitto(tmp_path_factory.mktemp("away") / "mosquitto", tls=False)
     samples = MqttSamples(settings_of(one), taking.submissions, WholeShare())
     samples.start()
@@ -154,7 +158,9 @@ def test_a_broker_that_is_away_hinders_nobody_and_is_found_again(tmp_path_factor
 
 def test_a_wrong_password_and_a_refused_subscription_are_named(mosquitto: Mosquitto) -> None:
     wrong = MqttSamples(
-        settings_of(mosquitto, mqtt_password_file="", mqtt_password="wrong", mqtt_client_id="wrong"), Submissions(), WholeShare()
+        settings_of(mosquitto, mqtt_password_file="", mqtt_password="wrong", mqtt_client_id="wrong"),
+        Submissions(),
+        WholeShare(),
     )
     refused = MqttSamples(settings_of(mosquitto, mqtt_tls_ca="", mqtt_client_id="strange"), Submissions(), WholeShare())
     for samples, words in ((wrong, "ot authori"), (refused, "certificate verify failed")):
