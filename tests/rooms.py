@@ -109,7 +109,7 @@ service/api/machines: estimator estimator/calibration estimator/machine estimato
     service/identification service/monitoring service/runs service/security storage storage/database storage/encoding
     storage/findings storage/machines storage/measurements storage/tables
 service/api/trends: estimator estimator/trends estimator/updated_model service/api/cache service/api/conventions
-    service/monitoring service/security storage/database storage/findings storage/machines
+    service/export service/monitoring service/security storage storage/database storage/findings storage/machines storage/tables
 service/api/alerts: estimator service/alerts service/api/cache service/api/conventions service/api/findings
     service/delivery service/resilience service/secrets service/security storage storage/alerts storage/database
     storage/machines storage/tables

@@ -1,7 +1,9 @@
 """Samples from a real broker with TLS, passwords and rules of access: counted as over zenoh without a log, none twice."""
 
+import gc
 import json
 import time
+from pathlib import Path
 
 import pytest
 import zenoh
@@ -156,6 +158,7 @@ def test_a_broker_that_is_away_hinders_nobody_and_is_found_again(
         one.kill()
 
 
+@pytest.mark.filterwarnings("ignore::ResourceWarning")  # the library leaves sockets of failed handshakes to the collector
 def test_a_wrong_password_and_a_refused_subscription_are_named(mosquitto: Mosquitto) -> None:
     wrong = MqttSamples(
         settings_of(mosquitto, mqtt_password_file="", mqtt_password="wrong", mqtt_client_id="wrong"),
@@ -169,6 +172,8 @@ def test_a_wrong_password_and_a_refused_subscription_are_named(mosquitto: Mosqui
             wait_until(lambda: words in (samples.trouble or ""), seconds=10.0)  # noqa: B023
         finally:
             samples.stop()
+    del samples, wrong, refused
+    gc.collect()
 
 
 def test_a_database_that_is_away_keeps_messages_at_the_broker(mosquitto: Mosquitto, taking: Taking) -> None:
