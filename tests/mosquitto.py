@@ -12,6 +12,7 @@ from pathlib import Path
 
 import paho.mqtt.client as mqtt
 import pytest
+from paho.mqtt.enums import CallbackAPIVersion
 from paho.mqtt.packettypes import PacketTypes
 from paho.mqtt.properties import Properties
 
@@ -51,7 +52,8 @@ class Listener:
         self.subscribed = threading.Event()
         client.on_message = lambda _client, _data, message: self.heard.append(message)
         client.on_subscribe = lambda *_: self.subscribed.set()
-        client.on_connect = lambda *_: client.subscribe([(one, 1) for one in topics]) if topics else self.subscribed.set()
+        client.on_connect = self._connected
+        self._topics = topics
 
     def publish(
         self, topic: str, payload: bytes, *, qos: int = 1, retain: bool = False, kind: str = ""
@@ -64,7 +66,7 @@ class Listener:
 
     def last(self, topic: str) -> bytes | None:
         """Return the last payload under a topic; None before any."""
-        found = [one.payload for one in self.heard if one.topic == topic]
+        found = [bytes(one.payload or b"") for one in self.heard if one.topic == topic]
         return found[-1] if found else None
 
 
@@ -145,7 +147,7 @@ class Mosquitto:
 
     def client(self, user: str, name: str = "", *, password: str | None = None) -> mqtt.Client:
         """Return a client of one of the users that is not connected yet; with a name its session lasts."""
-        client = mqtt.Client(mqtt.CallbackAPIVersion.VERSION2, client_id=name, protocol=mqtt.MQTTv5)
+        client = mqtt.Client(CallbackAPIVersion.VERSION2, client_id=name, protocol=mqtt.MQTTv5)
         client.username_pw_set(user, password or USERS[user])
         if self.tls:
             client.tls_set(str(self.folder / "authority.crt"))

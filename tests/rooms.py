@@ -84,7 +84,7 @@ service/identification: estimator estimator/fit estimator/identification estimat
     storage/tables
 service/journal: estimator estimator/machine service/replication service/resilience service/runs service/wire
     storage/database storage/encoding storage/machines storage/measurements storage/tables
-service/mqtt: service/alerts service/configuration service/journal service/replication service/resilience service/wire
+service/mqtt: estimator/machine service/alerts service/configuration service/journal service/replication service/resilience service/wire
     storage storage/alerts storage/database storage/findings storage/machines storage/tables
 service/maintenance: service/configuration service/replication service/resilience service/runs storage storage/backup
     storage/database storage/machines storage/measurements storage/operation

@@ -86,7 +86,7 @@ class ServiceThreads:
             return
         from service.mqtt.sample_intake import MqttSamples  # nobody else needs its library
 
-        samples = MqttSamples(settings, sink, self.leasing)
+        samples = MqttSamples(settings, self._database, sink, self.leasing)
         self._parts["mqtt_samples"] = samples
         self._broker_gauges.append(lambda: samples.gauges)
         samples.start()

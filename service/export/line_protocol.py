@@ -11,7 +11,9 @@ _TAG = re.compile(r"([,= ])")
 _CONTROL = re.compile(r"[\x00-\x1f\x7f]")
 
 
-def line(measurement: str, tags: Mapping[str, str], fields: Mapping[str, float | int | str | None], time_ns: int) -> str | None:
+def line(
+    measurement: str, tags: Mapping[str, str], fields: Mapping[str, float | int | str | None], time_ns: int
+) -> str | None:
     """Return a point as a line; None where it has no field with a value. Empty tags and missing values are left out."""
     told = [f"{_escaped(name)}={_field(value)}" for name, value in fields.items() if not _missing(value)]
     if not told:

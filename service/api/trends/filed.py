@@ -77,7 +77,8 @@ def list_estimates(
     limit: Annotated[int, Query(ge=1, le=LARGEST_COUNT, description="identifications in the answer")] = 50,
     within_days: Annotated[float | None, Query(gt=0, le=3660, description="only what was computed in the last days")] = None,
     chosen: Annotated[
-        TrendFormat | None, Query(alias="format", description="influx: line protocol; by default what the Accept header prefers")
+        TrendFormat | None,
+        Query(alias="format", description="influx: line protocol; by default what the Accept header prefers"),
     ] = None,
 ) -> Response:
     """List the values of identifications with a higher number than `after`, of all machines, in the order of their numbers.

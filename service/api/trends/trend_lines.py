@@ -53,9 +53,7 @@ def quality_of(accepted: bool, value: float | None) -> str:
     return NOT_ESTIMABLE if value is None or not math.isfinite(value) else ACCEPTED
 
 
-def _points(
-    machine_id: str, scope: str, found: Mapping[str, Columns], points: Mapping[str, Chosen]
-) -> Iterator[str | None]:
+def _points(machine_id: str, scope: str, found: Mapping[str, Columns], points: Mapping[str, Chosen]) -> Iterator[str | None]:
     for name, columns in found.items():
         history = columns.history
         for at in points[name].index.tolist():

@@ -51,7 +51,9 @@ def parsed(text: str) -> tuple[str, dict[str, str], str, int]:
 
 
 def test_a_point_is_one_line() -> None:
-    told = line("a b", {"machine": "pump=7, old", "unit": ""}, {"value": 1.5, "lower": math.nan, "n": 3, "text": 'a "b"\\'}, 17)
+    told = line(
+        "a b", {"machine": "pump=7, old", "unit": ""}, {"value": 1.5, "lower": math.nan, "n": 3, "text": 'a "b"\\'}, 17
+    )
     assert told == r'a\ b,machine=pump\=7\,\ old value=1.5,n=3i,text="a \"b\"\\" 17'
 
 

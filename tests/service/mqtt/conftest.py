@@ -44,7 +44,7 @@ class Taking:
 def taking(mosquitto: Mosquitto, router: zenoh.Session, plant: Database) -> Iterator[Taking]:
     submissions = Submissions()
     ingest = Ingest(router, Journal(plant, Collector()), silence_s=60.0, submissions=submissions)
-    samples = MqttSamples(settings_of(mosquitto), submissions, WholeShare())
+    samples = MqttSamples(settings_of(mosquitto), plant, submissions, WholeShare())
     ingest.start()
     samples.start()
     try:

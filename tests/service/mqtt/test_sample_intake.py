@@ -3,7 +3,6 @@
 import gc
 import json
 import time
-from pathlib import Path
 
 import pytest
 import zenoh
@@ -78,7 +77,7 @@ def test_a_retained_sample_is_refused_once(mosquitto: Mosquitto, router: zenoh.S
         edge.publish(TOPIC, body(0, 5), retain=True).wait_for_publish(5.0)
         try:
             for _ in range(2):
-                samples = MqttSamples(settings_of(mosquitto, mqtt_client_id="retained"), submissions, WholeShare())
+                samples = MqttSamples(settings_of(mosquitto, mqtt_client_id="retained"), plant, submissions, WholeShare())
                 samples.start()
                 wait_until(lambda: rejected(plant).get("retained") == 1)
                 samples.stop()
@@ -98,7 +97,7 @@ def test_what_comes_while_the_service_is_away_waits_at_the_broker(
     try:
         with mosquitto.connected("edge") as edge:
             for first in (0, 10):
-                samples = MqttSamples(settings_of(mosquitto, mqtt_client_id="away"), submissions, WholeShare())
+                samples = MqttSamples(settings_of(mosquitto, mqtt_client_id="away"), plant, submissions, WholeShare())
                 samples.start()
                 wait_until(lambda: samples.trouble is None)
                 edge.publish(TOPIC, body(first, first + 5))
@@ -114,7 +113,7 @@ def test_what_comes_while_the_service_is_away_waits_at_the_broker(
 def test_nothing_is_confirmed_before_it_is_durable(mosquitto: Mosquitto, router: zenoh.Session, plant: Database) -> None:
     """A service that dies with messages in its hands gets them again."""
     never = Submissions()
-    samples = MqttSamples(settings_of(mosquitto, mqtt_client_id="dies"), never, WholeShare())
+    samples = MqttSamples(settings_of(mosquitto, mqtt_client_id="dies"), plant, never, WholeShare())
     samples.start()
     wait_until(lambda: samples.trouble is None)
     with mosquitto.connected("edge") as edge:
@@ -123,7 +122,7 @@ def test_nothing_is_confirmed_before_it_is_durable(mosquitto: Mosquitto, router:
         samples.stop()
     submissions = Submissions()
     ingest = Ingest(router, Journal(plant, Collector()), silence_s=60.0, submissions=submissions)
-    samples = MqttSamples(settings_of(mosquitto, mqtt_client_id="dies"), submissions, WholeShare())
+    samples = MqttSamples(settings_of(mosquitto, mqtt_client_id="dies"), plant, submissions, WholeShare())
     ingest.start()
     samples.start()
     try:
@@ -137,7 +136,7 @@ def test_a_broker_that_is_away_hinders_nobody_and_is_found_again(
     tmp_path_factory: pytest.TempPathFactory, taking: Taking
 ) -> None:
     one = Mosquitto(tmp_path_factory.mktemp("away") / "mosquitto", tls=False)
-    samples = MqttSamples(settings_of(one), taking.submissions, WholeShare())
+    samples = MqttSamples(settings_of(one), taking.database, taking.submissions, WholeShare())
     samples.start()
     try:
         wait_until(lambda: samples.trouble is not None and "cannot be used" in samples.trouble)
@@ -159,13 +158,13 @@ def test_a_broker_that_is_away_hinders_nobody_and_is_found_again(
 
 
 @pytest.mark.filterwarnings("ignore::ResourceWarning")  # the library leaves sockets of failed handshakes to the collector
-def test_a_wrong_password_and_a_refused_subscription_are_named(mosquitto: Mosquitto) -> None:
+def test_a_wrong_password_and_a_refused_subscription_are_named(mosquitto: Mosquitto, plant: Database) -> None:
     wrong = MqttSamples(
         settings_of(mosquitto, mqtt_password_file="", mqtt_password="wrong", mqtt_client_id="wrong"),
         Submissions(),
         WholeShare(),
     )
-    refused = MqttSamples(settings_of(mosquitto, mqtt_tls_ca="", mqtt_client_id="strange"), Submissions(), WholeShare())
+    refused = MqttSamples(settings_of(mosquitto, mqtt_tls_ca="", mqtt_client_id="strange"), plant, Submissions(), WholeShare())
     for samples, words in ((wrong, "ot authori"), (refused, "certificate verify failed")):
         samples.start()
         try:
