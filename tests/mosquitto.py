@@ -171,7 +171,7 @@ class Mosquitto:
 
 
 def _own_name() -> str:
-    """Return the user who runs the tests: as root the broker would otherwise change to another one, who may not read its files."""
+    """Return the user who runs the tests: as root the broker would otherwise become another, who may not read its files."""
     import pwd
 
     return pwd.getpwuid(os.getuid()).pw_name

@@ -22,7 +22,10 @@ STANDING_BY_S = 1.0
 
 
 class MqttThread(SupervisedThread):
-    """A thread with an event loop of its own for one connection. Of several replicas only the one that leads `work` connects."""
+    """A thread with an event loop of its own for one connection.
+
+    Of several replicas only the one that leads `work` connects.
+    """
 
     def __init__(self, name: str, settings: MqttSettings, share: Share, *, work: str) -> None:
         super().__init__(name, failure="the broker cannot be used", retry_s=FIRST_RETRY_S)

@@ -1,7 +1,7 @@
 """Publishes alert events and trends on the broker, which keeps the last state of each for later listeners.
 
-A broker that was killed may have lost what it kept: at each connection the last state of everything is told again, and what waits
-to be delivered is due at once.
+A broker that was killed may have lost what it kept: at each connection the last state of everything is told again, and what
+waits to be delivered is due at once.
 """
 
 import asyncio
@@ -151,10 +151,11 @@ class MqttAlerts(MqttThread):
             if not told:
                 return []
             plants = {row.id: row.plant for row in machines.list_all(session) if _covers(told, row.plant)}
-            found = []
-            for row in alerts.last_events(session, limit=LARGEST_LAST_STATES):
-                if row.machine_id in plants:
-                    found.append(self._message_of(plants[row.machine_id], alert_event(row)))
+            found = [
+                self._message_of(plants[row.machine_id], alert_event(row))
+                for row in alerts.last_events(session, limit=LARGEST_LAST_STATES)
+                if row.machine_id in plants
+            ]
             newest = filed_estimates.newest_of_each_machine(session)
             self._seen = dict.fromkeys([filed_estimates.newest_id(session), *(one.id for one in newest)])
             messages = self._trends_of(session, [one for one in newest if one.machine_id in plants], plants)

@@ -1,4 +1,4 @@
-"""Takes samples from the broker: each message is confirmed there once its samples are durable, so that nothing is lost between.
+"""Takes samples from the broker: a message is confirmed there once its samples are durable, so that none is lost between.
 
 A message that comes again, after the broker or the service was away, is told by its numbers. Missing ones are counted as over
 zenoh without a log.
@@ -59,7 +59,7 @@ class SubscriptionRefused(aiomqtt.MqttError):
 
 
 class MqttSamples(MqttThread):
-    """The thread that takes samples. Of several replicas the one that stores the first part of the machines does it for all."""
+    """The thread that takes samples; of several replicas the one that stores the first part of the machines does it for all."""
 
     def __init__(self, settings: MqttSettings, database: Database, sink: SubmissionSink, share: Share) -> None:
         super().__init__("mqtt samples", settings, share, work=INGEST[0])

@@ -1,8 +1,8 @@
 """Payloads of Sparkplug B: what of them is needed, read from the protocol buffers' wire format.
 
 Written here instead of generated: fifteen fields of two messages are needed, and generated code would bind the service to one
-release of a library. Source: Eclipse Sparkplug Specification 3.0.0 (2022), §6.4 and its `sparkplug_b.proto` (EPL-2.0; field numbers
-only); Protocol Buffers, "Encoding".
+release of a library. Source: Eclipse Sparkplug Specification 3.0.0 (2022), §6.4, and the field numbers of its
+`sparkplug_b.proto`; Protocol Buffers, "Encoding".
 """
 
 import struct
@@ -45,7 +45,7 @@ class SparkplugPayload:
 def decoded(body: bytes) -> SparkplugPayload:
     """Return a payload. Raises Rejected."""
     timestamp = sequence = None
-    metrics = []
+    metrics: list[SparkplugMetric] = []
     for number, kind, value in _fields(body):
         if number == 1 and isinstance(value, int):
             timestamp = value

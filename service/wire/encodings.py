@@ -24,7 +24,7 @@ class _Version(msgspec.Struct):
 
 
 def recognised(body: bytes) -> str:
-    """Return the encoding that a body without a statement of it is in: JSON begins with a brace, the binary one with its name."""
+    """Return the encoding of a body that states none: JSON begins with a brace, the binary one with its name."""
     if body.startswith(b"RDSW"):
         return BINARY
     return JSON if body.lstrip()[:1] == b"{" else MESSAGEPACK

@@ -11,7 +11,7 @@ from storage.findings.jobs import GATHERED, RUN
 from storage.tables.findings import DerivedRow, EstimateRow, IdentificationRow
 
 HELD_BACK_NS = 2_000_000_000
-"""Age from which on an identification is listed [ns]: several replicas file at once, and a number may be stored after a later one."""
+"""Age from which on one is listed [ns]: several replicas file at once, and a number may be stored after a later one."""
 
 
 def filed(

@@ -121,7 +121,7 @@ _GAUGES = {
     "rundown_mqtt_messages": "messages with samples that came from the broker since the start",
     "rundown_mqtt_messages_under_way": "of these, those that are being stored",
     "rundown_mqtt_messages_given_up": "of these, those that could not be taken; their samples count as missing",
-    "rundown_sparkplug_messages_missing": "messages of Sparkplug nodes that never came, as far as their counts modulo 256 tell",
+    "rundown_sparkplug_messages_missing": "messages of Sparkplug nodes that never came, by counts modulo 256",
     "rundown_ingest_storing": "1 while samples can be stored",
     "rundown_database_answers": "1 while the database answers; otherwise only what needs none is shown",
     "rundown_store_damaged": "1 where damage of what is stored was met, until a check of all of it is clean",

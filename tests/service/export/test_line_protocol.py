@@ -12,7 +12,8 @@ from tests.plant import few_examples
 
 def parsed(text: str) -> tuple[str, dict[str, str], str, int]:
     """Measurement, tags, fields as they stand and time, split at separators that are not escaped."""
-    parts, word, at = [], "", 0
+    parts: list[str] = []
+    word, at = "", 0
     quoted = False
     while at < len(text):
         one = text[at]
@@ -30,7 +31,8 @@ def parsed(text: str) -> tuple[str, dict[str, str], str, int]:
             word += one
         at += 1
     head, fields = parts
-    pieces, piece, at = [], "", 0
+    pieces: list[str] = []
+    piece, at = "", 0
     while at < len(head):
         if head[at] == "\\" and head[at + 1 : at + 2] in (",", "=", " "):
             piece, at = piece + "\0" + head[at + 1], at + 2

@@ -1,5 +1,6 @@
 """Alerts and trends on a real broker: each transition arrives, and the last states are there right after a kill."""
 
+import asyncio
 import json
 from collections.abc import Iterator
 from pathlib import Path
@@ -10,7 +11,7 @@ import zenoh
 from service.alerts import transitions as alerting
 from service.alerts.transitions import AlertFinding, Person
 from service.delivery.dispatcher import Dispatcher
-from service.mqtt.publisher import MqttAlerts
+from service.mqtt.publisher import MqttAlerts, RetainedMessage
 from service.replication.work_share import WholeShare
 from storage.alerts import alerts, deliveries
 from storage.database.engine import Database
@@ -62,7 +63,8 @@ def state(payload: bytes | None) -> str | None:
     return None if not payload else str(json.loads(payload)["state"])
 
 
-def test_each_transition_arrives_and_the_last_is_kept(own_broker: Mosquitto, plant: Database, publishing: MqttAlerts) -> None:
+@pytest.mark.usefixtures("publishing")
+def test_each_transition_arrives_and_the_last_is_kept(own_broker: Mosquitto, plant: Database) -> None:
     with own_broker.connected("hmi", "", "rundown/v1/#") as hmi:
         number = raised(plant)
         wait_until(lambda: state(hmi.last(ALERT)) == "unacknowledged")
@@ -93,9 +95,8 @@ def test_last_states_are_told_again_after_a_kill(own_broker: Mosquitto, plant: D
     assert [row.state for row in rows] == ["active"]
 
 
-def test_trends_are_published_when_an_identification_is_filed(
-    own_broker: Mosquitto, plant: Database, publishing: MqttAlerts
-) -> None:
+@pytest.mark.usefixtures("publishing")
+def test_trends_are_published_when_an_identification_is_filed(own_broker: Mosquitto, plant: Database) -> None:
     with own_broker.connected("hmi", "", TRENDS) as hmi:
         wait_until(lambda: hmi.last(TRENDS) is not None)
         with plant.transaction() as session:
@@ -108,16 +109,10 @@ def test_trends_are_published_when_an_identification_is_filed(
     assert found["lower"] < found["value"] < found["upper"]
 
 
-def test_an_older_event_does_not_replace_the_last_state(
-    own_broker: Mosquitto, plant: Database, publishing: MqttAlerts
-) -> None:
-    from service.mqtt.publisher import RetainedMessage
-
+def test_an_older_event_does_not_replace_the_last_state(own_broker: Mosquitto, publishing: MqttAlerts) -> None:
     topic = "rundown/v1/a/b/alerts/c/d"
     assert publishing._loop is not None
     assert publishing._ready is not None
-    import asyncio
-
     for number in (5, 4):
         message = RetainedMessage(topic, b"%d" % number, number=number)
         asyncio.run_coroutine_threadsafe(publishing._publish(publishing._ready, message), publishing._loop).result(5.0)
