@@ -55,6 +55,12 @@ class Listener:
         client.on_connect = self._connected
         self._topics = topics
 
+    def _connected(self, client: mqtt.Client, *_: object) -> None:
+        if self._topics:
+            client.subscribe([(one, 1) for one in self._topics])
+        else:
+            self.subscribed.set()
+
     def publish(
         self, topic: str, payload: bytes, *, qos: int = 1, retain: bool = False, kind: str = ""
     ) -> mqtt.MQTTMessageInfo:

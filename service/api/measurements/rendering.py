@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Collection
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -95,11 +96,11 @@ def run(row: RunRow) -> schemas.Run:
 
 def channel_rows(phasors: schemas.Phasors) -> dict[str, list[Any]]:
     """Return a table with a row for each sample and channel."""
-    names = ("time", "channel", "speed_rpm", "amplitude_um_pp", "phase_lag_deg", "status")
+    names = ("time", "channel", "speed_rpm", "amplitude_um_pp", "phase_lag_deg")
     table: dict[str, list[Any]] = {name: [] for name in names}
     for number, moment in enumerate(phasors.time):
         for place, channel in enumerate(phasors.channels):
-            row = (phasors.amplitude_um_pp[number], phasors.phase_lag_deg[number], phasors.status[number])
+            row = phasors.amplitude_um_pp[number], phasors.phase_lag_deg[number]
             told = (moment.isoformat(), channel, phasors.speed_rpm[number], *(column[place] for column in row))
             for name, value in zip(names, told, strict=True):
                 table[name].append(value)

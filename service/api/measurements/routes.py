@@ -1,13 +1,13 @@
 """Serves samples and runs."""
 
 from collections.abc import Sequence
-from typing import Annotated
+from typing import Annotated, Literal
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Query, Response
 from pydantic import BeforeValidator, Field
 
-from service.api.conventions.formats import CSV, csv_bytes
 from service.api.conventions.dependencies import MachineId, Number, Period, Reading
+from service.api.conventions.formats import CSV, csv_bytes
 from service.api.conventions.paging import ByTime
 from service.api.conventions.problems import RESPONSES
 from service.api.conventions.units import UnitsIfAsked
