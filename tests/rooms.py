@@ -116,7 +116,7 @@ service/api/alerts: estimator service/alerts service/api/cache service/api/conve
 service/api: service/api/alerts service/api/cache service/api/conventions service/api/findings service/api/machines
     service/api/measurements service/api/operation service/api/trends service/configuration service/delivery
     service/http service/identification service/journal service/resilience service/security storage/database
-service/doctor: service/api service/configuration service/delivery service/maintenance service/messaging
+service/doctor: service/api service/configuration service/delivery service/maintenance service/messaging service/mqtt
     service/security service/wire storage/alerts storage/backup storage/database storage/operation
 service/commands: rotorundown
     estimator estimator/calibration estimator/fit estimator/identification estimator/machine estimator/modes estimator/phasors

@@ -156,7 +156,8 @@ def _state(part: ServicePart) -> str:
 
 def _certificate_gauges(settings: Settings) -> dict[str, float]:
     """Return the shortest remaining validity of the certificates, if any; an unreadable one counts as expired."""
-    files = [Path(one) for one in (settings.tls_certificate, settings.zenoh_tls_certificate) if one]
+    named = settings.tls_certificate, settings.zenoh_tls_certificate, settings.mqtt_tls_certificate
+    files = [Path(one) for one in named if one]
     if not files:
         return {}
     try:

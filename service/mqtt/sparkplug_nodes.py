@@ -1,8 +1,8 @@
 """Edge nodes of Sparkplug B: their metrics become samples of the machines whose documents name them.
 
 A node counts its messages modulo 256. What is missing between two of them is counted as missing samples of every machine that
-it feeds: whose message it was is not known, and 256 missing ones in a row are not seen. Values that a message does not carry are
-as they were before it, as the specification says; after a gap they are unknown until they come again.
+it feeds: whose message it was is not known, and 256 missing ones in a row are not seen. What a message does not carry is as it
+was before, as the specification says; after a gap it is unknown until it comes again.
 Source: Eclipse Sparkplug Specification 3.0.0 (2022), §6.4.5 to §6.4.26.
 """
 

@@ -143,7 +143,7 @@ def test_a_broker_that_is_away_hinders_nobody_and_is_found_again(
         assert samples.gauges["rundown_mqtt_samples_connected"] == 0
         one.start()
         wait_until(lambda: samples.trouble is None)
-        with one.connected("edge") as edge:
+        with one.connected("edge", "edge-7") as edge:
             edge.publish(TOPIC, body(0, 5))
             wait_until(lambda: received(taking.database) == 5)
             one.kill()
@@ -164,7 +164,9 @@ def test_a_wrong_password_and_a_refused_subscription_are_named(mosquitto: Mosqui
         Submissions(),
         WholeShare(),
     )
-    refused = MqttSamples(settings_of(mosquitto, mqtt_tls_ca="", mqtt_client_id="strange"), plant, Submissions(), WholeShare())
+    refused = MqttSamples(
+        settings_of(mosquitto, mqtt_tls_ca="", mqtt_client_id="strange"), plant, plant, Submissions(), WholeShare()
+    )
     for samples, words in ((wrong, "ot authori"), (refused, "certificate verify failed")):
         samples.start()
         try:
