@@ -1,7 +1,7 @@
 """Samples in and alerts out by way of a real MQTT broker, mosquitto on loopback with passwords, which is killed meanwhile.
 
-Samples of 16 channels go to a real service at the rate that is asked for; then more slowly for a minute, in which the broker is
-killed twice (SIGKILL) and comes back two seconds later: every number must be stored or counted as missing, and none twice. Alerts
+Samples of 16 channels go to a real service at the rate that is asked for; then more slowly for a minute, in which the broker
+is killed twice (SIGKILL) and comes back two seconds later: every number must be stored or counted as missing, none twice. Alerts
 change and are delivered to a listener; after each kill, with all that the broker kept, the last states must be right again.
 
     python -m benchmarks.mqtt [--seconds 20] [--rate 5000] [--format msgpack]
@@ -64,14 +64,14 @@ class Publisher:
     def publish(self, rate: float, seconds: float) -> float:
         """Publish at a rate of all together; return the time that it took [s]."""
         step = SIZE * len(self._batches) / rate
-        began = time.monotonic()
+        began, self._begun = time.monotonic(), time.time_ns()
         for number in range(round(seconds / step)):
             time.sleep(max(0.0, began + number * step - time.monotonic()))
-            self._publish_round(step)
+            self._publish_round(step, self._begun + round(number * step * 1e9))
         return time.monotonic() - began
 
-    def _publish_round(self, step: float) -> None:
-        moment = time.time_ns()
+    def _publish_round(self, step: float, moment: int) -> None:
+        """Publish a batch of each machine, whose last sample was taken at a time [ns]."""
         for one in self._batches:
             one.time_ns = (moment + (np.arange(SIZE) * step / SIZE * 1e9).astype(np.int64) - round(step * 1e9)).tolist()
             topic = f"rundown/v1/{one.plant}/{one.machine}/samples"
@@ -131,7 +131,7 @@ def samples_in(folder: Path, options: argparse.Namespace) -> bool:
             print(f"  {'published and stored [1/s]':<52}{f'{options.rate:.0f}':>14}{rate:>14.0f}")
             print(f"  {'the last one stored after the last published [s]':<52}{f'< {BEHIND_ASKED_S:g}':>14}{behind:>14.2f}")
             print(f"  {'lost':<52}{'0':>14}{lost:>14}")
-            good = rate >= 0.98 * options.rate and behind < BEHIND_ASKED_S and lost == 0 and stored == fast.published
+            good = rate >= 0.98 * float(options.rate) and behind < BEHIND_ASKED_S and lost == 0 and stored == fast.published
             good &= with_kills(service, mosquitto, edge.client, names, encoding)
         service.client.close()
     return good
@@ -162,7 +162,7 @@ def with_kills(service: Service, mosquitto: Mosquitto, client: paho.Client, name
     print(f"  {'stored twice':<52}{'0':>14}{twice:>14}")
     print(f"  {'counted as stored and not there':<52}{'0':>14}{differs:>14}")
     print(f"  {'came again, and known by their numbers':<52}{'':>14}{again:>14}")
-    return uncounted == twice == differs == 0
+    return bool(uncounted == twice == differs == 0)
 
 
 def alerts_out(folder: Path) -> bool:

@@ -59,7 +59,10 @@ class SubscriptionRefused(aiomqtt.MqttError):
 
 
 class MqttSamples(MqttThread):
-    """The thread that takes samples; of several replicas the one that stores the first part of the machines does it for all."""
+    """The thread that takes samples.
+
+    Of several replicas the one that stores the first part of the machines does it for all.
+    """
 
     def __init__(self, settings: MqttSettings, database: Database, sink: SubmissionSink, share: Share) -> None:
         super().__init__("mqtt samples", settings, share, work=INGEST[0])

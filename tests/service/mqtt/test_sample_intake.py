@@ -159,14 +159,10 @@ def test_a_broker_that_is_away_hinders_nobody_and_is_found_again(
 
 @pytest.mark.filterwarnings("ignore::ResourceWarning")  # the library leaves sockets of failed handshakes to the collector
 def test_a_wrong_password_and_a_refused_subscription_are_named(mosquitto: Mosquitto, plant: Database) -> None:
-    wrong = MqttSamples(
-        settings_of(mosquitto, mqtt_password_file="", mqtt_password="wrong", mqtt_client_id="wrong"),
-        Submissions(),
-        WholeShare(),
-    )
-    refused = MqttSamples(
-        settings_of(mosquitto, mqtt_tls_ca="", mqtt_client_id="strange"), plant, plant, Submissions(), WholeShare()
-    )
+    told = settings_of(mosquitto, mqtt_password_file="", mqtt_password="wrong", mqtt_client_id="wrong")
+    wrong = MqttSamples(told, plant, Submissions(), WholeShare())
+    told = settings_of(mosquitto, mqtt_tls_ca="", mqtt_client_id="strange")
+    refused = MqttSamples(told, plant, Submissions(), WholeShare())
     for samples, words in ((wrong, "ot authori"), (refused, "certificate verify failed")):
         samples.start()
         try:
