@@ -85,6 +85,8 @@ service/identification: estimator estimator/fit estimator/identification estimat
     estimator/calibration service/balancing storage
 service/journal: estimator estimator/machine service/replication service/resilience service/runs service/wire
     storage/database storage/encoding storage/machines storage/measurements storage/tables
+service/mqtt: estimator/machine service/alerts service/configuration service/journal service/replication service/resilience service/wire
+    storage storage/alerts storage/database storage/findings storage/machines storage/tables
 service/maintenance: service/configuration service/replication service/resilience service/runs storage storage/backup
     storage/database storage/machines storage/measurements storage/operation
 service/api/conventions: estimator estimator/machine service/export service/http service/identification
@@ -108,21 +110,21 @@ service/api/machines: estimator estimator/calibration estimator/machine estimato
     service/identification service/monitoring service/runs service/security storage storage/database storage/encoding
     storage/findings storage/machines storage/measurements storage/tables
 service/api/trends: estimator estimator/trends estimator/updated_model service/api/cache service/api/conventions
-    service/monitoring service/security storage/database storage/findings storage/machines
+    service/export service/monitoring service/security storage storage/database storage/findings storage/machines storage/tables
 service/api/alerts: estimator service/alerts service/api/cache service/api/conventions service/api/findings
     service/delivery service/resilience service/secrets service/security storage storage/alerts storage/database
     storage/machines storage/tables
 service/api: service/api/alerts service/api/cache service/api/conventions service/api/findings service/api/machines
     service/api/measurements service/api/operation service/api/trends service/configuration service/delivery
     service/http service/identification service/journal service/resilience service/security storage/database
-service/doctor: service/api service/configuration service/delivery service/maintenance service/messaging
+service/doctor: service/api service/configuration service/delivery service/maintenance service/messaging service/mqtt
     service/security service/wire storage/alerts storage/backup storage/database storage/operation
 service/commands: rotorundown rotorundown/environment
     estimator estimator/calibration estimator/fit estimator/identification estimator/machine estimator/modes estimator/phasors
     estimator/simulation estimator/statics estimator/thesis estimator/updated_model service/api
     service/api/operation service/balancing service/configuration service/delivery service/doctor service/edge
     service/export service/http service/identification service/ingest service/journal service/maintenance
-    service/messaging service/monitoring service/replication service/resilience service/runs service/secrets
+    service/messaging service/monitoring service/mqtt service/replication service/resilience service/runs service/secrets
     service/security service/sources service/wire service/workers storage storage/backup storage/database storage/encoding
     storage/machines storage/operation storage/tables
 service: estimator/machine service/alerts service/api/alerts service/api/findings service/api/machines

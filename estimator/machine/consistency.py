@@ -23,6 +23,7 @@ from estimator.machine.part_coefficients import (
 )
 from estimator.machine.parts import STATION_TOLERANCE, Disc, Material, Probe, Shaft
 from estimator.machine.rules import Condition, Operation, ParameterRule, SpeedRange
+from estimator.machine.sparkplug import Sparkplug
 
 CELSIUS = "degC"
 """Unit of an operating condition that an oil's temperature follows."""
@@ -64,6 +65,10 @@ class Train(Elements, Protocol):
         """Return the operation of the machine."""
 
     @property
+    def sparkplug(self) -> Sparkplug | None:
+        """Return how the machine's metrics are named in Sparkplug B."""
+
+    @property
     def parameters(self) -> Sequence[ParameterRule]:
         """Return the rules of parameters, later ones above earlier ones."""
 
@@ -86,6 +91,7 @@ def reference_problems(train: Train) -> Iterator[InitErrorDetails]:
     yield from _material_problems(train)
     yield from _duplicate_problems(train)
     yield from _condition_problems(train)
+    yield from _sparkplug_problems(train)
     yield from _station_problems(train)
     running, highest = train.operation.running_rpm, train.speed_range.maximum_rpm
     if running is not None and running > highest:
@@ -340,3 +346,15 @@ def _tie_problems(train: Train, coefficients: dict[str, float | None], tied: dic
         else:
             continue
         yield _problem(("parameters", i, "tied_to"), target, message)
+
+
+def _sparkplug_problems(train: Train) -> Iterator[InitErrorDetails]:
+    """Find probes and operating conditions that metrics are named for and that there are not."""
+    if train.sparkplug is None:
+        return
+    known = {"channels": [one.id for one in train.probes], "conditions": [one.name for one in train.conditions]}
+    for part, names in known.items():
+        for name in getattr(train.sparkplug, part):
+            if name not in names:
+                told = f"the document has none of this name; it has {', '.join(names) or 'none at all'}"
+                yield _problem(("sparkplug", part, name), name, told)

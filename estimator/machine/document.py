@@ -24,6 +24,7 @@ from estimator.machine.rules import (
     QualityRules,
     SpeedRange,
 )
+from estimator.machine.sparkplug import Sparkplug
 
 
 class Machine(Part):
@@ -53,6 +54,7 @@ class Machine(Part):
     parameters: Annotated[tuple[ParameterRule, ...], Field(max_length=200)] = ()
     calibration: Calibration | None = Field(default=None, description="what runs with known unbalances have shown")
     impact_test: ImpactTest | None = Field(default=None, description="compared with the updated model")
+    sparkplug: Sparkplug | None = Field(default=None, description="samples that come as Sparkplug B over MQTT")
     element_length: Length | None = Field(
         default=None, description="longest shaft element [m]; by default a twelfth of each shaft"
     )
@@ -87,7 +89,7 @@ class Machine(Part):
         Returns:
             Whether they do.
         """
-        said = {"name", "conditions", "operation", "collection", "quality", "impact_test"}
+        said = {"name", "conditions", "operation", "collection", "quality", "impact_test", "sparkplug"}
         return self.model_dump(exclude=said) == other.model_dump(exclude=said)
 
     def shaft(self, shaft_id: str) -> Shaft:

@@ -56,6 +56,7 @@ from service.api.operation.metrics import router as metrics
 from service.api.operation.replicas import router as replicas
 from service.api.operation.stages import router as stages
 from service.api.trends.columns import HistoryCache
+from service.api.trends.filed import router as filed
 from service.api.trends.routes import router as trends
 from service.configuration.release import VERSION
 from service.configuration.settings import DEFAULT_BASELINE_RUNS
@@ -201,6 +202,7 @@ def _routes() -> list[BaseRoute]:
         deviations,
         alignment,
         limits,
+        filed,
         subscriptions,
         health,
         replicas,

@@ -11,13 +11,13 @@ from estimator.fit.estimates import CONFIDENCE_95, Estimate
 from estimator.fit.identify import Identification
 from estimator.identification.experiment_design import helpful_probes, helpful_speeds
 from estimator.identification.model_comparison import ModelComparison
+from estimator.machine.disc_scale import DiscScale
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
 from estimator.phasors.quality import Quality
 from estimator.phasors.slow_roll import Capture
 from estimator.thesis.machine_regression import PublishedEstimate
 from estimator.units import METRES, PEAK, rad_per_s_to_rpm, rpm_to_rad_per_s
-from service.sources.trial_weights import DiscScale
 
 CANDIDATE_SPEEDS = 60
 GRAM_MILLIMETRES = 1e6

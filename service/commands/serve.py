@@ -59,6 +59,7 @@ def serve(settings: Settings) -> None:
         threads.start(closing)
         forwarding = Forwarding(session, database, threads.leasing, threads.submissions)
         closing.callback(forwarding.close)
+        threads.take_from_broker(forwarding, closing)
         closing.callback(LastStates(session, database, threads.leasing).close)
         closing.callback(logger.info, "stopping: no more samples; identifications under way are left for the next start")
         if (trouble := _stream_trouble(session, settings)) is not None:

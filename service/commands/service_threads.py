@@ -1,9 +1,9 @@
 """The threads of a service process: the selection by role, and their states."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 import zenoh
 
@@ -13,7 +13,7 @@ from service.delivery.dispatcher import Dispatcher
 from service.delivery.signing_secrets import SigningSecrets
 from service.identification.scheduler import JobScheduler
 from service.ingest.ingest_thread import Ingest
-from service.journal.http_queue import Submissions
+from service.journal.http_queue import Submissions, SubmissionSink
 from service.journal.journal import Journal
 from service.maintenance.backup_check import BackupWatch
 from service.maintenance.housekeeping import Housekeeping
@@ -24,6 +24,9 @@ from service.runs.collector import Collector
 from service.security.audit_watch import AuditWatch
 from service.security.certificates import days_left
 from storage.database.engine import Database
+
+if TYPE_CHECKING:
+    from service.mqtt.publisher import MqttAlerts
 
 
 class ServiceThread(Protocol):
@@ -60,7 +63,9 @@ class ServiceThreads:
         self._ingest = Ingest(session, journal, silence_s=settings.silence_s, submissions=self.submissions, share=self.leasing)
         self._closing = Closing(database, collector, self.leasing)
         self._scheduler = JobScheduler(database, settings, self.leasing)
-        self.dispatcher = Dispatcher(database, session, settings, self.leasing, secrets)
+        self._broker_gauges: list[Callable[[], Mapping[str, float]]] = []
+        self._alerts_to_broker = self._publisher()
+        self.dispatcher = Dispatcher(database, session, settings, self.leasing, secrets, self._alerts_to_broker)
         self._housekeeping = Housekeeping(database, settings, self.leasing)
         self._backup_watch = BackupWatch(settings.backups)
         self._store_watch = StoreWatch(database)
@@ -73,6 +78,29 @@ class ServiceThreads:
         for thread in (self._store_watch, *self._parts.values(), self._housekeeping, *watches):
             thread.start()
             closing.callback(thread.stop)
+
+    def take_from_broker(self, sink: SubmissionSink, closing: ExitStack) -> None:
+        """Start taking samples from the MQTT broker, if one is configured and this role stores samples."""
+        settings = self._settings
+        if not settings.mqtt_url or settings.mqtt_samples == "left" or settings.role not in ("all", "ingest"):
+            return
+        from service.mqtt.sample_intake import MqttSamples  # nobody else needs its library
+
+        samples = MqttSamples(settings, self._database, sink, self.leasing)
+        self._parts["mqtt_samples"] = samples
+        self._broker_gauges.append(lambda: samples.gauges)
+        samples.start()
+        closing.callback(samples.stop)
+
+    def _publisher(self) -> "MqttAlerts | None":
+        """Return what publishes on the MQTT broker, if one is configured and this role delivers."""
+        if not self._settings.mqtt_url or self._settings.role not in ("all", "identify"):
+            return None
+        from service.mqtt.publisher import MqttAlerts
+
+        publisher = MqttAlerts(self._settings, self._database, self.leasing)
+        self._broker_gauges.append(lambda: publisher.gauges)
+        return publisher
 
     def states(self) -> dict[str, str]:
         """Return the state of each part that runs here: `ok`, or the fault."""
@@ -91,8 +119,10 @@ class ServiceThreads:
 
     def gauges(self) -> Mapping[str, float]:
         """Return figures for a monitoring system."""
+        of_broker = {name: value for one in self._broker_gauges for name, value in one().items()}
         return (
             {"rundown_longest_transaction_seconds": self._database.longest_transaction.seconds}
+            | of_broker
             | self._housekeeping.gauges
             | self._ingest.gauges
             | self._scheduler.gauges
@@ -112,6 +142,8 @@ class ServiceThreads:
             yield "ingest", self._ingest
             yield "closing", self._closing
         if self._settings.role in ("all", "identify"):
+            if self._alerts_to_broker is not None:
+                yield "mqtt_alerts", self._alerts_to_broker
             yield "delivery", self.dispatcher
             yield "identifying", self._scheduler
 
@@ -124,7 +156,8 @@ def _state(part: ServicePart) -> str:
 
 def _certificate_gauges(settings: Settings) -> dict[str, float]:
     """Return the shortest remaining validity of the certificates, if any; an unreadable one counts as expired."""
-    files = [Path(one) for one in (settings.tls_certificate, settings.zenoh_tls_certificate) if one]
+    named = settings.tls_certificate, settings.zenoh_tls_certificate, settings.mqtt_tls_certificate
+    files = [Path(one) for one in named if one]
     if not files:
         return {}
     try:

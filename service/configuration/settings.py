@@ -5,10 +5,11 @@ import re
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import AfterValidator, Field, IPvAnyNetwork, SecretStr, ValidationError, model_validator
-from pydantic_settings import BaseSettings, SettingsConfigDict, SettingsError
+from pydantic_settings import SettingsConfigDict, SettingsError
 
 from service.configuration.hosts import encrypted
 from service.configuration.log_format import LogFormat
+from service.configuration.mqtt_settings import MqttSettings
 from service.configuration.settings_file import WrongSettingsFile, read_settings_file, settings_file
 from service.secrets.files import read_keys, read_secret, require_private
 
@@ -32,7 +33,7 @@ def _require_day_or_zero(days: float) -> float:
 Days = Annotated[float, Field(ge=0), AfterValidator(_require_day_or_zero)]
 
 
-class Settings(BaseSettings):
+class Settings(MqttSettings):
     """Settings of `rundown serve`; each can be given as `RUNDOWN_<NAME>`."""
 
     model_config = SettingsConfigDict(env_prefix="RUNDOWN_", extra="ignore")

@@ -2,24 +2,34 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import zenoh
 from aiohttp import ClientSession
 
+from service.alerts.event_message import AlertEvent
 from service.configuration.settings import Settings
 from service.delivery.channel import Channel
 from service.delivery.signing_secrets import SigningSecrets
 from storage.tables.alerting import SubscriptionRow
 
 
+class EventBroker(Protocol):
+    """A broker that keeps the last event of each topic."""
+
+    async def publish_event(self, plant: str, event: AlertEvent) -> str:
+        """Publish an event and return where, once the broker has it. Raises OSError while it is away."""
+
+
 @dataclass(frozen=True)
 class Connections:
-    """Connections and settings that channels send with."""
+    """Connections and settings that channels send with. broker: of the plant's MQTT, where one is configured."""
 
     client: ClientSession
     session: zenoh.Session
     settings: Settings
     secrets: SigningSecrets
+    broker: EventBroker | None = None
 
 
 def _accept(_target: str) -> None:

@@ -11,12 +11,13 @@ from service.delivery.alertmanager import ALERTMANAGER
 from service.delivery.channel import Channel, Undeliverable
 from service.delivery.channel_kind import ChannelKind, Connections
 from service.delivery.mail import EMAIL
+from service.delivery.mqtt_channel import MQTT
 from service.delivery.signing_secrets import SecretUnusable
 from service.delivery.webhook import TIMEOUT_S, WEBHOOK
 from service.delivery.zenoh_channel import ZENOH
 from storage.tables.alerting import SubscriptionRow
 
-CHANNEL_KINDS: tuple[ChannelKind, ...] = (WEBHOOK, ALERTMANAGER, EMAIL, ZENOH)
+CHANNEL_KINDS: tuple[ChannelKind, ...] = (WEBHOOK, ALERTMANAGER, EMAIL, ZENOH, MQTT)
 """All kinds, in the order in which people see them."""
 
 

@@ -12,7 +12,7 @@ import zenoh
 from service.alerts import transitions
 from service.configuration.settings import Settings
 from service.delivery.channel import DeliveryOutcome
-from service.delivery.channel_kind import Connections
+from service.delivery.channel_kind import Connections, EventBroker
 from service.delivery.channels import new_client, open_channel
 from service.delivery.messages import trial_message
 from service.delivery.outbox import Delivery, Outbox
@@ -52,6 +52,7 @@ class Dispatcher(SupervisedThread):
         settings: Settings,
         share: Share | None = None,
         secrets: SigningSecrets | None = None,
+        broker: EventBroker | None = None,
     ) -> None:
         super().__init__("delivery", failure="alert deliveries cannot be read or recorded", retry_s=RETRY_S)
         self._database = database
@@ -61,6 +62,7 @@ class Dispatcher(SupervisedThread):
         """Watch of the signing secrets."""
         self._share = share or WholeShare()
         self._session = session
+        self._broker = broker
         self._settings = settings
         self._loop = asyncio.Runner()
         self._open = AsyncExitStack()
@@ -103,7 +105,7 @@ class Dispatcher(SupervisedThread):
         """Record finished deliveries, then begin those that are due. Raises Unrecorded, at the end."""
         if self._connections is None:
             client = await self._open.enter_async_context(new_client())
-            self._connections = Connections(client, self._session, self._settings, self._secrets)
+            self._connections = Connections(client, self._session, self._settings, self._secrets, self._broker)
         finished = {number: outcome_of(one) for number, one in self._under_way.items() if one.done()}
         if finished:
             for number in await asyncio.to_thread(self._outbox.record, finished):
@@ -146,7 +148,7 @@ class Dispatcher(SupervisedThread):
 
         row = await asyncio.to_thread(found)
         async with new_client() as client:
-            channel = open_channel(row, Connections(client, self._session, self._settings, self._secrets))
+            channel = open_channel(row, Connections(client, self._session, self._settings, self._secrets, self._broker))
             return await within_deadline(channel.send(trial_message()))
 
 

@@ -252,7 +252,11 @@ def _webhook_secrets(settings: Settings, engine: Engine) -> Iterator[CheckResult
 
 
 def _certificates(settings: Settings) -> Iterator[CheckResult]:
-    for what, file in (("API certificate", settings.tls_certificate), ("zenoh certificate", settings.zenoh_tls_certificate)):
+    for what, file in (
+        ("API certificate", settings.tls_certificate),
+        ("zenoh certificate", settings.zenoh_tls_certificate),
+        ("MQTT certificate", settings.mqtt_tls_certificate),
+    ):
         if file:
             yield _certificate(what, Path(file))
     if not settings.tls_certificate and not is_loopback(settings.host):
@@ -292,9 +296,25 @@ def _receivers(settings: Settings) -> Iterator[CheckResult]:
         yield _check_connection("mail server", settings.smtp_host, settings.smtp_port)
     if settings.oidc_issuer:
         yield _issuer(settings.oidc_issuer)
+    if settings.mqtt_url:
+        yield from _broker(settings)
     if settings.dask_scheduler:
         where = urlsplit(settings.dask_scheduler)
         yield _check_connection("Dask scheduler", where.hostname or "", where.port or 8786)
+
+
+def _broker(settings: Settings) -> Iterator[CheckResult]:
+    """Check whether the MQTT broker lets the service in, and whether others can read what goes there."""
+    from service.mqtt.probe import refusal  # nobody else needs its library
+
+    what, (host, _) = "MQTT broker", settings.mqtt_broker
+    refused = refusal(settings)
+    if refused is not None:
+        yield CheckResult("wrong", what, f"{settings.mqtt_url} cannot be used: {refused}; look at RUNDOWN_MQTT_… and its log")
+    else:
+        yield CheckResult("ok", what, f"{settings.mqtt_url} lets '{settings.mqtt_user or 'anybody'}' in")
+    if not settings.mqtt_encrypted and not is_loopback(host):
+        yield CheckResult("warning", what, "it is spoken to without TLS: samples can be read and made up on their way")
 
 
 def _check_connection(what: str, host: str, port: int) -> CheckResult:

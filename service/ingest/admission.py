@@ -61,32 +61,31 @@ class Admission:
         return self.published(key, replace(PublishedMessage.of(reply), key=key.samples))
 
     def submitted(self, submission: Submission) -> ArrivedBatch:
-        """Return a body that came over HTTP as a batch.
+        """Return a body that came over HTTP or MQTT as a batch.
 
         Raises Rejected or NotStoring when it is not accepted, and errors that affect all batches.
         """
-        machine, body = submission.machine, submission.body
-        message = PublishedMessage(f"POST /api/v1/machines/{machine}/samples", body, submission.encoding, len(body), now())
+        machine, body, published = submission.machine, submission.body, submission.published
+        where = f"POST /api/v1/machines/{machine}/samples" if published is None else published.topic
+        message = PublishedMessage(where, body, submission.encoding, len(body), now())
         try:
             require_size(message.size)
-            batch = decode_body(body, message.encoding)
-            if batch.machine != machine:
-                raise Rejected("key_mismatch", f"body says machine '{batch.machine[:64]}', the path '{machine}'")
+            batch = _body_of(submission)
             self._require_machine(Key(batch.plant, batch.machine))
             if self._withholds(batch):
                 raise NotStoring(self._own_clock.doubt or "this machine's clock is wrong")
-            # Its numbers must stay free for the corrected batch.
-            self._journal.require_convertible(batch, received_at=message.received_at)
+            if published is None:  # its numbers must stay free for the corrected batch
+                self._journal.require_convertible(batch, received_at=message.received_at)
         except Rejected as rejected:
-            self.refuse(message, machine, rejected)
+            self.refuse(message, machine or None, rejected)
             raise
         except NotStoring:
             raise
         except Exception as error:
             if is_database_wide(error):
                 raise
-            logger.exception("%s: a batch over HTTP cannot be looked at", machine)
-            self._refuse(message, machine, "unexpected_error", see_log(error))
+            logger.exception("%s: a batch cannot be looked at", where)
+            self._refuse(message, machine or None, "unexpected_error", see_log(error))
             raise NotStoring(UNFORESEEN) from error
         return ArrivedBatch(batch, message.key, body, message.received_at)
 
@@ -120,3 +119,17 @@ class Admission:
             raise Rejected("unknown_machine", f"no machine '{key.machine}' is known; create it from its document first")
         if plant != key.plant:
             raise Rejected("unknown_machine", f"machine '{key.machine}' belongs to plant '{plant}', not '{key.plant}'")
+
+
+def _body_of(submission: Submission) -> SampleBatch:
+    """Return the batch in a body, which must be of the machine that it came for. Raises Rejected."""
+    published = submission.published
+    if published is not None and published.fault is not None:
+        raise published.fault
+    batch = decode_body(submission.body, submission.encoding)
+    if published is not None and (batch.plant, batch.machine) != (published.plant, submission.machine):
+        told = f"{batch.plant[:64]}/{batch.machine[:64]}"
+        raise Rejected("key_mismatch", f"body says {told}, topic says {published.plant}/{submission.machine}")
+    if batch.machine != submission.machine:
+        raise Rejected("key_mismatch", f"body says machine '{batch.machine[:64]}', the path '{submission.machine}'")
+    return batch

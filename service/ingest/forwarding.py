@@ -1,4 +1,4 @@
-"""Forwarding samples that came over HTTP to the replica that stores them, through zenoh."""
+"""Forwarding samples that came over HTTP or MQTT to the replica that stores them, through zenoh."""
 
 import threading
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -7,7 +7,7 @@ import msgspec
 import zenoh
 
 from service.journal.batch import StoreOutcome
-from service.journal.http_queue import Busy, NotStoring, Submissions
+from service.journal.http_queue import Busy, NotStoring, Publication, Submissions
 from service.replication.work_share import Share
 from service.wire import ALL_SUBMIT, IDENTIFIER, JSON, Fault, Key, Reason, Rejected
 from storage.database.engine import Database
@@ -53,15 +53,15 @@ class Forwarding:
         """Return why nothing can be stored at present, see `Submissions.trouble`."""
         return self._own.trouble
 
-    def offer(self, machine: str, body: bytes, encoding: str) -> Future[StoreOutcome]:
+    def offer(self, machine: str, body: bytes, encoding: str, published: Publication | None = None) -> Future[StoreOutcome]:
         """Queue or forward a body, see `Submissions.offer`. Raises Busy or NotStoring."""
         if self._share.is_owner(machine):
-            return self._own.offer(machine, body, encoding)
+            return self._own.offer(machine, body, encoding, published)
         if self._waiting >= MAXIMUM_WAITING:
             raise Busy(f"{self._waiting} batches are on their way to another replica")
         with self._lock:
             self._waiting += 1
-        promise = self._threads.submit(self._request_storing, machine, body, encoding)
+        promise = self._threads.submit(self._request_storing, machine, body, encoding, published)
         promise.add_done_callback(self._arrived)
         return promise
 
@@ -72,14 +72,19 @@ class Forwarding:
         with self._lock:
             self._waiting -= 1
 
-    def _request_storing(self, machine: str, body: bytes, encoding: str) -> StoreOutcome:
+    def _request_storing(self, machine: str, body: bytes, encoding: str, published: Publication | None) -> StoreOutcome:
         with self._database.reading() as session:
             try:
                 plant = machines.get(session, machine).plant
             except machines.MachineUnknown:
                 raise Rejected("unknown_machine", f"no machine '{machine}' is known; create it first") from None
         replies = self._session.get(
-            Key(plant, machine).submit, payload=body, encoding=encoding, timeout=PATIENCE_S, target=zenoh.QueryTarget.ALL
+            Key(plant, machine).submit,
+            payload=body,
+            encoding=encoding,
+            attachment=_written(published),
+            timeout=PATIENCE_S,
+            target=zenoh.QueryTarget.ALL,
         )
         for reply in replies:
             if reply.ok is not None:
@@ -94,13 +99,36 @@ class Forwarding:
             query.drop()
             return
         try:
-            promise = self._own.offer(machine, query.payload.to_bytes(), str(query.encoding))
+            came = _publication(query.attachment)
+            promise = self._own.offer(machine, query.payload.to_bytes(), str(query.encoding), came)
         except Busy as busy:
             _reply(query, ForwardedAnswer(busy=str(busy)))
         except NotStoring as error:
             _reply(query, ForwardedAnswer(not_storing=str(error)))
         else:
             promise.add_done_callback(lambda done: _reply(query, _answer(done)))
+
+
+class _ForwardedPublication(msgspec.Struct, omit_defaults=True):
+    """What is said beside a body that came over MQTT, see `Publication`."""
+
+    topic: str
+    plant: str
+    fault: tuple[Reason, str] | None = None
+
+
+def _written(published: Publication | None) -> bytes | None:
+    if published is None:
+        return None
+    fault = None if published.fault is None else (published.fault.reason, published.fault.detail)
+    return msgspec.json.encode(_ForwardedPublication(published.topic, published.plant, fault))
+
+
+def _publication(attachment: zenoh.ZBytes | None) -> Publication | None:
+    if attachment is None:
+        return None
+    told = msgspec.json.decode(attachment.to_bytes(), type=_ForwardedPublication)
+    return Publication(told.topic, told.plant, None if told.fault is None else Rejected(*told.fault))
 
 
 def _answer(done: Future[StoreOutcome]) -> ForwardedAnswer:

@@ -1,4 +1,4 @@
-"""The bounded queue of bodies that came over HTTP, from the API to the ingest thread, each with a promise of its outcome."""
+"""The bounded queue of bodies that came over HTTP or MQTT, to the ingest thread, each with a promise of its outcome."""
 
 import queue
 import threading
@@ -8,6 +8,7 @@ from typing import Protocol
 
 from estimator.errors import LimitReached, Unavailable
 from service.journal.batch import StoreOutcome
+from service.wire import Rejected
 
 UNFORESEEN = "unexpected error; the service's log has it"
 """Answer to whoever waits, after an unexpected error."""
@@ -35,16 +36,30 @@ class NotStoring(Unavailable):
 
 
 @dataclass(frozen=True)
+class Publication:
+    """How a body was published whose sender waits for no answer: nobody sends it again corrected.
+
+    topic: as the quarantine shows it. plant: that it names. fault: why it is refused, where it was seen on the way.
+    """
+
+    topic: str
+    plant: str
+    fault: Rejected | None = None
+
+
+@dataclass(frozen=True)
 class Submission:
     """A body as it came, for one machine, with the promise of its outcome.
 
-    The promise ends in a StoreOutcome once everything is durable, in Rejected, or in NotStoring.
+    The promise ends in a StoreOutcome once everything is durable, in Rejected, or in NotStoring. published: how it came; None
+    over HTTP.
     """
 
     machine: str
     body: bytes
     encoding: str
     promise: Future[StoreOutcome] = field(default_factory=Future)
+    published: Publication | None = None
 
 
 class SubmissionSink(Protocol):
@@ -54,7 +69,7 @@ class SubmissionSink(Protocol):
     def trouble(self) -> str | None:
         """Return why nothing can be stored at present; None when it can."""
 
-    def offer(self, machine: str, body: bytes, encoding: str) -> Future[StoreOutcome]:
+    def offer(self, machine: str, body: bytes, encoding: str, published: Publication | None = None) -> Future[StoreOutcome]:
         """Accept a body. Raises Busy or NotStoring."""
 
     def __len__(self) -> int:
@@ -70,11 +85,11 @@ class Submissions:
         self.trouble: str | None = None
         """Why nothing can be stored at present; None when it can."""
 
-    def offer(self, machine: str, body: bytes, encoding: str) -> Future[StoreOutcome]:
+    def offer(self, machine: str, body: bytes, encoding: str, published: Publication | None = None) -> Future[StoreOutcome]:
         """Queue a body. Raises Busy or NotStoring."""
         if self.trouble is not None:
             raise NotStoring(self.trouble)
-        one = Submission(machine, body, encoding)
+        one = Submission(machine, body, encoding, published=published)
         try:
             self._queue.put_nowait(one)
         except queue.Full:

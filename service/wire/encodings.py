@@ -23,6 +23,13 @@ class _Version(msgspec.Struct):
     schema: int
 
 
+def recognised(body: bytes) -> str:
+    """Return the encoding of a body that states none: JSON begins with a brace, the binary one with its name."""
+    if body.startswith(b"RDSW"):
+        return BINARY
+    return JSON if body.lstrip()[:1] == b"{" else MESSAGEPACK
+
+
 def encode_body(batch: SampleBatch, encoding: str = MESSAGEPACK) -> bytes:
     """Return an encoded batch without its frame, as HTTP carries it."""
     if encoding == BINARY:

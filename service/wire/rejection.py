@@ -9,6 +9,7 @@ Reason = Literal[
     "undecodable",
     "future_schema",
     "key_mismatch",
+    "retained",
     "unknown_machine",
     "unknown_channel",
     "unknown_condition",

@@ -140,6 +140,13 @@ def last_event(session: Session, alert_id: int) -> AlertEventRow:
     return session.scalars(newest).one()
 
 
+def last_events(session: Session, *, limit: int) -> Sequence[AlertEventRow]:
+    """Return the newest event of each machine, rule and element, newest first."""
+    newest = select(func.max(AlertEventRow.id)).group_by(AlertEventRow.machine_id, AlertEventRow.rule, AlertEventRow.element)
+    query = select(AlertEventRow).where(AlertEventRow.id.in_(newest)).order_by(AlertEventRow.id.desc()).limit(limit)
+    return session.scalars(query).all()
+
+
 def events_after(session: Session, event_id: int, *, limit: int) -> Sequence[AlertEventRow]:
     """Return the events of all alerts with a higher id than the given one, oldest first."""
     query = select(AlertEventRow).where(AlertEventRow.id > event_id).order_by(AlertEventRow.id).limit(limit)

@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Sequence
 
-from sqlalchemy import func, or_, select
+from sqlalchemy import func, or_, select, update
 from sqlalchemy.orm import Session
 
 from estimator.errors import Conflict, Missing
@@ -130,6 +130,13 @@ def queue_for(session: Session, row: SubscriptionRow, event: AlertEventRow) -> D
     )
     session.add(delivery)
     return delivery
+
+
+def hasten(session: Session, kind: str) -> None:
+    """Make the pending deliveries of all subscriptions of a kind due at once: their receiver is back."""
+    own = select(SubscriptionRow.id).where(SubscriptionRow.kind == kind)
+    waiting = update(DeliveryRow).where(DeliveryRow.state == PENDING, DeliveryRow.subscription_id.in_(own))
+    session.execute(waiting.values(next_try_at=now()))
 
 
 def due(session: Session, moment: int, *, busy: Sequence[int], limit: int) -> Sequence[DeliveryRow]:

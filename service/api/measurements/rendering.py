@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Collection
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,3 +92,16 @@ def run(row: RunRow) -> schemas.Run:
         coverage=None if row.coverage is None else schemas.RunCoverage.model_validate(row.coverage),
         quality=None if row.quality is None else schemas.QualitySummary.model_validate(row.quality),
     )
+
+
+def channel_rows(phasors: schemas.Phasors) -> dict[str, list[Any]]:
+    """Return a table with a row for each sample and channel."""
+    names = ("time", "channel", "speed_rpm", "amplitude_um_pp", "phase_lag_deg")
+    table: dict[str, list[Any]] = {name: [] for name in names}
+    for number, moment in enumerate(phasors.time):
+        for place, channel in enumerate(phasors.channels):
+            row = phasors.amplitude_um_pp[number], phasors.phase_lag_deg[number]
+            told = (moment.isoformat(), channel, phasors.speed_rpm[number], *(column[place] for column in row))
+            for name, value in zip(names, told, strict=True):
+                table[name].append(value)
+    return table

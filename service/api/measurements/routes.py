@@ -1,12 +1,13 @@
 """Serves samples and runs."""
 
 from collections.abc import Sequence
-from typing import Annotated
+from typing import Annotated, Literal
 
-from fastapi import APIRouter, Query
+from fastapi import APIRouter, Query, Response
 from pydantic import BeforeValidator, Field
 
 from service.api.conventions.dependencies import MachineId, Number, Period, Reading
+from service.api.conventions.formats import CSV, csv_bytes
 from service.api.conventions.paging import ByTime
 from service.api.conventions.problems import RESPONSES
 from service.api.conventions.units import UnitsIfAsked
@@ -34,7 +35,12 @@ Include = Annotated[
 ]
 
 
-@router.get("/machines/{machine_id}/samples", operation_id="read_samples")
+@router.get(
+    "/machines/{machine_id}/samples",
+    operation_id="read_samples",
+    response_model=schemas.Phasors,
+    responses={200: {"content": {CSV: {"schema": {"type": "string"}}}}},
+)
 def read_samples(
     session: Reading,
     machine_id: MachineId,
@@ -44,7 +50,11 @@ def read_samples(
     slow_roll: SlowRollChoice = "none",
     include: Include = (),
     revision: Annotated[int | None, Query(ge=1, le=2**31, description="of the document; by default the one in force")] = None,
-) -> schemas.Phasors:
+    form: Annotated[
+        Literal["json", "csv"],
+        Query(alias="format", description="csv: a row for each sample and channel, for tools that plot rows"),
+    ] = "json",
+) -> schemas.Phasors | Response:
     """Read the newest samples of a time range, as they were received, oldest of them first.
 
     They are those of the document in force, or of a chosen revision, and of all revisions that describe the same machine with
@@ -65,6 +75,8 @@ def read_samples(
         last=period.last,
     )
     answer = corrected_phasors(session, machine, newest, slow_roll, units, include)
+    if form == "csv":
+        return Response(csv_bytes(rendering.channel_rows(answer)), media_type=CSV)
     return answer.model_copy(update={"revisions": alike})
 
 

@@ -22,6 +22,8 @@ from storage.measurements import quarantine, samples
 router = APIRouter(tags=["operations"])
 
 Parts = Callable[[], dict[str, str]]
+BESIDE = frozenset({"mqtt_samples", "mqtt_alerts"})
+"""Parts without which samples can still be taken over zenoh and HTTP."""
 ENDED = "its thread has ended"
 """Status of a part that will not work again in this process."""
 
@@ -64,7 +66,8 @@ async def _health(request: Request) -> schemas.Health:
     # A stream without a peer is waiting, not broken.
     healthy = all(state == "ok" for name, state in parts.items() if name != "stream")
     # Of a store that is damaged in parts, what concerns other machines is taken.
-    ready = look.answers and all(state == "ok" for name, state in parts.items() if name != "database")
+    needed = {name: state for name, state in parts.items() if name != "database" and name not in BESIDE}
+    ready = look.answers and all(state == "ok" for state in needed.values())
     whole = schemas.Health(
         healthy=healthy,
         ready=ready,

@@ -15,6 +15,7 @@ from service.api.conventions.problems import RESPONSES
 from service.api.conventions.values import rfc3339_text
 from service.api.trends.columns import Columns, HistoryCache, baseline_columns, complex_parts, in_time_range, value_columns
 from service.api.trends.downsampling import Chosen
+from service.api.trends.trend_lines import LINES, TrendFormat, trend_lines
 from service.api.trends.units import in_units
 from service.monitoring.trend_bands import BaselineBand
 from service.security.requirement import VIEWER
@@ -40,7 +41,9 @@ Parameters = Annotated[
         description="such as bearing.B1.kxx or critical_speed.1; several in one question",
     ),
 ]
-FormatChoice = Annotated[Format | None, Query(alias="format", description="by default what the Accept header prefers")]
+FormatChoice = Annotated[
+    TrendFormat | None, Query(alias="format", description="influx: line protocol; by default what the Accept header prefers")
+]
 
 
 class DownSampling(BaseModel):
@@ -112,7 +115,11 @@ class Trends(BaseModel):
     responses={
         200: {
             "model": Trends,
-            "content": {CSV: {"schema": {"type": "string"}}, PARQUET: {"schema": {"type": "string", "format": "binary"}}},
+            "content": {
+                CSV: {"schema": {"type": "string"}},
+                PARQUET: {"schema": {"type": "string", "format": "binary"}},
+                "text/plain": {"schema": {"type": "string"}},
+            },
         }
     },
 )
@@ -129,11 +136,12 @@ async def read_trends(
 ) -> Response:
     """Read the history of one or more parameters, or quantities derived from them, over a time range, oldest first.
 
-    The answer is JSON, CSV or Parquet. The latter two are one table with a column `parameter`; each point has the baseline's
-    band beside it, and each row names its series' method of downsampling. The series of a parameter that the machine has and
-    that was never identified is empty; one that none of the newest 20 revisions of its document has is not found.
+    The answer is JSON, CSV, Parquet or InfluxDB line protocol. CSV and Parquet are one table with a column `parameter`; each
+    point has the baseline's band beside it, and each row names its series' method of downsampling. The series of a parameter that
+    the machine has and that was never identified is empty; one that none of the newest 20 revisions of its document has is not
+    found.
     """
-    wanted = asked_format(request, chosen)
+    wanted: TrendFormat = "influx" if chosen == "influx" else asked_format(request, chosen)
     kept: HistoryCache = request.app.state.histories
     names = list(dict.fromkeys(parameter))
 
@@ -144,6 +152,8 @@ async def read_trends(
             name: in_time_range(columns, first=period.first, last=period.last, most=max_points)
             for name, columns in found.items()
         }
+        if wanted == "influx":
+            return Response(trend_lines(machine_id, scope, found, points), media_type=LINES, headers={"Vary": "Accept"})
         body = _json(machine_id, scope, found, points) if wanted == "json" else _file(wanted, found, points)
         return Response(body, media_type=MEDIA_TYPES[wanted], headers={"Vary": "Accept"})
 

@@ -18,7 +18,7 @@ DOCS = Path(__file__).parents[3] / "docs"
 
 def test_an_unknown_kind_is_an_error_that_names_the_known_ones() -> None:
     assert not is_channel("telex")
-    with pytest.raises(ChannelUnknown, match=r"'telex' is no kind .*: webhook, alertmanager, email, zenoh"):
+    with pytest.raises(ChannelUnknown, match=r"'telex' is no kind .*: webhook, alertmanager, email, zenoh, mqtt"):
         channel_kind("telex")
 
 
@@ -35,7 +35,7 @@ def test_a_target_is_checked_only_where_there_is_one() -> None:
 @pytest.mark.parametrize(
     ("said", "words"),
     [
-        ({"kind": "telex", "target": "1"}, "Input should be 'webhook', 'alertmanager', 'email' or 'zenoh'"),
+        ({"kind": "telex", "target": "1"}, "Input should be 'webhook', 'alertmanager', 'email', 'zenoh' or 'mqtt'"),
         ({"kind": "zenoh", "target": "x"}, "target: zenoh needs none"),
         ({"kind": "webhook"}, "target: webhook needs one: a URL"),
         ({"kind": "email", "target": "anna"}, "target: an e-mail address such as anna@plant.example"),

@@ -1,0 +1,37 @@
+"""How the metrics of an edge node that speaks Sparkplug B are named for this machine, and in what units they come."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from estimator.field_types import Identifier, Part, Text
+
+Level = Annotated[Text, Field(min_length=1, max_length=100, pattern=r"^[^/+#]+$")]
+Metric = Annotated[Text, Field(min_length=1, max_length=200)]
+
+
+class SparkplugChannel(Part):
+    """Names of the metrics of one probe."""
+
+    amplitude: Metric
+    phase: Metric
+
+
+class Sparkplug(Part):
+    """Where the machine's metrics come from, `spBv1.0/<group>/…/<node>/<device>`, and what each is."""
+
+    group: Level
+    node: Level
+    device: Level | None = Field(default=None, description="of the node; by default the node's own metrics")
+    speed: Metric = Field(description="name of the metric that is the speed")
+    channels: Annotated[dict[Identifier, SparkplugChannel], Field(min_length=1, max_length=120)] = Field(
+        description="by probe of the document"
+    )
+    conditions: Annotated[dict[Identifier, Metric], Field(max_length=16)] = Field(
+        default={}, description="names of metrics by operating condition of the document"
+    )
+    speed_unit: Literal["rpm", "rad/s", "Hz"] = "rpm"
+    amplitude_unit: Literal["um", "mil", "mm", "m", "V"] = "um"
+    amplitude_kind: Literal["peak", "peak-to-peak"] = "peak-to-peak"
+    phase_convention: Literal["lag", "lead"] = "lag"
+    phase_unit: Literal["deg", "rad"] = "deg"

@@ -1,0 +1,145 @@
+"""The dashboard of machines: each of its queries is put to the service, and what it picks from the answers is there."""
+
+import csv
+import io
+import json
+import re
+from collections.abc import Iterator
+from typing import Any
+
+import pytest
+import yaml
+from grafana_foundation_sdk.models.dashboard import Dashboard
+
+from service.alerts import transitions as alerting
+from service.alerts.transitions import AlertFinding
+from storage.database.engine import Database
+from tests.api_in_process import Api
+from tests.paths import ROOT
+from tests.plant import KEY, START, identification, store_identification
+
+FILE = ROOT / "examples" / "monitoring" / "grafana-machines.json"
+COMPOSE = ROOT / "deploy" / "compose"
+DASHBOARD: dict[str, Any] = json.loads(FILE.read_text())
+
+
+def queries() -> Iterator[tuple[str, dict[str, Any]]]:
+    """Every query of the file, and where it stands."""
+    for panel in DASHBOARD["panels"]:
+        for target in panel["targets"]:
+            yield panel["title"], target
+    for variable in DASHBOARD["templating"]["list"]:
+        if variable["type"] == "query":
+            yield f"variable {variable['name']}", variable["query"]["infinityQuery"]
+    for one in DASHBOARD["annotations"]["list"]:
+        yield one["name"], one["target"]
+
+
+@pytest.fixture
+def api(plant: Database) -> Api:
+    """A plant in which something was found."""
+    with plant.transaction() as session:
+        number = store_identification(session, identification(), run_id=1, measured_at=START).id
+        finding = AlertFinding("bent", {}, number, START)
+        alerting.raise_alert(session, KEY.machine, rule="misalignment", element="coupling.C1", finding=finding)
+    return Api(plant)
+
+
+def substituted(url: str, values: dict[str, str]) -> str:
+    """A URL as Grafana asks for it."""
+    times = {"__from:date:iso": "2023-11-01T00:00:00.000Z", "__to:date:iso": "2023-12-01T00:00:00.000Z"}
+    return re.sub(r"\$\{([\w:]+)\}", lambda found: (times | values)[found[1]], url)
+
+
+def picked(row: Any, selector: str) -> Any:
+    """What a selector takes from a row; raises KeyError where it is not there. A null on the way is a null."""
+    for name in selector.split("."):
+        if row is None:
+            return None
+        row = row[name]
+    return row
+
+
+def in_schema(api: Api, url: str, root: str) -> dict[str, Any]:
+    """The schema of the rows that a query picks, for answers without any."""
+    told = api.app.openapi()
+    path = re.sub(r"\$\{\w+\}", "x", url.split("?")[0])
+    (found,) = [one for one in told["paths"] if re.fullmatch(re.sub(r"\{\w+\}", "x", one), path)]
+    schema = told["paths"][found]["get"]["responses"]["200"]["content"]["application/json"]["schema"]
+    for name in [*filter(None, root.split(".")), None]:
+        schema = resolved(told, schema)
+        schema = schema["items"] if name is None else schema["properties"][name]
+    return dict(resolved(told, schema))
+
+
+def resolved(told: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any]:
+    """A schema instead of a reference to it, or to it or null."""
+    for one in schema.get("anyOf", ()):
+        if one.get("type") != "null":
+            schema = one
+    return told["components"]["schemas"][schema["$ref"].split("/")[-1]] if "$ref" in schema else schema
+
+
+@pytest.mark.parametrize(("where", "query"), list(queries()), ids=lambda one: one if isinstance(one, str) else "")
+def test_each_query_is_answered_with_what_it_picks(api: Api, where: str, query: dict[str, Any]) -> None:
+    values = {"machine": KEY.machine, "identification": "1", "bearing": "bearing.B1.kxx", "coupling": "coupling.C1.kxx"}
+    answer = api.ask("GET", substituted(query["url"], values))
+    assert answer.status_code == 200, f"{where}: {answer.text}"
+    selectors = [column["selector"] for column in query["columns"]]
+    if query["type"] == "csv":
+        header = next(csv.reader(io.StringIO(answer.text)))
+        assert set(selectors) <= set(header), where
+        return
+    rows = answer.json()
+    for name in filter(None, query["root_selector"].split(".")):
+        rows = rows[name]
+    assert isinstance(rows, list), where
+    for row in rows:
+        for selector in selectors:
+            picked(row, selector)
+    if not rows:
+        told = api.app.openapi()
+        for selector in selectors:
+            schema = in_schema(api, query["url"], query["root_selector"])
+            for name in selector.split("."):
+                schema = resolved(told, schema["properties"][name])
+
+
+def test_trends_have_points_and_their_baselines(api: Api) -> None:
+    (query,) = [target for where, target in queries() if where == "$bearing"]
+    told = api.ask("GET", substituted(query["url"], {"machine": KEY.machine, "bearing": "bearing.B1.kxx"}))
+    (row,) = csv.DictReader(io.StringIO(told.text))
+    assert float(row["lower"]) < float(row["value"]) < float(row["upper"])
+
+
+def test_names_of_parameters_are_those_that_the_variables_pick(api: Api) -> None:
+    for variable in DASHBOARD["templating"]["list"]:
+        if variable.get("regex"):
+            found = api.value("/identifications/1")["estimates"]
+            assert any(re.search(variable["regex"].strip("/"), one["parameter"]) for one in found), variable["name"]
+
+
+def test_a_query_for_all_of_everything_is_bounded(api: Api) -> None:
+    """A hundred parameters of one machine at a time, so many points of each; lists come in pages."""
+    many = "&".join(f"parameter=bearing.B1.k{number}" for number in range(101))
+    assert api.get(f"/machines/{KEY.machine}/trends?{many}").status_code == 422
+    assert api.get(f"/machines/{KEY.machine}/trends?parameter=bearing.B1.kxx&max_points=20001").status_code == 422
+    assert api.get(f"/machines/{KEY.machine}/samples?limit=10001").status_code == 422
+    for where, query in queries():
+        limited = re.search(r"[?&](limit|max_points)=(\d+)", query["url"])
+        one_thing = query["url"].endswith(("/alignment", "/identifications/${identification}"))
+        assert one_thing or (limited is not None and int(limited[2]) <= 1000), where
+
+
+def test_grafana_knows_the_dashboard_and_is_told_of_the_service() -> None:
+    found = Dashboard.from_json(DASHBOARD)
+    assert [one.title for one in found.panels or []] == [one["title"] for one in DASHBOARD["panels"]]
+    provisioned = yaml.safe_load((COMPOSE / "grafana/provisioning/datasources/rundown.yml").read_text())["datasources"]
+    kinds = {query["datasource"]["type"] for _, query in queries()}
+    assert {one["type"] for one in provisioned} == kinds
+    grafana = yaml.safe_load((COMPOSE / "compose.yaml").read_text())["services"]["grafana"]
+    assert grafana["environment"]["GF_INSTALL_PLUGINS"] in kinds
+    assert any(FILE.name in volume for volume in grafana["volumes"])
+    for one in provisioned:
+        (secret,) = re.findall(r"/run/secrets/(\w+)", one["secureJsonData"]["bearerToken"])
+        assert secret in grafana["secrets"]

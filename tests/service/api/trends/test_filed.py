@@ -1,0 +1,77 @@
+"""What was identified since a cursor, in all formats, and trends as line protocol."""
+
+import io
+
+from arro3.io import read_parquet
+
+from service.api.trends import filed as filed_module
+from storage.database.engine import Database
+from storage.findings import filed_estimates
+from tests.api_in_process import Api
+from tests.plant import KEY, START, identification, store_identification
+
+
+def stored(plant: Database, *runs: int) -> list[int]:
+    """Identifications of some runs, as if they had been filed long ago."""
+    found = []
+    with plant.transaction() as session:
+        for run in runs:
+            row = store_identification(session, identification(), run_id=run, measured_at=START + run * 10**9)
+            row.computed_at -= filed_estimates.HELD_BACK_NS
+            found.append(row.id)
+    return found
+
+
+def test_a_reader_gets_everything_once_page_by_page(plant: Database) -> None:
+    ids, api, after, seen = stored(plant, 1, 2, 3), Api(plant), 0, []
+    for _ in range(3):
+        page = api.value(f"/estimates?after={after}&limit=2")
+        seen += sorted({one["identification"] for one in page["estimates"]})
+        after = page["after"]
+    assert seen == ids
+    assert not page["more"]
+    assert after == ids[-1]
+    new = stored(plant, 4)
+    assert {one["identification"] for one in api.value(f"/estimates?after={after}")["estimates"]} == set(new)
+
+
+def test_every_format_says_the_same(plant: Database) -> None:
+    (number,) = stored(plant, 1)
+    api = Api(plant)
+    rows = api.value("/estimates")["estimates"]
+    (kxx,) = [one for one in rows if one["parameter"] == "bearing.B1.kxx"]
+    assert kxx["lower"] < kxx["value"] < kxx["upper"]
+    answer = api.get("/estimates?format=parquet")
+    assert answer.headers[filed_module.NEXT] == str(number)
+    table = read_parquet(io.BytesIO(answer.content)).read_all()
+    assert table.num_rows == len(rows)
+    assert api.get("/estimates?format=csv").text.count("\r\n") == len(rows) + 1
+    lines = api.get("/estimates?format=influx").text.splitlines()
+    (line,) = [one for one in lines if ",parameter=bearing.B1.kxx," in one]
+    assert f"machine={KEY.machine}" in line
+    assert f"value={kxx['value']!r}" in line
+    assert line.endswith(f" {START + 10**9}")
+
+
+def test_what_is_too_new_or_too_old_waits_or_is_left_out(plant: Database) -> None:
+    api = Api(plant)
+    with plant.transaction() as session:
+        store_identification(session, identification(), run_id=1, measured_at=START)
+    assert api.value("/estimates") == {"after": 0, "more": False, "estimates": []}
+    stored(plant, 2)
+    assert api.value("/estimates?within_days=1")["estimates"]
+    with plant.transaction() as session:
+        for row in filed_estimates.filed(session, after=0, limit=10):
+            row.computed_at -= 2 * filed_module.DAY_NS
+    assert not api.value("/estimates?within_days=1")["estimates"]
+    assert api.get("/estimates?limit=201").status_code == 422
+    assert api.get("/estimates?format=parquet").status_code == 200
+
+
+def test_a_trend_is_line_protocol_when_asked(plant: Database) -> None:
+    (number,) = stored(plant, 1)
+    told = Api(plant).get(f"/machines/{KEY.machine}/trends?parameter=bearing.B1.kxx&parameter=disc.D1.unbalance&format=influx")
+    assert told.headers["content-type"].startswith("text/plain")
+    lines = told.text.splitlines()
+    assert len(lines) == 2
+    assert all(f"identification={number}i" in one and one.startswith("rundown_trend,machine=") for one in lines)

@@ -1,0 +1,121 @@
+"""Alerts and trends on a real broker: each transition arrives, and the last states are there right after a kill."""
+
+import asyncio
+import json
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import zenoh
+
+from service.alerts import transitions as alerting
+from service.alerts.transitions import AlertFinding, Person
+from service.delivery.dispatcher import Dispatcher
+from service.mqtt.publisher import MqttAlerts, RetainedMessage
+from service.replication.work_share import WholeShare
+from storage.alerts import alerts, deliveries
+from storage.database.engine import Database
+from tests.mosquitto import Mosquitto, broker
+from tests.plant import KEY, START, identification, store_identification, wait_until
+from tests.service.mqtt.conftest import settings_of
+
+ALERT = f"rundown/v1/{KEY.plant}/{KEY.machine}/alerts/misalignment/coupling.C1"
+TRENDS = f"rundown/v1/{KEY.plant}/{KEY.machine}/trends"
+
+
+@pytest.fixture
+def own_broker(tmp_path: Path) -> Iterator[Mosquitto]:
+    """A broker that a test may kill."""
+    with broker(tmp_path / "mosquitto", tls=False) as one:
+        yield one
+
+
+@pytest.fixture
+def publishing(own_broker: Mosquitto, router: zenoh.Session, plant: Database) -> Iterator[MqttAlerts]:
+    """A service that delivers to the broker."""
+    settings = settings_of(own_broker)
+    with plant.transaction() as session:
+        deliveries.subscribe(session, kind="mqtt", name="broker", target="", secret=None)
+        store_identification(session, identification(), run_id=1, measured_at=START)
+    publisher = MqttAlerts(settings, plant, WholeShare())
+    dispatcher = Dispatcher(plant, router, settings, broker=publisher)
+    publisher.start()
+    dispatcher.start()
+    try:
+        wait_until(lambda: publisher.trouble is None)
+        yield publisher
+    finally:
+        dispatcher.stop()
+        publisher.stop()
+
+
+def raised(plant: Database) -> int:
+    """Raise an alert; its id."""
+    with plant.transaction() as session:
+        finding = AlertFinding("bent", {}, 1, START)
+        row = alerting.raise_alert(session, KEY.machine, rule="misalignment", element="coupling.C1", finding=finding)
+        assert row is not None
+        return row.id
+
+
+def state(payload: bytes | None) -> str | None:
+    """State of the alert in a message."""
+    return None if not payload else str(json.loads(payload)["state"])
+
+
+@pytest.mark.usefixtures("publishing")
+def test_each_transition_arrives_and_the_last_is_kept(own_broker: Mosquitto, plant: Database) -> None:
+    with own_broker.connected("hmi", "", "rundown/v1/#") as hmi:
+        number = raised(plant)
+        wait_until(lambda: state(hmi.last(ALERT)) == "unacknowledged")
+        with plant.transaction() as session:
+            alerting.acknowledge(session, alerts.get(session, number), Person("anna"))
+        wait_until(lambda: state(hmi.last(ALERT)) == "acknowledged")
+        assert [json.loads(one.payload)["number"] for one in hmi.heard if one.topic == ALERT] == [1, 2]
+    with own_broker.connected("hmi", "", "rundown/v1/#") as late:
+        wait_until(lambda: late.last(ALERT) is not None)
+        assert state(late.last(ALERT)) == "acknowledged"
+        assert late.last("rundown/v1/status/rundown") == b"online"
+
+
+def test_last_states_are_told_again_after_a_kill(own_broker: Mosquitto, plant: Database, publishing: MqttAlerts) -> None:
+    """The broker forgets what it kept, and an alert changes while it is away."""
+    number = raised(plant)
+    wait_until(lambda: publishing.gauges["rundown_mqtt_published"] >= 1)
+    own_broker.kill()
+    (own_broker.folder / "mosquitto.db").unlink(missing_ok=True)
+    wait_until(lambda: publishing.trouble is not None)
+    with plant.transaction() as session:
+        alerting.acknowledge(session, alerts.get(session, number), Person("anna"))
+    own_broker.start()
+    with own_broker.connected("hmi", "", "rundown/v1/#") as hmi:
+        wait_until(lambda: state(hmi.last(ALERT)) == "acknowledged" and hmi.last(TRENDS) is not None)
+    with plant.reading() as session:
+        rows = deliveries.list_subscriptions(session)
+    assert [row.state for row in rows] == ["active"]
+
+
+@pytest.mark.usefixtures("publishing")
+def test_trends_are_published_when_an_identification_is_filed(own_broker: Mosquitto, plant: Database) -> None:
+    with own_broker.connected("hmi", "", TRENDS) as hmi:
+        wait_until(lambda: hmi.last(TRENDS) is not None)
+        with plant.transaction() as session:
+            stored = store_identification(session, identification(), run_id=2, measured_at=START + 10**9).id
+        wait_until(lambda: json.loads(hmi.last(TRENDS) or b"{}").get("identification") == stored)
+        told = json.loads(hmi.last(TRENDS) or b"{}")
+    assert told["accepted"]
+    found = told["parameters"]["bearing.B1.kxx"]
+    assert found["unit"] == "N/m"
+    assert found["lower"] < found["value"] < found["upper"]
+
+
+def test_an_older_event_does_not_replace_the_last_state(own_broker: Mosquitto, publishing: MqttAlerts) -> None:
+    topic = "rundown/v1/a/b/alerts/c/d"
+    assert publishing._loop is not None
+    assert publishing._ready is not None
+    for number in (5, 4):
+        message = RetainedMessage(topic, b"%d" % number, number=number)
+        asyncio.run_coroutine_threadsafe(publishing._publish(publishing._ready, message), publishing._loop).result(5.0)
+    with own_broker.connected("hmi", "", topic) as hmi:
+        wait_until(lambda: hmi.last(topic) is not None)
+        assert hmi.last(topic) == b"5"
