@@ -25,6 +25,9 @@ Parts = Callable[[], dict[str, str]]
 ENDED = "its thread has ended"
 """Status of a part that will not work again in this process."""
 
+NOT_OF_SAMPLES = frozenset({"database", "opcua"})
+"""Parts whose trouble does not say that samples cannot be taken."""
+
 
 @dataclass(frozen=True)
 class HealthReport:
@@ -64,7 +67,7 @@ async def _health(request: Request) -> schemas.Health:
     # A stream without a peer is waiting, not broken.
     healthy = all(state == "ok" for name, state in parts.items() if name != "stream")
     # Of a store that is damaged in parts, what concerns other machines is taken.
-    ready = look.answers and all(state == "ok" for name, state in parts.items() if name != "database")
+    ready = look.answers and all(state == "ok" for name, state in parts.items() if name not in NOT_OF_SAMPLES)
     whole = schemas.Health(
         healthy=healthy,
         ready=ready,
