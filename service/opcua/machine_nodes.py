@@ -38,6 +38,8 @@ FIGURES: dict[str, dict[str, ua.VariantType]] = {
 }
 """Variables of a machine's folders that are no measured quantity."""
 SPEED = "Speed"
+NOTIFIER = ua.ObjectIds.HasNotifier
+"""Reference from a plant to its machines: whose events pass on to it. It is hierarchical, as Organizes is."""
 LOWER, UPPER, ANGLE, QUALITY, REASON, UNIT = "Lower95", "Upper95", "AngleDeg", "Quality", "Reason", "EngineeringUnits"
 
 
@@ -55,7 +57,7 @@ class MachineNodes:
         objects, server = ua.NodeId(ua.ObjectIds.ObjectsFolder), ua.NodeId(ua.ObjectIds.Server)
         root = self._names.root
         self._tree.add_object(root, objects, self._names.qualified("Rundown"), notifies=True, description="all plants")
-        self._tree.refer(server, root, ua.ObjectIds.HasNotifier)
+        self._tree.refer(server, root, NOTIFIER)
 
     def node_of(self, machine: str, *parts: str) -> ua.NodeId:
         """Return the node of a machine that is shown, or of something of it. Raises KeyError."""
@@ -97,13 +99,18 @@ class MachineNodes:
         names, tree, plant = self._names, self._tree, reading.plant
         folder = names.node(plant)
         if not tree.holds(folder):
-            tree.add_object(folder, names.root, names.qualified(plant), notifies=True, description="a plant")
-            tree.refer(names.root, folder, ua.ObjectIds.HasNotifier)
+            tree.add_object(folder, names.root, names.qualified(plant), reference=NOTIFIER, notifies=True, description="a plant")
         machine = names.node(plant, reading.id)
         described = reading.glance.machine.name or reading.id
-        kind = ua.ObjectIds.BaseObjectType
-        tree.add_object(machine, folder, names.qualified(reading.id), kind=kind, notifies=True, description=described)
-        tree.refer(folder, machine, ua.ObjectIds.HasNotifier)
+        tree.add_object(
+            machine,
+            folder,
+            names.qualified(reading.id),
+            kind=ua.ObjectIds.BaseObjectType,
+            reference=NOTIFIER,
+            notifies=True,
+            description=described,
+        )
         self._plants[reading.id] = plant
         for name, variant in (("Name", TEXT), ("Revision", WHOLE)):
             tree.add_variable(names.node(plant, reading.id, name), machine, names.qualified(name), variant, reference=PROPERTY)

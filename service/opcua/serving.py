@@ -38,6 +38,11 @@ class OpcUaServing(SupervisedThread):
         self._server: PlantServer | None = None
 
     @property
+    def ready(self) -> bool:
+        """Return whether clients can connect."""
+        return self._server is not None
+
+    @property
     def gauges(self) -> dict[str, float]:
         """Return figures for a monitoring system."""
         server = self._server
