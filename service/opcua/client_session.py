@@ -134,6 +134,8 @@ class ClientSession(OwnSubscriptions):
         count = sum(len(one.monitored_item_srv._monitored_items) for one in self.subscriptions.values())
         results: list[ua.MonitoredItemCreateResult] = []
         for item in params.ItemsToCreate:
+            if not isinstance(item.RequestedParameters.Filter, ua.EventFilter | ua.DataChangeFilter | ua.AggregateFilter):
+                item.RequestedParameters.Filter = None  # an empty structure stands for none
             refusal = _refusal(item, seen=self.sees(item.ItemToMonitor.NodeId))
             if refusal is None and count >= MOST_ITEMS:
                 refusal = ua.StatusCodes.BadTooManyMonitoredItems

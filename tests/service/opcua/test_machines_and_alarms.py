@@ -59,11 +59,11 @@ def test_a_parameter_has_value_unit_interval_quality_and_source_time(operator: S
 def test_what_a_run_does_not_determine_has_no_value_and_what_does_not_fit_is_uncertain(
     operator: SecondStack, store: Database
 ) -> None:
-    operator.ask("watch", nodes=[STIFFNESS, f"{MACHINE}/Parameters/coupling.C1.kyy"])
+    assert operator.ask("watch", nodes=[STIFFNESS, f"{MACHINE}/Parameters/coupling.C1.kyy"]) == ["Good", "Good"]
     outcome = identification({"coupling.C1.kxx": 1.5}, unknown=["coupling.C1.kyy"], accepted=False)
     began = time.time()
     with store.transaction() as session:
-        store_identification(session, outcome, run_id=7, measured_at=START + 30_000 * SECOND)
+        store_identification(session, outcome, run_id=77, measured_at=START + 30_000 * SECOND)
     wait_until(lambda: any(one.get("status") == "UncertainSubNormal" for one in operator.told))
     (told,) = [one for one in operator.told if one.get("status") == "UncertainSubNormal"]
     assert told["node"] == STIFFNESS
