@@ -78,6 +78,9 @@ service/runs: estimator estimator/machine estimator/runs service/replication ser
     storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
 service/security: estimator service/configuration service/http service/resilience storage storage/database
     storage/encoding storage/operation storage/tables
+service/opcua: estimator estimator/rotor estimator/updated_model service/alerts service/configuration service/resilience
+    service/runs service/security storage storage/alerts storage/database storage/findings storage/machines storage/operation
+    storage/tables
 service/identification: estimator estimator/fit estimator/identification estimator/machine estimator/modes
     estimator/phasors estimator/updated_model service/configuration service/monitoring service/replication
     service/resilience service/workers storage/database storage/encoding storage/findings storage/machines storage/measurements
@@ -121,7 +124,7 @@ service/commands: rotorundown
     estimator/simulation estimator/statics estimator/thesis estimator/updated_model service/api
     service/api/operation service/balancing service/configuration service/delivery service/doctor service/edge
     service/export service/http service/identification service/ingest service/journal service/maintenance
-    service/messaging service/monitoring service/replication service/resilience service/runs service/secrets
+    service/messaging service/monitoring service/opcua service/replication service/resilience service/runs service/secrets
     service/security service/sources service/wire service/workers storage storage/backup storage/database storage/encoding
     storage/machines storage/operation storage/tables
 service: estimator/machine service/alerts service/api/alerts service/api/findings service/api/machines

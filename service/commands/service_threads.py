@@ -130,7 +130,9 @@ def _state(part: ServicePart) -> str:
 
 def _certificate_gauges(settings: Settings) -> dict[str, float]:
     """Return the shortest remaining validity of the certificates, if any; an unreadable one counts as expired."""
-    files = [Path(one) for one in (settings.tls_certificate, settings.zenoh_tls_certificate, settings.opcua_certificate) if one]
+    files = [
+        Path(one) for one in (settings.tls_certificate, settings.zenoh_tls_certificate, settings.opcua_certificate) if one
+    ]
     if not files:
         return {}
     try:

@@ -38,7 +38,8 @@ class Settings(OpcUaSettings):
     model_config = SettingsConfigDict(env_prefix="RUNDOWN_", extra="ignore")
 
     role: Role = Field(
-        default="all", description="what this process does: all, or ingest, identify, api or opcua beside others on one PostgreSQL"
+        default="all",
+        description="what this process does: all, or ingest, identify, api or opcua beside others on one PostgreSQL",
     )
     database: str = Field(default="sqlite:///rundown.db", description="SQLAlchemy URL of the database")
     host: str = Field(default="127.0.0.1", description="address on which the REST API listens")

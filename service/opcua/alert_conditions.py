@@ -39,7 +39,11 @@ class AlertConditions:
     """Conditions of a server, by their nodes."""
 
     def __init__(
-        self, server: InternalServer, tree: NodeTree, machines: MachineNodes, sessions: Callable[[ua.NodeId], ClientSession | None]
+        self,
+        server: InternalServer,
+        tree: NodeTree,
+        machines: MachineNodes,
+        sessions: Callable[[ua.NodeId], ClientSession | None],
     ) -> None:
         """Set up. sessions: the session of an id, where it is a client's."""
         self._server = server

@@ -28,11 +28,12 @@ current: ContextVar["ClientSession"] = ContextVar("opcua_session")
 
 
 class ClientSession(OwnSubscriptions):
-    """A session of a client; the server that creates it sets the first three attributes."""
+    """A session of a client; the server that creates it sets the first three attributes, the library `user`."""
 
     visible: Callable[[Principal, ua.NodeId], bool]
     require_trusted: Callable[[bytes | None, str | None], None]
     history: TrendHistory
+    user: Any
 
     def __init__(self, *arguments: Any, **named_arguments: Any) -> None:
         super().__init__(*arguments, **named_arguments)
@@ -126,9 +127,7 @@ class ClientSession(OwnSubscriptions):
         finally:
             current.reset(token)
 
-    async def create_monitored_items(
-        self, params: ua.CreateMonitoredItemsParameters
-    ) -> list[ua.MonitoredItemCreateResult]:
+    async def create_monitored_items(self, params: ua.CreateMonitoredItemsParameters) -> list[ua.MonitoredItemCreateResult]:
         """Watch values and events that are visible, within limits of number. Raises ServiceError."""
         subscription = self.own(params.SubscriptionId)
         count = sum(len(one.monitored_item_srv._monitored_items) for one in self.subscriptions.values())

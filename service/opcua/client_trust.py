@@ -13,7 +13,7 @@ from asyncua.common.utils import ServiceError
 from cryptography import x509
 from cryptography.exceptions import InvalidSignature
 from cryptography.hazmat.primitives.asymmetric.rsa import RSAPublicKey
-from cryptography.hazmat.primitives.serialization import Encoding, load_pem_private_key
+from cryptography.hazmat.primitives.serialization import load_pem_private_key
 
 FEWEST_BITS = 2048
 """Shortest key that Basic256Sha256 takes (OPC 10000-7)."""

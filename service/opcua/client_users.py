@@ -1,7 +1,7 @@
 """Who a client is: the service's API keys, given as a user name and a password.
 
-The user name is the key's name and the password the key itself. Where the service needs no credentials, OPC UA needs none either:
-then the user name, or the application's name, says who does something, as a name does over HTTP.
+The user name is the key's name and the password the key itself. Where the service needs no credentials, OPC UA needs none
+either: then the user name, or the application's name, says who does something, as a name does over HTTP.
 """
 
 from dataclasses import dataclass, replace

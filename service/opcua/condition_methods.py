@@ -1,7 +1,7 @@
 """What clients do to alerts: the methods of conditions, each a change of an alert's life under the client's name.
 
-Source: OPC 10000-9, 5.5 to 5.8 and the result codes there. Acknowledge, Confirm and Reset, TimedShelve and Unshelve need the role
-operator, AddComment analyst, as over HTTP; the audit trail has the change in the same transaction, and refusals.
+Source: OPC 10000-9, 5.5 to 5.8 and the result codes there. Acknowledge, Confirm and Reset, TimedShelve and Unshelve need the
+role operator, AddComment analyst, as over HTTP; the audit trail has the change in the same transaction, and refusals.
 """
 
 import asyncio
@@ -20,7 +20,7 @@ from service.alerts.lifecycle import Forbidden
 from service.alerts.transitions import MomentRefused, Person
 from service.opcua.alert_conditions import AlertConditions
 from service.opcua.alert_reading import AlertReading
-from service.opcua.client_session import ClientSession, current
+from service.opcua.client_session import current
 from service.opcua.condition_state import LONGEST_SHELVING_MS, alert_and_event
 from service.security.principal import Principal, Role
 from service.security.repeated_entries import RepeatedEntries
@@ -212,7 +212,7 @@ class _AlertChange:
             return
         found = alerts.history(session, self._alert)
         newer = [one for one in found if one.id > self._event and one.kind in WORSE]
-        if newer and self._operation == "acknowledge_alert" or all(one.id != self._event for one in found):
+        if (newer and self._operation == "acknowledge_alert") or all(one.id != self._event for one in found):
             raise Refused(ua.StatusCodes.BadEventIdUnknown)
 
 

@@ -1,8 +1,8 @@
 """An alert as a condition: which states of OPC UA's alarms each state of ours is, and the fields of an event.
 
-Source: OPC 10000-9 (Alarms & Conditions), 5.5 to 5.8: ConditionType, AcknowledgeableConditionType, AlarmConditionType. An episode
-of ISA-18.2 is active, acknowledged and latched there as here. Ours that is latched waits for a person who looks at the machine
-and resets it: there it is not confirmed yet, and Confirm as well as Reset resets it.
+Source: OPC 10000-9 (Alarms & Conditions), 5.5 to 5.8: ConditionType, AcknowledgeableConditionType, AlarmConditionType. An
+episode of ISA-18.2 is active, acknowledged and latched there as here. Ours that is latched waits for a person who
+looks at the machine and resets it: there it is not confirmed yet, and Confirm as well as Reset resets it.
 """
 
 import struct

@@ -1,7 +1,7 @@
 """Units of values as OPC UA states them.
 
-Source: OPC 10000-8, 5.6.3 (EUInformation), whose numbers are the UNECE common codes of Recommendation 20, three bytes of ASCII.
-Units without a code have the number -1, as that part asks, and their text.
+Source: OPC 10000-8, 5.6.3 (EUInformation), whose numbers are the UNECE common codes of Recommendation 20, three bytes of
+ASCII. Units without a code have the number -1, as that part asks, and their text.
 """
 
 from asyncua import ua

@@ -1,7 +1,7 @@
 """Evaluates the where clauses of clients' event filters on conditions.
 
-Source: OPC 10000-4, 7.7.3 (ContentFilter). The library's own evaluation knows no subtypes, which `OfType` asks for, and only the
-first name of a path; what is compared with nothing here is not true, and never an error.
+Source: OPC 10000-4, 7.7.3 (ContentFilter). The library's own evaluation knows no subtypes, which `OfType` asks for, and only
+the first name of a path; what is compared with nothing here is not true, and never an error.
 """
 
 import operator

@@ -1,9 +1,9 @@
 """The nodes of a machine: what clients see of it, kept as the store has it.
 
-    Objects / Rundown / PLANT / MACHINE
-        State, Runs, Identification     what it does, its last run, its last identification
-        Parameters, Alignment, Loads, Derived     a variable each, with its unit and its 95 % interval as properties
-        Alerts      counts, and a condition for each open alert
+Objects / Rundown / PLANT / MACHINE
+    State, Runs, Identification     what it does, its last run, its last identification
+    Parameters, Alignment, Loads, Derived     a variable each, with its unit and its 95 % interval as properties
+    Alerts      counts, and a condition for each open alert
 """
 
 from datetime import UTC, datetime
@@ -99,7 +99,9 @@ class MachineNodes:
         names, tree, plant = self._names, self._tree, reading.plant
         folder = names.node(plant)
         if not tree.holds(folder):
-            tree.add_object(folder, names.root, names.qualified(plant), reference=NOTIFIER, notifies=True, description="a plant")
+            tree.add_object(
+                folder, names.root, names.qualified(plant), reference=NOTIFIER, notifies=True, description="a plant"
+            )
         machine = names.node(plant, reading.id)
         described = reading.glance.machine.name or reading.id
         tree.add_object(
@@ -205,5 +207,3 @@ def _under(folder: str, **values: Any) -> dict[tuple[str, ...], tuple[Any, ua.Va
 
 def _time_or_none(at: int | None) -> datetime | None:
     return None if at is None else to_datetime(at)
-
-

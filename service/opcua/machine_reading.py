@@ -23,10 +23,14 @@ NOT_IDENTIFIED = "not_identified"
 PARAMETERS, ALIGNMENT, LOADS, DERIVED = "Parameters", "Alignment", "Loads", "Derived"
 FOLDERS = (PARAMETERS, ALIGNMENT, LOADS, DERIVED)
 """Folders of a machine's values."""
-LOAD_NAMES = frozenset(STATIC_LOAD_UNITS) | {name for name in JOURNAL_UNITS if name.startswith("load_")} | {
-    "misalignment_force",
-    "misalignment_moment",
-}
+LOAD_NAMES = (
+    frozenset(STATIC_LOAD_UNITS)
+    | {name for name in JOURNAL_UNITS if name.startswith("load_")}
+    | {
+        "misalignment_force",
+        "misalignment_moment",
+    }
+)
 
 
 @dataclass(frozen=True)

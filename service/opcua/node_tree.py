@@ -150,9 +150,7 @@ class NodeTree:
 
 
 def _same(held: ua.DataValue, value: ua.DataValue) -> bool:
-    return (
-        held.Value == value.Value and held.StatusCode == value.StatusCode and held.SourceTimestamp == value.SourceTimestamp
-    )
+    return held.Value == value.Value and held.StatusCode == value.StatusCode and held.SourceTimestamp == value.SourceTimestamp
 
 
 def _check(found: Sequence[ua.StatusCode], node: ua.NodeId) -> None:

@@ -51,9 +51,7 @@ class OwnSubscriptions(InternalSession):
         self.own(params.SubscriptionId)
         return super().modify_subscription(params)
 
-    async def modify_monitored_items(
-        self, params: ua.ModifyMonitoredItemsParameters
-    ) -> list[ua.MonitoredItemModifyResult]:
+    async def modify_monitored_items(self, params: ua.ModifyMonitoredItemsParameters) -> list[ua.MonitoredItemModifyResult]:
         """Change queues; filters stay as they were checked when the item was created. Raises ServiceError."""
         known = self.own(params.SubscriptionId).monitored_item_srv._monitored_items
         results = []
@@ -101,9 +99,7 @@ class OwnSubscriptions(InternalSession):
         self.own(params.SubscriptionId)
         return await super().delete_monitored_items(params)
 
-    def publish(
-        self, acks: Iterable[ua.SubscriptionAcknowledgement] | None = None
-    ) -> tuple[int, list[ua.StatusCode]]:
+    def publish(self, acks: Iterable[ua.SubscriptionAcknowledgement] | None = None) -> tuple[int, list[ua.StatusCode]]:
         """Take the acknowledgements of its own subscriptions' messages. Raises ServiceError where it has none."""
         own = self.subscriptions
         if not own:
@@ -116,8 +112,9 @@ class OwnSubscriptions(InternalSession):
             results.append(ua.StatusCode(ua.StatusCodes.Good if found else ua.StatusCodes.BadSubscriptionIdInvalid))
         return len(own), results
 
-    async def transfer_subscriptions(  # type: ignore[override]
+    async def transfer_subscriptions(
         self, params: ua.TransferSubscriptionsParameters, callback: Any
     ) -> list[ua.TransferResult]:
         """Refuse: a client that comes back activates its old session, or subscribes anew."""
+        del params, callback
         raise ServiceError(ua.StatusCodes.BadServiceUnsupported)

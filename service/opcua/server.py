@@ -11,10 +11,9 @@ from typing import Any, TypeVar
 from asyncua import Server, ua
 from asyncua.common.connection import TransportLimits
 from asyncua.common.utils import ServiceError
-from asyncua.crypto.permission_rules import User, UserRole
+from asyncua.crypto.permission_rules import User
 from asyncua.server.internal_server import InternalServer
 from asyncua.server.internal_session import InternalSession
-from sqlalchemy.exc import DBAPIError
 
 from service.configuration.release import VERSION
 from service.configuration.settings import Settings
@@ -27,9 +26,8 @@ from service.opcua.machine_nodes import MachineNodes
 from service.opcua.names import NAMESPACE, NodeNames
 from service.opcua.node_tree import NodeTree
 from service.opcua.own_subscriptions import MOST_QUEUED
-from service.opcua.plant_reader import PlantReader, PlantNews
+from service.opcua.plant_reader import PlantNews, PlantReader
 from service.opcua.trend_history import TrendHistory
-from service.resilience.rate_limit import RateLimit
 from service.security.authentication import Authentication
 from service.security.principal import Principal
 from storage.database.engine import Database
@@ -50,21 +48,16 @@ LARGEST_MESSAGE = 16 * 2**20
 CHUNK = 65_535
 SESSIONS_S = 3.0
 """Time between looks whether sessions' keys and certificates still hold [s]."""
-FAILURES = {"per_s": 0.2, "burst": 10.0}
-"""Logins that may fail from one address."""
-UNAVAILABLE, AVAILABLE = 100, 255
-"""Service level while the store is not read, and while it is (OPC 10000-4, 6.6.2.4: degraded, healthy)."""
 
 
 class ClientServer(InternalServer):
     """The library's server, whose sessions are ours."""
 
     def __init__(self, users: ClientUsers, trust: ClientTrust | None, history: TrendHistory) -> None:
-        super().__init__(user_manager=users)  # type: ignore[arg-type]  # it is asked, not inherited from
+        super().__init__(user_manager=users)
         self.names = NodeNames(0)
         self._trust = trust
         self._history = history
-        self._failures = RateLimit(**FAILURES)
         self.max_connections = MOST_CONNECTIONS
         self.max_subscriptions = MOST_ALL_SUBSCRIPTIONS
         self.max_monitored_item_queue_size = MOST_QUEUED
@@ -73,10 +66,13 @@ class ClientServer(InternalServer):
         self.supported_tokens = (ua.AnonymousIdentityToken, ua.UserNameIdentityToken)
 
     def create_session(
-        self, name: str, user: User = User(role=UserRole.Anonymous), external: bool = False  # noqa: B008 - as it inherits it
+        self,
+        name: str,
+        user: User | None = None,
+        external: bool = False,
     ) -> InternalSession:
         """Create a session of a client."""
-        session = ClientSession(self, self.aspace, self.subscription_service, name, user=user, external=external)
+        session = ClientSession(self, self.aspace, self.subscription_service, name, user=user or User(), external=external)
         session.visible, session.require_trusted, session.history = self.visible, self.require_trusted, self._history
         return session
 
@@ -92,6 +88,7 @@ class ClientServer(InternalServer):
 
     def register_server(self, server: Any, conf: Any = None) -> None:
         """Refuse: this is no discovery server."""
+        del server, conf
         raise ServiceError(ua.StatusCodes.BadServiceUnsupported)
 
     @property
@@ -176,7 +173,8 @@ class PlantServer:
 
     async def _show(self, news: PlantNews) -> None:
         machines, conditions = self._machines, self._conditions
-        assert machines is not None and conditions is not None
+        assert machines is not None
+        assert conditions is not None
         for reading in news.machines:
             await machines.show(reading)
             await _others_first()

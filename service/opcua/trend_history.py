@@ -1,7 +1,7 @@
 """History of parameters: the points of trends, in pages.
 
-Source: OPC 10000-11, 6.5.3 (ReadRawModifiedDetails). A continuation point holds all that the rest of a read needs: nothing is kept
-for clients that never come back. Raw values are read, one a run; processed, modified and interpolated ones are not kept.
+Source: OPC 10000-11, 6.5.3 (ReadRawModifiedDetails). A continuation point holds all that the rest of a read needs: nothing is
+kept for clients that never come back. Raw values are read, one a run; processed, modified and interpolated ones are not kept.
 """
 
 import asyncio
@@ -82,9 +82,7 @@ class TrendHistory:
         self._turn = asyncio.Lock()
         self._waiting = 0
 
-    async def read(
-        self, params: ua.HistoryReadParameters, sees: Callable[[ua.NodeId], bool]
-    ) -> list[ua.HistoryReadResult]:
+    async def read(self, params: ua.HistoryReadParameters, sees: Callable[[ua.NodeId], bool]) -> list[ua.HistoryReadResult]:
         """Read the history of some nodes. sees: whether the client may know of a node. Raises ServiceError."""
         nodes, details = params.NodesToRead, params.HistoryReadDetails
         if len(nodes) > MOST_NODES or self._waiting >= MOST_WAITING:

@@ -108,15 +108,15 @@ def page(
     identification = IdentificationRow
     columns = table.measured_at, identification.id, identification.computed_at, identification.accepted
     imaginary = null() if derived else EstimateRow.imaginary
-    query = select(*columns, table.value, table.lower, table.upper, imaginary)
+    query: Any = select(*columns, table.value, table.lower, table.upper, imaginary)
     query = query.join(identification, identification.id == table.identification_id)
     query = query.where(table.machine_id == machine_id, named == name, identification.scope == scope)
     query = query.where(identification.id.in_(counted_ids(machine_id)))
     query = between(query, table.measured_at, first, last)
     query = ordered(query, (table.measured_at, table.identification_id), after, descending=descending)
     return [
-        HistoryPoint(*row[:4], row[4] if row[7] is None or row[4] is None else math.hypot(row[4], row[7]), row[5], row[6])
-        for row in session.execute(query.limit(limit))
+        HistoryPoint(*one, value if imaginary is None else math.hypot(value, imaginary), lower, upper)
+        for *one, value, lower, upper, imaginary in session.execute(query.limit(limit))
     ]
 
 

@@ -7,8 +7,8 @@ import pytest
 
 from storage.database.engine import Database
 from tests.databases import Databases, opened
-from tests.service.opcua.served_plants import ServedPlants, served_plants
 from tests.service.opcua.second_stack import SecondStack, second_stack
+from tests.service.opcua.served_plants import ServedPlants, served_plants
 from tests.service.security.two_plants import fill
 
 

@@ -62,6 +62,10 @@ class SecondStack:
         """Return the conditions' events so far."""
         return [one for one in list(self.told) if one["told"] == "event" and keep(one)]
 
+    def heard(self, keep: Callable[[dict[str, Any]], bool]) -> bool:
+        """Return whether such an event has come."""
+        return bool(self.events(keep))
+
     def _read(self) -> None:
         assert self._process.stdout is not None
         for line in self._process.stdout:

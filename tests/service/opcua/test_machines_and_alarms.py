@@ -98,14 +98,14 @@ def test_an_acknowledgement_is_the_clients_and_its_event_comes_within_a_second(
 ) -> None:
     assert operator.ask("listen", node="i=2253") == "Good"
     assert operator.ask("refresh") == "Good"
-    wait_until(lambda: operator.events(lambda one: one["ConditionId"] == ALERT))
+    wait_until(lambda: operator.heard(lambda one: one["ConditionId"] == ALERT))
     (shown,) = operator.events(lambda one: one["ConditionId"] == ALERT)
     assert (shown["ActiveState"], shown["AckedState.Id"], shown["Retain"]) == ("Active", False, True)
     assert (shown["Severity"], shown["SourceName"]) == (500, KEY.machine)
     assert not operator.events(lambda one: "quince" in str(one)), "of another plant"
     began = time.time()
     assert operator.ask("acknowledge", condition=ALERT, event=shown["EventId"], comment="seen in the control room") == "Good"
-    wait_until(lambda: operator.events(lambda one: one["AckedState.Id"]))
+    wait_until(lambda: operator.heard(lambda one: one["AckedState.Id"]))
     (told,) = operator.events(lambda one: one["AckedState.Id"])
     assert told["at"] - began < EVENT_S + 2.0, "on a busy machine; the benchmark holds the second"
     assert (told["ClientUserId"], told["Comment"]) == ("operator", "seen in the control room")
@@ -154,7 +154,7 @@ def test_comment_shelve_unshelve_and_confirm_change_the_alerts_life(
     assert read(operator, f"{ALERT}/ConfirmedState/Id")["value"] is False
     assert operator.ask("confirm", condition=ALERT, event=event, comment="realigned") == "Good"
     assert standing() == "normal"
-    wait_until(lambda: operator.events(lambda one: one["ConditionId"] == ALERT and not one["Retain"]))
+    wait_until(lambda: operator.heard(lambda one: one["ConditionId"] == ALERT and not one["Retain"]))
     with store.reading() as session:
         kinds = [one.kind for one in alerts.history(session, served.harbour.alert_id)]
     assert kinds[-2:] == ["acknowledged", "reset"]

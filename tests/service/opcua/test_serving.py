@@ -3,6 +3,7 @@
 import asyncio
 import subprocess
 import sys
+from datetime import timedelta
 from pathlib import Path
 
 import pytest
@@ -16,20 +17,23 @@ from tests.ports import free_port
 from tests.service.opcua.certificates import Authority
 from tests.service.opcua.second_stack import second_stack
 
+RUBBISH = (
+    b"\x00" * 100,
+    b"GET / HTTP/1.1\r\n\r\n",
+    b"HELF\xff\xff\xff\xff" + b"a" * 1000,
+    b"MSGF\x10\0\0\0" + b"b" * 8,
+)
 LOOPBACK = "opc.tcp://127.0.0.1:{}"
 
 
 def test_without_an_endpoint_the_library_is_not_loaded() -> None:
     """Its memory, some 100 MB with the standard's address space, is spent only where it is asked for."""
-    script = (
-        "import sys\nfrom service.commands import serve, service_threads\n"
-        "from service.doctor import checks\nassert 'asyncua' not in sys.modules, 'loaded'\n"
-    )
+    script = "import sys\nfrom service.commands import service_threads\nassert 'asyncua' not in sys.modules, 'loaded'\n"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
 
 
-def test_a_port_that_is_taken_is_the_parts_trouble_until_it_is_free(database: Database, tmp_path: Path) -> None:
+def test_a_port_that_is_taken_is_the_parts_trouble_until_it_is_free(database: Database) -> None:
     port = free_port()
     settings = Settings(opcua_listen=LOOPBACK.format(port), opcua_allow_unencrypted=True)
     first, second = OpcUaServing(database, settings), OpcUaServing(database, settings)
@@ -49,12 +53,15 @@ def test_a_port_that_is_taken_is_the_parts_trouble_until_it_is_free(database: Da
 
 
 def test_an_own_certificate_that_has_expired_is_said(database: Database, tmp_path: Path) -> None:
-    from datetime import timedelta
-
     authority = Authority(tmp_path)
     certificate, key = authority.issue("server", "urn:rundown:test", ends=timedelta(days=-1))
-    files = {"opcua_certificate": str(certificate), "opcua_key": str(key), "opcua_trusted": str(authority.trusted)}
-    serving = OpcUaServing(database, Settings(opcua_listen=LOOPBACK.format(free_port()), **files))
+    settings = Settings(
+        opcua_listen=LOOPBACK.format(free_port()),
+        opcua_certificate=str(certificate),
+        opcua_key=str(key),
+        opcua_trusted=str(authority.trusted),
+    )
+    serving = OpcUaServing(database, settings)
     serving.start()
     try:
         wait_until(lambda: serving.trouble is not None)
@@ -114,7 +121,12 @@ def test_strange_bytes_end_their_own_connection_only(database: Database, tmp_pat
 
     try:
         wait_until(lambda: serving.ready)
-        for content in (b"\x00" * 100, b"GET / HTTP/1.1\r\n\r\n", b"HELF\xff\xff\xff\xff" + b"a" * 1000, b"MSGF\x10\0\0\0" + b"b" * 8):
+        for content in (
+            b"\x00" * 100,
+            b"GET / HTTP/1.1\r\n\r\n",
+            b"HELF\xff\xff\xff\xff" + b"a" * 1000,
+            b"MSGF\x10\0\0\0" + b"b" * 8,
+        ):
             asyncio.run(throw(content))
         with second_stack(endpoint, tmp_path, application="urn:second-stack:client") as client:
             assert client.ask("browse", node="ns=2;i=1")["status"] == "Good"

@@ -32,8 +32,10 @@ def trends(database: Database) -> TrendHistory:
 def read(trends: TrendHistory, *, nodes: int = 1, continuation: Any = None, release: bool = False, **details: Any) -> Any:
     params = ua.HistoryReadParameters()
     params.HistoryReadDetails = ua.ReadRawModifiedDetails(
-        StartTime=details.get("begin", TEN_YEARS[0]), EndTime=details.get("end", TEN_YEARS[1]),
-        NumValuesPerNode=details.get("count", 0), IsReadModified=details.get("modified", False),
+        StartTime=details.get("begin", TEN_YEARS[0]),
+        EndTime=details.get("end", TEN_YEARS[1]),
+        NumValuesPerNode=details.get("count", 0),
+        IsReadModified=details.get("modified", False),
     )
     params.ReleaseContinuationPoints = release
     params.NodesToRead = [ua.HistoryReadValueId(NodeId=NODE, ContinuationPoint=continuation) for _ in range(nodes)]
