@@ -107,7 +107,7 @@ def page(
     table, named = (DerivedRow, DerivedRow.name) if derived else (EstimateRow, EstimateRow.parameter)
     identification = IdentificationRow
     columns = table.measured_at, identification.id, identification.computed_at, identification.accepted
-    imaginary = null() if derived else EstimateRow.imaginary
+    imaginary = null().label("imaginary") if derived else EstimateRow.imaginary
     query: Any = select(*columns, table.value, table.lower, table.upper, imaginary)
     query = query.join(identification, identification.id == table.identification_id)
     query = query.where(table.machine_id == machine_id, named == name, identification.scope == scope)
@@ -115,8 +115,16 @@ def page(
     query = between(query, table.measured_at, first, last)
     query = ordered(query, (table.measured_at, table.identification_id), after, descending=descending)
     return [
-        HistoryPoint(*one, value if imaginary is None else math.hypot(value, imaginary), lower, upper)
-        for *one, value, lower, upper, imaginary in session.execute(query.limit(limit))
+        HistoryPoint(
+            measured_at=row.measured_at,
+            identification=row.id,
+            computed_at=row.computed_at,
+            accepted=row.accepted,
+            value=row.value if row.imaginary is None else math.hypot(row.value, row.imaginary),
+            lower=row.lower,
+            upper=row.upper,
+        )
+        for row in session.execute(query.limit(limit))
     ]
 
 
