@@ -18,6 +18,7 @@ from service.journal.journal import Journal
 from service.maintenance.backup_check import BackupWatch
 from service.maintenance.housekeeping import Housekeeping
 from service.maintenance.store_check import StoreWatch
+from service.opcua.serving import OpcUaServing
 from service.replication.lease_keeper import Leasing
 from service.runs.closing import Closing
 from service.runs.collector import Collector
@@ -70,6 +71,8 @@ class ServiceThreads:
         self._backup_watch = BackupWatch(settings.backups)
         self._store_watch = StoreWatch(database)
         self._audit_watch = AuditWatch(database)
+        serves_opcua = settings.opcua_listen and settings.role in ("all", "opcua")
+        self._opcua = OpcUaServing(database, settings) if serves_opcua else None
         self._parts = dict(self._parts_of_role())
 
     def start(self, closing: ExitStack) -> None:
@@ -130,6 +133,7 @@ class ServiceThreads:
             | self._backup_watch.gauges
             | self._audit_watch.gauges
             | self.dispatcher.watch.gauges
+            | (self._opcua.gauges if self._opcua is not None else {})
         )
 
     def _parts_of_role(self) -> Iterator[tuple[str, ServicePart]]:
@@ -138,6 +142,8 @@ class ServiceThreads:
         Identifications are given up first: on a busy machine their processes would slow down the storing of what has come.
         """
         yield "leasing", self.leasing
+        if self._opcua is not None:
+            yield "opcua", self._opcua
         if self._settings.role in ("all", "ingest"):
             yield "ingest", self._ingest
             yield "closing", self._closing
@@ -156,7 +162,12 @@ def _state(part: ServicePart) -> str:
 
 def _certificate_gauges(settings: Settings) -> dict[str, float]:
     """Return the shortest remaining validity of the certificates, if any; an unreadable one counts as expired."""
-    named = settings.tls_certificate, settings.zenoh_tls_certificate, settings.mqtt_tls_certificate
+    named = (
+        settings.tls_certificate,
+        settings.zenoh_tls_certificate,
+        settings.mqtt_tls_certificate,
+        settings.opcua_certificate,
+    )
     files = [Path(one) for one in named if one]
     if not files:
         return {}

@@ -10,13 +10,15 @@ from pydantic_settings import SettingsConfigDict, SettingsError
 from service.configuration.hosts import encrypted
 from service.configuration.log_format import LogFormat
 from service.configuration.mqtt_settings import MqttSettings
+from service.configuration.opcua_settings import OpcUaSettings
 from service.configuration.settings_file import WrongSettingsFile, read_settings_file, settings_file
 from service.secrets.files import read_keys, read_secret, require_private
 
-Role = Literal["all", "ingest", "identify", "api"]
+Role = Literal["all", "ingest", "identify", "api", "opcua"]
 """Roles of a process: everything, or one part beside other processes on one PostgreSQL database.
 
 ingest: zenoh and HTTP samples to the store. identify: computes, assesses, delivers alerts. api: the REST API and the page.
+opcua: the OPC UA server.
 """
 
 DEFAULT_ZENOH_ENDPOINT = "tcp/127.0.0.1:7447"
@@ -33,13 +35,14 @@ def _require_day_or_zero(days: float) -> float:
 Days = Annotated[float, Field(ge=0), AfterValidator(_require_day_or_zero)]
 
 
-class Settings(MqttSettings):
+class Settings(MqttSettings, OpcUaSettings):
     """Settings of `rundown serve`; each can be given as `RUNDOWN_<NAME>`."""
 
     model_config = SettingsConfigDict(env_prefix="RUNDOWN_", extra="ignore")
 
     role: Role = Field(
-        default="all", description="what this process does: all, or ingest, identify or api beside others on one PostgreSQL"
+        default="all",
+        description="what this process does: all, or ingest, identify, api or opcua beside others on one PostgreSQL",
     )
     database: str = Field(default="sqlite:///rundown.db", description="SQLAlchemy URL of the database")
     host: str = Field(default="127.0.0.1", description="address on which the REST API listens")
@@ -194,14 +197,16 @@ class Settings(MqttSettings):
 
     @model_validator(mode="after")
     def _of_role(self) -> Self:
-        """Require PostgreSQL for a role beside others; unless set, identify and api connect to a local zenoh router."""
+        """Require PostgreSQL for a role beside others; unless set, all but ingest connect to a local zenoh router."""
+        if self.role == "opcua" and not self.opcua_listen:
+            raise ValueError("role 'opcua' is the OPC UA server: say where it listens with opcua_listen")
         if self.role != "all" and not self.database.startswith("postgresql"):
             kind = re.match(r"\w*", self.database)
             raise ValueError(
                 f"role '{self.role}' works beside others, which needs a PostgreSQL database: a URL that begins with "
                 f"postgresql+psycopg://, not with {kind[0] if kind else ''}"
             )
-        if self.role in ("identify", "api") and "zenoh_listen" not in self.model_fields_set:
+        if self.role in ("identify", "api", "opcua") and "zenoh_listen" not in self.model_fields_set:
             self.zenoh_listen = []
             if "zenoh_connect" not in self.model_fields_set:
                 self.zenoh_connect = [DEFAULT_ZENOH_ENDPOINT]

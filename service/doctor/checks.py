@@ -25,7 +25,8 @@ from service.configuration.settings import Settings
 from service.delivery.channels import is_channel
 from service.delivery.secret_upkeep import SecretReport
 from service.delivery.signing_secrets import SigningSecrets
-from service.doctor.own_addresses import api_trust, api_url, endpoint_here
+from service.doctor.opcua_greeting import greet
+from service.doctor.own_addresses import api_trust, api_url, endpoint_here, reachable
 from service.maintenance.store_check import WAITING
 from service.messaging.access_control import AccessUnusable, StreamSecurity
 from service.messaging.session import StreamUnusable, connected, session
@@ -81,6 +82,22 @@ def examine(settings: Settings, *, url: str | None = None, api_key: str | None =
         answers = yield from _api(client)
         machine = (yield from _machines(client)) if answers else None
     yield from _stream(settings, machine)
+    yield from _opcua(settings)
+
+
+def _opcua(settings: Settings) -> Iterator[CheckResult]:
+    if not settings.opcua_listen:
+        return
+    what = "OPC UA"
+    if settings.opcua_allow_unencrypted and not is_loopback(settings.opcua_address[0]):
+        yield CheckResult("warning", what, "it is offered without encryption beyond this machine: API keys can be overheard")
+    host, port = settings.opcua_address
+    try:
+        greet(reachable(host), port, within_s=CONNECT_S)
+    except (OSError, ValueError) as error:
+        yield CheckResult("wrong", what, f"{settings.opcua_listen} does not answer: {error}; /health says what ails it")
+    else:
+        yield CheckResult("ok", what, f"{settings.opcua_listen} answers")
 
 
 def _database(settings: Settings) -> Iterator[CheckResult]:
@@ -256,6 +273,7 @@ def _certificates(settings: Settings) -> Iterator[CheckResult]:
         ("API certificate", settings.tls_certificate),
         ("zenoh certificate", settings.zenoh_tls_certificate),
         ("MQTT certificate", settings.mqtt_tls_certificate),
+        ("OPC UA certificate", settings.opcua_certificate),
     ):
         if file:
             yield _certificate(what, Path(file))

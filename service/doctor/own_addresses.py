@@ -12,9 +12,14 @@ def endpoint_here(endpoint: str) -> str:
     return endpoint.replace(f"[{host}]", "127.0.0.1").replace(host, "127.0.0.1") if host in ("0.0.0.0", "::") else endpoint
 
 
+def reachable(host: str) -> str:
+    """Return the address at which this machine reaches one that is listened on."""
+    return "127.0.0.1" if host in ("0.0.0.0", "::") else host
+
+
 def api_url(settings: Settings) -> str:
     """Return the address at which this machine reaches the API."""
-    host = "127.0.0.1" if settings.host in ("0.0.0.0", "::") else settings.host
+    host = reachable(settings.host)
     scheme = "https" if settings.tls_certificate else "http"
     return f"{scheme}://{f'[{host}]' if ':' in host else host}:{settings.port}"
 

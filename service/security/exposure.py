@@ -54,7 +54,19 @@ def _unprotected_access(settings: Settings, *, keys_are_there: bool) -> list[str
             f"the API on {settings.host} would need no credentials: make a first key with "
             "`rundown key create NAME --role admin`, or set RUNDOWN_OIDC_ISSUER"
         )
+    found += _open_opcua(settings, keys_are_there=keys_are_there)
     return found + _open_endpoints(settings, settings.zenoh_listen)
+
+
+def _open_opcua(settings: Settings, *, keys_are_there: bool) -> list[str]:
+    if not settings.opcua_listen or is_loopback(settings.opcua_address[0]):
+        return []
+    if keys_are_there or settings.authentication == "required":
+        return []
+    return [
+        f"anybody could acknowledge alerts at {settings.opcua_listen}: make a first key with "
+        "`rundown key create NAME --role operator`, or listen on loopback"
+    ]
 
 
 def credentials_needed(settings: Settings, *, keys_are_there: bool) -> bool:

@@ -35,6 +35,11 @@ def open_alerts(session: Session, machine_id: str) -> Sequence[AlertRow]:
     return session.scalars(query.with_for_update()).all()
 
 
+def all_open(session: Session) -> Sequence[AlertRow]:
+    """Return the open alerts of all machines, oldest first."""
+    return session.scalars(select(AlertRow).where(AlertRow.closed_at.is_(None)).order_by(AlertRow.id)).all()
+
+
 def add(
     session: Session,
     machine_id: str,

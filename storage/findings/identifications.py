@@ -208,11 +208,12 @@ def newest(
     return session.scalars(query.order_by(*order).limit(limit)).all()
 
 
-def newest_of_single_run(session: Session, machine_id: str) -> IdentificationRow | None:
-    """Return the newest accepted identification of a single run of any kind, see `counting`."""
-    query = select(IdentificationRow).where(IdentificationRow.machine_id == machine_id, IdentificationRow.accepted)
-    query = query.where(IdentificationRow.scope == RUN, IdentificationRow.id.in_(counted_ids(machine_id)))
-    query = query.where(IdentificationRow.measured_at <= now() + TOLERANCE)
+def newest_of_single_run(session: Session, machine_id: str, *, accepted: bool = True) -> IdentificationRow | None:
+    """Return the newest identification of a single run of any kind, see `counting`. accepted: only accepted ones."""
+    query = select(IdentificationRow).where(IdentificationRow.machine_id == machine_id, IdentificationRow.scope == RUN)
+    query = query.where(IdentificationRow.id.in_(counted_ids(machine_id)), IdentificationRow.measured_at <= now() + TOLERANCE)
+    if accepted:
+        query = query.where(IdentificationRow.accepted)
     order = (IdentificationRow.measured_at.desc(), IdentificationRow.id.desc())
     return session.scalars(query.order_by(*order).limit(1)).one_or_none()
 

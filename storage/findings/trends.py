@@ -1,5 +1,6 @@
 """Histories of parameters in columns, from which trends are drawn."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
@@ -13,6 +14,7 @@ from sqlalchemy.orm import Session
 from estimator.arrays import Floats
 from storage.findings.identifications import counted_ids
 from storage.measurements.runs import DISCARDED
+from storage.paging import Keys, between, ordered
 from storage.tables.findings import DerivedRow, EstimateRow, IdentificationRow
 from storage.tables.machines import BaselineRow, MachineRow
 from storage.tables.measurements import RunRow
@@ -61,6 +63,19 @@ class ParameterHistory:
         return len(self.measured_at)
 
 
+@dataclass(frozen=True)
+class HistoryPoint:
+    """One point of a history. Times [ns since 1970]; value: of an unbalance its magnitude."""
+
+    measured_at: int
+    identification: int
+    computed_at: int
+    accepted: bool
+    value: float | None
+    lower: float | None
+    upper: float | None
+
+
 def histories(session: Session, machine_id: str, names: Sequence[str], *, scope: str) -> dict[str, ParameterHistory]:
     """Return the whole history of each parameter or derived quantity, one point per run, see `identifications.counting`.
 
@@ -70,6 +85,47 @@ def histories(session: Session, machine_id: str, names: Sequence[str], *, scope:
         name: _history(list(rows)) for name, rows in groupby(_rows(session, machine_id, names, scope), key=lambda row: row[0])
     }
     return {name: found.get(name, _NOTHING) for name in names}
+
+
+def page(
+    session: Session,
+    machine_id: str,
+    name: str,
+    *,
+    derived: bool,
+    scope: str,
+    first: int,
+    last: int,
+    after: Keys | None,
+    descending: bool,
+    limit: int,
+) -> list[HistoryPoint]:
+    """Return a page of a history between two times [ns], see `histories`.
+
+    derived: of a derived quantity, not a parameter. after: (time, identification) of the last point of the page before.
+    """
+    table, named = (DerivedRow, DerivedRow.name) if derived else (EstimateRow, EstimateRow.parameter)
+    identification = IdentificationRow
+    columns = table.measured_at, identification.id, identification.computed_at, identification.accepted
+    imaginary = null().label("imaginary") if derived else EstimateRow.imaginary
+    query: Any = select(*columns, table.value, table.lower, table.upper, imaginary)
+    query = query.join(identification, identification.id == table.identification_id)
+    query = query.where(table.machine_id == machine_id, named == name, identification.scope == scope)
+    query = query.where(identification.id.in_(counted_ids(machine_id)))
+    query = between(query, table.measured_at, first, last)
+    query = ordered(query, (table.measured_at, table.identification_id), after, descending=descending)
+    return [
+        HistoryPoint(
+            measured_at=row.measured_at,
+            identification=row.id,
+            computed_at=row.computed_at,
+            accepted=row.accepted,
+            value=row.value if row.imaginary is None else math.hypot(row.value, row.imaginary),
+            lower=row.lower,
+            upper=row.upper,
+        )
+        for row in session.execute(query.limit(limit))
+    ]
 
 
 def _rows(session: Session, machine_id: str, names: Sequence[str], scope: str) -> Iterator[Sequence[Any]]:

@@ -22,10 +22,11 @@ from storage.measurements import quarantine, samples
 router = APIRouter(tags=["operations"])
 
 Parts = Callable[[], dict[str, str]]
-BESIDE = frozenset({"mqtt_samples", "mqtt_alerts"})
-"""Parts without which samples can still be taken over zenoh and HTTP."""
 ENDED = "its thread has ended"
 """Status of a part that will not work again in this process."""
+
+NOT_OF_SAMPLES = frozenset({"database", "mqtt_alerts", "mqtt_samples", "opcua"})
+"""Parts whose trouble does not say that samples cannot be taken."""
 
 
 @dataclass(frozen=True)
@@ -66,8 +67,7 @@ async def _health(request: Request) -> schemas.Health:
     # A stream without a peer is waiting, not broken.
     healthy = all(state == "ok" for name, state in parts.items() if name != "stream")
     # Of a store that is damaged in parts, what concerns other machines is taken.
-    needed = {name: state for name, state in parts.items() if name != "database" and name not in BESIDE}
-    ready = look.answers and all(state == "ok" for state in needed.values())
+    ready = look.answers and all(state == "ok" for name, state in parts.items() if name not in NOT_OF_SAMPLES)
     whole = schemas.Health(
         healthy=healthy,
         ready=ready,

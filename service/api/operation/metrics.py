@@ -137,6 +137,8 @@ _GAUGES = {
     "rundown_webhooks_unsigned": "active webhooks that are told nothing, for their secret cannot be had",
     "rundown_stuck_identifications": "identifications whose process or Dask worker stopped answering, since the start",
     "rundown_audit_trail_holds": "1 while the newest entry that was seen before is still there as it was",
+    "rundown_opcua_sessions": "clients of the OPC UA server",
+    "rundown_opcua_monitored_items": "values and events that OPC UA clients watch",
     "rundown_housekeeping_working": "1 while old samples are deleted as they should be",
 }
 

@@ -1,0 +1,78 @@
+"""An alert as it is told over OPC UA: its standing, and the event that led to it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from sqlalchemy.orm import Session
+
+from service.alerts.lifecycle import AlertStatus, Suppression
+from service.alerts.transitions import status_of
+from storage.alerts import alerts, suppressions
+from storage.machines import machines
+from storage.tables.alerting import AlertEventRow, AlertRow
+
+
+@dataclass(frozen=True)
+class AlertReading:
+    """An alert after one of its events. Times in ns since 1970; shelved_until: None unless it is shelved."""
+
+    id: int
+    plant: str
+    machine: str
+    rule: str
+    element: str
+    status: AlertStatus
+    is_open: bool
+    shelved_until: int | None
+    identification: int
+    event: int
+    at: int
+    kind: str
+    message: str
+    by: str
+    comment: str
+
+    @property
+    def name(self) -> str:
+        """Return the name of its condition: episodes of one rule and element of a machine have the same."""
+        return f"{self.rule} {self.element}".strip()
+
+
+def open_readings(session: Session) -> list[AlertReading]:
+    """Read every open alert, with its last event."""
+    rows = alerts.all_open(session)
+    return [_reading(session, row, alerts.last_event(session, row.id)) for row in rows]
+
+
+def news_after(session: Session, event: int, *, limit: int) -> list[AlertReading]:
+    """Read the alerts of the events behind one, oldest first; each with the standing that the alert has now."""
+    return _readings(session, alerts.events_after(session, event, limit=limit))
+
+
+def _readings(session: Session, events: Sequence[AlertEventRow]) -> list[AlertReading]:
+    return [_reading(session, alerts.get(session, one.alert_id), one) for one in events]
+
+
+def _reading(session: Session, row: AlertRow, event: AlertEventRow) -> AlertReading:
+    status = status_of(row)
+    until = None
+    if Suppression.SHELVED in status.suppressions:
+        matching = suppressions.of_alert(session, row.machine_id, rule=row.rule, element=row.element)
+        until = max((one.until for one in matching if one.kind == Suppression.SHELVED and one.until is not None), default=None)
+    return AlertReading(
+        id=row.id,
+        plant=machines.get(session, row.machine_id).plant,
+        machine=row.machine_id,
+        rule=row.rule,
+        element=row.element,
+        status=status,
+        is_open=row.closed_at is None,
+        shelved_until=until,
+        identification=row.identification_id,
+        event=event.id,
+        at=event.at,
+        kind=event.kind,
+        message=event.message,
+        by=event.by,
+        comment=event.comment,
+    )

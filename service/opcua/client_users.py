@@ -1,0 +1,72 @@
+"""Who a client is: the service's API keys, given as a user name and a password.
+
+The user name is the key's name and the password the key itself. Where the service needs no credentials, OPC UA needs none
+either: then the user name, or the application's name, says who does something, as a name does over HTTP.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+from asyncua.crypto.permission_rules import User, UserRole
+
+from service.security.authentication import Authentication, Unauthenticated
+from service.security.principal import MAXIMUM_CHARACTERS, OPEN, Principal, Role
+
+SOMEBODY = "OPC UA client"
+
+
+@dataclass
+class ClientUser(User):
+    """A user of the library's, with the principal behind it. secret: the key that was given."""
+
+    role: UserRole = UserRole.User
+    principal: Principal = OPEN
+    secret: str = ""
+
+
+class ClientUsers:
+    """Users by API key. `needed` is renewed from time to time: a first key is noticed then, and credentials stay needed."""
+
+    def __init__(self, authentication: Authentication) -> None:
+        self._authentication = authentication
+        self.needed = True
+        """Whether credentials are needed."""
+
+    async def refresh(self) -> None:
+        """Look whether credentials are needed by now. Raises DBAPIError."""
+        self.needed = await self._authentication.on()
+
+    def get_user(
+        self, iserver: object, username: str | None = None, password: str | None = None, certificate: Any = None
+    ) -> ClientUser | None:
+        """Return the user of a name and a key; None for anybody else. Raises DBAPIError."""
+        del iserver, certificate  # they say which application it is, not who uses it
+        if not self.needed:
+            name = "".join(one for one in username or "" if one.isprintable())[:MAXIMUM_CHARACTERS]
+            return ClientUser(name=name, principal=replace(OPEN, name=name))
+        found = self._of_key(password or "")
+        if found is None or found.name != username:
+            return None
+        return ClientUser(name=found.name, principal=found, secret=password or "")
+
+    def still_valid(self, user: ClientUser) -> bool:
+        """Return whether a user may still do what they may by their session. Raises DBAPIError."""
+        if user.principal.kind == "open":
+            return not self.needed
+        return self._of_key(user.secret) == user.principal
+
+    def _of_key(self, text: str) -> Principal | None:
+        try:
+            found = self._authentication.key(text)
+        except Unauthenticated:
+            return None
+        # A source only sends samples.
+        return found if found.role is not None and found.role >= Role.VIEWER else None
+
+
+def named(user: ClientUser, application: str) -> ClientUser:
+    """Return a user who gave no name under their application's."""
+    if user.principal.name:
+        return user
+    words = "".join(one for one in f"{SOMEBODY} {application}".strip() if one.isprintable())
+    return replace(user, principal=replace(user.principal, name=words[:MAXIMUM_CHARACTERS]))

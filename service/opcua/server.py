@@ -1,0 +1,221 @@
+"""The OPC UA server itself: its endpoint, its sessions and its address space, over the library `asyncua`."""
+
+import asyncio
+import logging
+import time
+from collections.abc import Callable
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any, TypeVar
+
+from asyncua import Server, ua
+from asyncua.common.connection import TransportLimits
+from asyncua.common.utils import ServiceError
+from asyncua.crypto.permission_rules import User
+from asyncua.server.internal_server import InternalServer
+from asyncua.server.internal_session import InternalSession
+
+from service.configuration.release import VERSION
+from service.configuration.settings import Settings
+from service.opcua.alert_conditions import AlertConditions
+from service.opcua.client_session import ClientSession
+from service.opcua.client_trust import ClientTrust, application_uri, load_own
+from service.opcua.client_users import ClientUser, ClientUsers
+from service.opcua.condition_methods import ConditionMethods
+from service.opcua.machine_nodes import MachineNodes
+from service.opcua.names import NAMESPACE, NodeNames
+from service.opcua.node_tree import NodeTree
+from service.opcua.own_subscriptions import MOST_QUEUED
+from service.opcua.plant_reader import PlantNews, PlantReader
+from service.opcua.trend_history import TrendHistory
+from service.security.authentication import Authentication
+from service.security.principal import Principal
+from storage.database.engine import Database
+
+logger = logging.getLogger(__name__)
+T = TypeVar("T")
+
+APPLICATION = "urn:rundown:opcua"
+"""URI of the application where no certificate names it."""
+POLICIES = [
+    ua.SecurityPolicyType.Basic256Sha256_SignAndEncrypt,
+    ua.SecurityPolicyType.Aes128Sha256RsaOaep_SignAndEncrypt,
+    ua.SecurityPolicyType.Aes256Sha256RsaPss_SignAndEncrypt,
+]
+"""Security policies that are offered where there is a certificate; all of them encrypt, as API keys pass."""
+MOST_CONNECTIONS, MOST_ALL_SUBSCRIPTIONS = 100, 200
+LARGEST_MESSAGE = 16 * 2**20
+CHUNK = 65_535
+SESSIONS_S = 3.0
+"""Time between looks whether sessions' keys and certificates still hold [s]."""
+
+
+class ClientServer(InternalServer):
+    """The library's server, whose sessions are ours."""
+
+    def __init__(self, users: ClientUsers, trust: ClientTrust | None, history: TrendHistory) -> None:
+        super().__init__(user_manager=users)
+        self.names = NodeNames(0)
+        self._trust = trust
+        self._history = history
+        self.max_connections = MOST_CONNECTIONS
+        self.max_subscriptions = MOST_ALL_SUBSCRIPTIONS
+        self.max_monitored_item_queue_size = MOST_QUEUED
+        self.max_unacked_messages_per_subscription = 100
+        self.allow_remote_admin = False
+        self.supported_tokens = (ua.AnonymousIdentityToken, ua.UserNameIdentityToken)
+
+    def create_session(
+        self,
+        name: str,
+        user: User | None = None,
+        external: bool = False,
+    ) -> InternalSession:
+        """Create a session of a client."""
+        session = ClientSession(self, self.aspace, self.subscription_service, name, user=user or User(), external=external)
+        session.visible, session.require_trusted, session.history = self.visible, self.require_trusted, self._history
+        return session
+
+    def visible(self, who: Principal, node: ua.NodeId) -> bool:
+        """Return whether a principal may know of a node."""
+        plant = self.names.plant_of(node)
+        return plant is None or who.sees(plant)
+
+    def require_trusted(self, certificate: bytes | None, application: str | None) -> None:
+        """Check the certificate of a channel; one without security has none, where that is offered. Raises ServiceError."""
+        if certificate and self._trust is not None:
+            self._trust.require(certificate, application)
+
+    def register_server(self, server: Any, conf: Any = None) -> None:
+        """Refuse: this is no discovery server."""
+        del server, conf
+        raise ServiceError(ua.StatusCodes.BadServiceUnsupported)
+
+    @property
+    def client_sessions(self) -> list[ClientSession]:
+        """Return the clients' sessions that are active."""
+        return [one for one in self._external_sessions.values() if isinstance(one, ClientSession) and one.is_activated()]
+
+    def session_of(self, number: ua.NodeId) -> ClientSession | None:
+        """Return the active session of a client by its id."""
+        return next((one for one in self.client_sessions if one.session_id == number), None)
+
+
+class PlantServer:
+    """The server over a store. All its methods run on one event loop."""
+
+    def __init__(self, database: Database, settings: Settings) -> None:
+        self._settings = settings
+        self._users = ClientUsers(Authentication(database, required=settings.authentication == "required"))
+        trust = ClientTrust(Path(settings.opcua_trusted)) if settings.opcua_trusted else None
+        self._trust = trust
+        self._core = ClientServer(self._users, trust, TrendHistory(database))
+        self._server = Server(iserver=self._core)
+        self._reader = PlantReader(database)
+        self._database = database
+        self._checked_at = 0.0
+        self._machines: MachineNodes | None = None
+        self._conditions: AlertConditions | None = None
+
+    @property
+    def sessions(self) -> int:
+        """Count the clients."""
+        return len(self._core.client_sessions)
+
+    @property
+    def monitored_items(self) -> int:
+        """Count what clients watch."""
+        subscriptions = self._core.subscription_service.subscriptions.values()
+        return sum(len(one.monitored_item_srv._monitored_items) for one in subscriptions)
+
+    async def start(self) -> None:
+        """Show what is stored, then listen. Raises CertificateUnusable, OSError, DBAPIError."""
+        await self._users.refresh()
+        self._use_certificate()
+        await self._server.init()
+        await self._describe()
+        index = await self._server.register_namespace(NAMESPACE)
+        self._core.names = NodeNames(index)
+        tree = NodeTree(self._core, self._core.names)
+        self._machines = MachineNodes(tree)
+        self._machines.add_root()
+        self._conditions = AlertConditions(self._core, tree, self._machines, self._core.session_of)
+        ConditionMethods(self._database, self._conditions).link(self._core)
+        standing = await _in_thread(self._reader.open_alerts)
+        await self._show(await _in_thread(self._reader.news))
+        for alert in standing:
+            await self._conditions.show(alert, tell=False)
+        await self._server.start()
+
+    async def update(self) -> None:
+        """Show what has changed in the store, and end sessions that may go on no longer. Raises DBAPIError."""
+        await self._show(await _in_thread(self._reader.news))
+        if time.monotonic() >= self._checked_at + SESSIONS_S:
+            self._checked_at = time.monotonic()
+            await self._users.refresh()
+            for session in self._core.client_sessions:
+                if not await self._may_go_on(session):
+                    logger.warning("OPC UA session of %s is ended: its key or certificate holds no longer", session.user.name)
+                    await session.close_session(True)
+
+    async def close(self) -> None:
+        """Stop listening, and end all sessions."""
+        for session in self._core.client_sessions:
+            await session.close_session(True)
+        await self._server.stop()
+
+    async def _may_go_on(self, session: ClientSession) -> bool:
+        try:
+            self._core.require_trusted(session.certificate, session.application)
+        except ServiceError:
+            return False
+        return isinstance(session.user, ClientUser) and await _in_thread(self._users.still_valid, session.user)
+
+    async def _show(self, news: PlantNews) -> None:
+        machines, conditions = self._machines, self._conditions
+        assert machines is not None
+        assert conditions is not None
+        for reading in news.machines:
+            await machines.show(reading)
+            await _others_first()
+        for machine, standing in news.standings.items():
+            await machines.show_standing(machine, standing)
+        for alert in news.alerts:
+            await conditions.show(alert)
+
+    def _use_certificate(self) -> None:
+        settings, server = self._settings, self._server
+        policies = [ua.SecurityPolicyType.NoSecurity] if settings.opcua_allow_unencrypted else []
+        if settings.opcua_certificate:
+            found, key = load_own(Path(settings.opcua_certificate), Path(settings.opcua_key))
+            self._core.certificate, self._core.private_key = found, key
+            policies = [*POLICIES, *policies]
+            assert self._trust is not None
+            self._trust.check_folder()
+            server._application_uri = application_uri(found) or APPLICATION
+        else:
+            server._application_uri = APPLICATION
+        server.set_security_policy(policies)
+        host, port = settings.opcua_address
+        server.set_endpoint(f"opc.tcp://{f'[{host}]' if ':' in host else host}:{port}/")
+        server.name, server.product_uri, server.manufacturer_name = "Rundown", "urn:rundown", "Rundown"
+        server.application_type = ua.ApplicationType.Server
+        server.limits = TransportLimits(
+            max_recv_buffer=CHUNK,
+            max_send_buffer=CHUNK,
+            max_chunk_count=LARGEST_MESSAGE // CHUNK + 1,
+            max_message_size=LARGEST_MESSAGE,
+        )
+
+    async def _describe(self) -> None:
+        built = datetime(2026, 1, 1, tzinfo=UTC)
+        await self._server.set_build_info("urn:rundown", "Rundown", "Rundown", VERSION, VERSION, built)
+
+
+async def _in_thread(function: Callable[..., T], *arguments: object) -> T:
+    return await asyncio.to_thread(function, *arguments)
+
+
+async def _others_first() -> None:
+    """Let clients be answered between two machines."""
+    await asyncio.sleep(0)

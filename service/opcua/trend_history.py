@@ -1,0 +1,165 @@
+"""History of parameters: the points of trends, in pages.
+
+Source: OPC 10000-11, 6.5.3 (ReadRawModifiedDetails). A continuation point holds all that the rest of a read needs: nothing is
+kept for clients that never come back. Raw values are read, one a run; processed, modified and interpolated ones are not kept.
+"""
+
+import asyncio
+import struct
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+
+from asyncua import ua
+from asyncua.common.utils import ServiceError
+from sqlalchemy.exc import DBAPIError
+
+from service.opcua.machine_nodes import LOWER, STATUS, UPPER
+from service.opcua.machine_reading import ACCEPTED, FOLDERS, NOT_ACCEPTED, NOT_ESTIMABLE, PARAMETERS
+from service.opcua.names import SEPARATOR
+from storage.clock import from_datetime, to_datetime
+from storage.database.engine import Database
+from storage.findings import trends
+from storage.findings.jobs import RUN
+from storage.findings.trends import HistoryPoint
+
+MOST_NODES = 100
+"""Nodes in one request."""
+PAGE, MOST_VALUES = 1_000, 10_000
+"""Values of one node, and of all, in one answer; more come behind a continuation point."""
+MOST_WAITING = 20
+"""Requests that wait for others: one is answered at a time, so that no read slows the service."""
+EARLIEST, LATEST = 0, 2**62
+UNSET = datetime(1601, 1, 2, tzinfo=UTC)
+"""Times before this are OPC UA's way of saying none."""
+_CONTINUATION = struct.Struct(">B?qqIqq")
+VERSION = 1
+
+
+@dataclass(frozen=True)
+class PageRequest:
+    """The rest of a read: between two times [ns], newest first or not, behind a point, so many values; 0 for all."""
+
+    descending: bool
+    first: int
+    last: int
+    left: int
+    after: tuple[int, int] | None = None
+
+    def continuation(self) -> bytes:
+        """Return it as a continuation point."""
+        time, number = self.after or (0, 0)
+        return _CONTINUATION.pack(VERSION, self.descending, self.first, self.last, self.left, time, number)
+
+    @classmethod
+    def continued(cls, point: bytes) -> "PageRequest":
+        """Return the rest behind a continuation point. Raises ValueError."""
+        if len(point) != _CONTINUATION.size or point[0] != VERSION:
+            raise ValueError("no continuation point of this server")
+        _, descending, first, last, left, time, number = _CONTINUATION.unpack(point)
+        if not EARLIEST <= first <= last <= LATEST:
+            raise ValueError("no continuation point of this server")
+        return cls(descending, first, last, left, (time, number))
+
+    @classmethod
+    def begun(cls, details: ua.ReadRawModifiedDetails) -> "PageRequest":
+        """Return what is asked for. Raises ValueError unless two of begin, end and number are given."""
+        begin, end, count = _time(details.StartTime), _time(details.EndTime), details.NumValuesPerNode
+        if begin is not None and end is not None:
+            return cls(begin > end, min(begin, end), max(begin, end), count)
+        if count == 0 or (begin is None and end is None):
+            raise ValueError("two of begin, end and number are needed")
+        if begin is not None:
+            return cls(False, begin, LATEST, count)
+        return cls(True, EARLIEST, end or 0, count)
+
+
+class TrendHistory:
+    """Answers reads of history from the store."""
+
+    def __init__(self, database: Database) -> None:
+        self._database = database
+        self._turn = asyncio.Lock()
+        self._waiting = 0
+
+    async def read(self, params: ua.HistoryReadParameters, sees: Callable[[ua.NodeId], bool]) -> list[ua.HistoryReadResult]:
+        """Read the history of some nodes. sees: whether the client may know of a node. Raises ServiceError."""
+        nodes, details = params.NodesToRead, params.HistoryReadDetails
+        if len(nodes) > MOST_NODES or self._waiting >= MOST_WAITING:
+            raise ServiceError(ua.StatusCodes.BadTooManyOperations)
+        if params.ReleaseContinuationPoints:
+            return [ua.HistoryReadResult() for _ in nodes]
+        if not isinstance(details, ua.ReadRawModifiedDetails) or details.IsReadModified:
+            return [_failed(ua.StatusCodes.BadHistoryOperationUnsupported) for _ in nodes]
+        page = min(PAGE, MOST_VALUES // max(1, len(nodes)))
+        self._waiting += 1
+        try:
+            async with self._turn:
+                return [await self._of_node(one, details, page) if sees(one.NodeId) else _unknown() for one in nodes]
+        finally:
+            self._waiting -= 1
+
+    async def _of_node(
+        self, asked: ua.HistoryReadValueId, details: ua.ReadRawModifiedDetails, page: int
+    ) -> ua.HistoryReadResult:
+        path = str(asked.NodeId.Identifier).split(SEPARATOR)
+        if len(path) not in (4, 5) or path[2] not in FOLDERS or path[4:] not in ([], [LOWER], [UPPER]):
+            return _failed(ua.StatusCodes.BadHistoryOperationUnsupported)
+        try:
+            given = asked.ContinuationPoint
+            wanted = PageRequest.continued(given) if given else PageRequest.begun(details)
+        except ValueError:
+            wrong = ua.StatusCodes.BadContinuationPointInvalid if given else ua.StatusCodes.BadHistoryOperationInvalid
+            return _failed(wrong)
+        size = min(page, wanted.left or page)
+        try:
+            points = await asyncio.to_thread(self._points, path[1], path[3], path[2] != PARAMETERS, wanted, size + 1)
+        except DBAPIError:
+            return _failed(ua.StatusCodes.BadResourceUnavailable)
+        shown = points[:size]
+        result = ua.HistoryReadResult()
+        result.HistoryData = ua.HistoryData([_value(one, path[4] if path[4:] else "") for one in shown])
+        left = wanted.left - len(shown) if wanted.left else 0
+        if len(points) > size and (left or not wanted.left):
+            last = shown[-1]
+            rest = replace(wanted, left=left, after=(last.measured_at, last.identification))
+            result.ContinuationPoint = rest.continuation()
+        return result
+
+    def _points(self, machine: str, name: str, derived: bool, wanted: PageRequest, limit: int) -> Sequence[HistoryPoint]:
+        with self._database.reading() as session:
+            return trends.page(
+                session,
+                machine,
+                name,
+                derived=derived,
+                scope=RUN,
+                first=wanted.first,
+                last=wanted.last,
+                after=wanted.after,
+                descending=wanted.descending,
+                limit=limit,
+            )
+
+
+def _value(point: HistoryPoint, bound: str) -> ua.DataValue:
+    value = {LOWER: point.lower, UPPER: point.upper}.get(bound, point.value)
+    status = STATUS[NOT_ESTIMABLE if value is None else ACCEPTED if point.accepted else NOT_ACCEPTED]
+    held = ua.Variant(None, ua.VariantType.Null) if value is None else ua.Variant(value, ua.VariantType.Double)
+    at = to_datetime(point.measured_at)
+    return ua.DataValue(held, ua.StatusCode(status), SourceTimestamp=at, ServerTimestamp=to_datetime(point.computed_at))
+
+
+def _time(at: datetime | None) -> int | None:
+    if at is None:
+        return None
+    aware = at if at.tzinfo else at.replace(tzinfo=UTC)
+    return None if aware < UNSET else min(max(from_datetime(aware), EARLIEST), LATEST)
+
+
+def _failed(code: int) -> ua.HistoryReadResult:
+    return ua.HistoryReadResult(StatusCode=ua.StatusCode(code))
+
+
+def _unknown() -> ua.HistoryReadResult:
+    return _failed(ua.StatusCodes.BadNodeIdUnknown)

@@ -1,0 +1,44 @@
+"""The address space is the one that docs/opcua-address-space.json tells clients of."""
+
+from collections.abc import Iterator
+
+import pytest
+
+from service.configuration.settings import Settings
+from service.doctor.opcua_greeting import greet
+from service.opcua.engineering_units import CODES, engineering_unit
+from service.opcua.serving import OpcUaServing
+from storage.database.engine import Database
+from tests.plant import wait_until
+from tests.ports import free_port
+from tests.service.opcua.address_space import FILE, text
+from tests.service.security.two_plants import fill
+
+
+@pytest.fixture
+def serving(database: Database) -> Iterator[OpcUaServing]:
+    fill(database)
+    endpoint = f"opc.tcp://127.0.0.1:{free_port()}"
+    one = OpcUaServing(database, Settings(opcua_listen=endpoint, opcua_allow_unencrypted=True))
+    one.start()
+    wait_until(lambda: one.ready or one.trouble is not None)
+    yield one
+    one.stop()
+
+
+def test_the_file_holds_every_node_and_the_doctor_is_greeted_back(serving: OpcUaServing) -> None:
+    assert text(serving) == FILE.read_text(), "python -m tests.service.opcua.address_space docs/opcua-address-space.json"
+    _, port = serving._settings.opcua_address
+    greet("127.0.0.1", port, within_s=5.0)
+
+
+def test_what_does_not_answer_as_opc_ua_is_said() -> None:
+    with pytest.raises(OSError, match="refused"):
+        greet("127.0.0.1", free_port(), within_s=1.0)
+
+
+@pytest.mark.parametrize("unit", [*CODES, "N/rad", "N m s/rad"])
+def test_units_have_their_text_and_a_number_where_there_is_a_code(unit: str) -> None:
+    found = engineering_unit(unit)
+    assert found.DisplayName.Text == ("" if unit == "1" else unit)
+    assert (found.UnitId > 0) is (unit in CODES)
