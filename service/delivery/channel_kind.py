@@ -1,11 +1,12 @@
 """Declaration of a kind of delivery channel, and the connections that its channels use."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import zenoh
 from aiohttp import ClientSession
 
+from service.advice.site_texts import SiteTexts
 from service.configuration.settings import Settings
 from service.delivery.channel import Channel
 from service.delivery.signing_secrets import SigningSecrets
@@ -14,12 +15,13 @@ from storage.tables.alerting import SubscriptionRow
 
 @dataclass(frozen=True)
 class Connections:
-    """Connections and settings that channels send with."""
+    """Connections and settings that channels send with. texts: of findings, which messages are made of."""
 
     client: ClientSession
     session: zenoh.Session
     settings: Settings
     secrets: SigningSecrets
+    texts: SiteTexts = field(default_factory=SiteTexts)
 
 
 def _accept(_target: str) -> None:

@@ -79,8 +79,14 @@ def letter(settings: Settings, target: str, message: EventMessage) -> EmailMessa
     ]
     if event.comment:
         lines.append(f"comment    {event.comment}")
+    if event.advice is not None:
+        lines += ["", *event.advice.lines()]
     if settings.public_url:
-        lines += ["", f"{settings.public_url}/api/v1/alerts/{event.alert}"]
+        lines += [
+            "",
+            f"{settings.public_url}/#/machines/{event.machine}",
+            f"{settings.public_url}/api/v1/alerts/{event.alert}",
+        ]
     mail.set_content("\n".join(lines) + "\n")
     return mail
 

@@ -33,7 +33,7 @@ def found(plant: Database) -> IdentificationRow:
 def finding(
     row: IdentificationRow, *, severity: Severity = Severity.ALERT, latching: bool = False, text: str = "out"
 ) -> AlertFinding:
-    return AlertFinding(text, {"identification": row.id}, row.id, row.measured_at, severity, latching)
+    return AlertFinding({"identification": row.id}, row.id, row.measured_at, severity, latching)
 
 
 def raised(session: Session, row: IdentificationRow, *, element: str = ELEMENT, **how: Any) -> AlertRow:

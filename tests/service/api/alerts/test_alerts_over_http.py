@@ -41,7 +41,7 @@ def raised(database: Database, element: str = "coupling.C1", *, latching: bool =
             if known
             else store_identification(session, identification(), run_id=1, measured_at=START).id
         )
-        finding = AlertFinding("Coupling C1 is going out of alignment", {}, number, START, latching=latching)
+        finding = AlertFinding({}, number, START, latching=latching)
         return transitions.raise_alert(session, "pump-7", rule="misalignment", element=element, finding=finding).id
 
 

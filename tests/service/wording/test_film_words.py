@@ -1,7 +1,7 @@
 """Sentences about trains on oil films: which way, how far, what is allowed, what is not determined."""
 
 from estimator.diagnosis.finding_kind import ChangeSize
-from service.monitoring.film_sentences import (
+from service.wording.film_words import (
     alignment_sentence,
     film_sentence,
     oil_sentence,
