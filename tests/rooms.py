@@ -105,7 +105,7 @@ service/ingest: service/journal service/recovery service/replication service/res
 service/api/findings: estimator estimator/alignment estimator/diagnosis estimator/fit estimator/machine estimator/modes
     estimator/phasors estimator/rotor estimator/trends estimator/updated_model service/advice service/alerts
     service/api/cache service/api/conventions service/http service/identification service/monitoring service/security
-    service/workers storage storage/alerts storage/findings storage/machines storage/tables
+    service/wording service/workers storage storage/alerts storage/findings storage/machines storage/tables
 service/api/machines: estimator estimator/calibration estimator/machine estimator/phasors estimator/runs
     estimator/updated_model service/alerts service/api/cache service/api/conventions service/balancing service/http
     service/identification service/monitoring service/runs service/security storage storage/database storage/encoding

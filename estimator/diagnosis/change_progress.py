@@ -14,6 +14,7 @@ from estimator.arrays import Floats
 from estimator.diagnosis.bayes_factors import Reference
 from estimator.diagnosis.finding_kind import Cause
 from estimator.diagnosis.observation import Observation
+from estimator.fit.estimates import CONFIDENCE_95
 from estimator.trends import drift as slow_drift
 from estimator.trends.drift import Drift, time_to_limit
 
@@ -110,7 +111,8 @@ def change_progress(
     Returns:
         The progress.
     """
-    times, sizes = [], []
+    times: list[float] = []
+    sizes: list[float] = []
     for time, one in runs:
         part = shown_part(baseline, cause, beside, one) if cause.names else None
         found = None if part is None else size(replace(cause, change=part * cause.change))
@@ -122,13 +124,20 @@ def change_progress(
         return ChangeProgress(len(times), newest)
     drift = slow_drift.drift(np.array(times), np.array(sizes))
     rates = (drift.slope, drift.slope_lower, drift.slope_upper)
-    ahead = None if limit is None or drift.level >= limit else _ahead(drift, limit)
+    ahead = None if limit is None or drift.level >= limit else _ahead(drift, limit, np.array(times), np.array(sizes))
     return ChangeProgress(len(times), newest, *rates, ahead)
 
 
-def _ahead(drift: Drift, limit: float) -> LimitAhead:
-    found = time_to_limit(drift, limit)
-    return LimitAhead(limit, found.expected, found.earliest, found.latest)
+def _ahead(drift: Drift, limit: float, times: Floats, sizes: Floats) -> LimitAhead:
+    """Return when a limit is reached: by the ends of the rate's interval, from the ends of that of the newest size.
+
+    The scatter of the runs about the line is that of the newest size as well (derived here).
+    """
+    residual = sizes - drift.level - drift.slope * (times - times[-1])
+    half = CONFIDENCE_95 * float(np.sqrt(residual @ residual / (len(times) - 2)))
+    expected = time_to_limit(drift, limit).expected
+    soonest = time_to_limit(replace(drift, level=drift.level + half), limit).earliest if drift.level + half < limit else 0.0
+    return LimitAhead(limit, expected, soonest, time_to_limit(replace(drift, level=drift.level - half), limit).latest)
 
 
 def _white(baseline: Reference, cause: Cause) -> Floats:

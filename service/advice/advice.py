@@ -13,7 +13,7 @@ from service.alerts.advice_message import Action, Advice, Certainty, Figure
 from service.alerts.lifecycle import Severity
 from service.monitoring.finding_rules import RATE_RULE, is_finding, told_rule
 from service.wording.finding_texts import FindingTexts
-from service.wording.finding_words import UNITS, part_words, rounded, told_parts
+from service.wording.finding_words import UNITS, compared_words, part_words, rounded, told_parts
 from service.wording.told_finding import ToldFinding
 
 logger = logging.getLogger(__name__)
@@ -55,7 +55,17 @@ def advice_of(facts: FindingFacts, texts: SiteTexts) -> Advice | None:
 
 def plain_message(kind: str, element: str) -> str:
     """Return what is said of a finding of which only kind and element are known."""
-    return f"{kind.replace('_', ' ').capitalize()} of {element.replace('.', ' ')}"
+    name = element.replace(".", " ")
+    return (
+        f"{name.capitalize()[0]}{name[1:]} itself"
+        if element.startswith(f"{kind}.")
+        else f"{kind.replace('_', ' ').capitalize()} of {name}"
+    )
+
+
+def uncapitalised(words: str | None) -> str:
+    """Return words as they stand within a sentence."""
+    return "" if not words else words[0].lower() + words[1:]
 
 
 def _advice(told: ToldFinding, facts: FindingFacts, texts: FindingTexts) -> Advice:
@@ -68,12 +78,13 @@ def _advice(told: ToldFinding, facts: FindingFacts, texts: FindingTexts) -> Advi
             "since": str(told.evidence.get("since", ""))[:10],
             "sigma": f"{told.evidence.get('sigma') or 0.0:.0f} σ",
             "runs": str(told.evidence.get("runs", "")),
+            "compared": compared_words(told),
             **rule.words(told),
         }
     )
     return Advice(
         what=filled.what,
-        how_far=[_figure(one) for one in told_parts(told)],
+        how_far=[_figure(one, told.runs_of(one)) for one in told_parts(told)],
         how_sure=_certainty(told),
         how_urgent=urgency(told, facts.severity, facts.measured_at),
         check=list(filled.check),
@@ -83,7 +94,7 @@ def _advice(told: ToldFinding, facts: FindingFacts, texts: FindingTexts) -> Advi
     )
 
 
-def _figure(one: SizePart) -> Figure:
+def _figure(one: SizePart, runs: int | None) -> Figure:
     factor = MILLIRADIANS if one.unit == "urad" else 1.0
     scaled = {name: None if (value := getattr(one, name)) is None else factor * value for name in ("allowed", "before")}
     return Figure(
@@ -94,6 +105,7 @@ def _figure(one: SizePart) -> Figure:
         lower=factor * one.lower,
         upper=factor * one.upper,
         sigma=one.sigma,
+        runs=runs,
         parameters=list(one.members),
         **scaled,
     )
@@ -106,13 +118,13 @@ def _certainty(told: ToldFinding) -> Certainty:
         return Certainty(words=words, sigma=None, runs=said["runs"], evidence=None, next_best=None)
     runs, sigma, evidence = said.get("runs"), said.get("sigma"), said.get("evidence")
     others = said.get("runners_up") or []
-    next_best = plain_message(others[0]["kind"], others[0]["element"]).lower() if others else None
-    words = f"{sigma:.0f} σ" if sigma is not None and list(told.parts()) else "Certain beyond chance"
+    next_best = plain_message(others[0]["kind"], others[0]["element"]) if others else None
+    words = f"{sigma:.0f} σ for all of it" if sigma is not None and list(told.parts()) else "Certain beyond chance"
     words += "" if runs is None else f" over the newest {runs} runs together" if runs != 1 else " in the newest run"
     if others and evidence is not None:
         lead = evidence - others[0]["evidence"]
         factor = "more than a million" if lead > LARGEST_EXPONENT else rounded(2.718281828**lead, 2)
-        words += f"; {factor} times more probable than {next_best}, the next explanation"
+        words += f"; {factor} times more probable than the next explanation, {uncapitalised(next_best)}"
     return Certainty(words=words, sigma=sigma, runs=runs, evidence=evidence, next_best=next_best)
 
 

@@ -62,7 +62,8 @@ def parsed_texts(content: Any) -> Mapping[str, FindingTexts]:
         problems += [f"{kind}.{where}: {message}" if where else f"{kind}: {message}" for where, message in wrong]
         if not wrong:
             rule = told_rule(kind)
-            texts = replace(rule.texts, **{name: one if name == "what" else tuple(one) for name, one in said.items()})
+            written: dict[str, Any] = {name: one if name == "what" else tuple(one) for name, one in said.items()}
+            texts = replace(rule.texts, **written)
             problems += [f"{kind}.{where}: {message}" for where, message in rule.problems(texts)]
             found[kind] = texts
     if problems:

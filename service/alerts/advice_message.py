@@ -15,6 +15,7 @@ class Figure(BaseModel):
     lower: float = Field(description="of the 95 % interval")
     upper: float
     sigma: float | None = Field(description="in standard errors, where that is said")
+    runs: int | None = Field(description="newest runs whose mean it is; null: of an older release")
     allowed: float | None = Field(description="what is allowed of it, in the unit")
     before: float | None = Field(description="value in the baseline, in the unit")
     parameters: list[str] = Field(description="parameters whose common change it is, of those that the newest run determines")

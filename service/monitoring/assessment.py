@@ -57,8 +57,8 @@ class ComparedRuns:
 class CoupledLoad:
     """A load in a coupling, such as `coupling.C1.misalignment_force`.
 
-    unit: SI unit. newest: value of the newest run. baseline: value of each run of the baseline, with the half width of its 95 %
-    interval.
+    unit: SI unit. newest: value of the newest run. baseline: value of each run of the baseline, with the half width of its
+    95 % interval.
     """
 
     name: str

@@ -63,11 +63,6 @@ class AlertRule:
                     )
 
 
-def describes_machine(kind: str) -> bool:
-    """Return whether a finding lies at the machine as a whole, so that no element need be named; also where there is none."""
-    return next((one.elements == ("machine",) for one in FINDING_KINDS if one.kind == kind), True)
-
-
 Words = Callable[[ToldFinding], Mapping[str, str]]
 """Function that returns what stands in the places of a finding's own texts, by name; `size` is one of them."""
 
@@ -76,9 +71,9 @@ Words = Callable[[ToldFinding], Mapping[str, str]]
 class FindingRule:
     """Declaration of how one kind of finding is reported. Raises ValueError when a part is missing or wrong.
 
-    texts: what is said of it, which a site may replace. words: what stands in its places. places: those beside `PLACES`. force:
-    the derived value of the element that is its force [N], such as `misalignment_force`; required when the rule's levels may
-    name a force. open_questions: what the numbers of a finding leave open, beside what its texts say.
+    texts: what is said of it, which a site may replace. words: what stands in its places. places: those beside `PLACES`.
+    force: the derived value of the element that is its force [N], such as `misalignment_force`; required when the rule's
+    levels may name a force. open_questions: what the numbers of a finding leave open, beside what its texts say.
     """
 
     kind: str
@@ -105,8 +100,7 @@ class FindingRule:
 
     def problems(self, texts: FindingTexts) -> list[tuple[str, str]]:
         """Return what is wrong with texts of it, as (field, message)."""
-        whole = describes_machine(self.kind)
-        needed = ([] if whole else ["id"]) + (["size"] if "{size}" in self.texts.what else [])
+        needed = [one for one in ("id", "size", *self.places) if f"{{{one}}}" in self.texts.what]
         return list(texts.problems(self.places, needed))
 
 
@@ -197,9 +191,9 @@ FINDING_RULES: tuple[FindingRule, ...] = (
         "misalignment",
         MISALIGNMENT,
         FindingTexts(
-            what="Coupling {id} {judgement}: {size}, against the baseline, since {since}",
+            what="Coupling {id} {judgement}: {size}, {compared}, since {since}",
             check=(
-                "Metal and oil temperatures of the bearings beside coupling {id}, and load and process temperature since {since}",
+                "Metal and oil temperatures of the bearings beside coupling {id}, load and process temperature, since {since}",
                 "2×, orbit and shaft centreline at the probes beside coupling {id}, over a run from before {since}",
                 "Pipes, hold-down bolts (soft foot) and foundation on both sides of coupling {id}",
             ),
@@ -214,7 +208,7 @@ FINDING_RULES: tuple[FindingRule, ...] = (
                 NEW_BASELINE,
             ),
             if_danger=(
-                "Agree on the earliest stop for coupling {id} with operations, and do not start again before it is looked at",
+                "Agree on the earliest stop for coupling {id} with operations; do not start again before it is looked at",
             ),
             confirm=(
                 "An alignment, measured by laser or dial gauges, that is off the same way",
@@ -231,7 +225,7 @@ FINDING_RULES: tuple[FindingRule, ...] = (
         "bearing",
         BEARING,
         FindingTexts(
-            what="{judgement}: {size}, against the baseline, since {since}",
+            what="{judgement}: {size}, {compared}, since {since}",
             check=(
                 "Oil supply temperature, pressure and flow, and metal temperature, of {element} since {since}",
                 "Shaft centreline in {element}, over a run from before {since}",
@@ -253,7 +247,7 @@ FINDING_RULES: tuple[FindingRule, ...] = (
         "coupling",
         COUPLING,
         FindingTexts(
-            what="Coupling {id} has changed by itself: {size}, against the baseline, since {since}",
+            what="Coupling {id} has changed by itself: {size}, {compared}, since {since}",
             check=("Torque and temperature at coupling {id} since {since}", "2× and phase across coupling {id}"),
             in_operation=("Take a run-down at the next chance: it shows whether the change grows",),
             at_next_stop=(
@@ -272,7 +266,7 @@ FINDING_RULES: tuple[FindingRule, ...] = (
         "pedestal",
         PEDESTAL,
         FindingTexts(
-            what="Pedestal {id} has changed by itself: {size}, against the baseline, since {since}",
+            what="Pedestal {id} has changed by itself: {size}, {compared}, since {since}",
             check=("Hold-down bolts, grout and cracks of pedestal {id}", "Pull of the pipes at pedestal {id}, warm and cold"),
             in_operation=("Compare vibration of pedestal {id} across its joints, bolt by bolt (common practice)",),
             at_next_stop=("Tighten or mend what is loose at pedestal {id}, then check the alignment beside it", NEW_BASELINE),
@@ -287,7 +281,7 @@ FINDING_RULES: tuple[FindingRule, ...] = (
         "settlement",
         SETTLEMENT,
         FindingTexts(
-            what="Bearing {id} stands {size}, against the baseline, since {since}",
+            what="Bearing {id} stands {size}, {compared}, since {since}",
             check=("Foundation and shims under bearing {id}", "Metal temperatures of bearing {id} and its neighbours"),
             in_operation=("Compare load and temperature of bearing {id} with those of its neighbours",),
             at_next_stop=("Measure the elevation of bearing {id} and set its shims", NEW_BASELINE),
@@ -301,7 +295,7 @@ FINDING_RULES: tuple[FindingRule, ...] = (
         "wear",
         WEAR,
         FindingTexts(
-            what="Bearing {id} is worn: its radial clearance is {size}, against the baseline, since {since}",
+            what="Bearing {id} is worn: its radial clearance is {size}, {compared}, since {since}",
             check=("Particles and metal in the oil of bearing {id}", "Metal temperature and shaft centreline of bearing {id}"),
             in_operation=("Take oil samples, and run-downs at the same oil temperature: they show how fast it wears",),
             at_next_stop=("Measure the clearance of bearing {id}; have shells of its size ready before", NEW_BASELINE),
@@ -316,7 +310,7 @@ FINDING_RULES: tuple[FindingRule, ...] = (
         OIL,
         FindingTexts(
             what="The oil in the bearings is of another viscosity, {size}: look at its grade and temperature, "
-            "against the baseline, since {since}",
+            "{compared}, since {since}",
             check=("Grade on the last delivery note, oil temperature at the supply, and water or fuel in the oil",),
             in_operation=("Set the cooler so that the oil has its usual temperature; take a sample for its viscosity",),
             at_next_stop=("Change the oil where its sample says so", NEW_BASELINE),
@@ -330,7 +324,7 @@ FINDING_RULES: tuple[FindingRule, ...] = (
         AlertRule("light_load"),
         FindingTexts(
             what="Bearing {id} carries hardly any load: less than a tenth of what it carried, so that it may whirl, "
-            "against the baseline, since {since}",
+            "{compared}, since {since}",
             check=("Vibration below running speed at bearing {id}, in a spectrum of another instrument",),
             in_operation=("Keep oil warm within its limits: a thinner film whirls later (common practice)",),
             at_next_stop=("Measure the alignment beside bearing {id} and its elevation",),
@@ -344,7 +338,7 @@ FINDING_RULES: tuple[FindingRule, ...] = (
         AlertRule("heavy_load"),
         FindingTexts(
             what="Bearing {id} carries more than 5 MPa of its area, the most that white metal takes (ISO 7902-3), "
-            "against the baseline, since {since}",
+            "{compared}, since {since}",
             check=("Metal temperature of bearing {id} now, and its alarm limit",),
             in_operation=("Reduce load where operations can; watch the metal temperature of bearing {id} in every shift",),
             at_next_stop=("Measure the alignment beside bearing {id} and its elevation; look at its white metal",),
@@ -357,7 +351,7 @@ FINDING_RULES: tuple[FindingRule, ...] = (
         "unbalance",
         UNBALANCE,
         FindingTexts(
-            what="The unbalance of disc {id} has changed by {size}, against the baseline, since {since}",
+            what="The unbalance of disc {id} has changed by {size}, {compared}, since {since}",
             check=(
                 "Whether 1× changed at once or slowly at the probes of disc {id}: a part lost, or deposits and erosion",
                 "What changed at {since}: a start, a trip, a wash, a load, a temperature",
@@ -381,7 +375,7 @@ FINDING_RULES: tuple[FindingRule, ...] = (
         "bow",
         RUN_OUT,
         FindingTexts(
-            what="The bow, or the run-out at all probes, of shaft {id} has changed by {size}, against the baseline, since {since}",
+            what="The bow, or the run-out at all probes, of shaft {id} has changed by {size}, {compared}, since {since}",
             check=("Slow roll of shaft {id}, cold and hot, and how it stood before the start",),
             in_operation=(
                 "Let shaft {id} turn slowly until its slow roll is steady, before the next start (common practice)",
@@ -396,7 +390,7 @@ FINDING_RULES: tuple[FindingRule, ...] = (
         "run_out",
         RUN_OUT,
         FindingTexts(
-            what="The run-out at probe {id} has changed by {size}, against the baseline, since {since}",
+            what="The run-out at probe {id} has changed by {size}, {compared}, since {since}",
             check=("The shaft's surface under probe {id}: scratches, rust, magnetism",),
             in_operation=("Record slow-roll vectors anew at the next run-down and subtract them",),
             at_next_stop=("Clean or burnish the track under probe {id}; look at its holder",),
@@ -409,7 +403,7 @@ FINDING_RULES: tuple[FindingRule, ...] = (
         "sensor",
         SENSOR,
         FindingTexts(
-            what="Probe {id} {size}, against the baseline, since {since}",
+            what="Probe {id} {size}, {compared}, since {since}",
             check=(
                 "Gap voltage, connectors, cable and driver of probe {id}",
                 "Settings of the channel {id} in its instrument",
@@ -426,7 +420,7 @@ FINDING_RULES: tuple[FindingRule, ...] = (
         AlertRule("misfit"),
         FindingTexts(
             what="No fit explains the machine's newest runs: its model does not hold any more, or its data are wrong, "
-            "against the baseline, since {since}",
+            "{compared}, since {since}",
             check=(
                 "Residuals of the newest identification: one channel, one speed range, or everywhere",
                 "What was changed at the machine, its instruments or its document at {since}",
@@ -442,8 +436,8 @@ FINDING_RULES: tuple[FindingRule, ...] = (
         "outliers",
         AlertRule("outliers"),
         FindingTexts(
-            what="Many single phasors of the newest runs do not fit and are left out: look at cables, connections and interference, "
-            "against the baseline, since {since}",
+            what="Many single phasors of the newest runs do not fit and are left out: look at cables, connections and "
+            "interference, {compared}, since {since}",
             check=("Cables, shields, connectors and the keyphasor", "Welding, drives or radio near the cables at that time"),
             in_operation=("Watch the channel's quality on the run's page",),
             at_next_stop=("Mend cables and earthing; look at gap and surface of the keyphasor's mark",),

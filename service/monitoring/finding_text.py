@@ -1,4 +1,4 @@
-"""Statement of a cause: the kind and the numbers that are stored with an alert and a diagnosis. Words are made of them later."""
+"""Statement of a cause: the kind and numbers that are stored with an alert and a diagnosis; words are made of them later."""
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -62,7 +62,7 @@ class Statement:
         }
 
     def _parts(self) -> Iterator["SizePart"]:
-        """Yield the figures of the size; none of what the newest run determines nothing of, and nothing of that as a member."""
+        """Yield the figures of the size, without members that the newest run does not determine; none of nothing but those."""
         for one in self.size.parts:
             members = tuple(name for name in one.members if describe(name).whole not in self.not_estimable)
             if members or not one.members:
@@ -70,11 +70,11 @@ class Statement:
 
 
 def _changed_parameters(cause: "Cause", moved: Sequence["MovedParameter"]) -> list[dict[str, Any]]:
-    elements = {describe(name).element for name in cause.names}
+    own = {name if describe(name).component is None else describe(name).whole for name in cause.names}
     found = []
     named: Counter[str] = Counter()
     for one in sorted(moved, key=lambda each: -abs(each.sigma)):
-        if one.element not in elements or describe(one.parameter).quantity in ELEVATIONS:
+        if one.parameter not in own or describe(one.parameter).quantity in ELEVATIONS:
             continue
         named[one.element] += 1
         if named[one.element] <= LARGEST_MOVES:

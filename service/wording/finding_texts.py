@@ -7,10 +7,11 @@ import string
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields
 
-PLACES = ("id", "element", "machine", "size", "since", "sigma", "runs")
+PLACES = ("id", "element", "machine", "size", "compared", "since", "sigma", "runs")
 """Places that the texts of every finding may have.
 
-id: of its element, such as C1; element: such as coupling C1; machine: its id; size: how far, in words; since: the day of the
+id: of its element, such as C1; element: such as coupling C1; machine: its id; size: how far, in words; compared: of how many
+runs, against the baseline; since: the day of the
 first run that shows it; sigma: how certain; runs: how many runs were looked at together.
 """
 LONGEST_TEXT = 600

@@ -66,8 +66,8 @@ def wear_size(told: ToldFinding) -> Mapping[str, str]:
 
 def oil_words(told: ToldFinding) -> Mapping[str, str]:
     """Return the change of the viscosity."""
-    figures = list(_figures(told))
-    return {"size": figures[0] if figures else f"{told.quantities['viscosity_per_cent']:+.0f} %"}
+    parts = list(told.parts())
+    return {"size": interval(parts[0]) if parts else f"{told.quantities['viscosity_per_cent']:+.0f} %"}
 
 
 def unbalance_words(told: ToldFinding) -> Mapping[str, str]:
@@ -128,6 +128,14 @@ def element_questions(told: ToldFinding) -> Sequence[str]:
     return [f"{', '.join(names)}: not determined one by one by the newest run"] if names else []
 
 
+def compared_words(told: ToldFinding) -> str:
+    """Return what is compared: alignments on oil films are those of the newest run, other sizes the mean of several."""
+    runs = told.evidence.get("runs")
+    if told.of_films or runs is None or runs < 2 or not told.quantities:
+        return "against the baseline"
+    return f"mean of the newest {runs} runs against the baseline"
+
+
 def part_words(one: SizePart) -> str:
     """Return a figure with its interval and what it is of: `all coefficients of coupling C1 together +53 % (+49 to +57)`."""
     return f"{part_name(one.name)} {interval(one)}"
@@ -136,11 +144,13 @@ def part_words(one: SizePart) -> str:
 def part_name(name: str) -> str:
     """Return what a figure is of."""
     said = describe(name)
+    if not said.quantity:  # of the machine as a whole
+        return said.element_id or said.element
     element = f"{said.element_kind} {said.element_id}"
     if said.quantity == "coefficients":
         return f"all coefficients of {element} together"
     words = said.quantity.replace("_", " ")
-    return f"{words} of {element}" if said.quantity else said.element
+    return f"{words} of {element}"
 
 
 def interval(one: SizePart) -> str:
@@ -177,7 +187,7 @@ def _figures(told: ToldFinding) -> Iterator[str]:
 
 def _element_size(told: ToldFinding, *, of_stiffness: bool = False) -> str:
     """Return the growths of elements: of each once, where all its coefficients have grown together."""
-    figures = list(_figures(told))
+    figures = [part_words(one) for one in told_parts(told) if one.before is None]
     if figures:
         return "; ".join(figures)
     # An older release has stored means without intervals.

@@ -46,6 +46,12 @@ class ToldFinding:
         for one in self.evidence.get("parts") or ():
             yield SizePart(**(one | {"members": tuple(one["members"])}))
 
+    def runs_of(self, part: SizePart) -> int | None:
+        """Return of how many of the newest runs a figure is the mean: loads and alignments are the newest one's."""
+        if part.before is not None or self.of_films:
+            return 1
+        return cast("int | None", self.evidence.get("runs"))
+
     def is_tellable(self) -> bool:
         """Return whether the evidence has the numbers that texts name; those of the first releases have not."""
         return "since" in self.evidence and "quantities" in self.evidence

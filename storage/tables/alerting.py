@@ -11,9 +11,9 @@ from storage.tables.base import Base, Key, Name
 class AlertRow(Base):
     """An alert: one episode of a finding, at most one open per machine, rule and element.
 
-    condition, severity, latching, suppressions: see `service.alerts.lifecycle`; state: derived from these for display. evidence:
-    the finding's numbers, of which words are made when it is told. message: empty, but for alerts of releases that stored words
-    and too few numbers.
+    condition, severity, latching, suppressions: see `service.alerts.lifecycle`; state: derived from these for display.
+    evidence: the finding's numbers, of which words are made when it is told. message: empty, but for alerts of releases that
+    stored words and too few numbers.
     """
 
     __tablename__ = "alerts"

@@ -8,6 +8,7 @@ from service.alerts.advice_message import Advice
 from service.alerts.lifecycle import Severity
 from service.api.alerts import schemas
 from service.api.conventions.values import time_or_none
+from service.api.findings.evidence import with_moved_in_per_cent
 from storage.alerts.alerts import ListedAlert
 from storage.clock import to_datetime
 from storage.tables.alerting import AlertRow, SuppressionRow
@@ -37,7 +38,7 @@ def _fields(row: AlertRow | ListedAlert, advice: Advice | None) -> dict[str, Any
         "suppressions": row.suppressions,
         "message": alert_message(row, advice),
         "advice": advice,
-        "evidence": row.evidence,
+        "evidence": with_moved_in_per_cent(row.evidence, {}) if "moved" in row.evidence else row.evidence,
         "identification": row.identification_id,
         "measured_at": to_datetime(row.measured_at),
         "first_measured_at": to_datetime(row.first_measured_at),

@@ -4,7 +4,7 @@ from datetime import datetime
 
 from pydantic import BaseModel, Field
 
-from service.api.findings.evidence import SizeOut
+from service.api.findings.evidence import MeanSizeOut
 
 
 class BaselineUsed(BaseModel):
@@ -60,7 +60,7 @@ class ElementDistanceOut(BaseModel):
     distance: float = Field(description="Mahalanobis; about the root of the number of coordinates while nothing has changed")
     degrees_of_freedom: float
     probability: float
-    together: list[SizeOut] = Field(
+    together: list[MeanSizeOut] = Field(
         default_factory=list,
         description="by how much the element has changed as a whole, where the diagnosis under the same identification says "
         "so: the figures of its alert, from the newest runs together",

@@ -2,6 +2,7 @@
 
 import cmath
 import math
+from dataclasses import asdict
 from typing import Annotated, Any, cast
 
 from fastapi import APIRouter, Query, Request
@@ -19,7 +20,7 @@ from service.api.conventions.dependencies import MachineId, Reading
 from service.api.conventions.problems import RESPONSES, Unsuitable
 from service.api.conventions.values import time_or_none
 from service.api.findings import deviation_schemas as schemas
-from service.api.findings.evidence import SizeOut
+from service.api.findings.evidence import MeanSizeOut
 from service.monitoring.assessment import WEEK
 from service.monitoring.comparison import Compared, compared
 from service.monitoring.condition_adjustment import condition_adjustment, points, readings
@@ -27,6 +28,7 @@ from service.monitoring.limit_rule import Level
 from service.monitoring.limits import Limits, deviation_rule, severity_of
 from service.monitoring.limits_in_force import limits_in_force
 from service.security.requirement import VIEWER
+from service.wording.told_finding import ToldFinding
 from storage.clock import to_datetime
 from storage.findings import diagnoses, identifications
 from storage.findings.identifications import IdentificationUnknown
@@ -196,17 +198,19 @@ def _parameter(one: ParameterDeviation, limits: Limits) -> schemas.ParameterDevi
     )
 
 
-def _together(session: Session, row: IdentificationRow) -> dict[str, list[SizeOut]]:
+def _together(session: Session, row: IdentificationRow) -> dict[str, list[MeanSizeOut]]:
     """Return the figures of each element that the diagnosis of an identification names."""
     diagnosis = diagnoses.of_identification(session, row.id)
-    found: dict[str, list[SizeOut]] = {}
+    found: dict[str, list[MeanSizeOut]] = {}
     for cause in [] if diagnosis is None else diagnosis.causes:
-        for part in cause.get("parts") or ():
-            found.setdefault(element_of(part["name"]), []).append(SizeOut.model_validate(part))
+        told = ToldFinding(cause["kind"], cause["element"], cause)
+        for part in told.parts():
+            size = MeanSizeOut(**asdict(part) | {"members": list(part.members), "runs": told.runs_of(part)})
+            found.setdefault(element_of(part.name), []).append(size)
     return found
 
 
-def _element(one: ElementDistance, together: list[SizeOut]) -> schemas.ElementDistanceOut:
+def _element(one: ElementDistance, together: list[MeanSizeOut]) -> schemas.ElementDistanceOut:
     return schemas.ElementDistanceOut(
         element=one.element,
         coordinates=list(one.names),

@@ -72,6 +72,12 @@ class SizeOut(BaseModel):
     members: list[str] = Field(default_factory=list, description="parameters that have changed together")
 
 
+class MeanSizeOut(SizeOut):
+    """A figure of a cause's size that is the mean of several runs."""
+
+    runs: int | None = Field(description="newest runs whose mean it is; null: of an older release")
+
+
 class AheadLimit(BaseModel):
     """A danger limit that is not reached, and the weeks until it is at the present rate; null: never, or not certainly."""
 
