@@ -10,7 +10,17 @@ from service.wire.conversion import (
     OVERSPEED,
     to_samples,
 )
-from service.wire.encodings import BINARY, ENCODINGS, JSON, MESSAGEPACK, decode_batch, decode_body, encode_batch, encode_body
+from service.wire.encodings import (
+    BINARY,
+    ENCODINGS,
+    JSON,
+    MESSAGEPACK,
+    decode_batch,
+    decode_body,
+    encode_batch,
+    encode_body,
+    unknown_fields,
+)
 from service.wire.frame import LARGEST_MESSAGE, frame, require_size, unframed
 from service.wire.keys import ALL_LIVE, ALL_RECEIVED, ALL_SAMPLES, ALL_SUBMIT, IDENTIFIER, Key
 from service.wire.rejection import Fault, InternalErrorReason, Reason, Rejected
@@ -65,4 +75,5 @@ __all__ = [
     "source_key",
     "to_samples",
     "unframed",
+    "unknown_fields",
 ]

@@ -78,6 +78,7 @@ def test_a_drift_is_told_with_the_time_to_the_limit_of_its_size() -> None:
     assert told.ahead.limit == 25.0
     assert told.ahead.expected == pytest.approx((math.log(1.25) - 0.09) / 0.006, rel=0.15)
     assert told.ahead.earliest is not None
+    assert told.ahead.expected is not None
     assert told.ahead.latest is not None
     assert told.ahead.earliest <= told.ahead.expected <= told.ahead.latest
     (unknown,) = with_limits_ahead(rate_findings(Limits(), runs), Limits(), [], runs)
