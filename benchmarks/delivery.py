@@ -113,7 +113,7 @@ def transition(session: Session, rng: random.Random, identification_id: int, num
     element = f"coupling.C{rng.randrange(40)}"
     row = alerts.open_alert(session, "pump-7", rule="misalignment", element=element)
     if row is None:
-        finding = AlertFinding(f"number {number}", {}, identification_id, START)
+        finding = AlertFinding({}, identification_id, START)
         row = alerting.raise_alert(session, "pump-7", rule="misalignment", element=element, finding=finding)
     elif row.state == "unacknowledged":
         alerting.acknowledge(session, row, Person("anna"))

@@ -6,6 +6,7 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import partial
+from typing import Any
 
 import uvicorn
 from fastapi import FastAPI
@@ -22,9 +23,10 @@ from storage.database.engine import Database
 
 
 @contextmanager
-def served(database: Database) -> Iterator[str]:
+def served(database: Database, **application_parts: Any) -> Iterator[str]:
     """Yield the URL of the API, until the block ends."""
-    with serving(application(database, dict, secrets=SigningSecrets(Sealing([os.urandom(KEY_BYTES)])))) as url:
+    secrets = SigningSecrets(Sealing([os.urandom(KEY_BYTES)]))
+    with serving(application(database, dict, secrets=secrets, **application_parts)) as url:
         yield url
 
 

@@ -68,15 +68,18 @@ rotorundown: estimator estimator/calibration estimator/diagnosis estimator/fit e
 service/balancing: estimator estimator/calibration estimator/fit estimator/machine estimator/phasors
     estimator/updated_model storage/alerts storage/machines storage/measurements
 service/workers: service/configuration
-service/delivery: estimator service/alerts service/configuration service/replication service/resilience service/secrets
-    storage storage/alerts storage/backup storage/database storage/encoding storage/machines storage/operation
-    storage/tables
+service/advice: estimator estimator/diagnosis service/alerts service/configuration service/monitoring service/wording
+    storage storage/alerts storage/tables
+service/delivery: estimator service/advice service/alerts service/configuration service/replication service/resilience
+    service/secrets storage storage/alerts storage/backup storage/database storage/encoding storage/machines
+    storage/operation storage/tables
 service/edge: estimator estimator/machine estimator/phasors estimator/signal service/configuration service/sources
     service/wire storage
+service/wording: estimator/diagnosis estimator/fit estimator/machine
 service/monitoring: estimator estimator/alignment estimator/diagnosis estimator/fit estimator/machine estimator/rotor
     estimator/trends estimator/updated_model service/alerts service/configuration service/replication
-    service/resilience service/workers storage storage/alerts storage/database storage/findings storage/machines
-    storage/measurements storage/tables
+    service/resilience service/wording service/workers storage storage/alerts storage/database storage/findings
+    storage/machines storage/measurements storage/tables
 service/runs: estimator estimator/machine estimator/runs service/replication service/resilience storage
     storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
 service/security: estimator service/configuration service/http service/resilience storage storage/database
@@ -108,9 +111,9 @@ service/api/operation: service/api/conventions service/configuration service/htt
 service/ingest: service/journal service/recovery service/replication service/resilience service/wire storage
     storage/database storage/machines storage/measurements
 service/api/findings: estimator estimator/alignment estimator/diagnosis estimator/fit estimator/machine estimator/modes
-    estimator/phasors estimator/rotor estimator/trends estimator/updated_model service/api/cache
-    service/api/conventions service/http service/identification service/monitoring service/security service/workers
-    storage storage/findings storage/machines storage/tables
+    estimator/phasors estimator/rotor estimator/trends estimator/updated_model service/advice service/alerts
+    service/api/cache service/api/conventions service/http service/identification service/monitoring service/security
+    service/wording service/workers storage storage/alerts storage/findings storage/machines storage/tables
 service/api/machines: estimator estimator/calibration estimator/machine estimator/phasors estimator/runs
     estimator/updated_model service/alerts service/api/cache service/api/conventions service/balancing service/http
     service/identification service/monitoring service/runs service/security storage storage/database storage/encoding
@@ -118,22 +121,23 @@ service/api/machines: estimator estimator/calibration estimator/machine estimato
 service/api/trends: estimator estimator/trends estimator/updated_model service/api/cache service/api/conventions
     service/export service/monitoring service/security storage storage/database storage/findings storage/machines
     storage/tables
-service/api/alerts: estimator service/alerts service/api/cache service/api/conventions service/api/findings
-    service/delivery service/resilience service/secrets service/security storage storage/alerts storage/database
-    storage/machines storage/tables
-service/api: service/api/alerts service/api/cache service/api/conventions service/api/findings service/api/machines
-    service/api/measurements service/api/operation service/api/trends service/configuration service/delivery
-    service/http service/identification service/journal service/resilience service/security storage/database
+service/api/alerts: estimator service/advice service/alerts service/api/cache service/api/conventions
+    service/api/findings service/delivery service/resilience service/secrets service/security storage storage/alerts
+    storage/database storage/machines storage/tables
+service/api: service/advice service/api/alerts service/api/cache service/api/conventions service/api/findings
+    service/api/machines service/api/measurements service/api/operation service/api/trends service/configuration
+    service/delivery service/http service/identification service/journal service/resilience service/security
+    storage/database
 service/doctor: service/api service/configuration service/delivery service/maintenance service/messaging service/mqtt
     service/security service/wire storage/alerts storage/backup storage/database storage/operation
 service/commands: estimator estimator/calibration estimator/fit estimator/identification estimator/machine
     estimator/modes estimator/phasors estimator/simulation estimator/statics estimator/thesis estimator/updated_model
-    rotorundown rotorundown/environment service/api service/api/operation service/balancing service/configuration
-    service/delivery service/doctor service/edge service/export service/http service/identification service/ingest
-    service/journal service/maintenance service/messaging service/monitoring service/mqtt service/opcua
-    service/replication service/resilience service/runs service/secrets service/security service/sources service/wire
-    service/workers storage storage/backup storage/database storage/encoding storage/machines storage/operation
-    storage/tables
+    rotorundown rotorundown/environment service/advice service/api service/api/operation service/balancing
+    service/configuration service/delivery service/doctor service/edge service/export service/http
+    service/identification service/ingest service/journal service/maintenance service/messaging service/monitoring
+    service/mqtt service/opcua service/replication service/resilience service/runs service/secrets service/security
+    service/sources service/wire service/wording service/workers storage storage/backup storage/database
+    storage/encoding storage/machines storage/operation storage/tables
 service: estimator/machine service/alerts service/api/alerts service/api/findings service/api/machines
     service/api/measurements service/api/trends service/commands service/http
 """

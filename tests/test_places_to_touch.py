@@ -75,7 +75,8 @@ def finding(copy: Copy) -> str:
     copy.insert(
         "service/monitoring/finding_rules.py",
         "FINDING_RULES: tuple[FindingRule, ...] = (",
-        '\n    FindingRule("rub", AlertRule("rub", Rule(alert=Level(sigma=3.0)), ("sigma",)), _run_out_sentence),',
+        '\n    FindingRule("rub", AlertRule("rub", Rule(alert=Level(sigma=3.0)), ("sigma",)), '
+        'FindingTexts("Shaft {id} rubs: {size}", ("a",), ("b",), ("c",), (), ("e",), ("f",))),',
     )
     return """
 from estimator.diagnosis.finding_kinds import finding_kind

@@ -57,7 +57,7 @@ def step(session: Session, identification_id: int, rng: random.Random) -> None:
 
     def raised() -> None:
         severity = rng.choice(list(Severity))
-        finding = AlertFinding("out", {}, identification_id, START, severity, latching=rng.random() < 0.3)
+        finding = AlertFinding({}, identification_id, START, severity, latching=rng.random() < 0.3)
         transitions.raise_alert(session, MACHINE, rule=RULE, element=element, finding=finding)
 
     def suppressed() -> None:

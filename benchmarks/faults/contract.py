@@ -113,7 +113,7 @@ def fill(file: Path) -> None:
             outcome = identification({"coupling.C1.kxx": 1.0 + 0.01 * number})
             row = store_identification(session, outcome, run_id=run.id, measured_at=begin + RUN_SAMPLES * SECOND)
         for element in ("coupling.C1", "bearing.B2"):
-            finding = AlertFinding("it moves", {"sigma": 6.1}, row.id, START, latching=True)
+            finding = AlertFinding({"sigma": 6.1}, row.id, START, latching=True)
             transitions.raise_alert(session, KEY.machine, rule="misalignment", element=element, finding=finding)
         for rule in ("unbalance", "misfit"):
             suppressions.add(

@@ -89,6 +89,17 @@ class Reference:
     slow: Floats
     _spoken: dict[Observation, tuple[Floats, Floats]] = field(default_factory=dict, repr=False)
 
+    def unit_of(self, names: Sequence[str]) -> Floats:
+        """Return the run-to-run standard deviations of some quantities.
+
+        Args:
+            names: Names (k,) of the quantities.
+
+        Returns:
+            Standard deviations (k,) [SI, 1 for logarithms].
+        """
+        return np.asarray(self.unit[[self.names.index(name) for name in names]])
+
     def likelihood(self, one: Observation) -> tuple[Floats, Floats]:
         """Return the likelihood of the quantities around which a run varies.
 

@@ -8,12 +8,14 @@ couplings, is a settled bearing something of its own.
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from estimator.arrays import Floats
 from estimator.diagnosis.change_columns import ChangeColumns
-from estimator.diagnosis.finding_kind import BaselineValues, Cause, ChangeSize, ExpectedChange
+from estimator.diagnosis.finding_kind import BaselineValues, Cause, ChangeSize, ExpectedChange, SizePart
+from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.coupling_neighbours import shafts_behind
 from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe
@@ -186,7 +188,7 @@ def wear_size(cause: Cause, baseline: BaselineValues) -> ChangeSize:
         "before_um": 1e6 * before,
         "after_um": 1e6 * before * (1.0 + growth),
     }
-    return ChangeSize(100.0 * growth, quantities)
+    return ChangeSize(100.0 * growth, quantities, parts=(_grown(name, float(cause.change[0]), error),))
 
 
 def film_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
@@ -199,7 +201,10 @@ def film_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
         The size.
     """
     times = float(np.sqrt(np.mean(cause.change**2)))
-    return ChangeSize(None, {"deviation_times_allowed": times}, tolerance_per_cent=100.0 * times)
+    slope = cause.change / (cause.change.size * max(times, 1e-300))
+    half = CONFIDENCE_95 * math.sqrt(max(0.0, float(slope @ cause.covariance @ slope)))
+    part = SizePart(f"{cause.element}.film_deviation", "times", times, max(0.0, times - half), times + half, allowed=1.0)
+    return ChangeSize(None, {"deviation_times_allowed": times}, tolerance_per_cent=100.0 * times, parts=(part,))
 
 
 def oil_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
@@ -211,8 +216,11 @@ def oil_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
     Returns:
         The size.
     """
-    growth = 100.0 * math.expm1(float(np.mean(cause.change)))
-    return ChangeSize(growth, {"viscosity_per_cent": growth})
+    mean = float(np.mean(cause.change))
+    growth = 100.0 * math.expm1(mean)
+    error = math.sqrt(max(0.0, float(np.mean(cause.covariance))))
+    part = replace(_grown("machine.viscosity", mean, error), members=cause.names)
+    return ChangeSize(growth, {"viscosity_per_cent": growth}, parts=(part,))
 
 
 def settlement_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
@@ -226,11 +234,22 @@ def settlement_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
     """
     words = {"elevation_y": "vertical", "elevation_x": "horizontal"}
     quantities: dict[str, float] = {}
+    parts: list[SizePart] = []
     for name, change, error in zip(cause.names, cause.change, cause.error, strict=True):
         plane = words[describe(name).quantity]
-        quantities |= {f"{plane}_um": 1e6 * float(change), f"{plane}_error_um": 1e6 * float(error)}
+        rise, uncertain = 1e6 * float(change), 1e6 * float(error)
+        quantities |= {f"{plane}_um": rise, f"{plane}_error_um": uncertain}
+        half = CONFIDENCE_95 * uncertain
+        parts.append(SizePart(f"{cause.element}.{plane}", "um", rise, rise - half, rise + half, rise / max(uncertain, 1e-12)))
+    parts.sort(key=lambda one: -abs(one.value))
     largest = float(np.max(np.abs(cause.change)))
-    return ChangeSize(None, quantities, tolerance_per_cent=100.0 * largest / SETTLEMENT)
+    return ChangeSize(None, quantities, tolerance_per_cent=100.0 * largest / SETTLEMENT, parts=tuple(parts))
+
+
+def _grown(name: str, change: float, error: float) -> SizePart:
+    """Return the growth of a quantity by the change of its logarithm [%]."""
+    low, high = (100.0 * math.expm1(change + sign * CONFIDENCE_95 * error) for sign in (-1.0, 1.0))
+    return SizePart(name, "%", 100.0 * math.expm1(change), low, high, change / max(error, 1e-12))
 
 
 def _raised(columns: ChangeColumns, plane: str, elevations: Floats) -> Floats:

@@ -65,6 +65,33 @@ class Cause:
 
 
 @dataclass(frozen=True)
+class SizePart:
+    """One figure of the size of a cause, with its 95 % interval.
+
+    Attributes:
+        name: Name of what has changed, such as `bearing.B2.clearance`, or `coupling.C1.coefficients` for all together.
+        unit: Unit of the figures, such as `%`, `um`, `urad`, `g mm`, `deg`.
+        value: By how much it has changed against the baseline [unit].
+        lower: Lower end of the 95 % interval [unit].
+        upper: Upper end of the 95 % interval [unit].
+        sigma: The change in its standard errors [-]; None where that is not said.
+        allowed: What is allowed of its magnitude [unit]; None where nothing is.
+        before: Value in the baseline [unit]; None where the change is all that is said.
+        members: Names of the quantities whose common change it is.
+    """
+
+    name: str
+    unit: str
+    value: float
+    lower: float
+    upper: float
+    sigma: float | None = None
+    allowed: float | None = None
+    before: float | None = None
+    members: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class ChangeSize:
     """Size of a cause in the units that people reckon in.
 
@@ -74,12 +101,19 @@ class ChangeSize:
             `angle_deg` [unit of the name].
         tolerance_per_cent: Change in per cent of what is allowed [%]; None where nothing is.
         beyond_tolerance: Probability that it is larger than what is allowed [-]; None where nothing is.
+        parts: Figures of the size with their intervals, the one that matters most first.
     """
 
     per_cent: float | None
     quantities: Mapping[str, float] = field(default_factory=dict)
     tolerance_per_cent: float | None = None
     beyond_tolerance: float | None = None
+    parts: tuple[SizePart, ...] = ()
+
+    @property
+    def limited(self) -> float | None:
+        """Return the size that a level of a limit names: per cent of what is allowed, else of the baseline [%]."""
+        return self.per_cent if self.tolerance_per_cent is None else self.tolerance_per_cent
 
     @property
     def unknown(self) -> bool:

@@ -11,12 +11,11 @@ a train on oil films misalignment is what moves its bearings (`film_findings`).
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.diagnosis.change_columns import RISE, TERM_ORDER, ChangeColumns, Term
+from estimator.diagnosis.change_columns import RISE, ChangeColumns
 from estimator.diagnosis.data_faults import heavy_loads, light_loads, lost_channels, many_outliers, misfit
 from estimator.diagnosis.film_findings import (
     film_changes,
@@ -29,10 +28,11 @@ from estimator.diagnosis.film_findings import (
     wear_size,
     wears,
 )
-from estimator.diagnosis.finding_kind import BaselineValues, Cause, ChangeSize, ExpectedChange, FindingKind
+from estimator.diagnosis.finding_kind import BaselineValues, Cause, ChangeSize, ExpectedChange, FindingKind, SizePart
+from estimator.diagnosis.growths import growth_parts, growth_quantities, growths
+from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.coupling_neighbours import neighbouring_bearings
 from estimator.machine.parameter_description import describe
-from estimator.trends.deviations import element_of
 
 UNEVEN = 0.04
 """Difference by which one element of a misaligned train may rise more than another, of logarithms [-]."""
@@ -92,49 +92,20 @@ def _single_elements(columns: ChangeColumns, elements: Sequence[str]) -> Iterato
 def _misalignment_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
     """Return the mean growth of the stiffness of the elements, beside that of each stiffness and damping; nothing of what
     moves bearings, which is told by the change of the alignment."""
-    growths = _growths(cause)
-    if not growths:
+    found = growths(cause)
+    if not found:
         return ChangeSize(None)
-    stiffness = [one.per_cent for one in growths if one.term == "stiffness"]
-    return ChangeSize(float(np.mean(stiffness)), {one.name: one.per_cent for one in growths})
+    stiffness = [one.per_cent for one in found if one.term != "damping"]
+    return ChangeSize(float(np.mean(stiffness)), growth_quantities(found), parts=growth_parts(found, first=cause.element))
 
 
-def _element_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
+def _element_size(cause: Cause, baseline: BaselineValues) -> ChangeSize:
     """Return the surest of the growths of stiffness and damping, beside both."""
-    growths = _growths(cause)
-    if not growths:
-        return film_size(cause, _baseline)
-    surest = max(growths, key=lambda one: (one.certainty, one.per_cent), default=None)
-    return ChangeSize(None if surest is None else surest.per_cent, {one.name: one.per_cent for one in growths})
-
-
-@dataclass(frozen=True)
-class _Growth:
-    """Mean growth of an element's direct stiffnesses, or of its direct dampings, with its number of standard errors."""
-
-    element: str
-    term: Term
-    per_cent: float
-    certainty: float
-
-    @property
-    def name(self) -> str:
-        """Return the name of the quantity, such as `coupling.C1.stiffness_per_cent`."""
-        return f"{self.element}.{self.term}_per_cent"
-
-
-def _growths(cause: Cause) -> list[_Growth]:
-    """Return the growths of stiffness and damping of each element."""
-    found: list[_Growth] = []
-    for element in dict.fromkeys(element_of(name) for name in cause.names):
-        terms = [own.term if (own := describe(name)).element == element else None for name in cause.names]
-        for kind, order in TERM_ORDER.items():
-            which = _mean_of([term is not None and term.direct and term.order == order for term in terms])
-            if not which.any():
-                continue
-            value, error = float(which @ cause.change), math.sqrt(float(which @ cause.covariance @ which))
-            found.append(_Growth(element, kind, 100.0 * math.expm1(value), abs(value) / max(error, 1e-12)))
-    return found
+    found = growths(cause)
+    if not found:
+        return film_size(cause, baseline)
+    surest = max(found, key=lambda one: (one.sigma, one.per_cent))
+    return ChangeSize(surest.per_cent, growth_quantities(found), parts=growth_parts(found, first=surest.name))
 
 
 def misalignment_form(cause: Cause) -> str | None:
@@ -189,7 +160,8 @@ def _unbalance_size(cause: Cause, baseline: BaselineValues) -> ChangeSize:
         "after_g_mm": 1e6 * abs(after),
         "after_deg": math.degrees(np.angle(after)),
     }
-    return ChangeSize(100.0 * abs(change) / max(abs(before), 1e-300), quantities)
+    part = _magnitude(f"{describe(cause.names[0]).whole}", "g mm", cause, 1e6)
+    return ChangeSize(100.0 * abs(change) / max(abs(before), 1e-300), quantities, parts=(part,))
 
 
 # --- measuring channels ------------------------------------------------------------------------------------------------------
@@ -209,7 +181,7 @@ def _gain_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
         return ChangeSize(None)
     gain = _complex_changes(cause)[0]
     quantities = {"gain_per_cent": 100.0 * (abs(1.0 + gain) - 1.0), "phase_deg": math.degrees(np.angle(1.0 + gain))}
-    return ChangeSize(100.0 * abs(gain), quantities)
+    return ChangeSize(100.0 * abs(gain), quantities, parts=(_magnitude(describe(cause.names[0]).whole, "%", cause, 100.0),))
 
 
 def _run_outs(columns: ChangeColumns) -> Iterator[ExpectedChange]:
@@ -234,7 +206,24 @@ def _run_out_size(cause: Cause, baseline: BaselineValues) -> ChangeSize:
     channels = [describe(name).element_id for name in cause.names[::2]]
     sizes = np.abs(_complex_changes(cause))
     relative = [size / baseline.amplitudes[channel] for size, channel in zip(sizes, channels, strict=True)]
-    return ChangeSize(100.0 * max(relative), {"largest_um": 1e6 * float(sizes.max())})
+    largest = 2 * int(np.argmax(sizes))
+    part = _magnitude(describe(cause.names[largest]).whole, "um", cause, 1e6, first=largest)
+    return ChangeSize(100.0 * max(relative), {"largest_um": 1e6 * float(sizes.max())}, parts=(part,))
+
+
+def _magnitude(name: str, unit: str, cause: Cause, factor: float, *, first: int = 0) -> SizePart:
+    """Return the magnitude of the change of a complex quantity, whose components stand from `first` on.
+
+    Its interval is that of the component along the change (GUM, JCGM 100:2008, 5.1.2), and never below zero.
+    """
+    pair = slice(first, first + 2)
+    change = cause.change[pair]
+    size = float(np.hypot(*change))
+    along = change / max(size, 1e-300)
+    error = math.sqrt(max(0.0, float(along @ cause.covariance[pair, pair] @ along)))
+    half = CONFIDENCE_95 * error
+    sigma = size / error if error > 0.0 else None
+    return SizePart(name, unit, factor * size, factor * max(0.0, size - half), factor * (size + half), sigma)
 
 
 def _complex_changes(cause: Cause) -> Complexes:

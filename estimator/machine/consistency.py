@@ -25,6 +25,8 @@ from estimator.machine.parts import STATION_TOLERANCE, Disc, Material, Probe, Sh
 from estimator.machine.rules import Condition, Operation, ParameterRule, SpeedRange
 from estimator.machine.sparkplug import Sparkplug
 
+CONTRADICTION = "machine_document"
+"""Type of the errors that say what contradicts what."""
 CELSIUS = "degC"
 """Unit of an operating condition that an oil's temperature follows."""
 
@@ -75,7 +77,7 @@ class Train(Elements, Protocol):
 
 def _problem(location: tuple[int | str, ...], value: Any, message: str) -> InitErrorDetails:
     # The message goes in as context: it may hold braces of its own.
-    error = PydanticCustomError("machine_document", "{message}", {"message": message})
+    error = PydanticCustomError(CONTRADICTION, "{message}", {"message": message})
     return InitErrorDetails(type=error, loc=location, input=value)
 
 
@@ -93,16 +95,38 @@ def reference_problems(train: Train) -> Iterator[InitErrorDetails]:
     yield from _condition_problems(train)
     yield from _sparkplug_problems(train)
     yield from _station_problems(train)
-    running, highest = train.operation.running_rpm, train.speed_range.maximum_rpm
-    if running is not None and running > highest:
-        message = f"lies above the speed range, which ends at {highest:g} r/min"
-        yield _problem(("operation", "running_rpm"), running, message)
+    yield from _speed_problems(train)
     yield from _coupling_problems(train)
     yield from _tolerance_problems(train)
     yield from _pedestal_problems(train)
     yield from _dependence_problems(train)
     yield from _film_problems(train)
     yield from _rule_problems(train)
+
+
+def naming_problems(train: Train) -> Iterator[InitErrorDetails]:
+    """Find the contradictions between names and places of parts, which do not ask whether all parts are there.
+
+    Args:
+        train: The train, of which parts may be missing.
+
+    Yields:
+        The contradictions with their places in the document.
+    """
+    yield from _material_problems(train)
+    yield from _duplicate_problems(train)
+    yield from _condition_problems(train)
+    yield from _station_problems(train)
+    yield from _coupling_problems(train)
+    yield from _tolerance_problems(train)
+    yield from _pedestal_problems(train)
+
+
+def _speed_problems(train: Train) -> Iterator[InitErrorDetails]:
+    running, highest = train.operation.running_rpm, train.speed_range.maximum_rpm
+    if running is not None and running > highest:
+        message = f"lies above the speed range, which ends at {highest:g} r/min"
+        yield _problem(("operation", "running_rpm"), running, message)
 
 
 def _material_problems(train: Train) -> Iterator[InitErrorDetails]:

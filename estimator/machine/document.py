@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, ValidationError, model_validator
+from pydantic import BaseModel, Field, ModelWrapValidatorHandler, ValidationError, model_validator
 
 from estimator.bearings.registry import place_of
 from estimator.errors import Invalid
 from estimator.field_types import Identifier, Length, Part, Text
 from estimator.machine.calibration import Calibration
-from estimator.machine.consistency import reference_problems
+from estimator.machine.consistency import CONTRADICTION, reference_problems
 from estimator.machine.films import StaticLoad
 from estimator.machine.parts import Bearing, Coupling, Disc, Material, Pedestal, Probe, RayleighDamping, Seal, Shaft
 from estimator.machine.rules import (
@@ -25,6 +25,10 @@ from estimator.machine.rules import (
     SpeedRange,
 )
 from estimator.machine.sparkplug import Sparkplug
+from estimator.machine.unfinished_document import further_problems, retold
+
+MOST_WITH_FURTHER = 100
+"""Most wrong fields beside which contradictions are looked for."""
 
 
 class Machine(Part):
@@ -58,6 +62,21 @@ class Machine(Part):
     element_length: Length | None = Field(
         default=None, description="longest shaft element [m]; by default a twelfth of each shaft"
     )
+
+    @model_validator(mode="wrap")
+    @classmethod
+    def _all_at_once(cls, value: Any, validated: ModelWrapValidatorHandler[Self]) -> Self:
+        """Return the machine; where fields are wrong, the error names contradictions between the other parts as well."""
+        try:
+            return validated(value)
+        except ValidationError as error:
+            # Of contradictions none is left to be found, and of very many errors nobody reads more.
+            if error.error_count() > MOST_WITH_FURTHER or any(one["type"] == CONTRADICTION for one in error.errors()):
+                raise
+            more = further_problems(value, LISTS, SINGLE, {"materials": Material})
+            if not more:
+                raise
+            raise ValidationError.from_exception_data(cls.__name__, [*retold(error.errors()), *more]) from None
 
     @model_validator(mode="after")
     def _references(self) -> Self:
@@ -151,6 +170,22 @@ class Machine(Part):
     def channels(self) -> tuple[str, ...]:
         """Return the channel ids in the document's order."""
         return tuple(probe.id for probe in self.probes)
+
+
+LISTS: Mapping[str, type[BaseModel]] = {
+    "shafts": Shaft,
+    "discs": Disc,
+    "bearings": Bearing,
+    "couplings": Coupling,
+    "seals": Seal,
+    "pedestals": Pedestal,
+    "static_loads": StaticLoad,
+    "probes": Probe,
+    "conditions": Condition,
+}
+"""Models of the parts of each list."""
+SINGLE: Mapping[str, type[BaseModel]] = {"operation": Operation}
+"""Models of the fields that are one object and that parts refer to."""
 
 
 class DocumentError(Invalid):

@@ -4,9 +4,7 @@ from datetime import datetime
 
 from pydantic import BaseModel, Field
 
-from service.alerts.lifecycle import Severity
-from storage.clock import to_datetime
-from storage.tables.alerting import AlertEventRow
+from service.alerts.advice_message import Advice
 
 
 class AlertEvent(BaseModel):
@@ -23,30 +21,11 @@ class AlertEvent(BaseModel):
     state_before: str
     state: str
     severity: str
-    message: str
+    message: str = Field(description="what it is, in one sentence")
+    advice: Advice | None = Field(
+        default=None, description="how far, how sure, how urgent, what to do; null: an older release stored too few numbers"
+    )
     by: str
     comment: str
     opened_at: datetime
     identification: int
-
-
-def alert_event(row: AlertEventRow) -> AlertEvent:
-    """Return the message of a stored event."""
-    return AlertEvent(
-        id=row.id,
-        alert=row.alert_id,
-        number=row.number,
-        machine=row.machine_id,
-        rule=row.rule,
-        element=row.element,
-        at=to_datetime(row.at),
-        kind=row.kind,
-        state_before=row.state_before,
-        state=row.state,
-        severity=Severity(row.severity).label,
-        message=row.message,
-        by=row.by,
-        comment=row.comment,
-        opened_at=to_datetime(row.opened_at),
-        identification=row.identification_id,
-    )

@@ -53,9 +53,8 @@ class MomentRefused(Invalid):
 
 @dataclass(frozen=True)
 class AlertFinding:
-    """Finding of an identification for an alert: its message, evidence and severity."""
+    """Finding of an identification for an alert: its evidence, which is its kind and numbers, and severity."""
 
-    message: str
     evidence: dict[str, Any]
     identification_id: int
     measured_at: int
@@ -90,7 +89,6 @@ def raise_alert(session: Session, machine_id: str, *, rule: str, element: str, f
             machine_id,
             rule=rule,
             element=element,
-            message=finding.message,
             evidence=finding.evidence,
             identification_id=finding.identification_id,
             measured_at=finding.measured_at,
@@ -99,7 +97,7 @@ def raise_alert(session: Session, machine_id: str, *, rule: str, element: str, f
         row.suppressions = sorted({one.kind for one in suppressions.of_alert(session, machine_id, rule=rule, element=element)})
         row.state = status_of(row).state
     else:
-        row.message, row.evidence, row.latching = finding.message, finding.evidence, finding.latching
+        row.message, row.evidence, row.latching = "", finding.evidence, finding.latching
         row.identification_id, row.measured_at = finding.identification_id, finding.measured_at
         row.updated_at = now()
     _apply_event(session, row, Raised(finding.severity), "raised", Person(SERVICE))

@@ -9,6 +9,7 @@ from fastapi import APIRouter, Depends, FastAPI
 from fastapi_offline import FastAPIOffline
 from starlette.routing import BaseRoute
 
+from service.advice.site_texts import SiteTexts
 from service.api.alerts.event_stream import Broadcaster
 from service.api.alerts.event_stream import router as event_stream
 from service.api.alerts.routes import router as alerts
@@ -60,6 +61,7 @@ from service.api.trends.filed import router as filed
 from service.api.trends.routes import router as trends
 from service.configuration.release import VERSION
 from service.configuration.settings import DEFAULT_BASELINE_RUNS
+from service.delivery.addresses import Network
 from service.delivery.signing_secrets import SigningSecrets
 from service.http.body_limit import BodyLimit
 from service.http.compression import Compression
@@ -99,6 +101,8 @@ def application(
     secrets: SigningSecrets | None = None,
     warnings: Callable[[], list[str]] = list,
     gauges: Callable[[], Mapping[str, float]] = dict,
+    texts: SiteTexts | None = None,
+    delivery_networks: tuple[Network, ...] = (),
 ) -> FastAPI:
     """Build the application over a database.
 
@@ -106,7 +110,7 @@ def application(
     delivers. submissions: takes samples. baseline_runs: as in the settings. security: access rules; by default open until
     there is an API key. job_quota: limit of waiting identifications asked for by people. secrets: signing secrets of webhooks;
     by default none can be stored. warnings: returns the service's warnings. gauges: returns figures of its parts for a
-    monitoring system.
+    monitoring system. texts: of findings; by default the service's own. delivery_networks: private ones to deliver to.
 
     The documentation page loads nothing from other hosts: plants have no internet.
     """
@@ -127,7 +131,9 @@ def application(
     app.state.histories = HistoryCache(database, baseline_runs=baseline_runs)
     app.state.baseline_runs = baseline_runs
     app.state.job_quota = job_quota or JobQuota()
-    app.state.broadcaster = Broadcaster(database)
+    app.state.texts = texts or SiteTexts()
+    app.state.delivery_networks = delivery_networks
+    app.state.broadcaster = Broadcaster(database, app.state.texts)
     add_handlers(app)
     app.add_middleware(Idempotency, database=database, sealing=app.state.secrets.sealing)
     app.add_middleware(BodyLimit)

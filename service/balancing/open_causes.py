@@ -36,6 +36,6 @@ def _is_of_unbalance(alert: ListedAlert) -> bool:
 
 def _words(other: Sequence[ListedAlert]) -> str:
     names = dict.fromkeys(alert.element.rpartition(".")[2] or "what is wrong" for alert in other)
-    told = "; ".join(f"alert {alert.id} ({alert.rule}): {alert.message}" for alert in other[:3])
+    told = "; ".join(f"alert {alert.id}: {alert.rule.replace('_', ' ')} of {alert.element}" for alert in other[:3])
     more = f"; and {len(other) - 3} more" if len(other) > 3 else ""
     return f"mend {', '.join(names)} first, no masses are proposed while something else is wrong: {told}{more}"

@@ -103,12 +103,13 @@ def serve(
     from service.messaging.access_control import AccessUnusable
     from service.messaging.session import StreamUnusable
     from service.security.exposure import Exposed
+    from service.wording.finding_texts import TextsWrong
     from storage.database.claim import DatabaseUnusable
 
     log_to_terminal(settings.log_level, settings.log_format)
     try:
         run_service(settings)
-    except (DatabaseUnusable, PortUnusable, StreamUnusable, AccessUnusable, Exposed) as error:
+    except (DatabaseUnusable, PortUnusable, StreamUnusable, AccessUnusable, Exposed, TextsWrong) as error:
         fail(str(error))
 
 

@@ -12,6 +12,7 @@ import uvicorn
 import zenoh
 from fastapi import FastAPI
 
+from service.advice.site_texts import read_texts
 from service.api.application import application, end_waiting
 from service.commands.service_threads import ServiceThreads
 from service.configuration.settings import Settings
@@ -41,11 +42,12 @@ SWITCH_INTERVAL_S = 0.0002
 def serve(settings: Settings) -> None:
     """Run until SIGINT or SIGTERM.
 
-    Raises AccessUnusable, DatabaseUnusable, Exposed, PortUnusable, StreamUnusable before anything starts.
+    Raises AccessUnusable, DatabaseUnusable, Exposed, PortUnusable, StreamUnusable, TextsWrong before anything starts.
     """
     asked_to_stop = _note_signals()
     share_one_heap()
     stream_security = StreamSecurity.of(settings)
+    texts = read_texts(settings.finding_texts)
     with ExitStack() as closing:
         database = _claimed_database(settings, closing)
         secrets = opened_secrets(database, settings)
@@ -55,12 +57,12 @@ def serve(settings: Settings) -> None:
             listen=settings.zenoh_listen, connect=settings.zenoh_connect, routes=True, security=stream_security
         )
         closing.callback(session.close)
-        threads = ServiceThreads(database, session, settings, secrets)
+        threads = ServiceThreads(database, session, settings, secrets, texts)
         threads.start(closing)
         forwarding = Forwarding(session, database, threads.leasing, threads.submissions)
         closing.callback(forwarding.close)
         threads.take_from_broker(forwarding, closing)
-        closing.callback(LastStates(session, database, threads.leasing).close)
+        closing.callback(LastStates(session, database, threads.leasing, texts).close)
         closing.callback(logger.info, "stopping: no more samples; identifications under way are left for the next start")
         if (trouble := _stream_trouble(session, settings)) is not None:
             logger.warning(trouble)
@@ -112,6 +114,8 @@ def _application(
         secrets=secrets,
         warnings=threads.warnings,
         gauges=threads.gauges,
+        delivery_networks=tuple(settings.delivery_networks),
+        texts=threads.texts,
     )
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Protocol
 
 import zenoh
 
+from service.advice.site_texts import SiteTexts
 from service.api.operation.health import ENDED
 from service.configuration.settings import Settings
 from service.delivery.dispatcher import Dispatcher
@@ -53,10 +54,18 @@ class ServicePart(ServiceThread, Protocol):
 class ServiceThreads:
     """All threads of a service process; those of its role run."""
 
-    def __init__(self, database: Database, session: zenoh.Session, settings: Settings, secrets: SigningSecrets) -> None:
-        """Create the threads without starting them. session: of zenoh."""
+    def __init__(
+        self,
+        database: Database,
+        session: zenoh.Session,
+        settings: Settings,
+        secrets: SigningSecrets,
+        texts: SiteTexts | None = None,
+    ) -> None:
+        """Create the threads without starting them. session: of zenoh. texts: of findings."""
         self._database = database
         self._settings = settings
+        self.texts = texts or SiteTexts()
         self.submissions = Submissions()
         self.leasing = Leasing(database, settings.role)
         collector = Collector(late_s=settings.late_s)
@@ -66,7 +75,9 @@ class ServiceThreads:
         self._scheduler = JobScheduler(database, settings, self.leasing)
         self._broker_gauges: list[Callable[[], Mapping[str, float]]] = []
         self._alerts_to_broker = self._publisher()
-        self.dispatcher = Dispatcher(database, session, settings, self.leasing, secrets, self._alerts_to_broker)
+        self.dispatcher = Dispatcher(
+            database, session, settings, self.leasing, secrets, broker=self._alerts_to_broker, texts=self.texts
+        )
         self._housekeeping = Housekeeping(database, settings, self.leasing)
         self._backup_watch = BackupWatch(settings.backups)
         self._store_watch = StoreWatch(database)

@@ -93,6 +93,9 @@ class Settings(MqttSettings, OpcUaSettings):
     webhook_secrets_folder: str = Field(
         default="", description="folder of files that hold secrets of webhooks, which a subscription names by `secret_file`"
     )
+    finding_texts: str = Field(
+        default="", description="file of the site's own texts of findings (YAML): what to check and to do, in its own words"
+    )
     public_url: str = Field(default="", description="where people reach this service: for links in messages, logging in")
     smtp_host: str = Field(default="", description="mail server for e-mail subscriptions; none by default")
     smtp_port: Annotated[int, Field(ge=1, le=65535)] = Field(default=25, description="its port")

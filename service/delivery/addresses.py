@@ -9,6 +9,7 @@ import asyncio
 import ipaddress
 import socket
 from concurrent.futures import Future
+from contextlib import suppress
 from dataclasses import dataclass
 
 from yarl import URL
@@ -20,6 +21,8 @@ LOOK_UPS = DaemonThreads(8, name="look-up")
 """Separate threads for name resolution: without a name server each blocks for many seconds."""
 Network = ipaddress.IPv4Network | ipaddress.IPv6Network
 Address = ipaddress.IPv4Address | ipaddress.IPv6Address
+LONGEST_LOOK_UP_S = 3.0
+"""Time after which the name of a new target is not waited for [s]; each delivery looks it up again."""
 
 
 NAT64 = ipaddress.IPv6Network("64:ff9b::/96")
@@ -71,6 +74,17 @@ def parsed(text: str) -> URL:
     return url
 
 
+class HostUnknown(TargetRefused):
+    """The host of a target has no address at present: a name that is not resolved yet may be later."""
+
+
+async def require_permitted(text: str, allowed: tuple[Network, ...]) -> None:
+    """Require of a URL that deliveries to it are permitted; one whose host is not known yet is. Raises TargetRefused."""
+    parsed(text)
+    with suppress(HostUnknown, TimeoutError):
+        await asyncio.wait_for(checked(text, allowed), LONGEST_LOOK_UP_S)
+
+
 async def checked(text: str, allowed: tuple[Network, ...]) -> Target:
     """Resolve a URL's host and check each of its addresses. Raises TargetRefused."""
     url = parsed(text)
@@ -78,7 +92,7 @@ async def checked(text: str, allowed: tuple[Network, ...]) -> Target:
     try:
         found = await _addresses_of(name, url.port)
     except (OSError, UnicodeError) as error:
-        raise TargetRefused(f"the host {name} is not known: {error}") from error
+        raise HostUnknown(f"the host {name} is not known: {error}") from error
     addresses = [_address(one) for one in found]
     for address in addresses:
         _require(name, address, allowed)

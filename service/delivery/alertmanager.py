@@ -56,11 +56,16 @@ class Alertmanager:
                 "element": event.element,
                 "severity": severity,
             },
-            "annotations": {"summary": event.message, "state": event.state, "alert": str(event.alert)},
+            "annotations": _annotations(event),
             "startsAt": event.opened_at.isoformat(),
             "generatorURL": f"{self.public_url}/api/v1/alerts/{event.alert}",
         }
         return alert if ended is None else alert | {"endsAt": ended.isoformat()}
+
+
+def _annotations(event: AlertEvent) -> dict[str, str]:
+    said = {"summary": event.message, "state": event.state, "alert": str(event.alert)}
+    return said if event.advice is None else said | {"description": "\n".join(event.advice.lines())}
 
 
 def _open(row: SubscriptionRow, connections: Connections) -> Alertmanager:

@@ -1,12 +1,13 @@
 """Declaration of a kind of delivery channel, and the connections that its channels use."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import zenoh
 from aiohttp import ClientSession
 
+from service.advice.site_texts import SiteTexts
 from service.alerts.event_message import AlertEvent
 from service.configuration.settings import Settings
 from service.delivery.channel import Channel
@@ -23,13 +24,17 @@ class EventBroker(Protocol):
 
 @dataclass(frozen=True)
 class Connections:
-    """Connections and settings that channels send with. broker: of the plant's MQTT, where one is configured."""
+    """Connections and settings that channels send with.
+
+    broker: of the plant's MQTT, where one is configured. texts: of findings, which messages are made of.
+    """
 
     client: ClientSession
     session: zenoh.Session
     settings: Settings
     secrets: SigningSecrets
     broker: EventBroker | None = None
+    texts: SiteTexts = field(default_factory=SiteTexts)
 
 
 def _accept(_target: str) -> None:

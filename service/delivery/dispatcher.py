@@ -9,6 +9,7 @@ from contextlib import AsyncExitStack
 
 import zenoh
 
+from service.advice.site_texts import SiteTexts
 from service.alerts import transitions
 from service.configuration.settings import Settings
 from service.delivery.channel import DeliveryOutcome
@@ -53,6 +54,7 @@ class Dispatcher(SupervisedThread):
         share: Share | None = None,
         secrets: SigningSecrets | None = None,
         broker: EventBroker | None = None,
+        texts: SiteTexts | None = None,
     ) -> None:
         super().__init__("delivery", failure="alert deliveries cannot be read or recorded", retry_s=RETRY_S)
         self._database = database
@@ -64,6 +66,7 @@ class Dispatcher(SupervisedThread):
         self._session = session
         self._broker = broker
         self._settings = settings
+        self._texts = texts or SiteTexts()
         self._loop = asyncio.Runner()
         self._open = AsyncExitStack()
         self._connections: Connections | None = None
@@ -105,7 +108,7 @@ class Dispatcher(SupervisedThread):
         """Record finished deliveries, then begin those that are due. Raises Unrecorded, at the end."""
         if self._connections is None:
             client = await self._open.enter_async_context(new_client())
-            self._connections = Connections(client, self._session, self._settings, self._secrets, self._broker)
+            self._connections = Connections(client, self._session, self._settings, self._secrets, self._broker, self._texts)
         finished = {number: outcome_of(one) for number, one in self._under_way.items() if one.done()}
         if finished:
             for number in await asyncio.to_thread(self._outbox.record, finished):
@@ -148,7 +151,9 @@ class Dispatcher(SupervisedThread):
 
         row = await asyncio.to_thread(found)
         async with new_client() as client:
-            channel = open_channel(row, Connections(client, self._session, self._settings, self._secrets, self._broker))
+            channel = open_channel(
+                row, Connections(client, self._session, self._settings, self._secrets, self._broker, self._texts)
+            )
             return await within_deadline(channel.send(trial_message()))
 
 

@@ -79,8 +79,11 @@ def letter(settings: Settings, target: str, message: EventMessage) -> EmailMessa
     ]
     if event.comment:
         lines.append(f"comment    {event.comment}")
+    if event.advice is not None:
+        lines += ["", *event.advice.lines()]
     if settings.public_url:
-        lines += ["", f"{settings.public_url}/api/v1/alerts/{event.alert}"]
+        places = f"#/machines/{event.machine}", f"api/v1/alerts/{event.alert}"
+        lines += ["", *(f"{settings.public_url}/{one}" for one in places)]
     mail.set_content("\n".join(lines) + "\n")
     return mail
 

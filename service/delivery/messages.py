@@ -2,8 +2,10 @@
 
 from sqlalchemy.orm import Session
 
+from service.advice.alert_advice import alert_event
+from service.advice.site_texts import SiteTexts
 from service.alerts import transitions
-from service.alerts.event_message import AlertEvent, alert_event
+from service.alerts.event_message import AlertEvent
 from service.alerts.lifecycle import Severity
 from service.delivery.channel import EventMessage
 from storage.clock import now, to_datetime
@@ -11,9 +13,9 @@ from storage.machines import machines
 from storage.tables.alerting import AlertEventRow
 
 
-def message_of(session: Session, event: AlertEventRow) -> EventMessage:
+def message_of(session: Session, event: AlertEventRow, texts: SiteTexts) -> EventMessage:
     """Return the message of an event."""
-    return EventMessage(alert_event(event), machines.get(session, event.machine_id).plant)
+    return EventMessage(alert_event(event, texts), machines.get(session, event.machine_id).plant)
 
 
 def trial_message() -> EventMessage:

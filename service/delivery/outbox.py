@@ -116,5 +116,5 @@ class Outbox:
 
 def _delivery(session: Session, row: DeliveryRow, connections: Connections) -> Delivery:
     channel = open_channel(deliveries.get(session, row.subscription_id), connections)
-    message = message_of(session, session.get_one(AlertEventRow, row.event_id))
+    message = message_of(session, session.get_one(AlertEventRow, row.event_id), connections.texts)
     return Delivery(row.id, row.subscription_id, message, channel)

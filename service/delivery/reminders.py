@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from sqlalchemy.exc import DBAPIError
 
+from service.advice.site_texts import SiteTexts
 from service.delivery.channel import FIRING, Channel, EventMessage, RemindingChannel
 from service.delivery.channel_kind import Connections
 from service.delivery.channels import channel_kind, is_channel, open_channel
@@ -25,7 +26,7 @@ RESEND_S = 60.0
 async def remind(database: Database, connections: Connections) -> None:
     """Remind every receiver that needs it of all persisting alerts."""
     try:
-        targets, messages = await asyncio.to_thread(_persisting_alerts, database)
+        targets, messages = await asyncio.to_thread(_persisting_alerts, database, connections.texts)
     except DBAPIError as error:
         logger.error("lasting alerts cannot be read: %s", error.orig)
         return
@@ -36,7 +37,7 @@ async def remind(database: Database, connections: Connections) -> None:
     await asyncio.gather(*(_remind_one(row, open_channel(row, connections), messages) for row in targets))
 
 
-def _persisting_alerts(database: Database) -> tuple[list[SubscriptionRow], list[EventMessage]]:
+def _persisting_alerts(database: Database, texts: SiteTexts) -> tuple[list[SubscriptionRow], list[EventMessage]]:
     """Return the receivers to remind, and the last event of each persisting alert."""
     with database.reading() as session:
         rows = [row for row in deliveries.list_subscriptions(session) if _is_reminded(row)]
@@ -47,7 +48,7 @@ def _persisting_alerts(database: Database) -> tuple[list[SubscriptionRow], list[
             if alert.state not in FIRING:
                 continue
             try:
-                found.append(message_of(session, alerts.history(session, alert.id)[-1]))
+                found.append(message_of(session, alerts.history(session, alert.id)[-1], texts))
             except MemoryError:
                 raise
             except Exception as error:

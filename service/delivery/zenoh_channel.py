@@ -7,7 +7,9 @@ from dataclasses import dataclass
 
 import zenoh
 
-from service.alerts.event_message import AlertEvent, alert_event
+from service.advice.alert_advice import alert_event
+from service.advice.site_texts import SiteTexts
+from service.alerts.event_message import AlertEvent
 from service.delivery.channel import DeliveryOutcome, EventMessage
 from service.delivery.channel_kind import ChannelKind, Connections
 from service.replication.work_share import DELIVERY, Share, WholeShare
@@ -62,8 +64,11 @@ ZENOH = ChannelKind(
 class LastStates:
     """Answers to queries on the alerts' keys: the last event of each open alert."""
 
-    def __init__(self, session: zenoh.Session, database: Database, share: Share | None = None) -> None:
+    def __init__(
+        self, session: zenoh.Session, database: Database, share: Share | None = None, texts: SiteTexts | None = None
+    ) -> None:
         self._share = share or WholeShare()
+        self._texts = texts or SiteTexts()
         self._database = database
         self._lock = threading.Lock()
         self._queryable = session.declare_queryable(ALL_ALERTS, self._answer)
@@ -80,7 +85,7 @@ class LastStates:
             plants = {row.id: row.plant for row in machines.list_all(reading)}
             for row in alerts.find(reading, machine_id=None, only_open=True, limit=10_000):
                 try:
-                    event = alert_event(alerts.history(reading, row.id)[-1])
+                    event = alert_event(alerts.history(reading, row.id)[-1], self._texts)
                 except (ValueError, OverflowError):
                     logger.exception("the last event of alert %d cannot be told on the network", row.id)
                     continue

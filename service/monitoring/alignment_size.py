@@ -1,13 +1,14 @@
 """Size of a change of a coupling's alignment: the same numbers as `GET /machines/{id}/alignment`, beside what is allowed."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from estimator.alignment.alignment_change import alignment_changes
 from estimator.alignment.healthy_films import learnt_variation
 from estimator.alignment.tolerance import ToleratedChange, allowed_alignment, tolerated_changes
 from estimator.diagnosis.equivalent_settlements import EquivalentSettlement, equivalent_settlements
-from estimator.diagnosis.finding_kind import Cause, ChangeSize
+from estimator.diagnosis.finding_kind import Cause, ChangeSize, SizePart
+from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe
@@ -44,7 +45,7 @@ def alignment_size(
     allowed = allowed_alignment(machine, describe(cause.element).element_id)
     quantities = {"allowed_at_rpm": allowed.rpm, **_numbers(known)}
     quantities |= {f"bearing.{one.bearing}.{one.plane}_um": _um(one) for one in equivalent_settlements(machine, cause)}
-    size = ChangeSize(None, quantities)
+    size = ChangeSize(None, quantities, parts=tuple(_figures(known)))
     if not known:
         return size
     return replace(
@@ -63,6 +64,15 @@ def _numbers(known: Sequence[ToleratedChange]) -> dict[str, float]:
         found[f"{name}_half_width_{unit}"] = factor * one.half
         found[f"{name}_allowed_{unit}"] = factor * one.allowed
     return found
+
+
+def _figures(known: Sequence[ToleratedChange]) -> Iterator[SizePart]:
+    """Yield the changes with their intervals, the one that takes most of what is allowed first."""
+    for one in sorted(known, key=lambda each: -each.part):
+        unit, factor = UNITS[one.unit]
+        value, half = factor * (one.value or 0.0), factor * one.half
+        sigma = CONFIDENCE_95 * value / half if half > 0.0 else None
+        yield SizePart(one.name, unit, value, value - half, value + half, sigma, factor * one.allowed)
 
 
 def _um(one: EquivalentSettlement) -> float:

@@ -1,9 +1,12 @@
 """Assessment of a machine's newest runs against their baseline: a pure function, computed in a worker process."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from estimator.diagnosis.bayes_factors import Diagnosis
+from estimator.diagnosis.change_progress import ChangeProgress, change_progress
 from estimator.diagnosis.data_faults import says_nothing
 from estimator.diagnosis.film_reference import film_observation, is_of_films
 from estimator.diagnosis.finding_kind import Cause, ChangeSize
@@ -13,12 +16,12 @@ from estimator.diagnosis.run_windows import RunWindows
 from estimator.diagnosis.severity_measures import change_form, change_size
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.film_speeds import follows_films
-from estimator.rotor.parameter_names import change_unit, parameter_units
+from estimator.rotor.parameter_names import parameter_units
 from estimator.trends.covariates import Adjustment, adjustment
 from estimator.trends.trend_tests import Reading
-from service.alerts.lifecycle import Severity
 from service.monitoring.alignment_size import alignment_size, learnt
 from service.monitoring.assessment import (
+    WEEK,
     AssessedRun,
     Assessment,
     AssessmentContext,
@@ -27,15 +30,16 @@ from service.monitoring.assessment import (
     MachineDiagnosis,
     RateAssessment,
 )
-from service.monitoring.diagnosis_rules import UNLIMITED_DELAY, delays
+from service.monitoring.diagnosis_rules import UNLIMITED_DELAY, danger_limit, delays
 from service.monitoring.finding_rules import MISALIGNMENT, RATE_OF_CHANGE
-from service.monitoring.limits import Limits
-from service.monitoring.rate_of_change import RateFinding, rate_findings
+from service.monitoring.load_changes import load_changes
+from service.monitoring.moved_parameters import adjusted_baseline, moved_parameters
+from service.monitoring.rate_of_change import RateFinding, rate_findings, with_limits_ahead
 
 
 def assess(context: AssessmentContext) -> Assessment:
     """Diagnose a machine's change, and assess its rate."""
-    rates = None if context.history is None else _rates(context.limits, context.history, context.open_rates)
+    rates = None if context.history is None else _rates(context, context.history)
     return Assessment(_diagnosis(context), rates)
 
 
@@ -122,21 +126,59 @@ def _diagnosis(context: AssessmentContext) -> MachineDiagnosis | None:
     limits = context.limits
     diagnosis = compared.watch.found(compared.observations, on_delay=lambda kind, element: delays(limits, kind, element)[0])
     causes = _causes(context, compared, diagnosis)
-    return MachineDiagnosis(tuple(run.id for run in context.baseline), causes, _cleared_causes(context, compared, diagnosis))
+    gone = _cleared_causes(context, compared, diagnosis)
+    moved = moved_parameters(context, parameter_units(context.machine)) if causes else ()
+    return MachineDiagnosis(tuple(run.id for run in context.baseline), causes, gone, moved)
 
 
 def _causes(context: AssessmentContext, compared: BaselineComparison, diagnosis: Diagnosis) -> tuple[DiagnosedCause, ...]:
-    """Return the causes of a diagnosis with their size, their form and the run with which each began."""
+    """Return the causes of a diagnosis with their size, their form, and the run with which each began and how it went on."""
     machine = context.machine
     amplitude = {probe.id: typical_amplitude(probe.id, compared.watch.baseline) for probe in machine.probes}
-    units = parameter_units(machine)
     causes = []
     for cause, runners_up in zip(diagnosis.causes, diagnosis.runners_up, strict=True):
         size = _size(context, compared, cause, amplitude)
-        began = compared.after[compared.watch.began(cause, compared.observations)]
-        of_names = {name: change_unit(name, units) for name in cause.names}
-        causes.append(DiagnosedCause(cause, runners_up, size, change_form(cause), of_names, began.measured_at, began.id))
+        place = compared.watch.began(cause, compared.observations)
+        others = [one for one in diagnosis.causes if one is not cause and one.names]
+        progress = _progress(context, compared, SizedChange(cause, size, amplitude), others, place)
+        began = compared.after[place]
+        if cause.kind == MISALIGNMENT.name and compared.variation is None:
+            size = replace(size, parts=(*size.parts, *load_changes(context, cause.element)))
+        causes.append(DiagnosedCause(cause, runners_up, size, change_form(cause), progress, began.measured_at, began.id))
     return tuple(causes)
+
+
+@dataclass(frozen=True)
+class SizedChange:
+    """A cause with its size. amplitude: median by channel in the baseline [m]."""
+
+    cause: Cause
+    size: ChangeSize
+    amplitude: Mapping[str, float]
+
+
+def _progress(
+    context: AssessmentContext, compared: BaselineComparison, change: SizedChange, others: Sequence[Cause], place: int
+) -> ChangeProgress:
+    """Follow the size of a cause from the run with which it began, towards the danger limit that it has."""
+    cause, now = change.cause, change.size.limited
+    measured = compared.variation is not None and cause.kind == MISALIGNMENT.name
+    length = float(np.linalg.norm(cause.change / compared.watch.reference.unit_of(cause.names))) if measured else 0.0
+
+    def size(of: Cause) -> float | None:
+        if not measured:
+            return change_size(of, compared.watch.reference, amplitude=change.amplitude).limited
+        # An alignment is estimated from all runs together: a run's part of it is its part of the change.
+        part = float(np.linalg.norm(of.change / compared.watch.reference.unit_of(of.names))) / max(length, 1e-300)
+        return None if now is None else part * now
+
+    runs = [
+        (run.measured_at / WEEK, one)
+        for run, one in zip(compared.after[place:], compared.observations[place:], strict=True)
+        if run.fit.accepted
+    ]
+    limit = danger_limit(context.limits, cause.kind, cause.element, change.size)
+    return change_progress(compared.watch.reference, cause, others, runs, size=size, limit=limit)
 
 
 def _size(
@@ -163,8 +205,8 @@ def _cleared_causes(
     return frozenset(one for one in context.open_causes if is_gone(*one))
 
 
-def _rates(limits: Limits, history: BaselineHistory, drifting: Mapping[str, Severity]) -> RateAssessment:
-    adjusted = readings(history)
+def _rates(context: AssessmentContext, history: BaselineHistory) -> RateAssessment:
+    limits, drifting, adjusted = context.limits, context.open_rates, readings(history)
 
     def longest_delay(element: str) -> int:
         rule = limits.rule(RATE_OF_CHANGE.name, element)
@@ -185,4 +227,5 @@ def _rates(limits: Limits, history: BaselineHistory, drifting: Mapping[str, Seve
         return not any(element in one for one in then[: limits.rule(RATE_OF_CHANGE.name, element).off_delay])
 
     findings = tuple(one for element, one in newest.items() if element in drifting or lasts(element))
-    return RateAssessment(findings, frozenset(filter(is_gone, drifting)))
+    baseline = adjusted_baseline(context)
+    return RateAssessment(with_limits_ahead(findings, limits, baseline, adjusted), frozenset(filter(is_gone, drifting)))

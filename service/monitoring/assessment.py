@@ -12,9 +12,12 @@ from service.alerts.lifecycle import Severity
 from service.monitoring.limits import Limits
 
 if TYPE_CHECKING:
+    from estimator.diagnosis.change_progress import ChangeProgress
     from estimator.diagnosis.finding_kind import Cause, ChangeSize
     from service.monitoring.rate_of_change import RateFinding
 
+WEEK = 7 * 86_400 * 1_000_000_000
+"""One week [ns]."""
 Conditions = Mapping[str, float | None]
 """Mean of each operating condition over a run by name; None for one that was not measured."""
 
@@ -43,6 +46,29 @@ class BaselineHistory:
 
 
 @dataclass(frozen=True)
+class ComparedRuns:
+    """The parameters that the baseline's runs and the newest run determined, with their operating conditions."""
+
+    baseline: Sequence[tuple[Point, Conditions]]
+    newest: tuple[Point, Conditions]
+
+
+@dataclass(frozen=True)
+class CoupledLoad:
+    """A load in a coupling, such as `coupling.C1.misalignment_force`.
+
+    unit: SI unit. newest: value of the newest run. baseline: value of each run of the baseline, with the half width of its
+    95 % interval.
+    """
+
+    name: str
+    element: str
+    unit: str
+    newest: float
+    baseline: Sequence[tuple[float, float | None]]
+
+
+@dataclass(frozen=True)
 class AssessmentBasis:
     """The settings that a person may change during an assessment: the baseline and the limits in force, by number."""
 
@@ -56,7 +82,7 @@ class AssessmentContext:
 
     baseline, after: oldest first; without a baseline nothing is diagnosed. open_causes: kind and element of the machine's open
     alerts of a diagnosis. history: None when rates of change are not assessed; open_rates: severity of the open alerts of that
-    rule by element.
+    rule by element. compared: of the newest run, None where it was not accepted. loads: in its couplings.
     """
 
     machine: Machine
@@ -67,11 +93,30 @@ class AssessmentContext:
     open_causes: tuple[tuple[str, str], ...]
     history: BaselineHistory | None
     open_rates: Mapping[str, Severity]
+    compared: ComparedRuns | None = None
+    loads: tuple[CoupledLoad, ...] = ()
+
+
+@dataclass(frozen=True)
+class MovedParameter:
+    """Deviation of a parameter of the newest run from the baseline, as the table of deviations has it.
+
+    change: in its unit; of a vector its length. per_cent, lower_per_cent, upper_per_cent: see `ParameterDeviation`.
+    """
+
+    parameter: str
+    element: str
+    change: float
+    unit: str | None
+    per_cent: float
+    lower_per_cent: float
+    upper_per_cent: float
+    sigma: float
 
 
 @dataclass(frozen=True)
 class DiagnosedCause:
-    """A cause, its runners-up as an explanation, its size and form, and the units of its changes by name.
+    """A cause, its runners-up as an explanation, its size, form and progress.
 
     began_at, began: time [ns] and identification of the run with which it most probably began.
     """
@@ -80,7 +125,7 @@ class DiagnosedCause:
     runners_up: tuple["Cause", ...]
     size: "ChangeSize"
     form: str | None
-    units: Mapping[str, str | None]
+    progress: "ChangeProgress"
     began_at: int
     began: int
 
@@ -89,12 +134,14 @@ class DiagnosedCause:
 class MachineDiagnosis:
     """Causes of a machine's change from its baseline.
 
-    baseline: ids of the identifications that form it. gone: the context's `open_causes` that have gone.
+    baseline: ids of the identifications that form it. gone: the context's `open_causes` that have gone. moved: all parameters
+    that the newest run and the baseline determine.
     """
 
     baseline: tuple[int, ...]
     causes: tuple[DiagnosedCause, ...]
     gone: frozenset[tuple[str, str]]
+    moved: tuple[MovedParameter, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,6 @@
 """Loading the input of an assessment: the machine's state, and the context that a worker assesses."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from sqlalchemy.orm import Session
@@ -8,19 +8,30 @@ from sqlalchemy.orm import Session
 from estimator.machine.document import Machine
 from estimator.trends.parameter_vector import Point
 from service.alerts.lifecycle import Severity
-from service.monitoring.assessment import AssessedRun, AssessmentBasis, AssessmentContext, BaselineHistory, Conditions
-from service.monitoring.comparison import WEEK, ComparisonTerms, baseline_of, compared_with, terms_of
+from service.monitoring.assessment import (
+    WEEK,
+    AssessedRun,
+    AssessmentBasis,
+    AssessmentContext,
+    BaselineHistory,
+    ComparedRuns,
+    Conditions,
+    CoupledLoad,
+)
+from service.monitoring.comparison import ComparisonTerms, baseline_of, compared_with, terms_of
 from service.monitoring.finding_rules import DIAGNOSIS_RULES, RATE_OF_CHANGE, is_finding
 from service.monitoring.limits_in_force import limits_of
 from storage.alerts import alerts
-from storage.findings import identifications, jobs
+from storage.findings import derived, identifications, jobs
 from storage.machines import limits, machines
 from storage.tables.alerting import AlertRow
-from storage.tables.findings import IdentificationRow
+from storage.tables.findings import DerivedRow, IdentificationRow
 from storage.tables.machines import LimitsRow
 
 LOOKED_BACK = 60
 """Newest identifications of single runs that are assessed: enough to find when a change began, and for delays of up to 20."""
+COUPLED_LOADS = ("misalignment_force", "misalignment_moment")
+"""Derived quantities of a coupling that a misalignment is told with."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +74,7 @@ def load_context(session: Session, stored: IdentificationRow, *, baseline_runs: 
     terms = state.terms
     baseline, wanted = baseline_of(session, stored.machine_id, terms.like, terms.began, baseline_runs=baseline_runs)
     before, after = _runs(session, terms, baseline, wanted)
+    compared_ids = [one.id for one in before]
     return AssessmentContext(
         machine=machine,
         limits=limits_of(state.limits),
@@ -76,6 +88,8 @@ def load_context(session: Session, stored: IdentificationRow, *, baseline_runs: 
         ),
         history=_history(session, machine, state, baseline, wanted),
         open_rates={one.element: Severity(one.severity) for one in state.open_alerts if one.rule == RATE_OF_CHANGE.name},
+        compared=_compared_runs(session, stored, baseline, compared_ids),
+        loads=tuple(_coupled_loads(session, machine, stored, compared_ids)),
     )
 
 
@@ -130,6 +144,32 @@ def _history(
         times=[row.measured_at / WEEK for row in rows.after],
         after=_points(session, rows.after),
     )
+
+
+def _compared_runs(
+    session: Session, stored: IdentificationRow, baseline: Sequence[IdentificationRow], ids: Sequence[int]
+) -> ComparedRuns | None:
+    """Read what the table of deviations of an identification is made of. ids: of the baseline, none while it is incomplete."""
+    if not ids or not stored.accepted:
+        return None
+    (newest,) = _points(session, [stored])
+    return ComparedRuns(_points(session, [row for row in baseline if row.id in ids]), newest)
+
+
+def _coupled_loads(session: Session, machine: Machine, stored: IdentificationRow, ids: Sequence[int]) -> Iterator[CoupledLoad]:
+    """Yield the loads in the couplings that an identification and all those of its baseline have."""
+    for coupling in machine.couplings if ids else ():
+        element = f"coupling.{coupling.id}"
+        for name in COUPLED_LOADS:
+            now = derived.one(session, stored.id, f"{element}.{name}")
+            before = [derived.one(session, number, f"{element}.{name}") for number in ids]
+            known = [(row.value, _half_width(row)) for row in before if row is not None and row.value is not None]
+            if now is not None and now.value is not None and len(known) == len(before):
+                yield CoupledLoad(f"{element}.{name}", element, now.unit, now.value, known)
+
+
+def _half_width(row: DerivedRow) -> float | None:
+    return None if row.lower is None or row.upper is None else (row.upper - row.lower) / 2.0
 
 
 def _points(session: Session, rows: Sequence[IdentificationRow]) -> list[tuple[Point, Conditions]]:

@@ -18,8 +18,6 @@ ALIKE = 0.5
 """Two runs are comparable when the speeds that both cover are at least this part of those that either covers."""
 LONGEST_HISTORY = 520
 """Newest runs after a baseline over which trends are tested: ten years of one a week."""
-WEEK = 7 * 86_400 * 1_000_000_000
-"""One week [ns]."""
 
 
 @dataclass(frozen=True)

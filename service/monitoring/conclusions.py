@@ -5,9 +5,9 @@
 
 import statistics
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from datetime import datetime
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from sqlalchemy.orm import Session
 
@@ -20,8 +20,8 @@ from service.monitoring.diagnosis_rules import cause_severity
 from service.monitoring.finding_rules import DIAGNOSIS_RULES, MISALIGNMENT, RATE_OF_CHANGE, finding_rule
 from service.monitoring.finding_text import Statement
 from service.monitoring.limits import Limits
-from storage.clock import from_datetime
-from storage.findings import derived, diagnoses
+from storage.clock import from_datetime, to_datetime
+from storage.findings import derived, diagnoses, identifications
 from storage.tables.alerting import AlertRow
 from storage.tables.findings import IdentificationRow
 
@@ -60,7 +60,8 @@ def apply(
     state."""
     forces = _forces(session, stored, assessment.diagnosis)
     loads = _loads(session, stored, context, assessment.diagnosis)
-    found = conclusions(context, assessment, state, forces, loads)
+    unknown = tuple(one.parameter for one in identifications.estimates(session, stored.id) if one.value is None)
+    found = conclusions(context, assessment, state, StoredNumbers(forces, loads, unknown))
     if assessment.diagnosis is not None and found.statements is not None:
         diagnoses.add(
             session,
@@ -78,16 +79,23 @@ def apply(
             transitions.clear_alert(session, change)
 
 
-def conclusions(
-    context: AssessmentContext,
-    assessment: Assessment,
-    state: MonitoringState,
-    forces: Mapping[str, float | None],
-    loads: Mapping[str, float],
-) -> Conclusions:
-    """Return the consequences of an assessment. forces: force by element [N], for those whose finding has one.
+@dataclass(frozen=True)
+class StoredNumbers:
+    """Numbers of an identification that are stored beside its fit.
 
-    loads: change of each bearing's vertical load against the baseline, by bearing [%].
+    forces: force by element [N], for those whose finding has one. loads: change of each bearing's vertical load against the
+    baseline, by bearing [%]. not_estimable: parameters that it does not determine.
+    """
+
+    forces: Mapping[str, float | None]
+    loads: Mapping[str, float]
+    not_estimable: tuple[str, ...]
+
+
+def conclusions(
+    context: AssessmentContext, assessment: Assessment, state: MonitoringState, numbers: StoredNumbers
+) -> Conclusions:
+    """Return the consequences of an assessment.
 
     Alerts show the machine's present state: a late run is diagnosed, and affects alerts with the next run.
     """
@@ -97,7 +105,7 @@ def conclusions(
     if diagnosis is None:
         return Conclusions(None, changes)
     opened = {(alert.rule, alert.element): alert for alert in state.open_alerts}
-    statements = [_statement(one, forces, loads, opened) for one in diagnosis.causes]
+    statements = [_statement(one, diagnosis, numbers, opened) for one in diagnosis.causes]
     if state.current:
         changes += _cause_changes(context.limits, diagnosis, statements, state, opened)
     return Conclusions(statements, changes)
@@ -129,15 +137,23 @@ _OpenAlerts = Mapping[tuple[str, str], AlertRow]
 """Open alerts by rule and element."""
 
 
-def _statement(
-    found: DiagnosedCause, forces: Mapping[str, float | None], loads: Mapping[str, float], opened: _OpenAlerts
-) -> Statement:
+def _statement(found: DiagnosedCause, diagnosis: MachineDiagnosis, numbers: StoredNumbers, opened: _OpenAlerts) -> Statement:
     cause, size = found.cause, found.size
-    if finding_rule(cause.kind).rule is MISALIGNMENT and loads:
-        size = replace(size, quantities={**size.quantities, **loads})
+    if finding_rule(cause.kind).rule is MISALIGNMENT and numbers.loads:
+        size = replace(size, quantities={**size.quantities, **numbers.loads})
     since, first = _first_run_of(found, opened)
-    force = None if finding_rule(cause.kind).force is None else forces[cause.element]
-    return Statement(cause, found.runners_up, size, since, first, force, found.form, found.units)
+    return Statement(
+        cause=cause,
+        runners_up=found.runners_up,
+        size=size,
+        since=since,
+        first_identification=first,
+        force=None if finding_rule(cause.kind).force is None else numbers.forces[cause.element],
+        form=found.form,
+        progress=found.progress,
+        moved=diagnosis.moved,
+        not_estimable=numbers.not_estimable,
+    )
 
 
 def _first_run_of(found: DiagnosedCause, opened: _OpenAlerts) -> tuple[int, int]:
@@ -192,14 +208,19 @@ def _alert_of(
     if severity is None:
         return None
     finding = AlertFinding(
-        message=one.words(),
-        evidence=one.evidence() | {"identification": stored.id, "run_kind": stored.run_kind, "baseline": baseline},
+        evidence=one.evidence() | _of_run(stored) | {"baseline": baseline},
         identification_id=stored.id,
         measured_at=stored.measured_at,
         severity=severity,
         latching=rule.limits is not None and limits.rule(rule.name, element).latching,
     )
     return RaisedAlert(rule.name, element, finding)
+
+
+def _of_run(stored: IdentificationRow) -> dict[str, Any]:
+    """Return which run showed a finding last."""
+    moment = to_datetime(stored.measured_at).isoformat().replace("+00:00", "Z")
+    return {"identification": stored.id, "run_kind": stored.run_kind, "measured_at": moment}
 
 
 def _may_clear(alert: AlertRow, stored: IdentificationRow) -> bool:
@@ -223,9 +244,9 @@ def _rate_changes(limits: Limits, rates: RateAssessment, state: MonitoringState)
 def _alert_of_rate(one: "RateFinding", stored: IdentificationRow, *, latching: bool) -> RaisedAlert:
     evidence = {"kind": RATE_OF_CHANGE.name, "element": one.element, "parameter": one.rate.name, "runs": one.rate.runs}
     evidence |= {f"{bound}_per_cent": 100.0 * getattr(one.rate, bound) for bound in ("per_week", "lower", "upper")}
+    evidence |= {"change_per_cent": one.change_per_cent, "ahead": None if one.ahead is None else asdict(one.ahead)}
     finding = AlertFinding(
-        message=one.message,
-        evidence=evidence | {"identification": stored.id, "run_kind": stored.run_kind},
+        evidence=evidence | _of_run(stored),
         identification_id=stored.id,
         measured_at=stored.measured_at,
         severity=one.severity,

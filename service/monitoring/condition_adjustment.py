@@ -7,7 +7,8 @@ from sqlalchemy.orm import Session
 from estimator.trends.covariates import Adjustment, adjustment
 from estimator.trends.parameter_vector import Point
 from estimator.trends.trend_tests import Reading
-from service.monitoring.comparison import WEEK, Compared
+from service.monitoring.assessment import WEEK
+from service.monitoring.comparison import Compared
 from storage.findings import identifications
 from storage.machines import machines
 from storage.tables.findings import IdentificationRow

@@ -11,6 +11,8 @@ if TYPE_CHECKING:
 
 UNLIMITED_DELAY = 2
 """Runs in a row that open, and good ones that clear, an alert of a finding without limits."""
+WHOLE_TOLERANCE = 100.0
+"""All of what is allowed [%]."""
 
 
 def delays(limits: Limits, kind: str, element: str) -> tuple[int, int]:
@@ -20,6 +22,18 @@ def delays(limits: Limits, kind: str, element: str) -> tuple[int, int]:
         return UNLIMITED_DELAY, UNLIMITED_DELAY
     chosen = limits.rule(rule.name, element)
     return chosen.on_delay, chosen.off_delay
+
+
+def danger_limit(limits: Limits, kind: str, element: str, size: "ChangeSize") -> float | None:
+    """Return the danger limit of a cause's size, in the per cent that `ChangeSize.limited` has; None where there is none."""
+    rule = finding_rule(kind).rule
+    level = None if rule.limits is None else limits.rule(rule.name, element).danger
+    if level is None:
+        return None
+    if size.tolerance_per_cent is None:
+        return level.per_cent
+    # Certain to be beyond what is allowed is at least all of what is allowed.
+    return level.tolerance_per_cent if level.beyond_tolerance is None else WHOLE_TOLERANCE
 
 
 def cause_severity(

@@ -1,42 +1,35 @@
-"""The findings that are reported to people, each declared once: its alert rule, its limits and its sentence.
+"""The findings that are reported to people, each declared once: its alert rule, its limits and its texts.
 
 `FINDING_RULES` has one declaration for each of the estimator's `FINDING_KINDS`; otherwise the import of this module fails.
 """
 
-import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 from estimator.diagnosis.finding_kinds import FINDING_KINDS, finding_kind
-from estimator.machine.parameter_description import describe
-from service.monitoring.film_sentences import (
-    alignment_sentence,
-    film_sentence,
-    oil_sentence,
-    settlement_sentence,
-    wear_sentence,
-)
 from service.monitoring.limit_rule import Level, Quantity, Rule
+from service.wording.finding_texts import LISTS, FindingTexts
+from service.wording.finding_words import (
+    alignment_questions,
+    bearing_words,
+    element_questions,
+    element_words,
+    misalignment_words,
+    no_questions,
+    oil_words,
+    rate_words,
+    run_out_words,
+    sensor_words,
+    settlement_size,
+    size_words,
+    unbalance_words,
+    wear_size,
+)
+from service.wording.told_finding import ToldFinding
 
 if TYPE_CHECKING:
-    from estimator.diagnosis.finding_kind import Cause, ChangeSize, ElementKind
-
-
-class SizedCause(Protocol):
-    """A cause with its size, and its form when the data determine one."""
-
-    @property
-    def cause(self) -> "Cause":
-        """Return the cause."""
-
-    @property
-    def size(self) -> "ChangeSize":
-        """Return its size."""
-
-    @property
-    def form(self) -> str | None:
-        """Return its form, such as `parallel`; None when unknown."""
+    from estimator.diagnosis.finding_kind import ElementKind
 
 
 @dataclass(frozen=True)
@@ -70,108 +63,45 @@ class AlertRule:
                     )
 
 
+Words = Callable[[ToldFinding], Mapping[str, str]]
+"""Function that returns what stands in the places of a finding's own texts, by name; `size` is one of them."""
+
+
 @dataclass(frozen=True)
 class FindingRule:
-    """Declaration of how one kind of finding is reported. Raises ValueError when a part is missing.
+    """Declaration of how one kind of finding is reported. Raises ValueError when a part is missing or wrong.
 
-    sentence: describes the finding, to be followed by "against the baseline, since …". force: the derived value of the element
-    that is its force [N], such as `misalignment_force`; required when the rule's levels may name a force.
+    texts: what is said of it, which a site may replace. words: what stands in its places. places: those beside `PLACES`.
+    force: the derived value of the element that is its force [N], such as `misalignment_force`; required when the rule's
+    levels may name a force. open_questions: what the numbers of a finding leave open, beside what its texts say.
     """
 
     kind: str
     rule: AlertRule
-    sentence: Callable[[SizedCause], str]
+    texts: FindingTexts
+    words: Words = size_words
+    places: tuple[str, ...] = ()
     force: str | None = None
+    open_questions: Callable[[ToldFinding], Sequence[str]] = no_questions
 
     def __post_init__(self) -> None:
         if "force" in self.rule.quantities and self.force is None:
             raise ValueError(f"finding '{self.kind}' can have a limit for a force, and does not say which value that is")
+        for field, message in self.problems(self.texts):
+            raise ValueError(f"finding '{self.kind}': {field} {message}")
+        missing = [name for name in LISTS if not getattr(self.texts, name) and (name != "if_danger" or self.can_be_danger)]
+        if missing:
+            raise ValueError(f"finding '{self.kind}' has no texts of {', '.join(missing)}")
 
+    @property
+    def can_be_danger(self) -> bool:
+        """Return whether it has a danger limit unless a site sets others."""
+        return self.rule.limits is not None and self.rule.limits.danger is not None
 
-# --- sentences ---------------------------------------------------------------------------------------------------------------
-
-
-def _misalignment_sentence(one: SizedCause) -> str:
-    if "allowed_at_rpm" in one.size.quantities:
-        return alignment_sentence(_id(one), one.size)
-    described = [(describe(name), value) for name, value in one.size.quantities.items()]
-    parts = [f"{own.element} {value:+.0f} %" for own, value in described if own.quantity == "stiffness_per_cent"]
-    form = f" ({one.form})" if one.form else ""
-    return f"Coupling {_id(one)} is going out of alignment{form}: stiffness {', '.join(parts)}"
-
-
-def _element_sentence(one: SizedCause) -> str:
-    if "deviation_times_allowed" in one.size.quantities:
-        return film_sentence(_id(one), one.size)
-    described = [(describe(name), value) for name, value in one.size.quantities.items()]
-    parts = [f"{own.quantity.removesuffix('_per_cent')} {value:+.0f} %" for own, value in described]
-    return f"{describe(one.cause.element).element_kind.capitalize()} {_id(one)} has changed by itself: {', '.join(parts)}"
-
-
-def _settlement_sentence(one: SizedCause) -> str:
-    return settlement_sentence(_id(one), one.size)
-
-
-def _wear_sentence(one: SizedCause) -> str:
-    return wear_sentence(_id(one), one.size)
-
-
-def _oil_sentence(one: SizedCause) -> str:
-    return oil_sentence(one.size)
-
-
-def _light_load_sentence(one: SizedCause) -> str:
-    return f"Bearing {_id(one)} carries hardly any load: less than a tenth of what it carried, so that it may whirl"
-
-
-def _heavy_load_sentence(one: SizedCause) -> str:
-    return f"Bearing {_id(one)} carries more than 5 MPa of its area, the most that white metal takes (ISO 7902-3)"
-
-
-def _unbalance_sentence(one: SizedCause) -> str:
-    q = one.size.quantities
-    return (
-        f"The unbalance of disc {_id(one)} has changed by {rounded(q['change_g_mm'], 3)} g·mm at {q['change_deg']:.0f}°, "
-        f"from {rounded(q['before_g_mm'], 3)} to {rounded(q['after_g_mm'], 3)} g·mm"
-    )
-
-
-def _sensor_sentence(one: SizedCause) -> str:
-    if not one.cause.names:
-        return f"Probe {_id(one)} gives no usable phasors any more"
-    q = one.size.quantities
-    return f"Probe {_id(one)} or its chain reads differently: gain {q['gain_per_cent']:+.0f} %, phase {q['phase_deg']:+.0f}°"
-
-
-def _run_out_sentence(one: SizedCause) -> str:
-    return f"The run-out at probe {_id(one)} has changed by {_largest(one)}"
-
-
-def _bow_sentence(one: SizedCause) -> str:
-    return f"The bow, or the run-out at all probes, of shaft {_id(one)} has changed by {_largest(one)}"
-
-
-def _misfit_sentence(_one: SizedCause) -> str:
-    return "No fit explains the machine's newest runs: its model does not hold any more, or its data are wrong"
-
-
-def _outliers_sentence(_one: SizedCause) -> str:
-    return "Many single phasors of the newest runs do not fit and are left out: look at cables, connections and interference"
-
-
-def _largest(one: SizedCause) -> str:
-    return f"{rounded(one.size.quantities['largest_um'], 2)} µm"
-
-
-def _id(one: SizedCause) -> str:
-    return describe(one.cause.element).element_id
-
-
-def rounded(value: float, digits: int) -> str:
-    """Return a number with so many significant digits in plain notation: nobody reads 1.3e+04 g·mm aloud."""
-    shown = float(f"{value:.{digits}g}")
-    decimals = 0 if shown == 0.0 else max(0, digits - 1 - math.floor(math.log10(abs(shown))))
-    return f"{shown:.{decimals}f}"
+    def problems(self, texts: FindingTexts) -> list[tuple[str, str]]:
+        """Return what is wrong with texts of it, as (field, message)."""
+        needed = [one for one in ("id", "size", *self.places) if f"{{{one}}}" in self.texts.what]
+        return list(texts.problems(self.places, needed))
 
 
 # --- alert rules, with the sources of their limits ---------------------------------------------------------------------------
@@ -250,23 +180,290 @@ RATE_OF_CHANGE = AlertRule(
 )
 """Rule for parameters that drift too fast, whatever the diagnosis: see `service.monitoring.rate_of_change`."""
 
-FINDING_RULES: tuple[FindingRule, ...] = (
-    FindingRule("misalignment", MISALIGNMENT, _misalignment_sentence, force="misalignment_force"),
-    FindingRule("bearing", BEARING, _element_sentence),
-    FindingRule("coupling", COUPLING, _element_sentence),
-    FindingRule("pedestal", PEDESTAL, _element_sentence),
-    FindingRule("settlement", SETTLEMENT, _settlement_sentence),
-    FindingRule("wear", WEAR, _wear_sentence),
-    FindingRule("oil", OIL, _oil_sentence),
-    FindingRule("light_load", AlertRule("light_load"), _light_load_sentence),
-    FindingRule("heavy_load", AlertRule("heavy_load"), _heavy_load_sentence),
-    FindingRule("unbalance", UNBALANCE, _unbalance_sentence),
-    FindingRule("bow", RUN_OUT, _bow_sentence),
-    FindingRule("run_out", RUN_OUT, _run_out_sentence),
-    FindingRule("sensor", SENSOR, _sensor_sentence),
-    FindingRule("misfit", AlertRule("misfit"), _misfit_sentence),
-    FindingRule("outliers", AlertRule("outliers"), _outliers_sentence),
+BALANCE_FIRST = (
+    "Do not balance coupling {id}'s machines before: weights would hide the cause and not mend it (common practice)"
 )
+NEW_BASELINE = "After the work, enter a maintenance on the machine's timeline: a new baseline begins"
+STATED_FILMS = "Whether it is {id} itself or the load on it, where the document does not describe its film by geometry and oil"
+
+FINDING_RULES: tuple[FindingRule, ...] = (
+    FindingRule(
+        "misalignment",
+        MISALIGNMENT,
+        FindingTexts(
+            what="Coupling {id} {judgement}: {size}, {compared}, since {since}",
+            check=(
+                "Metal and oil temperatures of the bearings beside coupling {id}, load and process temperature, since {since}",
+                "2×, orbit and shaft centreline at the probes beside coupling {id}, over a run from before {since}",
+                "Pipes, hold-down bolts (soft foot) and foundation on both sides of coupling {id}",
+            ),
+            in_operation=(
+                "Take a run-down at the next chance: it shows whether the change grows",
+                "Watch vibration and temperatures of the bearings beside coupling {id} in every shift",
+            ),
+            at_next_stop=(
+                "Measure the alignment at coupling {id} before anything is loosened, and compare it with these figures",
+                "Look at bolts, elements or teeth, and grease of coupling {id}; align anew where it is off",
+                BALANCE_FIRST,
+                NEW_BASELINE,
+            ),
+            if_danger=(
+                "Agree on the earliest stop for coupling {id} with operations; do not start again before it is looked at",
+            ),
+            confirm=(
+                "An alignment, measured by laser or dial gauges, that is off the same way",
+                "2× that has grown, or bearing temperatures that have moved apart, beside coupling {id} (common practice)",
+            ),
+            not_determined=("Which of the two machines has moved, or whether the coupling itself is worn",),
+        ),
+        misalignment_words,
+        places=("judgement",),
+        force="misalignment_force",
+        open_questions=alignment_questions,
+    ),
+    FindingRule(
+        "bearing",
+        BEARING,
+        FindingTexts(
+            what="{judgement}: {size}, {compared}, since {since}",
+            check=(
+                "Oil supply temperature, pressure and flow, and metal temperature, of {element} since {since}",
+                "Shaft centreline in {element}, over a run from before {since}",
+            ),
+            in_operation=("Hold oil temperature and load steady over a run-down, so that only {element} can differ",),
+            at_next_stop=(
+                "Open {element}: clearance, contact pattern, white metal, pads and pivots, fit in its housing",
+                NEW_BASELINE,
+            ),
+            if_danger=("Agree on the earliest stop for {element} with operations; watch its metal temperature until then",),
+            confirm=("A clearance or a contact pattern that is not as it was made", "Metal temperature that moved with it"),
+            not_determined=(STATED_FILMS,),
+        ),
+        bearing_words,
+        places=("judgement",),
+        open_questions=element_questions,
+    ),
+    FindingRule(
+        "coupling",
+        COUPLING,
+        FindingTexts(
+            what="Coupling {id} has changed by itself: {size}, {compared}, since {since}",
+            check=("Torque and temperature at coupling {id} since {since}", "2× and phase across coupling {id}"),
+            in_operation=("Take a run-down at the next chance: it shows whether the change grows",),
+            at_next_stop=(
+                "Look at elements, bolts, teeth, hub fits and grease of coupling {id}",
+                "Measure the alignment at coupling {id}, which it may have suffered from",
+                NEW_BASELINE,
+            ),
+            if_danger=("Agree on the earliest stop for coupling {id} with operations: a coupling that breaks is thrown",),
+            confirm=("Cracked, worn or loose parts of coupling {id}",),
+            not_determined=("Which part of coupling {id} it is",),
+        ),
+        element_words,
+        open_questions=element_questions,
+    ),
+    FindingRule(
+        "pedestal",
+        PEDESTAL,
+        FindingTexts(
+            what="Pedestal {id} has changed by itself: {size}, {compared}, since {since}",
+            check=("Hold-down bolts, grout and cracks of pedestal {id}", "Pull of the pipes at pedestal {id}, warm and cold"),
+            in_operation=("Compare vibration of pedestal {id} across its joints, bolt by bolt (common practice)",),
+            at_next_stop=("Tighten or mend what is loose at pedestal {id}, then check the alignment beside it", NEW_BASELINE),
+            if_danger=("Agree on the earliest stop for pedestal {id} with operations",),
+            confirm=("A bolt that is loose, or a joint across which vibration jumps",),
+            not_determined=("Which bolt, joint or crack it is",),
+        ),
+        element_words,
+        open_questions=element_questions,
+    ),
+    FindingRule(
+        "settlement",
+        SETTLEMENT,
+        FindingTexts(
+            what="Bearing {id} stands {size}, {compared}, since {since}",
+            check=("Foundation and shims under bearing {id}", "Metal temperatures of bearing {id} and its neighbours"),
+            in_operation=("Compare load and temperature of bearing {id} with those of its neighbours",),
+            at_next_stop=("Measure the elevation of bearing {id} and set its shims", NEW_BASELINE),
+            if_danger=("Agree on the earliest stop for bearing {id} with operations",),
+            confirm=("A levelling of the bearings' housings that is off the same way",),
+            not_determined=("Elevations that are a change of one coupling's alignment as well",),
+        ),
+        settlement_size,
+    ),
+    FindingRule(
+        "wear",
+        WEAR,
+        FindingTexts(
+            what="Bearing {id} is worn: its radial clearance is {size}, {compared}, since {since}",
+            check=("Particles and metal in the oil of bearing {id}", "Metal temperature and shaft centreline of bearing {id}"),
+            in_operation=("Take oil samples, and run-downs at the same oil temperature: they show how fast it wears",),
+            at_next_stop=("Measure the clearance of bearing {id}; have shells of its size ready before", NEW_BASELINE),
+            if_danger=("Agree on the earliest stop for bearing {id} with operations, with new shells at hand",),
+            confirm=("A clearance, measured by lead wire or lift check, that has grown as much",),
+            not_determined=("Where in the bore it is worn, and why",),
+        ),
+        wear_size,
+    ),
+    FindingRule(
+        "oil",
+        OIL,
+        FindingTexts(
+            what="The oil in the bearings is of another viscosity, {size}: look at its grade and temperature, "
+            "{compared}, since {since}",
+            check=("Grade on the last delivery note, oil temperature at the supply, and water or fuel in the oil",),
+            in_operation=("Set the cooler so that the oil has its usual temperature; take a sample for its viscosity",),
+            at_next_stop=("Change the oil where its sample says so", NEW_BASELINE),
+            confirm=("A sample whose viscosity at 40 °C is off by as much",),
+            not_determined=("Whether grade, temperature or water is the cause",),
+        ),
+        oil_words,
+    ),
+    FindingRule(
+        "light_load",
+        AlertRule("light_load"),
+        FindingTexts(
+            what="Bearing {id} carries hardly any load: less than a tenth of what it carried, so that it may whirl, "
+            "{compared}, since {since}",
+            check=("Vibration below running speed at bearing {id}, in a spectrum of another instrument",),
+            in_operation=("Keep oil warm within its limits: a thinner film whirls later (common practice)",),
+            at_next_stop=("Measure the alignment beside bearing {id} and its elevation",),
+            confirm=("Low metal temperature at bearing {id}", "Vibration at somewhat less than half the running speed"),
+            not_determined=("By how much bearing {id} has been unloaded",),
+        ),
+        size_words,
+    ),
+    FindingRule(
+        "heavy_load",
+        AlertRule("heavy_load"),
+        FindingTexts(
+            what="Bearing {id} carries more than 5 MPa of its area, the most that white metal takes (ISO 7902-3), "
+            "{compared}, since {since}",
+            check=("Metal temperature of bearing {id} now, and its alarm limit",),
+            in_operation=("Reduce load where operations can; watch the metal temperature of bearing {id} in every shift",),
+            at_next_stop=("Measure the alignment beside bearing {id} and its elevation; look at its white metal",),
+            confirm=("High metal temperature at bearing {id}",),
+            not_determined=("By how much bearing {id} is beyond that",),
+        ),
+        size_words,
+    ),
+    FindingRule(
+        "unbalance",
+        UNBALANCE,
+        FindingTexts(
+            what="The unbalance of disc {id} has changed by {size}, {compared}, since {since}",
+            check=(
+                "Whether 1× changed at once or slowly at the probes of disc {id}: a part lost, or deposits and erosion",
+                "What changed at {since}: a start, a trip, a wash, a load, a temperature",
+            ),
+            in_operation=("Where it came at once, treat it as a part lost until shown otherwise (common practice)",),
+            at_next_stop=(
+                "Look for lost parts, deposits and rubs at disc {id}",
+                "Balance in place where nothing is found",
+                NEW_BASELINE,
+            ),
+            if_danger=("Agree with operations on a stop; where it came at once, before the next start",),
+            confirm=(
+                "A missing part or deposit at the angle of the change",
+                "1× that falls when disc {id} is cleaned or balanced",
+            ),
+            not_determined=("What causes it: a loss, deposits or a bend of the disc",),
+        ),
+        unbalance_words,
+    ),
+    FindingRule(
+        "bow",
+        RUN_OUT,
+        FindingTexts(
+            what="The bow, or the run-out at all probes, of shaft {id} has changed by {size}, {compared}, since {since}",
+            check=("Slow roll of shaft {id}, cold and hot, and how it stood before the start",),
+            in_operation=(
+                "Let shaft {id} turn slowly until its slow roll is steady, before the next start (common practice)",
+            ),
+            at_next_stop=("Measure the run-out of shaft {id} with a dial gauge along its length",),
+            confirm=("A run-out by dial gauge that is as large", "A slow roll that falls while shaft {id} turns slowly"),
+            not_determined=("Whether shaft {id} is bent for good or by heat only",),
+        ),
+        run_out_words,
+    ),
+    FindingRule(
+        "run_out",
+        RUN_OUT,
+        FindingTexts(
+            what="The run-out at probe {id} has changed by {size}, {compared}, since {since}",
+            check=("The shaft's surface under probe {id}: scratches, rust, magnetism",),
+            in_operation=("Record slow-roll vectors anew at the next run-down and subtract them",),
+            at_next_stop=("Clean or burnish the track under probe {id}; look at its holder",),
+            confirm=("A slow roll at probe {id} that has changed while its neighbours have not",),
+            not_determined=("Whether surface, magnetism or holder is the cause",),
+        ),
+        run_out_words,
+    ),
+    FindingRule(
+        "sensor",
+        SENSOR,
+        FindingTexts(
+            what="Probe {id} {size}, {compared}, since {since}",
+            check=(
+                "Gap voltage, connectors, cable and driver of probe {id}",
+                "Settings of the channel {id} in its instrument",
+            ),
+            in_operation=("Do not act on what channel {id} says by itself; take it out of alarms by the site's own rules",),
+            at_next_stop=("Calibrate probe {id} with its own cable and driver, or replace them",),
+            confirm=("A calibration curve of probe {id} that is off by as much",),
+            not_determined=("Which part of the chain it is: probe, cable, driver or input",),
+        ),
+        sensor_words,
+    ),
+    FindingRule(
+        "misfit",
+        AlertRule("misfit"),
+        FindingTexts(
+            what="No fit explains the machine's newest runs: its model does not hold any more, or its data are wrong, "
+            "{compared}, since {since}",
+            check=(
+                "Residuals of the newest identification: one channel, one speed range, or everywhere",
+                "What was changed at the machine, its instruments or its document at {since}",
+            ),
+            in_operation=("Compare 1× with a run from before {since} by eye, and judge the machine by its vibration limits",),
+            at_next_stop=("Look at instruments first, then at supports and couplings",),
+            confirm=("A fit that is accepted again once the channel or the document is mended",),
+            not_determined=("Whether machine, instruments or document is the cause",),
+        ),
+        size_words,
+    ),
+    FindingRule(
+        "outliers",
+        AlertRule("outliers"),
+        FindingTexts(
+            what="Many single phasors of the newest runs do not fit and are left out: look at cables, connections and "
+            "interference, {compared}, since {since}",
+            check=("Cables, shields, connectors and the keyphasor", "Welding, drives or radio near the cables at that time"),
+            in_operation=("Watch the channel's quality on the run's page",),
+            at_next_stop=("Mend cables and earthing; look at gap and surface of the keyphasor's mark",),
+            confirm=("Phasors that fit again once a cable or connection is mended",),
+            not_determined=("Which cable or source of interference it is",),
+        ),
+        size_words,
+    ),
+)
+
+RATE_RULE = FindingRule(
+    "rate_of_change",
+    RATE_OF_CHANGE,
+    FindingTexts(
+        what="{parameter} drifts by {size} over the last {runs} runs",
+        check=("Whether load, temperature or oil drift with it: then an operating condition in the document takes that out",),
+        in_operation=("Take run-downs more often while it drifts",),
+        at_next_stop=("Look at {element}",),
+        if_danger=("Agree with operations on a stop for {element} before its limit is reached",),
+        confirm=("A drift that goes on in the next runs, under the same load and temperature",),
+        not_determined=("What causes the drift: the diagnosis says so once it is sure",),
+    ),
+    rate_words,
+    places=("parameter",),
+)
+"""What is said of drifts."""
 
 
 def require_complete(declared: Sequence[FindingRule], kinds: Iterable[str]) -> Mapping[str, FindingRule]:
@@ -276,7 +473,7 @@ def require_complete(declared: Sequence[FindingRule], kinds: Iterable[str]) -> M
         raise ValueError(f"a finding is declared twice: {', '.join(one.kind for one in declared)}")
     missing, unknown = sorted(set(kinds) - set(found)), sorted(set(found) - set(kinds))
     if missing:
-        raise ValueError(f"findings without sentence and alert rule in FINDING_RULES: {', '.join(missing)}")
+        raise ValueError(f"findings without texts and alert rule in FINDING_RULES: {', '.join(missing)}")
     if unknown:
         raise ValueError(f"FINDING_RULES has what is no kind of finding of the estimator: {', '.join(unknown)}")
     return found
@@ -288,6 +485,11 @@ _BY_KIND = require_complete(FINDING_RULES, [one.kind for one in FINDING_KINDS])
 def finding_rule(kind: str) -> FindingRule:
     """Return the declaration of a kind of finding. Raises KeyError when there is none."""
     return _BY_KIND[kind]
+
+
+def told_rule(kind: str) -> FindingRule:
+    """Return the declaration of a kind of finding, or of `rate_of_change`. Raises KeyError when there is none."""
+    return RATE_RULE if kind == RATE_RULE.kind else _BY_KIND[kind]
 
 
 def is_finding(kind: str) -> bool:

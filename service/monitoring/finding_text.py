@@ -1,18 +1,17 @@
-"""Statement of a cause: its sentence, and the evidence stored with an alert and a diagnosis."""
+"""Statement of a cause: the kind and numbers that are stored with an alert and a diagnosis; words are made of them later."""
 
 from collections import Counter
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from estimator.machine.parameter_description import describe
-from service.monitoring.finding_rules import finding_rule
 from storage.clock import to_datetime
 
 if TYPE_CHECKING:
-    from estimator.diagnosis.finding_kind import Cause, ChangeSize
+    from estimator.diagnosis.change_progress import ChangeProgress
+    from estimator.diagnosis.finding_kind import Cause, ChangeSize, SizePart
+    from service.monitoring.assessment import MovedParameter
 
 LARGEST_MOVES = 4
 """Parameters per element that are listed as moved: those that moved most certainly."""
@@ -25,8 +24,8 @@ class Statement:
     """A cause with its runners-up and size.
 
     since: when the first run that shows it was measured [ns]; first_identification: that run's. force: in the coupling at
-    running speed [N], when known. form: of a misalignment, when the data determine it. units: SI unit of the change of each of
-    the cause's names.
+    running speed [N], when known. form: of a misalignment, when the data determine it. progress: since it began. moved:
+    parameters of its elements as the newest run determines them; not_estimable: those that it does not.
     """
 
     cause: "Cause"
@@ -36,45 +35,48 @@ class Statement:
     first_identification: int
     force: float | None
     form: str | None
-    units: Mapping[str, str | None]
-
-    def words(self) -> str:
-        """Return the sentence for a person."""
-        return (
-            f"{finding_rule(self.cause.kind).sentence(self)}, against the baseline, since {to_datetime(self.since):%Y-%m-%d}"
-        )
+    progress: "ChangeProgress"
+    moved: tuple["MovedParameter", ...]
+    not_estimable: tuple[str, ...]
 
     def evidence(self) -> dict[str, Any]:
-        """Return the evidence: which parameters moved, by how much and how certainly, and the alternative explanations."""
+        """Return the evidence: how far what has changed, how certainly, how fast, and the alternative explanations."""
         return {
             "kind": self.cause.kind,
             "element": self.cause.element,
             "evidence": self.cause.evidence,
             "sigma": self.cause.distance,
             "per_cent": self.size.per_cent,
+            "tolerance_per_cent": self.size.tolerance_per_cent,
             "quantities": dict(self.size.quantities),
+            "parts": [asdict(one) | {"members": list(one.members)} for one in self._parts()],
             "form": self.form,
             "misalignment_force": self.force,
             "since": to_datetime(self.since).isoformat().replace("+00:00", "Z"),
             "first_identification": self.first_identification,
             "runs": len(self.cause.agreement),
-            "moved": _changed_parameters(self.cause, self.units),
+            "progress": asdict(self.progress),
+            "moved": _changed_parameters(self.cause, self.moved),
+            "not_estimable": [name for name in self.not_estimable if describe(name).element == self.cause.element],
             "runners_up": [{"kind": one.kind, "element": one.element, "evidence": one.evidence} for one in self.runners_up],
         }
 
+    def _parts(self) -> Iterator["SizePart"]:
+        """Yield the figures of the size, without members that the newest run does not determine; none of nothing but those."""
+        for one in self.size.parts:
+            members = tuple(name for name in one.members if describe(name).whole not in self.not_estimable)
+            if members or not one.members:
+                yield replace(one, members=members)
 
-def _changed_parameters(cause: "Cause", units: Mapping[str, str | None]) -> list[dict[str, Any]]:
-    certainty = np.divide(cause.change, cause.error, out=np.zeros_like(cause.change), where=cause.error > 0.0)
-    order = np.argsort(-np.abs(certainty))
+
+def _changed_parameters(cause: "Cause", moved: Sequence["MovedParameter"]) -> list[dict[str, Any]]:
+    own = {name if describe(name).component is None else describe(name).whole for name in cause.names}
     found = []
     named: Counter[str] = Counter()
-    for i in order:
-        if describe(cause.names[i]).quantity in ELEVATIONS:
+    for one in sorted(moved, key=lambda each: -abs(each.sigma)):
+        if one.parameter not in own or describe(one.parameter).quantity in ELEVATIONS:
             continue
-        element = describe(cause.names[i]).element
-        named[element] += 1
-        if named[element] <= LARGEST_MOVES:
-            name = cause.names[i]
-            change = {"change": float(cause.change[i]), "unit": units[name]}
-            found.append({"parameter": name, **change, "sigma": float(certainty[i])})
+        named[one.element] += 1
+        if named[one.element] <= LARGEST_MOVES:
+            found.append({name: value for name, value in asdict(one).items() if name != "element"})
     return found

@@ -1,15 +1,17 @@
 """Findings of parameters that change faster than a person allows: one per element, for its fastest parameter."""
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from estimator.machine.parameter_description import describe
-from estimator.trends.deviations import parameter_of
+from estimator.diagnosis.change_progress import LimitAhead
+from estimator.machine.parameter_description import describe, is_direct
+from estimator.trends.parameter_vector import Point
 from estimator.trends.rate_of_change import ParameterRate, rates_of_change
-from estimator.trends.trend_tests import Reading
+from estimator.trends.trend_tests import Reading, time_to_change, trend_tests
 from service.alerts.lifecycle import Severity
 from service.monitoring.finding_rules import RATE_OF_CHANGE
-from service.monitoring.limits import Limits, severity_of
+from service.monitoring.limits import Limits, deviation_rule, severity_of
 
 FILM_NUMBERS = frozenset({"clearance", "viscosity", "viscosity_factor", "viscosity_slope", "elevation_x", "elevation_y"})
 """Numbers of oil films, whose drifts are the seasons' or are judged by the diagnosis in their own units."""
@@ -17,20 +19,17 @@ FILM_NUMBERS = frozenset({"clearance", "viscosity", "viscosity_factor", "viscosi
 
 @dataclass(frozen=True)
 class RateFinding:
-    """An element whose fastest parameter drifts beyond a limit, with the severity."""
+    """An element whose fastest parameter drifts beyond a limit, with the severity.
+
+    change_per_cent: how far it is from its baseline by now; None where it has none. ahead: when its size reaches the danger
+    limit of its element, None where there is none or it moves away from it.
+    """
 
     element: str
     rate: ParameterRate
     severity: Severity
-
-    @property
-    def message(self) -> str:
-        """Return the alert's sentence."""
-        one = self.rate
-        return (
-            f"{parameter_of(one.name)} drifts by {100 * one.per_week:+.2g} % a week "
-            f"({100 * one.lower:+.2g} to {100 * one.upper:+.2g}) over the last {one.runs} runs"
-        )
+    change_per_cent: float | None = None
+    ahead: LimitAhead | None = None
 
 
 def rate_findings(
@@ -56,3 +55,28 @@ def rate_findings(
         if severity is not None:
             found.append(RateFinding(element, rate, severity))
     return tuple(found)
+
+
+def with_limits_ahead(
+    found: Sequence[RateFinding], limits: Limits, baseline: Sequence[Point], readings: Sequence[Reading]
+) -> tuple[RateFinding, ...]:
+    """Return drifts with the change so far and the time to the danger limit of its size, as trend tests tell them.
+
+    baseline: its runs' points, comparable with the readings; none where they are not known.
+    """
+    return tuple(_with_limit_ahead(one, limits, baseline, readings) for one in found) if baseline else tuple(found)
+
+
+def _with_limit_ahead(one: RateFinding, limits: Limits, baseline: Sequence[Point], readings: Sequence[Reading]) -> RateFinding:
+    tests = trend_tests(baseline, readings, [one.rate.name])
+    if not tests or tests[0].drift is None or describe(one.rate.name).component is not None:
+        return one
+    (test,) = tests
+    direct = is_direct(one.rate.name)
+    newest = 100.0 * (math.expm1(test.newest) if direct else test.newest)
+    rule = deviation_rule(one.element)
+    level = None if rule is None else limits.rule(rule, one.element).danger
+    if level is None or level.per_cent is None or test.drift is None or abs(newest) >= level.per_cent:
+        return replace(one, change_per_cent=newest)
+    time = time_to_change(test.drift, level.per_cent / 100.0, logarithmic=direct)
+    return replace(one, change_per_cent=newest, ahead=LimitAhead(level.per_cent, time.expected, time.earliest, time.latest))

@@ -20,6 +20,7 @@ from service.wire.encodings import (
     encode_batch,
     encode_body,
     recognised,
+    unknown_fields,
 )
 from service.wire.frame import LARGEST_MESSAGE, frame, require_size, unframed
 from service.wire.keys import ALL_LIVE, ALL_RECEIVED, ALL_SAMPLES, ALL_SUBMIT, IDENTIFIER, Key
@@ -76,4 +77,5 @@ __all__ = [
     "source_key",
     "to_samples",
     "unframed",
+    "unknown_fields",
 ]

@@ -23,6 +23,10 @@ OVERSPEED = 1.3
 """A speed above this multiple of the machine's maximum is an error, not a speed."""
 EARLIEST_TIME = 946_684_800_000_000_000  # 2000-01-01, ns
 
+LATEST_TIME = 4_102_444_800_000_000_000  # 2100-01-01, ns
+COARSER_UNITS = {"seconds": 10**9, "milliseconds": 10**6, "microseconds": 10**3}
+"""Nanoseconds in each unit that is taken for them by mistake."""
+
 _NO_PHASOR = complex(np.nan, np.nan)
 
 
@@ -150,6 +154,13 @@ def _channel_faults(batch: SampleBatch, size: NDArray[np.float64], wrong: NDArra
     return faults
 
 
+def _time_words(time: int) -> str:
+    """Return what is wrong with a time [ns], and in which unit it probably was meant."""
+    meant = [unit for unit, factor in COARSER_UNITS.items() if EARLIEST_TIME <= time * factor < LATEST_TIME]
+    hint = f": it looks like {meant[0]}, and must be nanoseconds since 1970" if meant else ""
+    return f"time {time} ns is before 2000 or more than ten minutes ahead{hint}"
+
+
 def _sample_faults(machine: Machine, time: NDArray[np.int64], speed: NDArray[np.float64], received_at: int) -> Iterator[Fault]:
     fastest = OVERSPEED * rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
     latest = received_at + FUTURE_TOLERANCE
@@ -161,5 +172,4 @@ def _sample_faults(machine: Machine, time: NDArray[np.int64], speed: NDArray[np.
             detail = f"speed {rad_per_s_to_rpm(speed[index]):.6g} rpm is not between 0 and {rad_per_s_to_rpm(fastest):.6g} rpm"
             yield Fault(index, "speed_out_of_range", detail)
         else:
-            detail = f"time {time[index]} ns is before 2000 or more than ten minutes ahead"
-            yield Fault(index, "time_out_of_range", detail)
+            yield Fault(index, "time_out_of_range", _time_words(int(time[index])))

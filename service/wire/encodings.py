@@ -13,6 +13,8 @@ from service.wire.schema import SampleBatch, require_schema, require_shape
 BINARY, MESSAGEPACK, JSON = "application/x-rundown-batch", "application/msgpack", "application/json"
 ENCODINGS = (BINARY, MESSAGEPACK, JSON)
 
+LONGEST_NAME, MOST_UNKNOWN = 64, 20
+"""Characters of a field's name, and such fields, that are named at most."""
 UNSAID = ("", "zenoh/bytes")
 """Encodings of a message that does not state one; it is read as MessagePack."""
 
@@ -67,6 +69,18 @@ def decode_body(body: bytes, encoding: str) -> SampleBatch:
             raise Rejected("undecodable", f"body is not a sample batch in {kind}: {error}") from None
     require_shape(batch)
     return batch
+
+
+def unknown_fields(body: bytes, encoding: str) -> list[str]:
+    """Return the names of a body's fields that the schema does not have and that are ignored; none of what cannot be read."""
+    kind = encoding.split(";")[0].strip().lower()
+    if kind == BINARY:
+        return []
+    try:
+        names = _decoded(dict[str, msgspec.Raw], body, kind)
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
+        return []
+    return [name[:LONGEST_NAME] for name in names if name not in SampleBatch.__struct_fields__][:MOST_UNKNOWN]
 
 
 def _decoded(kind: type[_T], body: bytes, encoding: str) -> _T:

@@ -36,7 +36,12 @@ def of_identification(session: Session, identification_id: int) -> Sequence[Deri
     return session.scalars(query).all()
 
 
+def one(session: Session, identification_id: int, name: str) -> DerivedRow | None:
+    """Return one derived quantity; None when there is none."""
+    return session.get(DerivedRow, (identification_id, name))
+
+
 def value(session: Session, identification_id: int, name: str) -> float | None:
     """Return the value of one derived quantity; None when there is none."""
-    row = session.get(DerivedRow, (identification_id, name))
+    row = one(session, identification_id, name)
     return None if row is None else row.value

@@ -12,6 +12,8 @@ class AlertRow(Base):
     """An alert: one episode of a finding, at most one open per machine, rule and element.
 
     condition, severity, latching, suppressions: see `service.alerts.lifecycle`; state: derived from these for display.
+    evidence: the finding's numbers, of which words are made when it is told. message: empty, but for alerts of releases that
+    stored words and too few numbers.
     """
 
     __tablename__ = "alerts"
@@ -50,7 +52,10 @@ class AlertRow(Base):
 
 
 class AlertEventRow(Base):
-    """One transition of an alert, or a comment on it: who, when, why. Rows are only added."""
+    """One transition of an alert, or a comment on it: who, when, why. Rows are only added.
+
+    evidence: the alert's then. message: empty, but for events of releases that stored words in place of evidence.
+    """
 
     __tablename__ = "alert_events"
     __table_args__ = (UniqueConstraint("alert_id", "number"), Index(None, "machine_id", "at"), Index(None, "at"))
@@ -66,6 +71,7 @@ class AlertEventRow(Base):
     state_before: Mapped[str] = mapped_column(Name(32))
     state: Mapped[str] = mapped_column(Name(32))
     severity: Mapped[int]
+    evidence: Mapped[dict[str, Any] | None]
     message: Mapped[str] = mapped_column(Text)
     by: Mapped[str] = mapped_column(Name(120))
     comment: Mapped[str] = mapped_column(Text)

@@ -78,7 +78,7 @@ class Changing:
                         self._asked(client)
 
     def _found(self, element: str) -> None:
-        finding = AlertFinding(f"finding {self.count}", {}, self.identification, START, latching=self.rng.random() < 0.2)
+        finding = AlertFinding({}, self.identification, START, latching=self.rng.random() < 0.2)
         with self.database.transaction() as session:
             row = alerts.open_alert(session, KEY.machine, rule=RULE, element=element)
             if row is None or self.rng.random() < 0.5:
@@ -192,7 +192,7 @@ def _prepared(database: Database, target: str) -> tuple[int, int]:
         deliveries.subscribe(session, kind="zenoh", name="network", target="", secret=None)
         first = store_identification(session, identification(), run_id=1, measured_at=START).id
         for element in ELEMENTS:
-            finding = AlertFinding("at the beginning", {}, first, START)
+            finding = AlertFinding({}, first, START)
             transitions.raise_alert(session, KEY.machine, rule=RULE, element=element, finding=finding)
     return first, webhook
 

@@ -15,7 +15,9 @@ from typing import Annotated, cast
 from fastapi import APIRouter, Header, Query, Request
 from fastapi.responses import StreamingResponse
 
-from service.alerts.event_message import AlertEvent, alert_event
+from service.advice.alert_advice import alert_event
+from service.advice.site_texts import SiteTexts
+from service.alerts.event_message import AlertEvent
 from service.api.conventions.dependencies import database, principal
 from service.resilience.supervised_thread import report_failure
 from service.security.requirement import VIEWER
@@ -73,8 +75,9 @@ class Client:
 class Broadcaster:
     """Broadcast of each new event to every client. The table is read only while there are clients."""
 
-    def __init__(self, database: Database) -> None:
+    def __init__(self, database: Database, texts: SiteTexts | None = None) -> None:
         self._database = database
+        self._texts = texts or SiteTexts()
         self._clients: set[Client] = set()
         self._joining = asyncio.Lock()
         self._task: asyncio.Task[None] | None = None
@@ -132,7 +135,7 @@ class Broadcaster:
 
     def _read(self, after: int) -> list[StreamEvent]:
         with self._database.reading() as session:
-            return [_stream_event(row) for row in alerts.events_after(session, after, limit=PAGE)]
+            return [_stream_event(row, self._texts) for row in alerts.events_after(session, after, limit=PAGE)]
 
     def newest(self) -> int:
         """Return the number of the newest event."""
@@ -163,10 +166,10 @@ class Broadcaster:
                 client.queue.put_nowait(one)
 
 
-def _stream_event(row: AlertEventRow) -> StreamEvent:
+def _stream_event(row: AlertEventRow, texts: SiteTexts) -> StreamEvent:
     """Return an event with its text; one that cannot be rendered must not stop those behind it."""
     try:
-        event = alert_event(row)
+        event = alert_event(row, texts)
         return StreamEvent(row.id, event, _text(event))
     except (ValueError, OverflowError):
         logger.exception("alert event %d cannot be told in streams", row.id)

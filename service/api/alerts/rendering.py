@@ -2,21 +2,30 @@
 
 from typing import Any
 
+from service.advice.alert_advice import alert_advice, alert_message
+from service.advice.site_texts import SiteTexts
+from service.alerts.advice_message import Advice
 from service.alerts.lifecycle import Severity
 from service.api.alerts import schemas
 from service.api.conventions.values import time_or_none
+from service.api.findings.evidence import with_moved_in_per_cent
 from storage.alerts.alerts import ListedAlert
 from storage.clock import to_datetime
 from storage.tables.alerting import AlertRow, SuppressionRow
 
 
-def alert(row: AlertRow) -> schemas.AlertOut:
+def alert(row: AlertRow, texts: SiteTexts) -> schemas.AlertOut:
     """Return an alert as the API shows it."""
-    return schemas.AlertOut(**alert_fields(row))
+    return schemas.AlertOut(**_fields(row, alert_advice(row, texts)))
 
 
-def alert_fields(row: AlertRow | ListedAlert) -> dict[str, Any]:
-    """Return the fields of `AlertOut`, for lists that are encoded without a model."""
+def alert_json(row: ListedAlert, texts: SiteTexts) -> dict[str, Any]:
+    """Return the fields of `AlertOut` as JSON has them, for lists that are encoded without a model."""
+    advice = alert_advice(row, texts)
+    return _fields(row, advice) | {"advice": None if advice is None else advice.model_dump()}
+
+
+def _fields(row: AlertRow | ListedAlert, advice: Advice | None) -> dict[str, Any]:
     return {
         "id": row.id,
         "machine": row.machine_id,
@@ -27,8 +36,9 @@ def alert_fields(row: AlertRow | ListedAlert) -> dict[str, Any]:
         "severity": Severity(row.severity).label,
         "latching": row.latching,
         "suppressions": row.suppressions,
-        "message": row.message,
-        "evidence": row.evidence,
+        "message": alert_message(row, advice),
+        "advice": advice,
+        "evidence": with_moved_in_per_cent(row.evidence, {}) if "moved" in row.evidence else row.evidence,
         "identification": row.identification_id,
         "measured_at": to_datetime(row.measured_at),
         "first_measured_at": to_datetime(row.first_measured_at),

@@ -2,13 +2,15 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, cast
 
 from fastapi import APIRouter, Query, Request, Response
 from sqlalchemy.orm import Session
 
+from service.advice.alert_advice import alert_event
+from service.advice.site_texts import SiteTexts
 from service.alerts import transitions
-from service.alerts.event_message import AlertEvent, alert_event
+from service.alerts.event_message import AlertEvent
 from service.alerts.lifecycle import Forbidden
 from service.alerts.transitions import Person
 from service.api.alerts import rendering, schemas
@@ -37,31 +39,31 @@ async def list_alerts(request: Request, cache: Cached, paging: ByTime, only_open
 
     def read() -> Response:
         with database(request).reading() as session:
-            return _listed(session, paging, machine_id=None, only_open=only_open)
+            return _listed(session, paging, _texts(request), machine_id=None, only_open=only_open)
 
     return await cache.answer(request, ("alerts",), read)
 
 
 @router.get("/alert-events", operation_id="list_alert_events")
-def list_alert_events(session: Reading, paging: ById, after: After = 0) -> list[AlertEvent]:
+def list_alert_events(request: Request, session: Reading, paging: ById, after: After = 0) -> list[AlertEvent]:
     """List the events of all alerts, oldest first; ask again with the last id for later ones."""
     begin = after if paging.after is None else int(paging.after[0])
     rows = alerts.events_after(session, begin, limit=paging.wanted)
-    return [alert_event(row) for row in paging.page(rows, lambda row: (row.id,))]
+    return [alert_event(row, _texts(request)) for row in paging.page(rows, lambda row: (row.id,))]
 
 
 @router.get("/alerts/{alert_id}", operation_id="read_alert")
-def read_alert(session: Reading, response: Response, alert_id: Number) -> schemas.AlertOut:
+def read_alert(request: Request, session: Reading, response: Response, alert_id: Number) -> schemas.AlertOut:
     """Read one alert with its evidence, and the ETag that a change needs."""
-    return tagged(response, rendering.alert(alerts.get(session, alert_id)))
+    return tagged(response, rendering.alert(alerts.get(session, alert_id), _texts(request)))
 
 
 @router.get("/alerts/{alert_id}/events", operation_id="list_events_of_alert")
-def list_events_of_alert(session: Reading, alert_id: Number, paging: ById) -> list[AlertEvent]:
+def list_events_of_alert(request: Request, session: Reading, alert_id: Number, paging: ById) -> list[AlertEvent]:
     """List the events of one alert, oldest first."""
     alerts.get(session, alert_id)
     rows = alerts.history(session, alert_id, limit=paging.wanted, after=paging.after)
-    return [alert_event(row) for row in paging.page(rows, lambda row: (row.number,))]
+    return [alert_event(row, _texts(request)) for row in paging.page(rows, lambda row: (row.number,))]
 
 
 @router.get("/machines/{machine_id}/alerts", operation_id="list_machine_alerts", response_model=list[schemas.AlertOut])
@@ -73,14 +75,14 @@ async def list_machine_alerts(
     def read() -> Response:
         with database(request).reading() as session:
             machines.get(session, machine_id)
-            return _listed(session, paging, machine_id=machine_id, only_open=only_open)
+            return _listed(session, paging, _texts(request), machine_id=machine_id, only_open=only_open)
 
     return await cache.answer(request, ("machines", "alerts"), read)
 
 
-def _listed(session: Session, paging: Paging, *, machine_id: str | None, only_open: bool) -> Response:
+def _listed(session: Session, paging: Paging, texts: SiteTexts, *, machine_id: str | None, only_open: bool) -> Response:
     rows = alerts.find(session, machine_id=machine_id, only_open=only_open, limit=paging.wanted, after=paging.after)
-    return paging.json([rendering.alert_fields(row) for row in paging.page(rows, _place)])
+    return paging.json([rendering.alert_json(row, texts) for row in paging.page(rows, _place)])
 
 
 @router.post("/alerts/{alert_id}/acknowledge", operation_id="acknowledge_alert", dependencies=[OPERATOR], responses=CHANGES)
@@ -142,11 +144,11 @@ class AlertChange:
         with database(self.request).transaction() as session:
             row = alerts.get(session, self.alert_id, to_change=True)
             try:
-                require(self.if_match, rendering.alert(row))
+                require(self.if_match, rendering.alert(row, _texts(self.request)))
                 change(session, row)
             except (Stale, Forbidden) as refused:
                 raise type(refused)(f"{refused}; {_what_happened(session, row)}") from refused
-            return tagged(self.response, rendering.alert(row))
+            return tagged(self.response, rendering.alert(row, _texts(self.request)))
 
 
 def _what_happened(session: Session, row: AlertRow) -> str:
@@ -154,6 +156,10 @@ def _what_happened(session: Session, row: AlertRow) -> str:
     last = alerts.last_event(session, row.id)
     kind, at = last.kind.replace("_", " "), to_datetime(last.at)
     return f"the last thing to happen to it: {kind} by {last.by}, {at:%Y-%m-%dT%H:%M:%SZ}"
+
+
+def _texts(request: Request) -> SiteTexts:
+    return cast(SiteTexts, request.app.state.texts)
 
 
 def _place(row: ListedAlert) -> Keys:

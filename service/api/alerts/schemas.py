@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, Field
 
 from estimator.strict_model import StrictModel
+from service.alerts.advice_message import Advice
 from service.api.conventions.fields import Comment, Moment, NonBlankText
 from service.api.findings.evidence import AlertEvidence
 from service.security.principal import Author
@@ -26,7 +27,10 @@ class AlertOut(BaseModel):
     severity: str = Field(description="alert or danger")
     latching: bool = Field(description="whether a person must reset it after its cause is gone")
     suppressions: list[str]
-    message: str
+    message: str = Field(description="what it is, in one sentence")
+    advice: Advice | None = Field(
+        default=None, description="how far, how sure, how urgent, what to do; null: an older release stored too few numbers"
+    )
     evidence: AlertEvidence
     identification: int
     measured_at: datetime = Field(description="when the run was measured that says so last")

@@ -1,5 +1,6 @@
 """Serves subscriptions to alert events and the deliveries to them."""
 
+import asyncio
 from collections.abc import Awaitable, Callable
 from typing import cast
 
@@ -13,7 +14,7 @@ from service.api.conventions.dependencies import Number, Reading, database, prin
 from service.api.conventions.paging import ById
 from service.api.conventions.preconditions import IfMatch, require, tagged
 from service.api.conventions.problems import CHANGES, RESPONSES
-from service.delivery.addresses import parsed
+from service.delivery.addresses import require_permitted
 from service.delivery.channel import DeliveryOutcome
 from service.delivery.channels import channel_kind
 from service.delivery.signing import new_secret
@@ -36,10 +37,13 @@ def list_subscriptions(request: Request, session: Reading, paging: ById) -> list
 
 @router.post("", operation_id="subscribe", dependencies=[ADMIN], status_code=status.HTTP_201_CREATED, responses=CHANGES)
 def subscribe(request: Request, said: schemas.SubscriptionIn) -> schemas.SubscriptionCreated:
-    """Subscribe to every event from now on. A webhook's secret is shown here, once."""
+    """Subscribe to every event from now on. A webhook's secret is shown here, once.
+
+    A URL at an address to which nothing is delivered is refused here already.
+    """
     declared = channel_kind(said.kind)
     if declared.url_target:
-        parsed(said.target)
+        asyncio.run(require_permitted(said.target, request.app.state.delivery_networks))  # in a thread of its own, as this is
     who = principal(request)
     plants = said.plants if said.plants is not None or who.plants is None else sorted(who.plants)
     for plant in plants or ():

@@ -4,6 +4,8 @@ from datetime import datetime
 
 from pydantic import BaseModel, Field
 
+from service.api.findings.evidence import MeanSizeOut
+
 
 class BaselineUsed(BaseModel):
     """The baseline that an identification is compared with."""
@@ -58,6 +60,11 @@ class ElementDistanceOut(BaseModel):
     distance: float = Field(description="Mahalanobis; about the root of the number of coordinates while nothing has changed")
     degrees_of_freedom: float
     probability: float
+    together: list[MeanSizeOut] = Field(
+        default_factory=list,
+        description="by how much the element has changed as a whole, where the diagnosis under the same identification says "
+        "so: the figures of its alert, from the newest runs together",
+    )
 
 
 class DeviationsOut(ComparedOut):

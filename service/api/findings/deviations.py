@@ -2,6 +2,7 @@
 
 import cmath
 import math
+from dataclasses import asdict
 from typing import Annotated, Any, cast
 
 from fastapi import APIRouter, Query, Request
@@ -11,7 +12,7 @@ from sqlalchemy.orm import Session
 from estimator.machine.document import Machine
 from estimator.machine.parameter_description import is_direct
 from estimator.rotor.parameter_names import derived_unit
-from estimator.trends.deviations import ElementDistance, ParameterDeviation, comparable, deviations, parameter_of
+from estimator.trends.deviations import ElementDistance, ParameterDeviation, comparable, deviations, element_of, parameter_of
 from estimator.trends.drift import Drift
 from estimator.trends.parameter_vector import Point
 from estimator.trends.trend_tests import RUN_LENGTH, Chart, TrendTest, distance_trends, time_to_change, trend_tests
@@ -19,14 +20,17 @@ from service.api.conventions.dependencies import MachineId, Reading
 from service.api.conventions.problems import RESPONSES, Unsuitable
 from service.api.conventions.values import time_or_none
 from service.api.findings import deviation_schemas as schemas
-from service.monitoring.comparison import WEEK, Compared, compared
+from service.api.findings.evidence import MeanSizeOut
+from service.monitoring.assessment import WEEK
+from service.monitoring.comparison import Compared, compared
 from service.monitoring.condition_adjustment import condition_adjustment, points, readings
 from service.monitoring.limit_rule import Level
 from service.monitoring.limits import Limits, deviation_rule, severity_of
 from service.monitoring.limits_in_force import limits_in_force
 from service.security.requirement import VIEWER
+from service.wording.told_finding import ToldFinding
 from storage.clock import to_datetime
-from storage.findings import identifications
+from storage.findings import diagnoses, identifications
 from storage.findings.identifications import IdentificationUnknown
 from storage.findings.jobs import RUN
 from storage.machines import machines
@@ -54,10 +58,11 @@ def read_deviations(request: Request, session: Reading, machine_id: MachineId, w
     *baseline, now = points(session, found, [*found.baseline, found.identification])
     result = deviations(baseline, now)
     limits = limits_in_force(session, machine_id)
+    together = _together(session, found.identification)
     return schemas.DeviationsOut(
         **compared_fields(session, found, _left_out(session, found, baseline, now)),
         parameters=[_parameter(one, limits) for one in result.parameters],
-        elements=[_element(one) for one in result.elements],
+        elements=[_element(one, together.get(one.element, [])) for one in result.elements],
     )
 
 
@@ -193,13 +198,26 @@ def _parameter(one: ParameterDeviation, limits: Limits) -> schemas.ParameterDevi
     )
 
 
-def _element(one: ElementDistance) -> schemas.ElementDistanceOut:
+def _together(session: Session, row: IdentificationRow) -> dict[str, list[MeanSizeOut]]:
+    """Return the figures of each element that the diagnosis of an identification names."""
+    diagnosis = diagnoses.of_identification(session, row.id)
+    found: dict[str, list[MeanSizeOut]] = {}
+    for cause in [] if diagnosis is None else diagnosis.causes:
+        told = ToldFinding(cause["kind"], cause["element"], cause)
+        for part in told.parts():
+            size = MeanSizeOut(**asdict(part) | {"members": list(part.members), "runs": told.runs_of(part)})
+            found.setdefault(element_of(part.name), []).append(size)
+    return found
+
+
+def _element(one: ElementDistance, together: list[MeanSizeOut]) -> schemas.ElementDistanceOut:
     return schemas.ElementDistanceOut(
         element=one.element,
         coordinates=list(one.names),
         distance=one.distance,
         degrees_of_freedom=one.degrees_of_freedom,
         probability=one.probability,
+        together=together,
     )
 
 

@@ -9,6 +9,7 @@ from estimator.updated_model.vector_angle import angle_deg, angle_half_width_deg
 from service.api.conventions.parameter_units import ParameterUnits, shown_in
 from service.api.conventions.values import time_or_none
 from service.api.findings import schemas
+from service.api.findings.job_remedies import remedy
 from storage.clock import to_datetime
 from storage.tables.findings import DerivedRow, EstimateRow, IdentificationRow, JobRow
 
@@ -83,6 +84,7 @@ def job(row: JobRow) -> schemas.JobOut:
         state=row.state,
         attempts=row.attempts,
         error=row.error,
+        remedy=remedy(row.error),
         created_at=to_datetime(row.created_at),
         finished_at=time_or_none(row.finished_at),
         options=row.options,

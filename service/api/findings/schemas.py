@@ -93,6 +93,7 @@ class JobOut(BaseModel):
     state: str
     attempts: int
     error: str | None
+    remedy: str | None = Field(default=None, description="what a person can do about the error")
     created_at: datetime
     finished_at: datetime | None
     options: dict[str, Any] | None = Field(description="what differs from the usual")

@@ -5,12 +5,13 @@ import base64
 import binascii
 import hashlib
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from http import HTTPStatus
 from typing import Any, cast
 
 from fastapi import APIRouter, HTTPException, Request, status
 
+from estimator.close_matches import did_you_mean
 from estimator.errors import Conflict, DomainError, Invalid, Missing, Oversized, Unavailable, Unreadable
 from service.api.conventions.dependencies import MachineId
 from service.api.conventions.problems import RESPONSES
@@ -19,10 +20,14 @@ from service.http.error_status import STATUS
 from service.http.problem import Problem
 from service.journal.http_queue import RETRY_AFTER_S, SubmissionSink
 from service.security.requirement import SOURCE
-from service.wire import ENCODINGS, LARGEST_MESSAGE, Reason, Rejected
+from service.wire import ENCODINGS, LARGEST_MESSAGE, Fault, Reason, Rejected, SampleBatch, unknown_fields
 
 router = APIRouter(tags=["measurements"], responses=RESPONSES)
 
+FIELDS = SampleBatch.__struct_fields__
+"""Fields that a batch has."""
+MOST_FAULTS = 100
+"""Most faults that the refusal of a whole batch lists."""
 PATIENCE_S = 15.0
 """Longest time that a request waits for its batch to be durable [s]."""
 
@@ -40,6 +45,20 @@ class NotConfirmed(Unavailable):
     """Raised when a batch is not known to be durable, so that the source sends it again."""
 
     retry_after_s = RETRY_AFTER_S
+
+
+class NothingTaken(Invalid):
+    """Raised when every sample of a batch was refused. `faults`: why."""
+
+    def __init__(self, faults: Sequence[Fault]) -> None:
+        first = f"{faults[0].reason}: {faults[0].detail}"
+        super().__init__(f"no sample was taken, {len(faults)} faults, the first {first}; send them mended, under new numbers")
+        self.faults = faults
+
+    @property
+    def field_errors(self) -> Sequence[tuple[str, str]]:
+        """Return the first faults, each at its sample."""
+        return [(f"samples[{one.index}]", f"{one.reason}: {one.detail}") for one in self.faults[:MOST_FAULTS]]
 
 
 _DIGEST = re.compile(r"\s*([a-z0-9-]+)=:([A-Za-z0-9+/=]*):\s*\Z")
@@ -67,7 +86,8 @@ _ANSWERS: dict[int | str, dict[str, Any]] = {
 async def add_samples(request: Request, machine_id: MachineId) -> schemas.Submitted:
     """Store a batch of samples, each once: the same batch may be sent again until an answer comes.
 
-    Everything confirmed by the answer is durable. Invalid samples are listed with the reason, and the others are stored; a
+    Everything confirmed by the answer is durable. Invalid samples are listed with the reason, and the others are stored;
+    where none is left, the answer is 422. Fields that there are not are named. A
     batch rejected as a whole may be sent again corrected, under the same numbers.
     """
     submissions = cast(SubmissionSink | None, request.app.state.submissions)
@@ -89,11 +109,15 @@ async def add_samples(request: Request, machine_id: MachineId) -> schemas.Submit
         raise HTTPException(code, f"{rejected.reason}: {rejected.detail}") from None
     except TimeoutError:
         raise NotConfirmed(f"not known to be durable after {PATIENCE_S:.0f} s; send it again") from None
+    if outcome.faults and outcome.received == outcome.duplicates == 0:
+        raise NothingTaken(outcome.faults)
+    ignored = await asyncio.to_thread(unknown_fields, body, encoding)
     return schemas.Submitted(
         received=outcome.received,
         duplicates=outcome.duplicates,
         missing_before=outcome.lost,
         faults=[schemas.SampleFault(index=f.index, reason=f.reason, detail=f.detail) for f in outcome.faults],
+        ignored=[f"{name}{did_you_mean(name, FIELDS)}" for name in ignored],
     )
 
 

@@ -136,3 +136,4 @@ class Submitted(BaseModel):
     duplicates: int = Field(description="samples that were stored before")
     missing_before: int = Field(description="sequence numbers left out just before this batch: counted as lost")
     faults: list[SampleFault]
+    ignored: list[str] = Field(description="fields of the batch that there are not, each with what was probably meant")

@@ -2,6 +2,7 @@
 
 from service.api.conventions.values import time_or_none
 from service.api.operation import schemas
+from service.api.operation.refusal_words import refusal_words
 from storage.clock import to_datetime
 from storage.tables.measurements import QuarantineRow, SourceRow
 
@@ -30,6 +31,7 @@ def quarantine_entry(row: QuarantineRow) -> schemas.QuarantineEntry:
         key=row.key,
         machine=row.machine_id,
         reason=row.reason,
+        meaning=refusal_words(row.reason),
         detail=row.detail,
         size=row.size,
         payload=row.payload.decode("utf-8", "backslashreplace"),

@@ -28,6 +28,7 @@ class QuarantineEntry(BaseModel):
     key: str
     machine: str | None
     reason: str
+    meaning: str = Field(description="the reason in a person's words, and what to do")
     detail: str
     size: int
     payload: str = Field(description="its beginning, with what is not text escaped")

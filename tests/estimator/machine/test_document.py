@@ -242,6 +242,36 @@ def test_all_wrong_references_are_reported_at_once() -> None:
     }
 
 
+def test_wrong_fields_and_wrong_references_are_reported_in_one_round() -> None:
+    document = chapter_3_document()
+    document["bearings"][0]["kxx"] = -1.0
+    document["bearings"][1]["shaft"] = "nowhere"
+    document["shafts"][0]["sections"][0]["material"] = "stel"
+    document["discs"][0]["station"] = 99.0
+    document["couplings"][0]["driven"] = "elsewhere"
+    document["probes"][1]["id"] = document["probes"][0]["id"]
+    document["speed_range"]["maximum_rpm"] = "fast"
+    found = problems(document)
+    assert set(found) == {
+        "bearings[0].kxx",
+        "bearings[1].shaft",
+        "shafts[0].sections[0].material",
+        "discs[0].station",
+        "couplings[0].driven",
+        "probes[0].id",
+        "probes[1].id",
+        "speed_range.maximum_rpm",
+    }
+    assert "is not one of the shafts" in found["bearings[1].shaft"]
+
+
+def test_a_part_that_is_wrong_itself_may_be_referred_to() -> None:
+    document = chapter_3_document()
+    document["shafts"][0]["sections"][0]["outer_diameter"] = -1.0
+    assert list(problems(document)) == ["shafts[0].sections[0].outer_diameter"]
+    assert list(problems({**chapter_3_document(), "shafts": "none", "nmae": 1})) == ["shafts", "nmae"]
+
+
 def test_message_keeps_braces_of_the_document() -> None:
     document = two_sections()
     document["materials"]["{x}"] = document["materials"]["steel"]

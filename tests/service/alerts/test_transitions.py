@@ -31,9 +31,9 @@ def found(plant: Database) -> IdentificationRow:
 
 
 def finding(
-    row: IdentificationRow, *, severity: Severity = Severity.ALERT, latching: bool = False, text: str = "out"
+    row: IdentificationRow, *, severity: Severity = Severity.ALERT, latching: bool = False, sigma: float = 4.0
 ) -> AlertFinding:
-    return AlertFinding(text, {"identification": row.id}, row.id, row.measured_at, severity, latching)
+    return AlertFinding({"identification": row.id, "sigma": sigma}, row.id, row.measured_at, severity, latching)
 
 
 def raised(session: Session, row: IdentificationRow, *, element: str = ELEMENT, **how: Any) -> AlertRow:
@@ -46,10 +46,10 @@ def kinds(session: Session, row: AlertRow) -> list[str]:
 
 def test_an_open_alert_is_brought_up_to_date_without_a_second_event(plant: Database, found: IdentificationRow) -> None:
     with plant.transaction() as session:
-        first = raised(session, found, text="before")
-        again = raised(session, found, text="after")
+        first = raised(session, found, sigma=5.0)
+        again = raised(session, found, sigma=6.0)
         assert again.id == first.id
-        assert again.message == "after"
+        assert (again.evidence["sigma"], again.message) == (6.0, "")
         assert kinds(session, first) == ["raised"]
 
 

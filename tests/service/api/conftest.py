@@ -53,7 +53,7 @@ def furnished(plant: Database) -> Api:
     with plant.transaction() as session:
         for number in range(7):
             row = store_identification(session, identification(), run_id=number, measured_at=START + number * SECOND)
-        finding = AlertFinding("it moves", {}, row.id, START)
+        finding = AlertFinding({}, row.id, START)
         transitions.raise_alert(session, KEY.machine, rule="misalignment", element="coupling.C1", finding=finding)
         deliveries.subscribe(session, kind="zenoh", name="plant", target="", secret=None)
         suppressions.add(
@@ -104,7 +104,5 @@ def tell(database: Database) -> None:
         failed = jobs.enqueue(session, "pump-7", scope=jobs.GATHERED, run_ids=[1, 2])
         assert failed is not None
         jobs.finish(failed, state=jobs.FAILED, error="NotEnoughData: too few")
-        finding = AlertFinding(
-            "Coupling C1 is going out of alignment", {"shift": math.nan, "parts": [math.inf, 1.0]}, row.id, row.measured_at
-        )
+        finding = AlertFinding({"shift": math.nan, "parts": [math.inf, 1.0]}, row.id, row.measured_at)
         raise_alert(session, "pump-7", rule="misalignment", element="coupling.C1", finding=finding)

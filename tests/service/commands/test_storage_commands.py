@@ -72,7 +72,7 @@ def told(plant: Database, held: Samples) -> Database:
             KEY.machine,
             rule="misalignment",
             element="coupling.C1",
-            finding=AlertFinding("it moves", {}, found.id, START),
+            finding=AlertFinding({}, found.id, START),
         )
     return plant
 

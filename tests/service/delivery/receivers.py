@@ -128,5 +128,5 @@ def subscribe(database: Database, target: str, *, name: str, kind: str = "webhoo
 def raise_one(database: Database, found: IdentificationRow, machine: Machine, *, element: str = "coupling.C1") -> int:
     """Raise an alert; its id."""
     with database.transaction() as session:
-        finding = AlertFinding("Coupling C1 is going out of alignment", {}, found.id, found.measured_at)
+        finding = AlertFinding({}, found.id, found.measured_at)
         return transitions.raise_alert(session, machine.id, rule="misalignment", element=element, finding=finding).id

@@ -92,7 +92,7 @@ def test_an_alert_fires_changes_its_severity_and_is_resolved(
         time.sleep(3.0)
         assert shown(alertmanager) == [("coupling.C1", "alert", "unacknowledged")]
         with plant.transaction() as session:
-            finding = AlertFinding("worse", {}, found.id, found.measured_at, Severity.DANGER)
+            finding = AlertFinding({}, found.id, found.measured_at, Severity.DANGER)
             transitions.raise_alert(session, "pump-7", rule="misalignment", element="coupling.C1", finding=finding)
         wait_until(lambda: shown(alertmanager) == [("coupling.C1", "danger", "unacknowledged")])
         with plant.transaction() as session:

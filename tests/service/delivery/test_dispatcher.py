@@ -74,7 +74,7 @@ def test_a_webhook_gets_signed_cloud_events(
     assert event["source"] == f"/rundown/{machine().plant}/pump-7"
     assert event["id"] == one.headers["webhook-id"] == f"alert-{alert}-1"
     assert event["data"]["state"] == "unacknowledged"
-    assert event["data"]["message"] == "Coupling C1 is going out of alignment"
+    assert event["data"]["message"] == "Misalignment of coupling C1"
     assert rows(plant, subscription)[0].answer == "204"
 
 

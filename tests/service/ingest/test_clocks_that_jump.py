@@ -51,7 +51,7 @@ STIFFER = {
 
 def raised(session: Session) -> AlertRow:
     found = store_identification(session, identification(), run_id=1, measured_at=START)
-    finding = AlertFinding("Coupling C1 is going out of alignment", {}, found.id, START)
+    finding = AlertFinding({}, found.id, START)
     return transitions.raise_alert(session, "pump-7", rule="misalignment", element="coupling.C1", finding=finding)
 
 

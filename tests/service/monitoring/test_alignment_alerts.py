@@ -9,6 +9,8 @@ import pytest
 
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.updated_model.derived_quantities import Derived
+from service.advice.alert_advice import alert_advice, alert_message
+from service.advice.site_texts import SiteTexts
 from storage.alerts import alerts
 from storage.alerts.alerts import ListedAlert
 from storage.database.engine import Database
@@ -58,6 +60,11 @@ class Weeks:
             return list(alerts.find(session, machine_id=MACHINE.id, only_open=False, limit=100))
 
 
+def words_of(alert: ListedAlert) -> str:
+    """What the alert says in one sentence."""
+    return alert_message(alert, alert_advice(alert, SiteTexts()))
+
+
 def identification_of(theta: Any, rng: np.random.Generator) -> Any:
     model = fitted(theta, rng)
     return identification(
@@ -86,10 +93,10 @@ def test_a_shaft_beyond_tolerance_is_a_danger_with_the_numbers_of_the_table(week
     weeks.file(sunk(120e-6), times=1, loads={"bearing.B2.load_vertical": 1070.0, "bearing.B3.load_vertical": 752.0})
     (alert,) = weeks.alerts()
     assert (alert.rule, alert.element, alert.severity) == ("misalignment", "coupling.C1", 2)
-    assert alert.message.startswith("Coupling C1 is out of alignment: the driven shaft lies ")
-    assert "µm lower (allowed " in alert.message
-    assert "bearing B2 carries 7 % more, B3 6 % less" in alert.message
-    assert alert.message.endswith(", against the baseline, since 2024-01-09")
+    assert words_of(alert).startswith("Coupling C1 is out of alignment: the driven shaft lies ")
+    assert "µm lower (allowed " in words_of(alert)
+    assert "bearing B2 carries 7 % more, B3 6 % less" in words_of(alert)
+    assert words_of(alert).endswith(", against the baseline, since 2024-01-09")
     api = Api(weeks.database)
     table = {one["name"]: one for one in api.value(f"/machines/{MACHINE.id}/alignment")["numbers"]}
     api.app.state.model_process.close()
@@ -98,7 +105,7 @@ def test_a_shaft_beyond_tolerance_is_a_danger_with_the_numbers_of_the_table(week
     assert told["offset_vertical_um"] == pytest.approx(1e6 * change["value"], rel=1e-6)
     assert told["offset_vertical_half_width_um"] == pytest.approx(5e5 * (change["upper"] - change["lower"]), rel=1e-4)
     assert alert.evidence["moved"] == []  # single elevations would contradict their trends
-    shown = re.search(r"lies ([\d.]+) ± ([\d.]+) µm lower", alert.message)
+    shown = re.search(r"lies ([\d.]+) ± ([\d.]+) µm lower", words_of(alert))
     assert shown is not None
     assert float(shown[1]) == pytest.approx(-1e6 * change["value"], abs=0.6)
 
@@ -107,7 +114,7 @@ def test_what_is_within_tolerance_is_told_as_a_change(weeks: Weeks) -> None:
     weeks.file(sunk(20e-6), times=3)
     (alert,) = weeks.alerts()
     assert (alert.rule, alert.severity) == ("misalignment", 1)
-    assert alert.message.startswith("The alignment of coupling C1 has changed: the driven shaft lies ")
+    assert words_of(alert).startswith("Coupling C1 has changed its alignment: the driven shaft lies ")
 
 
 def test_a_season_of_oil_is_nothing_and_does_not_hide_a_shaft_that_sinks(weeks: Weeks) -> None:
@@ -123,8 +130,8 @@ def test_wear_is_told_in_per_cent_of_the_clearance(weeks: Weeks) -> None:
     weeks.file({"bearing.B2.clearance": np.log(1.15)}, times=2)
     (alert,) = weeks.alerts()
     assert (alert.rule, alert.element) == ("wear", "bearing.B2")
-    words = r"Bearing B2 is worn: its radial clearance is 1[2-8] ± \d(\.\d)? % larger, \d+ µm in place of"
-    assert re.match(words, alert.message)
+    expected = r"Bearing B2 is worn: its radial clearance is 1[2-8] ± \d(\.\d)? % larger, \d+ µm in place of"
+    assert re.match(expected, words_of(alert))
 
 
 def test_an_alert_ends_when_the_shaft_is_put_back(weeks: Weeks) -> None:

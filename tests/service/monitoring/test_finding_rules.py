@@ -5,25 +5,26 @@ import re
 import pytest
 
 from estimator.diagnosis.finding_kinds import FINDING_KINDS
-from service.monitoring.finding_rules import FINDING_RULES, LIMITED_RULES, AlertRule, FindingRule, SizedCause, require_complete
+from service.monitoring.finding_rules import FINDING_RULES, LIMITED_RULES, AlertRule, FindingRule, require_complete
 from service.monitoring.limit_rule import Level, Rule
+from service.wording.finding_texts import FindingTexts
 from tests.paths import ROOT
 
 DOCS = ROOT / "docs"
 KINDS = [one.kind for one in FINDING_KINDS]
 
 
-def sentence(one: SizedCause) -> str:
-    return f"{one.cause.element} rubs"
+RUBS_LISTS = (("a",), ("b",), ("c",), ("d",), ("e",), ("f",))
+RUBS = FindingTexts("Shaft {id} rubs", *RUBS_LISTS)
 
 
-def test_a_kind_without_a_sentence_is_refused() -> None:
-    with pytest.raises(ValueError, match="without sentence and alert rule in FINDING_RULES: rub"):
+def test_a_kind_without_texts_is_refused() -> None:
+    with pytest.raises(ValueError, match="without texts and alert rule in FINDING_RULES: rub"):
         require_complete(FINDING_RULES, [*KINDS, "rub"])
 
 
-def test_a_sentence_of_what_is_no_finding_is_refused() -> None:
-    rub = FindingRule("rub", AlertRule("rub"), sentence)
+def test_texts_of_what_is_no_finding_is_refused() -> None:
+    rub = FindingRule("rub", AlertRule("rub"), RUBS)
     with pytest.raises(ValueError, match="no kind of finding of the estimator: rub"):
         require_complete([*FINDING_RULES, rub], KINDS)
     with pytest.raises(ValueError, match="declared twice"):
@@ -44,7 +45,22 @@ def test_limits_that_contradict_their_rule_are_refused() -> None:
 def test_a_limit_for_a_force_needs_one() -> None:
     rule = AlertRule("rub", limits=Rule(alert=Level(sigma=4, force=5)), quantities=("sigma", "force"))
     with pytest.raises(ValueError, match="'rub' can have a limit for a force"):
-        FindingRule("rub", rule, sentence)
+        FindingRule("rub", rule, RUBS)
+
+
+@pytest.mark.parametrize(
+    ("texts", "words"),
+    [
+        (FindingTexts("Shaft {id} rubs at {speed}", *RUBS_LISTS), r"what \{speed\} is no place: it has \{id\}, \{element\}"),
+        (FindingTexts("Shaft {id} rubs", ("look at {id:d}",), *RUBS_LISTS[1:]), r"check\[0\] \{id:d\} is no place"),
+        (FindingTexts("Shaft {id} rubs", ("look at {id",), *RUBS_LISTS[1:]), r"check\[0\] is no text with places"),
+        (FindingTexts("Shaft {id} rubs", (" ",), *RUBS_LISTS[1:]), r"check\[0\] must have 1 to 600 characters"),
+        (FindingTexts("Shaft {id} rubs"), "no texts of check, in_operation, at_next_stop, confirm, not_determined"),
+    ],
+)
+def test_texts_that_could_not_be_told_are_refused(texts: FindingTexts, words: str) -> None:
+    with pytest.raises(ValueError, match=f"finding 'rub'.*{words}"):
+        FindingRule("rub", AlertRule("rub"), texts)
 
 
 def test_the_documentation_has_every_kind_and_every_rule() -> None:

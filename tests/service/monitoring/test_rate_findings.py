@@ -4,12 +4,13 @@ import math
 from typing import Any
 
 import numpy as np
+import pytest
 
 from estimator.trends.parameter_vector import Point
 from estimator.trends.trend_tests import Reading
 from service.alerts.lifecycle import Severity
 from service.monitoring.limits import Limits
-from service.monitoring.rate_of_change import RateFinding, rate_findings
+from service.monitoring.rate_of_change import RateFinding, rate_findings, with_limits_ahead
 
 NAMES = ("bearing.B2.kxx", "bearing.B2.kyy", "coupling.C1.kxx", "probe.B2X.gain.real")
 
@@ -31,8 +32,6 @@ def test_the_fastest_parameter_speaks_for_its_element() -> None:
     assert (bearing.element, bearing.rate.name, bearing.severity) == ("bearing.B2", "bearing.B2.kyy", Severity.DANGER)
     assert (coupling.element, coupling.severity) == ("coupling.C1", Severity.ALERT)
     assert coupling.rate.per_week == np.clip(coupling.rate.per_week, math.expm1(0.006), math.expm1(0.008))
-    assert bearing.message.startswith("bearing.B2.kyy drifts by -3 % a week (")
-    assert bearing.message.endswith("over the last 16 runs")
 
 
 def test_a_certain_drift_below_the_limit_is_none() -> None:
@@ -68,3 +67,19 @@ def test_a_season_of_oil_drifts_and_is_no_rate() -> None:
         for week in range(16)
     ]
     assert rate_findings(Limits(), drifted, None) == ()
+
+
+def test_a_drift_is_told_with_the_time_to_the_limit_of_its_size() -> None:
+    runs = drifting((0.006, 0.0, 0.0, 0.0))
+    healthy = [Point(NAMES, 0.002 * np.random.default_rng(3).standard_normal(4), 1e-6 * np.eye(4)) for _ in range(5)]
+    (told,) = with_limits_ahead(rate_findings(Limits(), runs), Limits(), healthy, runs)
+    assert told.change_per_cent == pytest.approx(100 * math.expm1(0.006 * 15), abs=1.0)
+    assert told.ahead is not None
+    assert told.ahead.limit == 25.0
+    assert told.ahead.expected == pytest.approx((math.log(1.25) - 0.09) / 0.006, rel=0.15)
+    assert told.ahead.earliest is not None
+    assert told.ahead.expected is not None
+    assert told.ahead.latest is not None
+    assert told.ahead.earliest <= told.ahead.expected <= told.ahead.latest
+    (unknown,) = with_limits_ahead(rate_findings(Limits(), runs), Limits(), [], runs)
+    assert (unknown.change_per_cent, unknown.ahead) == (None, None)

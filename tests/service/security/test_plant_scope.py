@@ -138,7 +138,7 @@ def test_a_subscription_of_one_plant_tells_of_that_plant(api: Api, filled: Fille
     taken = api.ask("POST", f"{PREFIX}/subscriptions", json={"kind": "zenoh", "name": "wide"}, headers=headers)
     problem(taken, 409)
     with api.database.transaction() as session:
-        finding = AlertFinding("more", {}, filled.hidden.identification_id, START)
+        finding = AlertFinding({}, filled.hidden.identification_id, START)
         event = raise_alert(session, HIDDEN, rule="unbalance", element="disc.D1", finding=finding).id
         session.flush()
         names = session.scalars(select(SubscriptionRow.name).join(DeliveryRow).where(DeliveryRow.alert_id == event)).all()
@@ -174,7 +174,7 @@ def test_the_event_stream_tells_of_ones_own_plants_and_ends_with_the_key(api: Ap
             if len(found) == 1 and good[0]:
                 good[0] = False  # the key is revoked; whatever comes next ends it
                 with api.database.transaction() as session:
-                    finding = AlertFinding("again", {}, filled.own.identification_id, START)
+                    finding = AlertFinding({}, filled.own.identification_id, START)
                     raise_alert(session, KEY.machine, rule="unbalance", element="disc.D1", finding=finding)
         return found
 

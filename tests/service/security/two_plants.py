@@ -70,7 +70,7 @@ def _plant(database: Database, document: Any, word: str) -> Ids:
                 measured_at=begin + POINTS * SECOND,
                 machine_id=document.id,
             )
-        finding = AlertFinding(f"the {word} machine moves", {"sigma": 6.1}, row.id, START, latching=True)
+        finding = AlertFinding({"sigma": 6.1}, row.id, START, latching=True)
         alert = transitions.raise_alert(session, document.id, rule="misalignment", element="coupling.C1", finding=finding)
         suppression = suppressions.add(
             session, document.id, kind="out_of_service", rule="misfit", element=None, until=None, by=word, comment=word

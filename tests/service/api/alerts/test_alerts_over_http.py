@@ -1,6 +1,7 @@
 """What people and programs do to alerts over HTTP, and the stream of events, from a real server."""
 
 import asyncio
+import ipaddress
 import json
 import threading
 import time
@@ -41,7 +42,7 @@ def raised(database: Database, element: str = "coupling.C1", *, latching: bool =
             if known
             else store_identification(session, identification(), run_id=1, measured_at=START).id
         )
-        finding = AlertFinding("Coupling C1 is going out of alignment", {}, number, START, latching=latching)
+        finding = AlertFinding({}, number, START, latching=latching)
         return transitions.raise_alert(session, "pump-7", rule="misalignment", element=element, finding=finding).id
 
 
@@ -188,6 +189,22 @@ def test_subscriptions_and_their_secrets(plant: Database, api: httpx.Client) -> 
     refused(api.post(f"/subscriptions/{number}/deliveries/999/again"), 404)
     refused(api.post(f"/subscriptions/{number}/test"), 409)
     refused(api.get("/subscriptions/999"), 404)
+
+
+@pytest.mark.parametrize("channel", ["webhook", "alertmanager"])
+@pytest.mark.parametrize(
+    "target", ["http://127.0.0.1:9000/hook", "http://[::1]/", "https://10.1.2.3/hook", "http://localhost/"]
+)
+def test_a_target_to_which_nothing_would_be_delivered_is_refused_at_once(api: httpx.Client, channel: str, target: str) -> None:
+    answer = api.post("/subscriptions", json={"kind": channel, "name": "historian", "target": target})
+    assert "RUNDOWN_DELIVERY_NETWORKS" in refused(answer, 422)
+    assert api.get("/subscriptions").json() == []
+
+
+def test_a_target_in_a_network_that_the_operator_names_is_taken(plant: Database) -> None:
+    with served(plant, delivery_networks=(ipaddress.ip_network("127.0.0.0/8"),)) as url:
+        said = {"kind": "alertmanager", "name": "am", "target": "http://127.0.0.1:9093"}
+        assert httpx.post(f"{url}/subscriptions", json=said, trust_env=False).status_code == 201
 
 
 # --- the stream -----------------------------------------------------------------------------------------------------

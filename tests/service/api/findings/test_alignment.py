@@ -12,7 +12,7 @@ from estimator.alignment.tolerance import allowed_alignment
 from estimator.arrays import Floats
 from estimator.updated_model.derived_quantities import Derived, alignment_quantities
 from estimator.updated_model.model import UpdatedModel, expected_model
-from service.monitoring.comparison import WEEK
+from service.monitoring.assessment import WEEK
 from storage.database.engine import Database
 from storage.machines import machines
 from tests.api_in_process import Api, problem, value

@@ -14,7 +14,7 @@ from estimator.trends.covariates import adjustment
 from estimator.trends.deviations import deviations
 from estimator.trends.trend_tests import RUN_LENGTH
 from service.monitoring import baseline_changes
-from service.monitoring.comparison import WEEK
+from service.monitoring.assessment import WEEK
 from service.monitoring.limits import Limits
 from service.monitoring.limits_in_force import set_limits
 from storage.database.engine import Database

@@ -35,23 +35,27 @@ def test_a_diagnosis_says_what_has_moved_in_which_unit(api: Api) -> None:
     assert cause["first_identification"] == BASELINE + 1
     moved = {one["parameter"]: one for one in cause["moved"]}
     assert {"coupling.C1.kxx", "bearing.B2.kxx"} <= moved.keys()
-    assert moved["coupling.C1.kxx"]["unit"] == "1"
-    assert moved["coupling.C1.kxx"]["sigma"] > 3
-    units = {"1", "N/m", "N s/m"}
-    assert {one["unit"] for one in cause["moved"]} <= units
+    stiffer = moved["coupling.C1.kxx"]
+    assert stiffer["unit"] == "N/m"
+    assert stiffer["lower_per_cent"] < stiffer["per_cent"] < stiffer["upper_per_cent"]
+    assert stiffer["sigma"] > 3
+    assert {one["unit"] for one in cause["moved"]} <= {"N/m", "N s/m", "N m/rad", "N m s/rad"}
 
 
-def test_of_an_unbalance_the_components_have_its_unit(plant: Database) -> None:
+def test_an_unbalance_is_one_vector_in_its_unit(plant: Database) -> None:
     with plant.transaction() as session:
         weeks = Weeks(session)
         weeks.file(times=BASELINE)
         weeks.file({"disc.D1.unbalance": 3.0}, times=2)
     (cause,) = Api(plant).value(NEWEST)["causes"]
     assert (cause["kind"], cause["element"]) == ("unbalance", "disc.D1")
-    assert {one["parameter"]: one["unit"] for one in cause["moved"]} == {
-        f"disc.D1.unbalance.{part}": "kg m" for part in ("real", "imaginary")
-    }
-    assert cause["quantities"]["change_g_mm"] > 0
+    (moved,) = cause["moved"]
+    assert (moved["parameter"], moved["unit"]) == ("disc.D1.unbalance", "kg m")
+    assert moved["change"] > 0.0
+    (part,) = cause["parts"]
+    assert (part["name"], part["unit"]) == ("disc.D1.unbalance", "g mm")
+    assert part["value"] == pytest.approx(cause["quantities"]["change_g_mm"])
+    assert part["lower"] < part["value"] < part["upper"]
 
 
 def test_where_there_is_no_diagnosis_the_reason_is_said(plant: Database) -> None:
@@ -70,8 +74,11 @@ def test_an_alert_rests_on_the_same_cause_with_its_units(api: Api) -> None:
     assert alert == api.value(f"/alerts/{alert['id']}")
     (cause,) = api.value(NEWEST)["causes"]
     evidence = alert["evidence"]
+    told = cause.pop("advice")
     assert {name: evidence[name] for name in cause} == cause
-    assert evidence.keys() - cause.keys() == {"identification", "run_kind", "baseline"}
+    assert evidence.keys() - cause.keys() == {"identification", "run_kind", "baseline", "measured_at"}
+    assert told == alert["advice"]
+    assert alert["message"] == told["what"]
     assert (evidence["identification"], evidence["baseline"]) == (BASELINE + 2, list(range(1, BASELINE + 1)))
 
 

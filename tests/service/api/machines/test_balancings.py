@@ -113,8 +113,8 @@ def test_no_masses_are_proposed_while_an_alert_says_that_something_else_is_wrong
 ) -> None:
     with store.transaction() as session:
         row = store_identification(session, identification({"coupling.C1.kxx": 1.0}), run_id=1)
-        finding = AlertFinding("The misalignment at coupling C1 has changed", {"sigma": 6.1}, row.id, START, latching=False)
-        unbalanced = AlertFinding("The unbalance of disc D1 has changed", {"sigma": 6.1}, row.id, START, latching=False)
+        finding = AlertFinding({"sigma": 6.1}, row.id, START, latching=False)
+        unbalanced = AlertFinding({"sigma": 6.1}, row.id, START, latching=False)
         transitions.raise_alert(session, KEY.machine, rule="unbalance", element="disc.D1", finding=unbalanced)
     assert api("POST", f"{PATH}/{begun}/correction", json={"by": "Ada"})["state"] == "proposed"
     with store.transaction() as session:

@@ -24,7 +24,7 @@ def api(plant: Database) -> Api:
         machines.create(session, machine(id="fan-2", name="Fan 2"))
         row = store_identification(session, identification(), run_id=100, measured_at=START)
         for element, severe in (("coupling.C1", False), ("bearing.B1", True)):
-            finding = AlertFinding("it moves", {}, row.id, START)
+            finding = AlertFinding({}, row.id, START)
             alert = transitions.raise_alert(session, "pump-7", rule="misalignment", element=element, finding=finding)
             alert.severity = 2 if severe else 1
         transitions.acknowledge(session, alert, transitions.Person("anna"))

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from typing import Any, get_args
 
 import httpx
+import msgspec
 import pytest
 import zenoh
 from prometheus_client.openmetrics.parser import text_string_to_metric_families
@@ -17,12 +18,24 @@ from sqlalchemy import text
 
 from service.api.measurements import ingestion
 from service.api.operation import metrics
+from service.api.operation.refusal_words import MEANINGS, refusal_words
 from service.ingest import ingest_thread as ingest_module
 from service.ingest.ingest_thread import Ingest
 from service.journal.http_queue import Busy, NotStoring, Submissions
 from service.journal.journal import Journal
 from service.runs.collector import Collector
-from service.wire import BINARY, ENCODINGS, JSON, LARGEST_MESSAGE, MESSAGEPACK, Reason, SampleBatch, encode_body
+from service.wire import (
+    BINARY,
+    ENCODINGS,
+    JSON,
+    LARGEST_MESSAGE,
+    MESSAGEPACK,
+    InternalErrorReason,
+    Reason,
+    SampleBatch,
+    encode_body,
+    unknown_fields,
+)
 from storage.clock import now
 from storage.database.engine import Database
 from storage.encoding.source_key import SourceKey
@@ -78,7 +91,7 @@ def refused(answer: httpx.Response, status: int, *words: str) -> None:
 def test_what_is_answered_is_stored(http: Http, encoding: str) -> None:
     answer = http.post(rows(0, 5), encoding)
     assert answer.status_code == 200, answer.text
-    assert answer.json() == {"received": 5, "duplicates": 0, "missing_before": 0, "faults": []}
+    assert answer.json() == {"received": 5, "duplicates": 0, "missing_before": 0, "faults": [], "ignored": []}
     assert http.stored() == [0, 1, 2, 3, 4]
 
 
@@ -108,6 +121,43 @@ def test_bad_samples_are_named_and_the_others_stored(http: Http) -> None:
     assert http.stored() == [0, 2, 3]
     with http.database.reading() as session:
         assert quarantine.counts(session) == {"amplitude_out_of_range": 1, "speed_out_of_range": 1}
+
+
+@pytest.mark.parametrize("encoding", [JSON, MESSAGEPACK])
+def test_fields_that_there_are_not_are_named(http: Http, encoding: str) -> None:
+    one = msgspec.to_builtins(rows(0, 2)) | {"amplitude_2X": [[1.0] * 4] * 2, "condition": {}, "note": "by hand"}
+    body = (msgspec.json if encoding == JSON else msgspec.msgpack).encode(one)
+    answer = http.ask("POST", PATH, content=body, headers={"content-type": encoding}).json()
+    assert answer["received"] == 2
+    first, second, third = answer["ignored"]
+    assert first.startswith("amplitude_2X; did you mean 'amplitude_2x'")
+    assert second.startswith("condition; did you mean 'conditions'")
+    assert third.startswith("note")
+    assert unknown_fields(b"\xff", encoding) == []
+    assert unknown_fields(encode_body(rows(0, 2), BINARY), BINARY) == []
+
+
+def test_where_no_sample_is_taken_the_answer_is_no_success(http: Http) -> None:
+    fast = rows(0, 3)
+    fast.speed = [99_999.0, 88_888.0, 77_777.0]
+    answer = http.post(fast)
+    refused(answer, 422, "no sample was taken, 3 faults", "speed_out_of_range", "under new numbers")
+    assert [one["field"] for one in answer.json()["errors"]] == ["samples[0]", "samples[1]", "samples[2]"]
+    assert http.stored() == []
+    (entry, *_) = http.value("/quarantine")["entries"]
+    assert entry["meaning"].startswith("the speed is beyond what the machine can reach: look at its unit")
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(10**3, "microseconds"), (10**6, "milliseconds"), (10**9, "seconds")])
+def test_times_in_another_unit_are_called_that(http: Http, factor: int, unit: str) -> None:
+    coarse = rows(0, 3)
+    coarse.time_ns = [one // factor for one in coarse.time_ns]
+    refused(http.post(coarse), 422, "time_out_of_range", f"it looks like {unit}, and must be nanoseconds since 1970")
+
+
+def test_every_reason_has_a_meaning_for_people() -> None:
+    assert MEANINGS.keys() == {*get_args(Reason), *get_args(InternalErrorReason)}
+    assert "older release" in refusal_words("rubbish")
 
 
 REFUSED: dict[Reason, tuple[int, SampleBatch | bytes]] = {

@@ -1,12 +1,11 @@
-"""Sentences about trains on oil films: what has moved and how far, what is allowed, and which loads follow."""
+"""Sizes of findings on oil films in words: what has moved and how far, what is allowed, and which loads follow."""
 
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING
 
+import scipy.special
+
+from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.parameter_description import describe
-
-if TYPE_CHECKING:
-    from estimator.diagnosis.finding_kind import ChangeSize
 
 BEYOND = 0.95
 """Probability from which on an alignment is said to be beyond what is allowed [-]."""
@@ -19,57 +18,61 @@ PLANES: Mapping[str, tuple[str, str, str, str]] = {
 """Words by plane: an offset up and down, an angle up and down."""
 
 
-def alignment_sentence(coupling: str, size: "ChangeSize") -> str:
-    """Return the sentence on a coupling whose alignment has changed, to be followed by "against the baseline, since …"."""
-    told = [*_offsets(size.quantities), *_angles(size.quantities)]
-    beyond = size.beyond_tolerance is not None and size.beyond_tolerance >= BEYOND
-    head = f"Coupling {coupling} is out of alignment" if beyond else f"The alignment of coupling {coupling} has changed"
-    beside = [*_undetermined(size.quantities), *_loads(size.quantities), *_equivalents(size.quantities)]
-    return f"{head}: {'; '.join([*told, *beside])}"
+Numbers = Mapping[str, float]
+"""Numbers of a size, by name with the unit at its end."""
 
 
-def settlement_sentence(bearing: str, size: "ChangeSize") -> str:
-    """Return the sentence on a bearing that has settled by itself."""
-    q = size.quantities
+def alignment_judgement(numbers: Numbers) -> str:
+    """Return what is said of a coupling whose alignment has changed, beside by how much."""
     parts = [
-        f"{shown(abs(q[f'{plane}_um']), 1.96 * q[f'{plane}_error_um'])} µm {words[0] if q[f'{plane}_um'] > 0 else words[1]}"
-        for plane, words in PLANES.items()
-        if abs(q.get(f"{plane}_um", 0.0)) > 1.96 * q.get(f"{plane}_error_um", 0.0)
+        _probability_beyond(numbers, name)
+        for name in numbers
+        if name.endswith("_allowed_um") or name.endswith("_allowed_urad")
     ]
-    return f"Bearing {bearing} stands {' and '.join(parts) or 'elsewhere'}"
+    return "is out of alignment" if max(parts, default=0.0) >= BEYOND else "has changed its alignment"
 
 
-def wear_sentence(bearing: str, size: "ChangeSize") -> str:
-    """Return the sentence on a bearing whose clearance has grown."""
-    q = size.quantities
-    grown = shown(q["clearance_per_cent"], 1.96 * q["clearance_error_per_cent"])
-    return (
-        f"Bearing {bearing} is worn: its radial clearance is {grown} % larger, {q['after_um']:.0f} µm in place of "
-        f"{q['before_um']:.0f} µm"
-    )
+def alignment_words(numbers: Numbers) -> str:
+    """Return by how much a coupling's alignment has changed, with what follows from it."""
+    told = [*_offsets(numbers), *_angles(numbers)]
+    beside = [*_undetermined(numbers), *_loads(numbers), *_equivalents(numbers)]
+    return "; ".join([*told, *beside])
 
 
-def film_sentence(bearing: str, size: "ChangeSize") -> str:
-    """Return the sentence on a film that has changed otherwise than by wear, oil or load."""
-    times = size.quantities["deviation_times_allowed"]
-    return (
-        f"The oil film of bearing {bearing} has changed, and neither by wear nor by oil nor by load: its coefficients deviate "
-        f"{times:.1f} times as far from the model as its document says"
-    )
+def undetermined_alignment(numbers: Numbers) -> list[str]:
+    """Return the offsets and angles that are not determined."""
+    return list(_undetermined(numbers))
 
 
-def oil_sentence(size: "ChangeSize") -> str:
-    """Return the sentence on an oil that is another one."""
-    return (
-        f"The oil in the bearings is of another viscosity, {size.quantities['viscosity_per_cent']:+.0f} %: look at its grade "
-        "and temperature"
-    )
+def settlement_words(q: Numbers) -> str:
+    """Return by how much a bearing has settled by itself."""
+    parts = [
+        f"{shown(abs(q[f'{plane}_um']), CONFIDENCE_95 * q[f'{plane}_error_um'])} µm "
+        + (words[0] if q[f"{plane}_um"] > 0 else words[1])
+        for plane, words in PLANES.items()
+        if abs(q.get(f"{plane}_um", 0.0)) > CONFIDENCE_95 * q.get(f"{plane}_error_um", 0.0)
+    ]
+    return " and ".join(parts) or "elsewhere"
+
+
+def wear_words(q: Numbers) -> str:
+    """Return by how much a bearing's clearance has grown."""
+    grown = shown(q["clearance_per_cent"], CONFIDENCE_95 * q["clearance_error_per_cent"])
+    return f"{grown} % larger, {q['after_um']:.0f} µm in place of {q['before_um']:.0f} µm"
 
 
 def shown(value: float, half: float) -> str:
     """Return a value with the half width of its interval, both to the digit that the half width has two of."""
     digits = 0 if half >= 2.0 else 1 if half >= 0.2 else 2
     return f"{value:.{digits}f} ± {half:.{digits}f}"
+
+
+def _probability_beyond(numbers: Numbers, allowed_name: str) -> float:
+    """Return the probability that a change is larger than what is allowed (normal distribution) [-]."""
+    stem, _, unit = allowed_name.rpartition("_allowed_")
+    allowed, value = numbers[allowed_name], numbers[f"{stem}_{unit}"]
+    error = max(numbers[f"{stem}_half_width_{unit}"] / CONFIDENCE_95, 1e-12 * allowed)
+    return float(scipy.special.ndtr((-allowed - value) / error) + scipy.special.ndtr((value - allowed) / error))
 
 
 def _offsets(q: Mapping[str, float]) -> Iterator[str]:

@@ -1,13 +1,12 @@
 """Sentences about trains on oil films: which way, how far, what is allowed, what is not determined."""
 
-from estimator.diagnosis.finding_kind import ChangeSize
-from service.monitoring.film_sentences import (
-    alignment_sentence,
-    film_sentence,
-    oil_sentence,
-    settlement_sentence,
+from service.wording.film_words import (
+    alignment_judgement,
+    alignment_words,
+    settlement_words,
     shown,
-    wear_sentence,
+    undetermined_alignment,
+    wear_words,
 )
 
 OFFSET = {
@@ -24,30 +23,29 @@ ANGLE = {"angle_vertical_urad": 90.0, "angle_vertical_half_width_urad": 30.0, "a
 
 def test_an_alarm_says_how_far_how_sure_and_what_is_allowed() -> None:
     loads = {"bearing.B1.load_per_cent": 0.4, "bearing.B2.load_per_cent": 7.2, "bearing.B3.load_per_cent": -6.1}
-    size = ChangeSize(None, OFFSET | loads | {"bearing.B3.vertical_um": -80.3}, 240.0, 0.999)
-    assert alignment_sentence("C1", size) == (
-        "Coupling C1 is out of alignment: the driven shaft lies 120 ± 18 µm lower (allowed 50 µm at 3600 r/min); "
+    numbers = OFFSET | loads | {"bearing.B3.vertical_um": -80.3}
+    assert alignment_judgement(numbers) == "is out of alignment"
+    assert alignment_words(numbers) == (
+        "the driven shaft lies 120 ± 18 µm lower (allowed 50 µm at 3600 r/min); "
         "the angle is not determined; bearing B2 carries 7 % more, B3 6 % less; the same as bearing B3 80 µm lower"
     )
+    assert undetermined_alignment(numbers) == ["the angle is not determined"]
 
 
 def test_what_is_within_tolerance_has_changed() -> None:
     small = OFFSET | {"offset_vertical_um": 20.0, "offset_vertical_half_width_um": 4.0}
-    assert alignment_sentence("C1", ChangeSize(None, small | ANGLE, 40.0, 0.0)) == (
-        "The alignment of coupling C1 has changed: the driven shaft lies 20 ± 4 µm higher (allowed 50 µm at 3600 r/min); "
+    assert alignment_judgement(small | ANGLE) == "has changed its alignment"
+    assert alignment_words(small | ANGLE) == (
+        "the driven shaft lies 20 ± 4 µm higher (allowed 50 µm at 3600 r/min); "
         "it rises more from the coupling on, by 90 ± 30 µrad (allowed 370 µrad); the horizontal angle is not determined"
     )
 
 
 def test_other_findings_have_their_own_units() -> None:
     settled = {"vertical_um": -60.0, "vertical_error_um": 5.0, "horizontal_um": 2.0, "horizontal_error_um": 5.0}
-    assert settlement_sentence("N1", ChangeSize(None, settled)) == "Bearing N1 stands 60 ± 10 µm lower"
+    assert settlement_words(settled) == "60 ± 10 µm lower"
     worn = {"clearance_per_cent": 15.4, "clearance_error_per_cent": 1.5, "before_um": 69.0, "after_um": 79.0}
-    assert wear_sentence("B2", ChangeSize(15.4, worn)) == (
-        "Bearing B2 is worn: its radial clearance is 15 ± 3 % larger, 79 µm in place of 69 µm"
-    )
-    assert "of another viscosity, +120 %" in oil_sentence(ChangeSize(120.0, {"viscosity_per_cent": 120.0}))
-    assert "deviate 2.1 times as far" in film_sentence("B3", ChangeSize(None, {"deviation_times_allowed": 2.1}))
+    assert wear_words(worn) == "15 ± 3 % larger, 79 µm in place of 69 µm"
 
 
 def test_digits_follow_the_interval() -> None:

@@ -1,0 +1,135 @@
+"""What is told of a finding: its texts with its numbers in them, the same wherever it is told."""
+
+import logging
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any
+
+from estimator.diagnosis.finding_kind import SizePart
+from service.advice.site_texts import SiteTexts
+from service.advice.urgency import urgency
+from service.alerts.advice_message import Action, Advice, Certainty, Figure
+from service.alerts.lifecycle import Severity
+from service.monitoring.finding_rules import RATE_RULE, is_finding, told_rule
+from service.wording.finding_texts import FindingTexts
+from service.wording.finding_words import UNITS, compared_words, part_words, rounded, told_parts
+from service.wording.told_finding import ToldFinding
+
+logger = logging.getLogger(__name__)
+
+MILLIRADIANS = 1e-3
+"""Milliradians in a microradian."""
+LARGEST_EXPONENT = 13.8
+"""Logarithm of a million: beyond it nobody reads a factor."""
+
+
+@dataclass(frozen=True)
+class FindingFacts:
+    """A finding with what is known of it where it is told.
+
+    severity: of its alert, None of a diagnosis by itself. measured_at: when the run was measured that shows it last.
+    """
+
+    machine: str
+    kind: str
+    element: str
+    evidence: Mapping[str, Any]
+    severity: Severity | None
+    measured_at: datetime
+
+
+def advice_of(facts: FindingFacts, texts: SiteTexts) -> Advice | None:
+    """Return what is told of a finding; None where its kind is unknown or an older release has stored too few numbers."""
+    told = ToldFinding(facts.kind, facts.element, facts.evidence)
+    of_rate = facts.kind == RATE_RULE.kind and "per_week_per_cent" in facts.evidence
+    if not of_rate and not (is_finding(facts.kind) and told.is_tellable()):
+        return None
+    try:
+        return _advice(told, facts, texts.of(facts.kind))
+    except (KeyError, TypeError, ValueError, OverflowError):
+        # Of evidence that another release has stored; whoever reads it still gets its kind and element.
+        logger.exception("%s of %s at %s cannot be put into words", facts.kind, facts.element, facts.machine)
+        return None
+
+
+def plain_message(kind: str, element: str) -> str:
+    """Return what is said of a finding of which only kind and element are known."""
+    name = element.replace(".", " ")
+    return (
+        f"{name.capitalize()[0]}{name[1:]} itself"
+        if element.startswith(f"{kind}.")
+        else f"{kind.replace('_', ' ').capitalize()} of {name}"
+    )
+
+
+def uncapitalised(words: str | None) -> str:
+    """Return words as they stand within a sentence."""
+    return "" if not words else words[0].lower() + words[1:]
+
+
+def _advice(told: ToldFinding, facts: FindingFacts, texts: FindingTexts) -> Advice:
+    rule = told_rule(told.kind)
+    filled = texts.filled(
+        {
+            "id": told.id,
+            "element": f"{told.element_kind} {told.id}" if told.id != told.element else "the machine",
+            "machine": facts.machine,
+            "since": str(told.evidence.get("since", ""))[:10],
+            "sigma": f"{told.evidence.get('sigma') or 0.0:.0f} σ",
+            "runs": str(told.evidence.get("runs", "")),
+            "compared": compared_words(told),
+            **rule.words(told),
+        }
+    )
+    return Advice(
+        what=filled.what,
+        how_far=[_figure(one, told.runs_of(one)) for one in told_parts(told)],
+        how_sure=_certainty(told),
+        how_urgent=urgency(told, facts.severity, facts.measured_at),
+        check=list(filled.check),
+        actions=list(_actions(filled, facts.severity)),
+        confirm=list(filled.confirm),
+        not_determined=[*rule.open_questions(told), *filled.not_determined],
+    )
+
+
+def _figure(one: SizePart, runs: int | None) -> Figure:
+    factor = MILLIRADIANS if one.unit == "urad" else 1.0
+    scaled = {name: None if (value := getattr(one, name)) is None else factor * value for name in ("allowed", "before")}
+    return Figure(
+        of=one.name,
+        words=part_words(one),
+        unit="mrad" if one.unit == "urad" else UNITS.get(one.unit, one.unit),
+        value=factor * one.value,
+        lower=factor * one.lower,
+        upper=factor * one.upper,
+        sigma=one.sigma,
+        runs=runs,
+        parameters=list(one.members),
+        **scaled,
+    )
+
+
+def _certainty(told: ToldFinding) -> Certainty:
+    said = told.evidence
+    if told.kind == RATE_RULE.kind:
+        words = f"The order of the last {said['runs']} runs is no chance, with less than 1 in 10,000"
+        return Certainty(words=words, sigma=None, runs=said["runs"], evidence=None, next_best=None)
+    runs, sigma, evidence = said.get("runs"), said.get("sigma"), said.get("evidence")
+    others = said.get("runners_up") or []
+    next_best = plain_message(others[0]["kind"], others[0]["element"]) if others else None
+    words = f"{sigma:.0f} σ for all of it" if sigma is not None and list(told.parts()) else "Certain beyond chance"
+    words += "" if runs is None else f" over the newest {runs} runs together" if runs != 1 else " in the newest run"
+    if others and evidence is not None:
+        lead = evidence - others[0]["evidence"]
+        factor = "more than a million" if lead > LARGEST_EXPONENT else rounded(2.718281828**lead, 2)
+        words += f"; {factor} times more probable than the next explanation, {uncapitalised(next_best)}"
+    return Certainty(words=words, sigma=sigma, runs=runs, evidence=evidence, next_best=next_best)
+
+
+def _actions(texts: FindingTexts, severity: Severity | None) -> Iterator[Action]:
+    if severity is Severity.DANGER:
+        yield from (Action(opportunity="now", text=one) for one in texts.if_danger)
+    yield from (Action(opportunity="in operation", text=one) for one in texts.in_operation)
+    yield from (Action(opportunity="at the next stop", text=one) for one in texts.at_next_stop)

@@ -1,0 +1,67 @@
+"""Alerts and their events as they are told: the message and the advice, made of the numbers that are stored."""
+
+from datetime import datetime
+from typing import Any
+
+from service.advice.advice import FindingFacts, advice_of, plain_message
+from service.advice.site_texts import SiteTexts
+from service.alerts.advice_message import Advice
+from service.alerts.event_message import AlertEvent
+from service.alerts.lifecycle import Severity
+from storage.alerts.alerts import ListedAlert
+from storage.clock import to_datetime
+from storage.tables.alerting import AlertEventRow, AlertRow
+
+
+def alert_advice(row: AlertRow | ListedAlert, texts: SiteTexts) -> Advice | None:
+    """Return what is told of an alert; None where an older release has stored too few numbers."""
+    evidence = row.evidence or {}
+    return advice_of(_facts(row, evidence, to_datetime(row.measured_at)), texts)
+
+
+def alert_message(row: AlertRow | AlertEventRow | ListedAlert, advice: Advice | None) -> str:
+    """Return an alert in one sentence: of its advice, else what an older release has stored."""
+    if advice is not None:
+        return advice.what
+    return row.message or plain_message(row.rule, row.element)
+
+
+def alert_event(row: AlertEventRow, texts: SiteTexts) -> AlertEvent:
+    """Return the message of a stored event."""
+    advice = None if row.evidence is None else advice_of(_facts(row, row.evidence, _measured(row)), texts)
+    return AlertEvent(
+        id=row.id,
+        alert=row.alert_id,
+        number=row.number,
+        machine=row.machine_id,
+        rule=row.rule,
+        element=row.element,
+        at=to_datetime(row.at),
+        kind=row.kind,
+        state_before=row.state_before,
+        state=row.state,
+        severity=Severity(row.severity).label,
+        message=alert_message(row, advice),
+        advice=advice,
+        by=row.by,
+        comment=row.comment,
+        opened_at=to_datetime(row.opened_at),
+        identification=row.identification_id,
+    )
+
+
+def _facts(row: AlertRow | AlertEventRow | ListedAlert, evidence: dict[str, Any], moment: datetime) -> FindingFacts:
+    return FindingFacts(
+        machine=row.machine_id,
+        kind=str(evidence.get("kind", row.rule)),
+        element=row.element,
+        evidence=evidence,
+        severity=Severity(row.severity),
+        measured_at=moment,
+    )
+
+
+def _measured(row: AlertEventRow) -> datetime:
+    """Return when the run was measured that showed the finding last; the event's own time where that is not stored."""
+    said = (row.evidence or {}).get("measured_at")
+    return to_datetime(row.at) if said is None else datetime.fromisoformat(said)

@@ -1,0 +1,86 @@
+"""The form of what is told of a finding, for everybody: in the API, in streams and in deliveries."""
+
+from datetime import datetime
+
+from pydantic import BaseModel, Field
+
+
+class Figure(BaseModel):
+    """How far something has changed against the baseline, with its 95 % interval."""
+
+    of: str = Field(description="what has changed, such as bearing.B2.clearance; coupling.C1.coefficients: all together")
+    words: str
+    unit: str = Field(description="µm, mrad, N, g·mm, % …")
+    value: float
+    lower: float = Field(description="of the 95 % interval")
+    upper: float
+    sigma: float | None = Field(description="in standard errors, where that is said")
+    runs: int | None = Field(description="newest runs whose mean it is; null: of an older release")
+    allowed: float | None = Field(description="what is allowed of it, in the unit")
+    before: float | None = Field(description="value in the baseline, in the unit")
+    parameters: list[str] = Field(description="parameters whose common change it is, of those that the newest run determines")
+
+
+class Certainty(BaseModel):
+    """How sure a finding is."""
+
+    words: str
+    sigma: float | None
+    runs: int | None = Field(description="newest runs that were looked at together")
+    evidence: float | None = Field(description="logarithm of the factor by which it makes these runs more probable")
+    next_best: str | None = Field(description="the explanation that comes next")
+
+
+class Urgency(BaseModel):
+    """How long there is until the danger limit, at the rate since the change began; null: no time can be given."""
+
+    words: str
+    unit: str | None = Field(description="of the rate and the limit")
+    per_week: float | None
+    per_week_lower: float | None = Field(description="of the 95 % interval")
+    per_week_upper: float | None
+    limit: float | None = Field(description="the danger limit")
+    reached: bool = Field(description="whether the danger limit is reached")
+    weeks: float | None = Field(description="from the newest run to the limit")
+    weeks_earliest: float | None = Field(description="by the rate's 95 % interval")
+    weeks_latest: float | None
+    by: datetime | None = Field(description="the day by which that is")
+
+
+class Action(BaseModel):
+    """What to do, and at which opportunity."""
+
+    opportunity: str = Field(description="now, in operation, or at the next stop")
+    text: str
+
+
+class Advice(BaseModel):
+    """What is told of a finding. Texts are the service's or the site's own."""
+
+    what: str = Field(description="what it is")
+    how_far: list[Figure] = Field(description="the figure that matters most first; empty where it has no size")
+    how_sure: Certainty
+    how_urgent: Urgency
+    check: list[str] = Field(description="what to look at")
+    actions: list[Action] = Field(description="the most urgent first")
+    confirm: list[str] = Field(description="what would confirm it")
+    not_determined: list[str] = Field(description="what this does not tell")
+
+    def lines(self) -> list[str]:
+        """Return the advice as lines of text, for a mail or an annotation."""
+        parts = [
+            ("How far", [one.words for one in self.how_far]),
+            ("How sure", [self.how_sure.words]),
+            ("How urgent", [self.how_urgent.words]),
+            ("To check", self.check),
+            *((f"To do {when}", texts) for when, texts in self._by_opportunity().items()),
+            ("Would confirm it", self.confirm),
+            ("Not determined", self.not_determined),
+        ]
+        return [line for head, texts in parts if texts for line in (f"{head}:", *(f"- {one}" for one in texts))]
+
+    def _by_opportunity(self) -> dict[str, list[str]]:
+        found: dict[str, list[str]] = {}
+        for one in self.actions:
+            found.setdefault(one.opportunity, []).append(one.text)
+        return found

@@ -1,0 +1,112 @@
+"""What is told of an alert: how far, how sure, how urgent, what to do; the same in every place; whatever evidence there is."""
+
+import re
+from datetime import UTC, datetime
+from typing import Any
+
+import pytest
+
+from service.advice.advice import FindingFacts, advice_of, plain_message
+from service.advice.site_texts import SiteTexts
+from service.alerts.advice_message import Advice
+from service.alerts.lifecycle import Severity
+from service.monitoring.finding_rules import FINDING_RULES, finding_rule
+
+MEASURED = datetime(2026, 11, 26, tzinfo=UTC)
+
+NUMBERS = {
+    "wear": {"clearance_per_cent": 15.0, "clearance_error_per_cent": 1.0, "before_um": 69.0, "after_um": 79.0},
+    "oil": {"viscosity_per_cent": 80.0},
+    "settlement": {"vertical_um": -60.0, "vertical_error_um": 5.0},
+    "unbalance": {"change_g_mm": 100.0, "change_deg": 12.0, "before_g_mm": 300.0, "after_g_mm": 350.0},
+    "bow": {"largest_um": 12.0},
+    "run_out": {"largest_um": 12.0},
+}
+PART = {"name": "coupling.C1.coefficients", "unit": "%", "value": 12.0, "lower": 10.0, "upper": 14.0, "sigma": 12.0}
+PART |= {"allowed": None, "before": None, "members": ["coupling.C1.kxx"]}
+AHEAD = {"limit": 15.0, "expected": 3.0, "earliest": 2.0, "latest": 6.0}
+GROWING = {"runs": 8, "newest": 12.0, "per_week": 1.0, "lower": 0.5, "upper": 1.5, "ahead": AHEAD}
+EVIDENCE: dict[str, Any] = {"since": "2026-10-22T09:00:00Z", "quantities": {}, "sigma": 12.0, "runs": 2, "evidence": 40.0}
+
+
+def told(kind: str, element: str, severity: Severity | None = Severity.ALERT, **said: Any) -> Advice:
+    facts = FindingFacts("pump-7", kind, element, EVIDENCE | said, severity, MEASURED)
+    found = advice_of(facts, SiteTexts())
+    assert found is not None
+    return found
+
+
+@pytest.mark.parametrize("kind", [one.kind for one in FINDING_RULES])
+@pytest.mark.parametrize("severity", [None, Severity.ALERT, Severity.DANGER])
+def test_every_finding_says_what_it_is_and_what_to_do(kind: str, severity: Severity | None) -> None:
+    kinds = {"pedestal": "pedestal.P1", "bow": "shaft.S1"}
+    place = kinds.get(kind, "machine" if kind in ("oil", "misfit", "outliers") else "bearing.B2")
+    one = told(kind, place, severity, quantities=NUMBERS.get(kind, {}))
+    assert "2026-10-22" in one.what
+    assert one.check
+    assert one.confirm
+    assert one.not_determined
+    assert {action.opportunity for action in one.actions} >= {"in operation", "at the next stop"}
+    urgent = severity is Severity.DANGER and finding_rule(kind).can_be_danger
+    assert any(action.opportunity == "now" for action in one.actions) == urgent
+    assert "{" not in "".join(one.lines())
+
+
+def test_the_time_to_the_limit_has_its_interval() -> None:
+    urgent = told("coupling", "coupling.C1", parts=[PART], progress=GROWING).how_urgent
+    assert (urgent.weeks, urgent.weeks_earliest, urgent.weeks_latest, urgent.limit) == (3.0, 2.0, 6.0, 15.0)
+    assert urgent.by == datetime(2026, 12, 17, tzinfo=UTC)
+    assert urgent.words.startswith(
+        "Reaches its danger limit of 15 % in 3 weeks (2 weeks at the earliest, 6 weeks at the latest)"
+    )
+    never = told("coupling", "coupling.C1", parts=[PART], progress=GROWING | {"ahead": AHEAD | {"latest": None}})
+    assert "it may also never" in never.how_urgent.words
+
+
+@pytest.mark.parametrize(
+    ("progress", "severity", "words"),
+    [
+        (
+            {"runs": 2, "newest": 9.0},
+            Severity.ALERT,
+            "No time can be given: the newest run shows 9 %; 2 runs since it began, and 4",
+        ),
+        ({"runs": 1}, None, "No time can be given: 1 run since it began"),
+        (GROWING | {"ahead": None}, Severity.DANGER, "The danger limit is reached; the newest run shows 12 %; it grows by"),
+        (GROWING | {"lower": -0.1, "ahead": None}, Severity.ALERT, "There is no danger limit ahead: .* no growth is certain"),
+        (
+            GROWING | {"lower": -0.1, "ahead": AHEAD | {"expected": None}},
+            Severity.ALERT,
+            "The danger limit of 15 % is not approached measurably",
+        ),
+        (None, Severity.ALERT, "No time can be given"),
+    ],
+)
+def test_where_no_time_can_be_given_that_is_said(progress: Any, severity: Severity | None, words: str) -> None:
+    urgent = told("coupling", "coupling.C1", severity, parts=[PART], progress=progress).how_urgent
+    assert urgent.weeks is None
+    assert re.match(words, urgent.words), urgent.words
+
+
+def test_an_alignment_is_told_in_micrometres_and_milliradians() -> None:
+    numbers = {"allowed_at_rpm": 3600.0, "angle_vertical_urad": 600.0, "angle_vertical_half_width_urad": 50.0}
+    numbers |= {"angle_vertical_allowed_urad": 370.0}
+    part = PART | {"name": "coupling.C1.angle_vertical", "unit": "urad", "value": 600.0, "lower": 550.0, "upper": 650.0}
+    part |= {"allowed": 370.0, "members": []}
+    one = told("misalignment", "coupling.C1", quantities=numbers, parts=[part], tolerance_per_cent=162.0)
+    (figure,) = one.how_far
+    assert (figure.unit, figure.value, figure.lower, figure.allowed) == ("mrad", 0.6, 0.55, 0.37)
+    assert figure.runs == 1
+    assert one.what.startswith("Coupling C1 is out of alignment: ")
+    assert "The offset is not determined" in one.not_determined
+
+
+def test_evidence_of_another_release_is_told_by_kind_and_element(caplog: pytest.LogCaptureFixture) -> None:
+    facts = FindingFacts("pump-7", "wear", "bearing.B2", EVIDENCE, Severity.ALERT, MEASURED)
+    assert advice_of(facts, SiteTexts()) is None  # without the numbers of a clearance
+    assert "cannot be put into words" in caplog.text
+    older = FindingFacts("pump-7", "misalignment", "coupling.C1", {"coupling": "C1", "shift": 0.1}, None, MEASURED)
+    assert advice_of(older, SiteTexts()) is None
+    assert advice_of(FindingFacts("pump-7", "rub", "shaft.S1", EVIDENCE, None, MEASURED), SiteTexts()) is None
+    assert plain_message("run_out", "probe.B1X") == "Run out of probe B1X"
+    assert plain_message("bearing", "bearing.B1") == "Bearing B1 itself"

@@ -1,0 +1,58 @@
+"""A site's own texts: read whole, or refused whole with every wrong text."""
+
+from pathlib import Path
+
+import pytest
+
+from service.advice.site_texts import read_texts
+from service.monitoring.finding_rules import finding_rule
+from service.wording.finding_texts import TextsWrong
+
+
+def written(folder: Path, text: str) -> str:
+    (folder / "texts.yaml").write_text(text, encoding="utf-8")
+    return str(folder / "texts.yaml")
+
+
+def test_what_a_site_writes_stands_and_all_else_stays(tmp_path: Path) -> None:
+    texts = read_texts(written(tmp_path, 'misalignment: {at_next_stop: ["Call the crew (417) for {id}"]}'))
+    shipped = finding_rule("misalignment").texts
+    assert texts.of("misalignment").at_next_stop == ("Call the crew (417) for {id}",)
+    assert texts.of("misalignment").what == shipped.what
+    assert texts.of("wear") is finding_rule("wear").texts
+    assert read_texts("").of("misalignment") is shipped
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ('misalignment: {what: "Kupplung {id}: {size}"}', r"misalignment\.what: needs \{judgement\}"),
+        ('misalignment: {check: ["bei {sped}"]}', r"misalignment\.check\[0\]: \{sped\} is no place: it has \{id\}, "),
+        ('misalignment: {check: ["bei {id.real}"]}', r"misalignment\.check\[0\]: \{id\.real\} is no place"),
+        ('misalignment: {check: ["bei {id!r:>9}"]}', r"misalignment\.check\[0\]: \{id!r:>9\} is no place"),
+        ('misalignment: {check: ["bei {id"]}', r"misalignment\.check\[0\]: is no text with places"),
+        ('misalignement: {check: ["a"]}', r"misalignement: there is no such finding; did you mean 'misalignment' "),
+        ('wear: {chek: ["a"]}', r"wear\.chek: there is no such text; did you mean 'check'\?"),
+        ("wear: {check: []}", r"wear\.check: must be a list of 1 to 12 texts"),
+        ("wear: {check: look}", r"wear\.check: must be a list"),
+        ("wear: {what: [a]}", r"wear\.what: must be one text"),
+        ("wear: 7", "wear: must have texts by name"),
+        ("- wear", "must have the kinds of findings at its top"),
+        ("wear: [", "is neither YAML nor JSON"),
+    ],
+)
+def test_a_wrong_text_is_refused_in_words(tmp_path: Path, text: str, words: str) -> None:
+    with pytest.raises(TextsWrong, match=words):
+        read_texts(written(tmp_path, text))
+
+
+def test_every_wrong_text_is_named_at_once(tmp_path: Path) -> None:
+    text = 'misalignment: {check: ["{a}", "{b}"]}\nwear: {what: "worn by {size}"}\nrubs: {}'
+    with pytest.raises(TextsWrong) as raised:
+        read_texts(written(tmp_path, text))
+    assert all(one in str(raised.value) for one in ("check[0]", "check[1]", "wear.what: needs {id}", "rubs: there is no"))
+
+
+def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
+    with pytest.raises(TextsWrong, match=r"none\.yaml: No such file"):
+        read_texts(str(tmp_path / "none.yaml"))
