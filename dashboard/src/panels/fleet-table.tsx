@@ -6,6 +6,7 @@ import { Time } from "../components/time";
 import { rpm } from "../format/numbers";
 import { when } from "../format/times";
 import type { FleetMachine } from "../schemas/machines";
+import { alertTitle } from "../words/alert-states";
 
 const SEVERITIES = ["danger", "alert"];
 
@@ -76,6 +77,11 @@ function OpenAlerts({ one }: { one: FleetMachine }) {
           <Severity severity={severity} acknowledged={one.unacknowledged === 0} /> {one.open_alerts[severity]}
         </span>
       ))}
+      {one.first_alert && (
+        <a class="first-alert" href={link(["alerts", String(one.first_alert.id)])}>
+          {alertTitle(one.first_alert)}
+        </a>
+      )}
       {one.unacknowledged > 0 && <span class="pill">{one.unacknowledged} unacknowledged</span>}
     </>
   );

@@ -28,6 +28,8 @@ export interface Evidence {
   sigma: number;
   since: string;
   runs: number;
+  /** Identifications that it was compared with. */
+  baseline: number[];
   form: string | null;
   misalignment_force: number | null;
   moved: { parameter: string; change: number; sigma: number }[];

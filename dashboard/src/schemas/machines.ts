@@ -76,7 +76,9 @@ export interface FleetMachine {
   last_identification: { id: number; measured_at: string; accepted: boolean; verdict: string } | null;
   open_alerts: Record<string, number>;
   unacknowledged: number;
-  happened: Record<"runs" | "identifications" | "alert_events" | "revisions" | "timeline", number>;
+  /** The open alert to look at first. */
+  first_alert: { id: number; severity: string; rule: string; element: string; state: string } | null;
+  happened: Record<"runs" | "identifications" | "alert_events" | "revisions" | "timeline" | "refused", number>;
 }
 
 export interface Fleet {

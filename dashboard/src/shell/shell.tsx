@@ -4,6 +4,7 @@ import { link, route } from "../browser/router";
 import { useStore } from "../browser/store";
 import { ErrorBoundary } from "../components/error-boundary";
 import { connection } from "../data/connection";
+import { AlertPage } from "../pages/alert-page";
 import { AlertsPage } from "../pages/alerts-page";
 import { FleetPage } from "../pages/fleet-page";
 import { MachinePage } from "../pages/machine-page";
@@ -81,6 +82,7 @@ function Navigation({ first }: { first: string | undefined }) {
 function Page({ parts }: { parts: string[] }) {
   const [first, machine, tab] = parts;
   if (first === undefined) return <FleetPage />;
+  if (first === "alerts" && machine !== undefined) return <AlertPage key={machine} id={encodeURIComponent(machine)} />;
   if (first === "alerts") return <AlertsPage />;
   if (first === "subscriptions") return <NotificationsPage />;
   if (machine !== undefined && !MACHINE.test(machine)) return <p class="error" role="alert">There is no machine “{encodeURIComponent(machine)}”.</p>;
