@@ -1,4 +1,4 @@
-"""Acceptance region of a vibration vector in the polar plane: where the next run's vector lies with 95 % while nothing happens.
+"""Acceptance region of a vibration vector in the polar plane: where the next run's lies with 95 % while nothing happens.
 
 Prediction ellipse of one further observation of a normal vector of two components, from n earlier ones (Hotelling's T²;
 Johnson and Wichern, Applied Multivariate Statistical Analysis, Pearson 2007, §5.4): the next vector is within it where

@@ -14,9 +14,12 @@ interface Props {
   channels: string[];
   /** Nothing subtracted, whatever the identification subtracts. */
   asMeasured?: boolean;
+  order?: 1 | 2;
+  /** The machine that the reference is of, where it is another one. */
+  overlaid?: string | undefined;
 }
 
-export function RunResponse({ machine, run, reference, channels, asMeasured = false }: Props) {
+export function RunResponse({ machine, run, reference, channels, asMeasured = false, order = 1, overlaid }: Props) {
   const { measured, complete, failures } = useRunResponse(machine.id, run, reference, asMeasured);
   return (
     <>
@@ -31,6 +34,8 @@ export function RunResponse({ machine, run, reference, channels, asMeasured = fa
           reference={complete.overlaid === reference?.id && complete.other ? speedSweep(complete.other) : undefined}
           fit={complete.fit}
           noFit={complete.noFit}
+          order={order}
+          overlaid={overlaid}
           slowRoll={slowRollOf(complete.measured, channels)}
         />
       ) : (

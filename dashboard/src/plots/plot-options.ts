@@ -3,9 +3,10 @@ import type uPlot from "uplot";
 import { cssColour } from "../browser/theme";
 import { number } from "../format/numbers";
 import { COLOURS, dash, transparent } from "./curve-style";
-import { drawBands, drawBars, drawMarkers } from "./plot-canvas";
+import { drawBands, drawBars, drawLimits, drawMarkers } from "./plot-canvas";
 import { addGestures, isTouched } from "./plot-gestures";
 import type { Curve, PlotProps } from "./plot-props";
+import { withinTurn } from "./read-out";
 
 const DAY_S = 86_400;
 const FONT = "11px system-ui, sans-serif";
@@ -44,7 +45,7 @@ export function plotOptions(latest: { current: PlotProps }, height: number, widt
     axes: axes(props),
     cursor: cursor(props),
     hooks: {
-      drawAxes: [(plot) => drawBands(plot, latest.current)],
+      drawAxes: [(plot) => drawBands(plot, latest.current), (plot) => drawLimits(plot, latest.current)],
       draw: [(plot) => drawMarkers(plot, latest.current), (plot) => drawBars(plot, latest.current)],
       setCursor: [(plot) => onCursor(plot.cursor.idx ?? null)],
       setSelect: [(plot) => plot.select.width > 0 && (plot.root.dataset.zoomed = "1")],
@@ -82,7 +83,7 @@ function axes(props: PlotProps): uPlot.Axis[] {
   const x = props.xUnit ? titled(props.xUnit, 30, 14) : { size: 34 };
   return [
     { ...axis, ...x, values: props.time ? DATES : (_, ticks) => ticks.map((tick) => String(tick)) },
-    { ...axis, ...titled(props.yUnit, 54, 16), values: (_, ticks) => ticks.map(tickLabel) },
+    { ...axis, ...titled(props.yUnit, 54, 16), values: (_, ticks) => ticks.map((tick) => tickLabel(props.turn ? withinTurn(tick, props.turn) : tick)) },
   ];
 }
 
@@ -120,7 +121,7 @@ function yRange(props: PlotProps, min: number | null, max: number | null): [numb
   if (props.yRange) return props.yRange;
   if (min === null || max === null) return [0, 1];
   const low = Math.min(min, ...(props.bands ?? []).map((one) => one.low));
-  const high = Math.max(max, ...(props.bands ?? []).map((one) => one.high));
+  const high = Math.max(max, ...(props.bands ?? []).map((one) => one.high), ...(props.limits ?? []).map((one) => one.y));
   const margin = 0.06 * (high - low || Math.abs(high) || 1);
   return [low >= 0 && low - margin < 0 ? 0 : low - margin, high + margin];
 }

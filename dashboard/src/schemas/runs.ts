@@ -21,6 +21,8 @@ export interface Phasors {
   speed_rpm: number[];
   amplitude_um_pp: (number | null)[][];
   phase_lag_deg: (number | null)[][];
+  amplitude_2x_um_pp?: (number | null)[][] | null;
+  phase_2x_lag_deg?: (number | null)[][] | null;
   /** Vectors that were subtracted; null: raw. */
   slow_roll_version: number | null;
   slow_roll_left_out: Record<string, string>;
