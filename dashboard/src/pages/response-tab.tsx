@@ -3,22 +3,20 @@ import { replaceQuery, route } from "../browser/router";
 import { useStore } from "../browser/store";
 import { Empty, Panel } from "../components/panel";
 import { RunSelect } from "../components/run-select";
-import { useOpenAlerts } from "../data/open-alerts";
 import { useResource } from "../data/resource";
 import { useRunSelection } from "../data/run-selection";
-import { elementName } from "../format/names";
-import type { Document, Drawing } from "../schemas/machines";
-import { nearestChannels } from "../train/nearest-probes";
+import type { Document, Fleet } from "../schemas/machines";
+import type { Run } from "../schemas/runs";
+import { BesideAlert, ChannelButtons, useChosenChannels } from "./chosen-channels";
 import { RunResponse } from "./run-response";
-
-/** Channels shown where none was chosen and no alert is open. */
-const FIRST_CHANNELS = 2;
 
 export function ResponseTab({ machine }: { machine: Document }) {
   const { query } = useStore(route);
   const runs = useRunSelection(machine.id);
   const { run, reference } = runs;
-  const { chosen, beside } = useChannels(machine);
+  const order = query.get("order") === "2" ? 2 : 1;
+  const other = useOtherMachine(machine.id);
+  const { chosen, beside } = useChosenChannels(machine);
   if (runs.all?.length === 0) {
     return (
       <Panel title="Bode and polar">
@@ -31,32 +29,67 @@ export function ResponseTab({ machine }: { machine: Document }) {
       <Panel title="Selection">
         <div class="choices">
           <RunSelect {...runs} />
-          <ChannelButtons channels={machine.probes.map((one) => one.id)} chosen={chosen} />
+          <OtherMachineSelect machine={machine.id} other={other} />
+          <ChannelButtons machine={machine} chosen={chosen} />
+          <OrderButtons order={order} />
           <SlowRollSwitch checked={query.get("slow_roll") !== "none"} />
         </div>
-        {beside && <p class="muted">The probes beside {elementName(beside)}, of which an alert is open.</p>}
+        <BesideAlert beside={beside} />
       </Panel>
       {!run && runs.failure ? (
         <p class="error" role="alert">
           {runs.failure}
         </p>
       ) : (
-        <RunResponse machine={machine} run={run} reference={reference} channels={chosen} asMeasured={query.get("slow_roll") === "none"} />
+        <RunResponse machine={machine} run={run} reference={other?.run ?? reference} overlaid={other?.name} order={order} channels={chosen} asMeasured={query.get("slow_roll") === "none"} />
       )}
     </>
   );
 }
 
-/** The channels that the address names, else those beside the element of the first open alert, else the first ones. */
-function useChannels(machine: Document): { chosen: string[]; beside: string | null } {
-  const { query } = useStore(route);
-  const channels = machine.probes.map((one) => one.id);
-  const named = (query.get("channels") ?? "").split(",").filter((one) => channels.includes(one));
-  const element = useOpenAlerts(machine.id).data?.[0]?.element;
-  const drawing = useResource<Drawing>(`/machines/${machine.id}/drawing`).data;
-  const near = drawing && element ? nearestChannels(drawing, element).filter((one) => channels.includes(one)) : [];
-  if (named.length > 0) return { chosen: named, beside: null };
-  return near.length > 0 ? { chosen: near, beside: element! } : { chosen: channels.slice(0, FIRST_CHANNELS), beside: null };
+function OrderButtons({ order }: { order: 1 | 2 }) {
+  return (
+    <span class="buttons" role="group" aria-label="Order">
+      {([1, 2] as const).map((one) => (
+        <button key={one} type="button" aria-pressed={one === order} onClick={() => replaceQuery({ order: one === 1 ? null : String(one) })}>
+          {one}×
+        </button>
+      ))}
+    </span>
+  );
+}
+
+interface OtherMachine {
+  id: string;
+  name: string;
+  run: Run | undefined;
+}
+
+/** Another machine that the address names, and its newest run: it is overlaid on this one's. */
+function useOtherMachine(machine: string): OtherMachine | undefined {
+  const id = useStore(route).query.get("beside");
+  const path = id && id !== machine ? `/machines/${encodeURIComponent(id)}/runs?limit=50` : null;
+  const runs = useResource<Run[]>(path).data;
+  return path && id ? { id, name: id, run: runs?.find((one) => one.state === "closed" && one.samples !== 0) } : undefined;
+}
+
+function OtherMachineSelect({ machine, other }: { machine: string; other: OtherMachine | undefined }) {
+  const fleet = useResource<Fleet>("/fleet").data?.machines ?? [];
+  const others = fleet.filter((one) => one.id !== machine);
+  if (others.length === 0) return null;
+  return (
+    <label>
+      Newest run of
+      <select value={other?.id ?? ""} onChange={(event) => replaceQuery({ beside: event.currentTarget.value || null })}>
+        <option value="">no other machine</option>
+        {others.map((one) => (
+          <option key={one.id} value={one.id}>
+            {one.name}
+          </option>
+        ))}
+      </select>
+    </label>
+  );
 }
 
 function SlowRollSwitch({ checked }: { checked: boolean }) {
@@ -68,18 +101,3 @@ function SlowRollSwitch({ checked }: { checked: boolean }) {
   );
 }
 
-function ChannelButtons({ channels, chosen }: { channels: string[]; chosen: string[] }) {
-  const toggle = (one: string) => {
-    const next = channels.filter((other) => (other === one) !== chosen.includes(other));
-    if (next.length > 0) replaceQuery({ channels: next.join(",") });
-  };
-  return (
-    <span class="buttons" role="group" aria-label="Channels">
-      {channels.map((one) => (
-        <button key={one} type="button" aria-pressed={chosen.includes(one)} onClick={() => toggle(one)}>
-          {one}
-        </button>
-      ))}
-    </span>
-  );
-}

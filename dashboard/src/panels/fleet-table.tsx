@@ -2,8 +2,8 @@
 import { link } from "../browser/router";
 import { OperatingState } from "../components/operating-state";
 import { Severity } from "../components/severity";
+import { Speed } from "../components/speed";
 import { Time } from "../components/time";
-import { rpm } from "../format/numbers";
 import { when } from "../format/times";
 import type { FleetMachine } from "../schemas/machines";
 import { alertTitle } from "../words/alert-states";
@@ -54,7 +54,7 @@ function Row({ one }: { one: FleetMachine }) {
           <Time at={one.state_since} />
         </div>
       </td>
-      <td class="number">{rpm(one.speed_rpm)}</td>
+      <td class="number"><Speed rpm={one.speed_rpm} /></td>
       <td>
         <LastRun one={one} />
       </td>

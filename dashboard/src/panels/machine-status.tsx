@@ -1,10 +1,10 @@
 // The present state of a machine: its operation, the run being collected, the identification being computed.
 import { StaleNotice } from "../components/loading";
 import { OperatingState } from "../components/operating-state";
+import { Speed } from "../components/speed";
 import { Time } from "../components/time";
 import { isOpen, MAX_JOBS, useJobs } from "../data/jobs";
 import { useResource } from "../data/resource";
-import { rpm } from "../format/numbers";
 import type { Job } from "../schemas/identifications";
 import type { Document, MachineState } from "../schemas/machines";
 
@@ -26,7 +26,7 @@ export function MachineStatus({ machine, revision }: { machine: Document; revisi
         <dt>State</dt>
         <dd>{now ? <OperatingState state={now.state} /> : "…"}</dd>
         <dt>Speed</dt>
-        <dd class="figure">{rpm(now?.speed_rpm)}</dd>
+        <dd class="figure"><Speed rpm={now?.speed_rpm} /></dd>
         <dt>Since</dt>
         <dd>
           <Time at={now?.since} />

@@ -2,9 +2,10 @@
 import { link } from "../browser/router";
 import { Loaded } from "../components/loading";
 import { Empty, Panel } from "../components/panel";
+import { Speed } from "../components/speed";
 import { Time } from "../components/time";
 import { useResource } from "../data/resource";
-import { number, rpm } from "../format/numbers";
+import { number } from "../format/numbers";
 import type { Run } from "../schemas/runs";
 
 export function NewestRunsPanel({ machine }: { machine: string }) {
@@ -54,7 +55,7 @@ function Row({ machine, run }: { machine: string; run: Run }) {
       </td>
       <td>{run.kind}</td>
       <td class="number">
-        {rpm(run.speed_minimum_rpm).replace(" rpm", "")} … {rpm(run.speed_maximum_rpm)}
+        <Speed rpm={run.speed_minimum_rpm} /> … <Speed rpm={run.speed_maximum_rpm} />
       </td>
       <td class="number">{run.samples ?? "–"}</td>
       <td class="number">{run.quality ? `${number((100 * run.quality.usable) / Math.max(1, run.quality.points))} %` : "–"}</td>

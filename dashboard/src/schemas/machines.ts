@@ -8,6 +8,7 @@ export interface Document {
   plant: string;
   name: string;
   rotation?: Sense;
+  operation?: { running_rpm?: number | null };
   speed_range: { minimum_rpm: number; maximum_rpm: number };
   couplings: { id: string }[];
   /** film: of a journal bearing whose coefficients follow from its oil film. */

@@ -37,9 +37,13 @@ export interface Orbit {
   shaft: string;
   station: number;
   channels: string[];
+  /** Of the probes, from +x towards +y [°]. */
+  angles_deg: number[];
   speed_rpm: number;
   x: AxisPhasor;
   y: AxisPhasor;
+  x_2x: AxisPhasor | null;
+  y_2x: AxisPhasor | null;
   semi_major_um: number;
   semi_major_error_um: number;
   semi_minor_um: number;

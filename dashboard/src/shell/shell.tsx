@@ -13,6 +13,7 @@ import { ReportPage } from "../pages/report-page";
 import { ConnectionBanner, ConnectionState } from "./connection-state";
 import { KeyboardShortcuts, useShortcuts } from "./keyboard-shortcuts";
 import { ThemeButton } from "./theme-button";
+import { UnitSelect } from "./unit-select";
 import { UserName } from "./user-name";
 
 /** Identifiers that a machine may have. */
@@ -40,6 +41,7 @@ export function Shell() {
         <span class="space" />
         <UserName />
         <ConnectionState />
+        <UnitSelect />
         <ThemeButton />
         <button type="button" class="quiet" onClick={() => setShortcuts(true)} aria-label="Keyboard shortcuts" title="Keyboard shortcuts (?)">
           ?
