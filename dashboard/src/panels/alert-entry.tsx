@@ -13,6 +13,7 @@ import { number, quantity } from "../format/numbers";
 import { utc } from "../format/times";
 import type { Alert, AlertEvent, Evidence } from "../schemas/alerts";
 import { ALERT_ACTIONS, alertStateLabel, availableActions, isUnacknowledged, type AlertAction } from "../words/alert-states";
+import { AlertAdvice } from "./alert-advice";
 
 interface Props {
   alert: Alert;
@@ -52,6 +53,7 @@ export function AlertEntry({ alert, machine, opened = false, onAction }: Props) 
       </div>
       {open && (
         <>
+          {alert.advice && <AlertAdvice advice={alert.advice} />}
           <EvidenceList evidence={alert.evidence} />
           <History alert={alert} />
         </>

@@ -9,7 +9,7 @@ import { elementName } from "../format/names";
 import { number } from "../format/numbers";
 import type { Document } from "../schemas/machines";
 import type { Deviations } from "../schemas/trends";
-import { CHANGED, deviationText, largestDeviation } from "../words/deviations";
+import { chanceText, CHANGED, changeText, deviationText, largestDeviation } from "../words/deviations";
 
 const TITLE = "Deviation from the baseline";
 
@@ -64,12 +64,10 @@ function Table({ machine, found }: { machine: string; found: Deviations }) {
           <tr>
             <th>Element</th>
             <th>Largest deviation</th>
-            <th class="number" title="distance of all its parameters together from the baseline, over what is usual">
-              Distance
+            <th class="number" title="all its parameters together, in multiples of how they usually scatter">
+              Of usual scatter
             </th>
-            <th class="number" title="probability of such a distance without any change">
-              p-value
-            </th>
+            <th title="by the probability of as much without any change">Has it changed?</th>
           </tr>
         </thead>
         <tbody>
@@ -95,8 +93,8 @@ function Row({ machine, found, one }: { machine: string; found: Deviations; one:
         <a href={link(["machines", machine, "trends"], { element: one.element })}>{elementName(one.element)}</a>
       </td>
       <td>{largest ? deviationText(largest) : "–"}</td>
-      <td class="number">{number(one.distance / Math.sqrt(one.degrees_of_freedom), 2)}</td>
-      <td class="number">{one.probability < 1e-9 ? "< 10⁻⁹" : number(one.probability, 2)}</td>
+      <td class="number">{number(one.distance / Math.sqrt(one.degrees_of_freedom), 2)} times</td>
+      <td title={`an unchanged element is as far in ${chanceText(one.probability)} runs`}>{changeText(one.probability)}</td>
     </tr>
   );
 }

@@ -7,6 +7,7 @@ import { Time } from "../components/time";
 import { when } from "../format/times";
 import type { FleetMachine } from "../schemas/machines";
 import { alertTitle } from "../words/alert-states";
+import { needs } from "../words/needs";
 
 const SEVERITIES = ["danger", "alert"];
 
@@ -19,6 +20,7 @@ export function FleetTable({ machines, since }: { machines: FleetMachine[]; sinc
           <tr>
             <th>Open alerts</th>
             <th>Machine</th>
+            <th>Needs a person to</th>
             <th>State</th>
             <th class="number">Speed</th>
             <th>Last run</th>
@@ -47,6 +49,11 @@ function Row({ one }: { one: FleetMachine }) {
         <div class="muted">
           {one.plant} / {one.id}
         </div>
+      </td>
+      <td class="needs">
+        {needs(one).map(({ words }) => (
+          <div key={words}>{words}</div>
+        ))}
       </td>
       <td>
         <OperatingState state={one.state} />
@@ -111,6 +118,7 @@ const CHANGES: [keyof FleetMachine["happened"], string, string][] = [
   ["runs", "run", "runs"],
   ["identifications", "identification", "identifications"],
   ["timeline", "note", "notes"],
+  ["refused", "refusal", "refusals"],
   ["revisions", "revision of the document", "revisions of the document"],
 ];
 

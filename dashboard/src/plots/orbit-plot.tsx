@@ -92,7 +92,7 @@ function Probes({ orbit }: { orbit: Orbit }) {
         return (
           <g key={channel} class={`curve s${index}`}>
             <path transform={`translate(${(RADIUS * x).toFixed(1)} ${(RADIUS * y).toFixed(1)}) rotate(${-angle})`} d="M2 -4H9V4H2Z" />
-            <text x={PROBE_RADIUS * x} y={PROBE_RADIUS * y + (y > 0 ? 6 : 0)} text-anchor={x > 0.3 ? "end" : x < -0.3 ? "start" : "middle"}>
+            <text x={PROBE_RADIUS * x} y={PROBE_RADIUS * y + (Math.abs(y) < 0.3 ? -8 : y > 0 ? 6 : 1)} text-anchor={x > 0.3 ? "end" : x < -0.3 ? "start" : "middle"}>
               {channel}
             </text>
           </g>

@@ -9,15 +9,17 @@ import type { Curve, PlotProps } from "./plot-props";
 import { withinTurn } from "./read-out";
 
 const DAY_S = 86_400;
+/** Round steps of an axis of angles [°]. */
+const TURN_STEPS = [15, 30, 45, 90, 180, 360, 720];
 const FONT = "11px system-ui, sans-serif";
 /** Labels of a time axis by the distance of its ticks: of every tick, and what is added where the year or day changes. */
 const DATES: uPlot.Axis.Values = [
   [365 * DAY_S, "{YYYY}", null, null, null, null, null, null, 1],
-  [28 * DAY_S, "{MMM}", "\n{YYYY}", null, null, null, null, null, 1],
-  [DAY_S, "{D} {MMM}", "\n{YYYY}", null, null, null, null, null, 1],
-  [3600, "{HH}:{mm}", "\n{D} {MMM} {YYYY}", null, "\n{D} {MMM}", null, null, null, 1],
-  [60, "{HH}:{mm}", "\n{D} {MMM} {YYYY}", null, "\n{D} {MMM}", null, null, null, 1],
-  [1, "{HH}:{mm}:{ss}", "\n{D} {MMM} {YYYY}", null, "\n{D} {MMM}", null, null, null, 1],
+  [28 * DAY_S, "{YYYY}-{MM}", null, null, null, null, null, null, 1],
+  [DAY_S, "{MM}-{DD}", "\n{YYYY}", null, null, null, null, null, 1],
+  [3600, "{HH}:{mm}", "\n{YYYY}-{MM}-{DD}", null, "\n{MM}-{DD}", null, null, null, 1],
+  [60, "{HH}:{mm}", "\n{YYYY}-{MM}-{DD}", null, "\n{MM}-{DD}", null, null, null, 1],
+  [1, "{HH}:{mm}:{ss}", "\n{YYYY}-{MM}-{DD}", null, "\n{MM}-{DD}", null, null, null, 1],
 ];
 
 /** A plot's columns: x, and of each curve its values and bounds. */
@@ -83,7 +85,7 @@ function axes(props: PlotProps): uPlot.Axis[] {
   const x = props.xUnit ? titled(props.xUnit, 30, 14) : { size: 34 };
   return [
     { ...axis, ...x, values: props.time ? DATES : (_, ticks) => ticks.map((tick) => String(tick)) },
-    { ...axis, ...titled(props.yUnit, 54, 16), values: (_, ticks) => ticks.map((tick) => tickLabel(props.turn ? withinTurn(tick, props.turn) : tick)) },
+    { ...axis, ...titled(props.yUnit, 54, 16), ...(props.turn ? { incrs: TURN_STEPS } : {}), values: (_, ticks) => ticks.map((tick) => tickLabel(props.turn ? withinTurn(tick, props.turn) : tick)) },
   ];
 }
 

@@ -43,6 +43,9 @@ export interface MachineState {
   direction: "positive" | "negative" | null;
   newest_sample_at: string | null;
   run: OpenRun | null;
+  /** What is probably wrong where it turns, but never was in its document's speed range. */
+  outside_speed_range?: string | null;
+  late_samples_waiting?: number;
 }
 
 export interface TimelineEntry {

@@ -10,6 +10,7 @@ import { FleetPage } from "../pages/fleet-page";
 import { MachinePage } from "../pages/machine-page";
 import { NotificationsPage } from "../pages/notifications-page";
 import { ReportPage } from "../pages/report-page";
+import { WallPage } from "../pages/wall-page";
 import { ConnectionBanner, ConnectionState } from "./connection-state";
 import { KeyboardShortcuts, useShortcuts } from "./keyboard-shortcuts";
 import { ThemeButton } from "./theme-button";
@@ -86,6 +87,7 @@ function Page({ parts }: { parts: string[] }) {
   if (first === undefined) return <FleetPage />;
   if (first === "alerts" && machine !== undefined) return <AlertPage key={machine} id={encodeURIComponent(machine)} />;
   if (first === "alerts") return <AlertsPage />;
+  if (first === "wall") return <WallPage />;
   if (first === "subscriptions") return <NotificationsPage />;
   if (machine !== undefined && !MACHINE.test(machine)) return <p class="error" role="alert">There is no machine “{encodeURIComponent(machine)}”.</p>;
   if (first === "machines" && machine) return <MachinePage key={machine} id={machine} tab={tab ?? "overview"} />;

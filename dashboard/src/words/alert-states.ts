@@ -57,9 +57,16 @@ export function alertTitle({ rule, element }: Pick<Alert, "rule" | "element">): 
   return words.charAt(0).toUpperCase() + words.slice(1);
 }
 
+/** The API's limit for a comment. */
+const LONGEST_COMMENT = 2000;
+
 /** Text that an instruction to the crew begins with: what was found, to be completed by who gives it. */
 export function instructionDraft(alert: Alert): string {
-  return `For the crew: ${alertTitle(alert)}. ${alert.message}`;
+  const { actions = [], check = [] } = alert.advice ?? {};
+  const lines = [`For the crew: ${alertTitle(alert)}. ${alert.message}`];
+  for (const { opportunity, text } of actions) lines.push(`- ${opportunity}: ${text}`);
+  if (check.length > 0) lines.push(`To check: ${check.join("; ")}`);
+  return lines.join("\n").slice(0, LONGEST_COMMENT);
 }
 
 /** The findings and elements that a suppression holds for. */
