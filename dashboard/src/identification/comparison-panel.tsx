@@ -3,6 +3,7 @@ import { replaceQuery, route } from "../browser/router";
 import { useStore } from "../browser/store";
 import { Loaded } from "../components/loading";
 import { Empty, Panel } from "../components/panel";
+import { Scroll } from "../components/scroll";
 import { queryString } from "../data/http-client";
 import { useResource } from "../data/resource";
 import { elementName, parameterName } from "../format/names";
@@ -65,7 +66,7 @@ function Changes({ found, estimates }: { found: Comparison; estimates: Estimate[
         From identification {found.first} to {found.second}, how probable as much is without any change, by element, from the errors of the fits alone:{" "}
         {elements.map((one) => `${elementName(one.element)} ${pValue(one.probability)}`).join(", ")}.
       </p>
-      <div class="scroll">
+      <Scroll label="Table">
         <table class="comparison">
           <thead>
             <tr>
@@ -82,7 +83,7 @@ function Changes({ found, estimates }: { found: Comparison; estimates: Estimate[
             ))}
           </tbody>
         </table>
-      </div>
+      </Scroll>
       {found.only_first.length > 0 && <p class="muted">Only in {found.first}: {found.only_first.map(parameterName).join(", ")}.</p>}
       {found.only_second.length > 0 && <p class="muted">Only in {found.second}: {found.only_second.map(parameterName).join(", ")}.</p>}
     </>

@@ -2,6 +2,7 @@
 import type { ComponentChildren } from "preact";
 import { link } from "../browser/router";
 import { Empty, Panel } from "../components/panel";
+import { Scroll } from "../components/scroll";
 import { Time } from "../components/time";
 import { angleConvention, angleText } from "../format/angles";
 import { elementName, isCrossCoupled, isUnbalance, parameterName, termName } from "../format/names";
@@ -122,7 +123,7 @@ function ElementTable({ machine, element, estimates }: { machine: string; elemen
       <h3>
         <a href={link(["machines", machine, "trends"], { element })}>{elementName(element)}</a>
       </h3>
-      <div class="scroll">
+      <Scroll label="Table">
         <table>
           <tbody>
             {estimates.map((one) => (
@@ -130,7 +131,7 @@ function ElementTable({ machine, element, estimates }: { machine: string; elemen
             ))}
           </tbody>
         </table>
-      </div>
+      </Scroll>
     </section>
   );
 }

@@ -2,6 +2,7 @@
 import { link } from "../browser/router";
 import { ErrorMessage, Loaded } from "../components/loading";
 import { Empty, Panel } from "../components/panel";
+import { Scroll } from "../components/scroll";
 import { Time } from "../components/time";
 import type { ApiError } from "../data/http-client";
 import type { QueryResult } from "../data/resource";
@@ -58,7 +59,7 @@ function Compared({ found }: { found: Deviations }) {
 function Table({ machine, found }: { machine: string; found: Deviations }) {
   const order = [...found.elements].sort((a, b) => a.probability - b.probability || b.distance - a.distance);
   return (
-    <div class="scroll">
+    <Scroll label="Table">
       <table>
         <thead>
           <tr>
@@ -76,7 +77,7 @@ function Table({ machine, found }: { machine: string; found: Deviations }) {
           ))}
         </tbody>
       </table>
-    </div>
+    </Scroll>
   );
 }
 

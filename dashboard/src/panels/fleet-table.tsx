@@ -1,6 +1,7 @@
 // The machines of the fleet: their states, open alerts, last runs and identifications, and recent changes.
 import { link } from "../browser/router";
 import { OperatingState } from "../components/operating-state";
+import { Scroll } from "../components/scroll";
 import { Severity } from "../components/severity";
 import { Speed } from "../components/speed";
 import { Time } from "../components/time";
@@ -14,7 +15,7 @@ const SEVERITIES = ["danger", "alert"];
 /** since: from when on changes are counted. */
 export function FleetTable({ machines, since }: { machines: FleetMachine[]; since: string }) {
   return (
-    <div class="scroll">
+    <Scroll label="Table">
       <table class="fleet">
         <thead>
           <tr>
@@ -34,7 +35,7 @@ export function FleetTable({ machines, since }: { machines: FleetMachine[]; sinc
           ))}
         </tbody>
       </table>
-    </div>
+    </Scroll>
   );
 }
 

@@ -2,6 +2,7 @@
 import { link } from "../browser/router";
 import { Loaded } from "../components/loading";
 import { Empty, Panel } from "../components/panel";
+import { Scroll } from "../components/scroll";
 import { Speed } from "../components/speed";
 import { Time } from "../components/time";
 import { useResource } from "../data/resource";
@@ -17,7 +18,7 @@ export function NewestRunsPanel({ machine }: { machine: string }) {
           runs.length === 0 ? (
             <Empty>No run yet. A run begins when the speed sweeps through the machine's range.</Empty>
           ) : (
-            <div class="scroll">
+            <Scroll label="Table">
               <table>
                 <thead>
                   <tr>
@@ -36,7 +37,7 @@ export function NewestRunsPanel({ machine }: { machine: string }) {
                   ))}
                 </tbody>
               </table>
-            </div>
+            </Scroll>
           )
         }
       </Loaded>
