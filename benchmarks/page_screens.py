@@ -56,7 +56,7 @@ def difference(one: Path, other: Path) -> float:
     common = min(len(first), len(second)), min(first.shape[1], second.shape[1])
     apart = np.abs(first[: common[0], : common[1]] - second[: common[0], : common[1]]) > CLEARLY
     alike = common[0] * common[1] - int(np.count_nonzero(apart))
-    return 1.0 - alike / (rows * columns)
+    return float(1.0 - alike / (rows * columns))
 
 
 def _blocks(path: Path) -> Floats:

@@ -1,7 +1,7 @@
 """No view has a fault that axe-core finds: on a screen by day and by night, and on a phone."""
 
 import pytest
-from axe_playwright_python.sync_playwright import Axe  # type: ignore[import-untyped]
+from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Page
 
 from tests.browser.conftest import Seen

@@ -14,17 +14,22 @@ export interface ChosenChannels {
   chosen: string[];
   /** The element of the alert that they are beside; null where they were chosen otherwise. */
   beside: string | null;
+  /** Whether it is not known yet which these are. */
+  isPending: boolean;
 }
 
 export function useChosenChannels(machine: Document): ChosenChannels {
   const { query } = useStore(route);
   const channels = machine.probes.map((one) => one.id);
   const named = (query.get("channels") ?? "").split(",").filter((one) => channels.includes(one));
-  const element = useOpenAlerts(machine.id).data?.[0]?.element;
-  const drawing = useResource<Drawing>(`/machines/${machine.id}/drawing`).data;
-  const near = drawing && element ? nearestChannels(drawing, element).filter((one) => channels.includes(one)) : [];
-  if (named.length > 0) return { chosen: named, beside: null };
-  return near.length > 0 ? { chosen: near, beside: element! } : { chosen: channels.slice(0, FIRST_CHANNELS), beside: null };
+  const alerts = useOpenAlerts(machine.id);
+  const element = alerts.data?.[0]?.element;
+  const drawing = useResource<Drawing>(`/machines/${machine.id}/drawing`);
+  const near = drawing.data && element ? nearestChannels(drawing.data, element).filter((one) => channels.includes(one)) : [];
+  if (named.length > 0) return { chosen: named, beside: null, isPending: false };
+  if (near.length > 0) return { chosen: near, beside: element!, isPending: false };
+  const isPending = [alerts, drawing].some((one) => !one.data && !one.failure);
+  return { chosen: isPending ? [] : channels.slice(0, FIRST_CHANNELS), beside: null, isPending };
 }
 
 export function ChannelButtons({ machine, chosen }: { machine: Document; chosen: string[] }) {
@@ -44,6 +49,7 @@ export function ChannelButtons({ machine, chosen }: { machine: Document; chosen:
   );
 }
 
-export function BesideAlert({ beside }: { beside: string | null }) {
+export function BesideAlert({ beside, isPending }: Pick<ChosenChannels, "beside" | "isPending">) {
+  if (isPending) return <p class="muted">…</p>;
   return beside ? <p class="muted">The probes beside {elementName(beside)}, of which an alert is open.</p> : null;
 }

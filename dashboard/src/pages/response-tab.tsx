@@ -1,6 +1,7 @@
 // The response of a chosen run, another one overlaid, at chosen channels: at first those beside what an alert is about.
 import { replaceQuery, route } from "../browser/router";
 import { useStore } from "../browser/store";
+import { Loading } from "../components/loading";
 import { Empty, Panel } from "../components/panel";
 import { RunSelect } from "../components/run-select";
 import { useResource } from "../data/resource";
@@ -16,7 +17,7 @@ export function ResponseTab({ machine }: { machine: Document }) {
   const { run, reference } = runs;
   const order = query.get("order") === "2" ? 2 : 1;
   const other = useOtherMachine(machine.id);
-  const { chosen, beside } = useChosenChannels(machine);
+  const { chosen, beside, isPending } = useChosenChannels(machine);
   if (runs.all?.length === 0) {
     return (
       <Panel title="Bode and polar">
@@ -34,12 +35,14 @@ export function ResponseTab({ machine }: { machine: Document }) {
           <OrderButtons order={order} />
           <SlowRollSwitch checked={query.get("slow_roll") !== "none"} />
         </div>
-        <BesideAlert beside={beside} />
+        <BesideAlert beside={beside} isPending={isPending} />
       </Panel>
       {!run && runs.failure ? (
         <p class="error" role="alert">
           {runs.failure}
         </p>
+      ) : isPending ? (
+        <Loading height="720px" />
       ) : (
         <RunResponse machine={machine} run={run} reference={other?.run ?? reference} overlaid={other?.name} order={order} channels={chosen} asMeasured={query.get("slow_roll") === "none"} />
       )}
@@ -76,7 +79,6 @@ function useOtherMachine(machine: string): OtherMachine | undefined {
 function OtherMachineSelect({ machine, other }: { machine: string; other: OtherMachine | undefined }) {
   const fleet = useResource<Fleet>("/fleet").data?.machines ?? [];
   const others = fleet.filter((one) => one.id !== machine);
-  if (others.length === 0) return null;
   return (
     <label>
       Newest run of

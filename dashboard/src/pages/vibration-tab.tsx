@@ -1,6 +1,7 @@
 // The vibration of a machine: now at every probe, and over time at running speed.
 import { replaceQuery, route } from "../browser/router";
 import { useStore } from "../browser/store";
+import { Loading } from "../components/loading";
 import { PeriodFields } from "../components/period-fields";
 import { Panel } from "../components/panel";
 import { usePeriod } from "../data/chosen-period";
@@ -13,7 +14,7 @@ const KINDS = ["run-up", "run-down", "rolling"];
 
 export function VibrationTab({ machine }: { machine: Document }) {
   const { query } = useStore(route);
-  const { chosen, beside } = useChosenChannels(machine);
+  const { chosen, beside, isPending } = useChosenChannels(machine);
   const kind = query.get("kind");
   const period = usePeriod();
   return (
@@ -35,9 +36,9 @@ export function VibrationTab({ machine }: { machine: Document }) {
           <PeriodFields {...period} />
           <ChannelButtons machine={machine} chosen={chosen} />
         </div>
-        <BesideAlert beside={beside} />
+        <BesideAlert beside={beside} isPending={isPending} />
       </Panel>
-      <VibrationTrendPanels machine={machine} channels={chosen} kind={kind} from={period.from} to={period.to} />
+      {isPending ? <Loading height="720px" /> : <VibrationTrendPanels machine={machine} channels={chosen} kind={kind} from={period.from} to={period.to} />}
     </>
   );
 }
