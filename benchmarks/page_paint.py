@@ -18,8 +18,8 @@ from playwright.sync_api import Browser, sync_playwright
 from tests.browser.story import BASELINE_RUNS, MACHINE, installed, launch, run_story
 from tests.end_to_end.processes import Service, until
 
-PAINT_ASKED_S = 1.0
-BYTES_ASKED = 400_000
+PAINT_ASKED_S = 0.6
+BYTES_ASKED = 150_000
 SETTLE_MS = 700
 """Time after the first paint in which further requests are still counted."""
 

@@ -54,6 +54,12 @@ class Operation(Part):
     vibration_limit: Positive | None = Field(
         default=None, description="largest 1× vibration that a balanced machine may have at any probe, 0-to-peak [m]"
     )
+    vibration_alert: Positive | None = Field(
+        default=None, description="1× vibration at any probe from which a person should look, 0-to-peak [m]"
+    )
+    vibration_danger: Positive | None = Field(
+        default=None, description="1× vibration at any probe from which the machine is in danger, 0-to-peak [m]"
+    )
     longest_hold_s: Annotated[float, Field(ge=10, le=604_800)] = Field(
         default=3600.0, description="a sweep that stands still on its way for longer, as in a heat soak, is over [s]"
     )
@@ -66,6 +72,13 @@ class Operation(Part):
     healthy_variation: HealthyVariation = Field(
         default=HealthyVariation(), description="of a train on oil films, as long as nothing happens to it"
     )
+
+    @model_validator(mode="after")
+    def _alert_below_danger(self) -> Self:
+        alert, danger = self.vibration_alert, self.vibration_danger
+        if alert is not None and danger is not None and alert >= danger:
+            raise ValueError(f"vibration_alert {alert:g} must be below vibration_danger {danger:g}")
+        return self
 
 
 class RollingCollection(Part):

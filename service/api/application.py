@@ -46,6 +46,8 @@ from service.api.measurements.ingestion import router as ingestion
 from service.api.measurements.orbits import router as orbits
 from service.api.measurements.routes import router as measurements
 from service.api.measurements.run_quality import router as run_quality
+from service.api.measurements.run_vectors import KeptVectors
+from service.api.measurements.vibration import router as vibration
 from service.api.openapi import described
 from service.api.operation.audit import router as audit
 from service.api.operation.dashboard import router as dashboard
@@ -128,6 +130,7 @@ def application(
     app.state.computed_cache = ComputedCache(another_thread)
     app.state.model_process = ModelProcess()
     app.state.response_cache = ResponseCache(database)
+    app.state.run_vectors = KeptVectors()
     app.state.histories = HistoryCache(database, baseline_runs=baseline_runs)
     app.state.baseline_runs = baseline_runs
     app.state.job_quota = job_quota or JobQuota()
@@ -193,6 +196,7 @@ def _routes() -> list[BaseRoute]:
         ingestion,
         orbits,
         run_quality,
+        vibration,
         train_drawing,
         comparisons,
         identifications,

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import ColumnElement, ScalarSelect, Text, cast, func, select
+from sqlalchemy import ColumnElement, ScalarSelect, Text, case, cast, func, select
 from sqlalchemy.orm import Session
 
 from storage.clock import latest
@@ -13,7 +13,7 @@ from storage.database.readable_rows import readable_rows
 from storage.tables.alerting import AlertEventRow, AlertRow
 from storage.tables.findings import IdentificationRow
 from storage.tables.machines import MachineRow, RevisionRow, TimelineRow
-from storage.tables.measurements import CollectorRow, RunRow
+from storage.tables.measurements import CollectorRow, QuarantineRow, RunRow
 
 
 @dataclass(frozen=True)
@@ -35,6 +35,17 @@ class IdentificationGlance:
     measured_at: int
     accepted: bool
     verdict: str
+
+
+@dataclass(frozen=True)
+class AlertGlance:
+    """An open alert in the overview."""
+
+    id: int
+    severity: int
+    rule: str
+    element: str
+    state: str
 
 
 @dataclass(frozen=True)
@@ -60,12 +71,14 @@ class MachineGlance:
     open_alerts: dict[int, int]
     """Open alerts by severity."""
     unacknowledged: int
+    first_alert: AlertGlance | None
+    """The one that should be looked at first."""
     since: dict[str, int]
     """Number of events by kind since the time asked for."""
 
 
 TABLES = ("machines", "machine_revisions", "runs", "identifications", "alerts", "alert_events", "timeline")
-"""Tables from which the overview is read."""
+"""Tables from which the overview is read; of the quarantine beside them, an overview kept from before may be a minute old."""
 UNACKNOWLEDGED = ("unacknowledged", "returned", "latched_unacknowledged")
 
 
@@ -122,6 +135,7 @@ def glances(session: Session, machines: Sequence[ListedMachine], *, since: int) 
     identifications = {one[0]: IdentificationGlance(*one) for one in found}
     severities = _open_by_severity(session)
     waiting = _unacknowledged(session)
+    first = _first_alerts(session)
     happened = _event_counts_since(session, since, [one.id for one in machines])
     return [
         MachineGlance(
@@ -130,6 +144,7 @@ def glances(session: Session, machines: Sequence[ListedMachine], *, since: int) 
             last_identification=identifications.get(rows[one.id][2]),
             open_alerts=severities.get(one.id, {}),
             unacknowledged=waiting.get(one.id, 0),
+            first_alert=first.get(one.id),
             since={kind: counts.get(one.id, 0) for kind, counts in happened.items()},
         )
         for one in machines
@@ -179,6 +194,17 @@ def _unacknowledged(session: Session) -> dict[str, int]:
     return dict(session.execute(query.group_by(AlertRow.machine_id)).all())
 
 
+def _first_alerts(session: Session) -> dict[str, AlertGlance]:
+    """Return of each machine's open alerts the first to look at: one that waits for a person, the worst, the newest."""
+    waits = case((AlertRow.state.in_(UNACKNOWLEDGED), 0), else_=1)
+    columns = AlertRow.machine_id, AlertRow.id, AlertRow.severity, AlertRow.rule, AlertRow.element, AlertRow.state
+    query = select(*columns).where(AlertRow.closed_at.is_(None))
+    found: dict[str, AlertGlance] = {}
+    for row in session.execute(query.order_by(waits, AlertRow.severity.desc(), AlertRow.id.desc())):
+        found.setdefault(row.machine_id, AlertGlance(row.id, row.severity, row.rule, row.element, row.state))
+    return found
+
+
 def _event_counts_since(session: Session, since: int, ids: Sequence[str]) -> dict[str, dict[str, int]]:
     """Return counts by kind and machine, without those of machines whose rows are damaged."""
     kinds: dict[str, tuple[Any, Any]] = {
@@ -187,6 +213,7 @@ def _event_counts_since(session: Session, since: int, ids: Sequence[str]) -> dic
         "alert_events": (AlertEventRow.machine_id, AlertEventRow.at),
         "revisions": (RevisionRow.machine_id, RevisionRow.created_at),
         "timeline": (TimelineRow.machine_id, TimelineRow.created_at),
+        "refused": (QuarantineRow.machine_id, QuarantineRow.received_at),
     }
     return {
         kind: dict(tuple(row) for row in readable_rows(session, _by_machine(machine_id, time >= since), machine_id, ids))

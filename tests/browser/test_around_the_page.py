@@ -63,7 +63,7 @@ def test_keys_alone_lead_through_the_page(seen: Seen) -> None:
     seen.open(f"machines/{MACHINE}")
     expect(seen.page.locator(".element").first).to_be_visible()
     seen.page.keyboard.press("2")
-    expect(seen.page.get_by_role("link", name="Trends")).to_have_attribute("aria-current", "page")
+    expect(seen.page.get_by_role("link", name="Vibration")).to_have_attribute("aria-current", "page")
     seen.page.keyboard.press("d")
     expect(seen.page.locator("html")).to_have_attribute("data-theme", "dark")
     seen.page.keyboard.press("?")

@@ -23,9 +23,10 @@ MAY_IMPORT: dict[str, set[str]] = {
     "panels": {"browser", "components", "data", "dialogs", "findings", "format", "plots", "schemas", "words"},
     "identification": {"browser", "components", "data", "format", "plots", "schemas", "words"},
     "reports": {"components", "data", "format", "identification", "panels", "schemas", "train", "words"},
+    "vibration": {"browser", "components", "data", "format", "plots", "schemas", "words"},
     "pages": {
         *("browser", "components", "data", "dialogs", "format", "identification", "panels", "reports", "schemas"),
-        *("train", "words"),
+        *("train", "vibration", "words"),
     },
     "shell": {"browser", "components", "data", "dialogs", "format", "pages"},
     "styles": set(),

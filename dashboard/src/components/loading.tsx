@@ -1,5 +1,6 @@
 // Data of the API in every state: loaded, stale, being loaded, failed.
 import type { ComponentChildren } from "preact";
+import { useEffect, useState } from "preact/hooks";
 import { useStore } from "../browser/store";
 import { connection } from "../data/connection";
 import type { ApiError } from "../data/http-client";
@@ -31,9 +32,33 @@ export function StaleNotice({ result: { data, failure, asOf } }: { result: Query
   );
 }
 
-/** Keep the place of what is being loaded. */
+/** After so long a view says that it is being computed [ms]: what is there at once does not flicker. */
+const SAYS_AFTER_MS = 700;
+
+/** Keep the place of what is being loaded; what takes longer says so, and for how long. */
 export function Loading({ height }: { height: string }) {
-  return <div class="loading" aria-busy="true" aria-label="loading" style={{ minHeight: height }} />;
+  const [seconds, setSeconds] = useState<number | null>(null);
+  useEffect(() => {
+    const begun = Date.now();
+    const tell = () => setSeconds(Math.round((Date.now() - begun) / 1000));
+    const first = window.setTimeout(tell, SAYS_AFTER_MS);
+    const every = window.setInterval(tell, 1000);
+    return () => {
+      window.clearTimeout(first);
+      window.clearInterval(every);
+    };
+  }, []);
+  return (
+    <div class="loading" role="status" aria-busy="true" style={{ minHeight: height }}>
+      {seconds === null ? (
+        <span class="hidden">loading</span>
+      ) : (
+        <label>
+          Being computed, {seconds} s <progress />
+        </label>
+      )}
+    </div>
+  );
 }
 
 /** The data of a result, with a notice if they are stale; else a placeholder of so many lines, or the error. */

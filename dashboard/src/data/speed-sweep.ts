@@ -8,6 +8,10 @@ export interface SpeedSweep {
   amplitude: (number | null)[][];
   /** Per channel, lag [°], 0 to 360. */
   lag: (number | null)[][];
+  /** Of the 2×, per channel [µm pp]; empty where it was not asked for. */
+  second: (number | null)[][];
+  /** Of the 2×, lag in degrees of the 2× [°]. */
+  secondLag: (number | null)[][];
 }
 
 export function speedSweep(phasors: Phasors): SpeedSweep {
@@ -18,5 +22,7 @@ export function speedSweep(phasors: Phasors): SpeedSweep {
     rpm: sorted(phasors.speed_rpm),
     amplitude: phasors.amplitude_um_pp.map(sorted),
     lag: phasors.phase_lag_deg.map(sorted),
+    second: (phasors.amplitude_2x_um_pp ?? []).map(sorted),
+    secondLag: (phasors.phase_2x_lag_deg ?? []).map(sorted),
   };
 }

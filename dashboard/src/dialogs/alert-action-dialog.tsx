@@ -3,7 +3,7 @@ import { MAX_EVENTS } from "../data/alerts-at-time";
 import { ApiError, get, getWithEtag, post, type IdempotencyKeys } from "../data/http-client";
 import { refetch } from "../data/resource";
 import type { Alert, AlertEvent } from "../schemas/alerts";
-import { ALERT_ACTIONS, alertStateLabel, type AlertAction } from "../words/alert-states";
+import { ALERT_ACTIONS, alertStateLabel, instructionDraft, type AlertAction } from "../words/alert-states";
 import { author, CommentField, FormDialog } from "./form-dialog";
 
 const SHIFT = 8;
@@ -18,15 +18,20 @@ const HOURS: [number, string][] = [
 async function carryOut(alert: Alert, action: AlertAction, body: Record<string, string>, keys: IdempotencyKeys): Promise<void> {
   // The ETag is that of the alert as it is now: if it is no longer as shown, the error says what it has become.
   const [now, etag] = await getWithEtag<Alert>(`/alerts/${alert.id}`);
-  if (action !== "comments" && now.state !== alert.state) {
+  if (!isRemark(action) && now.state !== alert.state) {
     const last = (await get<AlertEvent[]>(`/alerts/${alert.id}/events?limit=${MAX_EVENTS}`)).at(-1);
     throw new ApiError(409, `The alert has changed: it is now ${alertStateLabel(now.state)}, by ${last?.by ?? "somebody else"}. Check it again.`);
   }
-  if (action !== "comments" && now.severity !== alert.severity) {
+  if (!isRemark(action) && now.severity !== alert.severity) {
     throw new ApiError(409, `The alert has changed: its severity is now ${now.severity}, no longer ${alert.severity}. Check it again.`);
   }
   // An action can be undone and then taken anew, so it needs a new key: only a comment must not be there twice.
-  await post(`/alerts/${alert.id}/${action}`, body, etag, action === "comments" ? keys : undefined);
+  await post(`/alerts/${alert.id}/${isRemark(action) ? "comments" : action}`, body, etag, isRemark(action) ? keys : undefined);
+}
+
+/** Whether it only adds words, whatever state the alert is in; an instruction is kept in the alert's history as well. */
+function isRemark(action: AlertAction): boolean {
+  return action === "comments" || action === "instruct";
 }
 
 export function AlertActionDialog({ alert, action, onClose }: { alert: Alert; action: AlertAction; onClose: () => void }) {
@@ -55,7 +60,11 @@ export function AlertActionDialog({ alert, action, onClose }: { alert: Alert; ac
           </select>
         </label>
       )}
-      <CommentField required={action === "comments"} />
+      {action === "instruct" ? (
+        <CommentField label="What is to be done" required rows={7} text={instructionDraft(alert)} />
+      ) : (
+        <CommentField required={action === "comments"} />
+      )}
     </FormDialog>
   );
 }

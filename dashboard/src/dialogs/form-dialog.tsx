@@ -42,7 +42,7 @@ export function FormDialog({ title, button, named = true, onSubmit, onClose, chi
         {named && (
           <label>
             Your name
-            <input name="by" required maxLength={120} autoComplete="name" defaultValue={savedAuthorName()} />
+            <input name="by" required maxLength={120} autoComplete="name" defaultValue={savedAuthorName()} autofocus={savedAuthorName() === ""} />
           </label>
         )}
         {failure && (
@@ -68,11 +68,11 @@ export function author(form: FormData): string {
   return String(form.get("by")).trim();
 }
 
-export function CommentField({ required = false }: { required?: boolean }) {
+export function CommentField(props: { label?: string; required?: boolean; rows?: number; text?: string }) {
   return (
     <label>
-      Comment
-      <textarea name="comment" rows={3} maxLength={2000} required={required} />
+      {props.label ?? "Comment"}
+      <textarea name="comment" rows={props.rows ?? 3} maxLength={2000} required={props.required ?? false} defaultValue={props.text ?? ""} />
     </label>
   );
 }

@@ -1,17 +1,24 @@
-// Times in the reader's zone, and in UTC.
+// Times in the reader's zone, in one form everywhere, and in UTC.
 
-const DAY = new Intl.DateTimeFormat(undefined, { day: "numeric", month: "short", year: "numeric" });
-const MINUTE = new Intl.DateTimeFormat(undefined, { day: "numeric", month: "short", hour: "2-digit", minute: "2-digit", hourCycle: "h23" });
-const SECOND = new Intl.DateTimeFormat(undefined, { hour: "2-digit", minute: "2-digit", second: "2-digit", hourCycle: "h23" });
-
-/** Local time, as short as its distance allows. */
-export function when(iso: string): string {
-  const at = new Date(iso);
-  return Math.abs(Date.now() - at.getTime()) > 300 * 86_400_000 ? DAY.format(at) : MINUTE.format(at);
+function two(value: number): string {
+  return String(value).padStart(2, "0");
 }
 
+/** `2026-11-26` in local time. */
+export function date(at: Date): string {
+  return `${at.getFullYear()}-${two(at.getMonth() + 1)}-${two(at.getDate())}`;
+}
+
+/** `2026-11-26 11:26` in local time. */
+export function when(iso: string): string {
+  const at = new Date(iso);
+  return `${date(at)} ${two(at.getHours())}:${two(at.getMinutes())}`;
+}
+
+/** `11:26:05` in local time. */
 export function clock(ms: number): string {
-  return SECOND.format(ms);
+  const at = new Date(ms);
+  return `${two(at.getHours())}:${two(at.getMinutes())}:${two(at.getSeconds())}`;
 }
 
 export function utc(iso: string): string {

@@ -1,6 +1,7 @@
 // Offset and angle of each coupling of a train on oil films, by itself and as changed against the baseline.
 import { Loaded } from "../components/loading";
 import { Panel } from "../components/panel";
+import { Scroll } from "../components/scroll";
 import { isComparable } from "../data/newest-identification";
 import { useResource } from "../data/resource";
 import { number, scaleOf } from "../format/numbers";
@@ -44,7 +45,7 @@ function baselineText({ baseline }: Alignment): string {
 
 function Numbers({ numbers }: { numbers: AlignmentNumber[] }) {
   return (
-    <div class="scroll">
+    <Scroll label="Table">
       <table>
         <thead>
           <tr>
@@ -67,7 +68,7 @@ function Numbers({ numbers }: { numbers: AlignmentNumber[] }) {
           ))}
         </tbody>
       </table>
-    </div>
+    </Scroll>
   );
 }
 

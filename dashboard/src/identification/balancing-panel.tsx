@@ -1,6 +1,7 @@
 // A balancing proposal from an identified model.
 import { Loaded } from "../components/loading";
 import { Panel } from "../components/panel";
+import { Scroll } from "../components/scroll";
 import { useResource } from "../data/resource";
 import { angleConvention } from "../format/angles";
 import { number } from "../format/numbers";
@@ -24,7 +25,7 @@ export function BalancingPanel({ path }: { path: string }) {
 
 function Corrections({ found }: { found: Balancing }) {
   return (
-    <div class="scroll">
+    <Scroll label="Table">
       <table>
         <thead>
           <tr>
@@ -43,13 +44,13 @@ function Corrections({ found }: { found: Balancing }) {
           ))}
         </tbody>
       </table>
-    </div>
+    </Scroll>
   );
 }
 
 function Amplitudes({ found }: { found: Balancing }) {
   return (
-    <div class="scroll">
+    <Scroll label="Table">
       <table>
         <thead>
           <tr>
@@ -68,7 +69,7 @@ function Amplitudes({ found }: { found: Balancing }) {
           ))}
         </tbody>
       </table>
-    </div>
+    </Scroll>
   );
 }
 

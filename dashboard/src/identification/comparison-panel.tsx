@@ -3,9 +3,10 @@ import { replaceQuery, route } from "../browser/router";
 import { useStore } from "../browser/store";
 import { Loaded } from "../components/loading";
 import { Empty, Panel } from "../components/panel";
+import { Scroll } from "../components/scroll";
 import { queryString } from "../data/http-client";
 import { useResource } from "../data/resource";
-import { elementName } from "../format/names";
+import { elementName, parameterName } from "../format/names";
 import { number, percent, scaleOf, type Scale } from "../format/numbers";
 import { when } from "../format/times";
 import type { ComparedChange, Comparison, Estimate, IdentificationSummary } from "../schemas/identifications";
@@ -62,10 +63,10 @@ function Changes({ found, estimates }: { found: Comparison; estimates: Estimate[
   return (
     <>
       <p>
-        From identification {found.first} to {found.second}, p-values by element, from the errors of the fits alone:{" "}
+        From identification {found.first} to {found.second}, how probable as much is without any change, by element, from the errors of the fits alone:{" "}
         {elements.map((one) => `${elementName(one.element)} ${pValue(one.probability)}`).join(", ")}.
       </p>
-      <div class="scroll">
+      <Scroll label="Table">
         <table class="comparison">
           <thead>
             <tr>
@@ -82,9 +83,9 @@ function Changes({ found, estimates }: { found: Comparison; estimates: Estimate[
             ))}
           </tbody>
         </table>
-      </div>
-      {found.only_first.length > 0 && <p class="muted">Only in {found.first}: {found.only_first.join(", ")}.</p>}
-      {found.only_second.length > 0 && <p class="muted">Only in {found.second}: {found.only_second.join(", ")}.</p>}
+      </Scroll>
+      {found.only_first.length > 0 && <p class="muted">Only in {found.first}: {found.only_first.map(parameterName).join(", ")}.</p>}
+      {found.only_second.length > 0 && <p class="muted">Only in {found.second}: {found.only_second.map(parameterName).join(", ")}.</p>}
     </>
   );
 }
@@ -105,7 +106,7 @@ function Row({ one, unit }: { one: ComparedChange; unit: string }) {
     <tr class={isSignificant ? "significant" : undefined}>
       <td>
         {isSignificant && "● "}
-        {one.parameter}
+        {parameterName(one.parameter)}
       </td>
       <td class="number">{valueText(one.first, scale)}</td>
       <td class="number">{valueText(one.second, scale)}</td>

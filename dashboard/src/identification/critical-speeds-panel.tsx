@@ -1,6 +1,7 @@
 // The critical speeds of an identified model.
 import { Loaded } from "../components/loading";
 import { Empty, Panel } from "../components/panel";
+import { Scroll } from "../components/scroll";
 import { useResource } from "../data/resource";
 import { whirlName } from "../format/angles";
 import { number, rpm } from "../format/numbers";
@@ -16,7 +17,7 @@ export function CriticalSpeedsPanel({ machine, path }: { machine: Document; path
           found.critical_speeds.length === 0 ? (
             <Empty>None up to {rpm(found.highest)}.</Empty>
           ) : (
-            <div class="scroll">
+            <Scroll label="Table">
               <table>
                 <thead>
                   <tr>
@@ -34,7 +35,7 @@ export function CriticalSpeedsPanel({ machine, path }: { machine: Document; path
                   ))}
                 </tbody>
               </table>
-            </div>
+            </Scroll>
           )
         }
       </Loaded>

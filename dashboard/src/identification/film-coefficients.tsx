@@ -1,4 +1,5 @@
 // The coefficients of an oil film at the speeds that an identification tells them at: stiffness and damping, plots and numbers.
+import { Scroll } from "../components/scroll";
 import { number, rpm, scaleOf, type Scale } from "../format/numbers";
 import { Plot } from "../plots/plot";
 import { missingReasons, type Bounded, type FilmCoefficient, type OilFilm } from "../words/oil-films";
@@ -59,7 +60,7 @@ function Kind({ film, kind, coefficients }: { film: OilFilm; kind: string; coeff
 
 function CoefficientTable({ speeds, coefficients, scale }: { speeds: number[]; coefficients: FilmCoefficient[]; scale: Scale }) {
   return (
-    <div class="scroll">
+    <Scroll label="Table">
       <table>
         <thead>
           <tr>
@@ -82,7 +83,7 @@ function CoefficientTable({ speeds, coefficients, scale }: { speeds: number[]; c
           ))}
         </tbody>
       </table>
-    </div>
+    </Scroll>
   );
 }
 

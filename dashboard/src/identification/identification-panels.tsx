@@ -2,9 +2,10 @@
 import type { ComponentChildren } from "preact";
 import { link } from "../browser/router";
 import { Empty, Panel } from "../components/panel";
+import { Scroll } from "../components/scroll";
 import { Time } from "../components/time";
 import { angleConvention, angleText } from "../format/angles";
-import { elementName, isCrossCoupled, isUnbalance, termName } from "../format/names";
+import { elementName, isCrossCoupled, isUnbalance, parameterName, termName } from "../format/names";
 import { number, quantity, rpm, scaleOf } from "../format/numbers";
 import type { Estimate, Identification } from "../schemas/identifications";
 import type { Document } from "../schemas/machines";
@@ -96,7 +97,7 @@ function IdentifiabilityPanel({ found }: { found: Identification }) {
       <p>
         {known.length} of {found.estimates.length} parameters are determined. Of the {direct.length} direct terms and unbalances among them,{" "}
         {good.length} are known to ± {100 * GOOD} % or better
-        {poor.length > 0 ? `, and of ${poor.length} the 95 % interval is wider than ± ${100 * POOR} %: ${poor.map((one) => one.parameter).join(", ")}.` : "."}
+        {poor.length > 0 ? `, and of ${poor.length} the 95 % interval is wider than ± ${100 * POOR} %: ${poor.map((one) => parameterName(one.parameter)).join(", ")}.` : "."}
       </p>
       {missing.length === 0 ? (
         <Empty>All parameters are determined.</Empty>
@@ -106,7 +107,7 @@ function IdentifiabilityPanel({ found }: { found: Identification }) {
           <ul class="reasons">
             {missing.map((one) => (
               <li key={one.parameter}>
-                <strong>{one.parameter}</strong>: {one.reason}
+                <strong>{parameterName(one.parameter)}</strong>: {one.reason}
               </li>
             ))}
           </ul>
@@ -122,7 +123,7 @@ function ElementTable({ machine, element, estimates }: { machine: string; elemen
       <h3>
         <a href={link(["machines", machine, "trends"], { element })}>{elementName(element)}</a>
       </h3>
-      <div class="scroll">
+      <Scroll label="Table">
         <table>
           <tbody>
             {estimates.map((one) => (
@@ -130,7 +131,7 @@ function ElementTable({ machine, element, estimates }: { machine: string; elemen
             ))}
           </tbody>
         </table>
-      </div>
+      </Scroll>
     </section>
   );
 }

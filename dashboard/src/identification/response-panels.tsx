@@ -1,4 +1,5 @@
 // The response of a run over speed as Bode and polar plots: measured points, the model's curve with its band, an overlaid run.
+import { inUnit, speedsInUnit, useUnits, type Units } from "../browser/units";
 import { Empty, Panel } from "../components/panel";
 import type { SpeedSweep } from "../data/speed-sweep";
 import { mergeOnCommonAxis, type Group } from "../plots/common-axis";
@@ -20,6 +21,15 @@ export interface ResponseProps {
   noFit: string;
   /** The slow roll that was subtracted from points and curve. */
   slowRoll: string;
+  /** The model and the slow roll are of the 1× alone. */
+  order: 1 | 2;
+  /** Of the machine that the overlaid run is of, where it is another one. */
+  overlaid?: string | undefined;
+}
+
+/** As shown: values in the chosen units. */
+interface ShownProps extends ResponseProps {
+  units: Units;
 }
 
 type Column = (number | null)[];
@@ -31,22 +41,32 @@ interface Points {
   lag: Column;
 }
 
-export function ResponsePanels(props: ResponseProps) {
-  const { machine, channels } = props;
-  const range: [number, number] = [machine.speed_range.minimum_rpm, machine.speed_range.maximum_rpm];
+export function ResponsePanels(given: ResponseProps) {
+  const props: ShownProps = { ...given, units: useUnits() };
+  const { machine, channels, order } = props;
+  const { amplitude, speed } = props.units;
+  const range: [number, number] = [machine.speed_range.minimum_rpm * speed.factor, machine.speed_range.maximum_rpm * speed.factor];
+  const axes = { xUnit: speed.label, xRange: range, syncGroup: "bode" };
+  if (order === 2 && !props.measured.second.some((one) => one.some((value) => value !== null))) {
+    return (
+      <Panel title="Bode, 2×">
+        <Empty>The sources of this machine sent no 2× in this run.</Empty>
+      </Panel>
+    );
+  }
   const unfitted = props.fit ? channels.filter((channel) => !fittedOf(props, channel)) : [];
   return (
     <>
-      <Panel title="Bode" aside={<Legend {...props} />}>
-        {unfitted.length > 0 && <p class="muted">The identification of this run does not include {unfitted.join(", ")}: there is no curve and no residual.</p>}
-        <Plot label={`Amplitude of ${channels.join(", ")} over speed`} {...bodeCurves(props, "amplitude")} xUnit="rpm" yUnit="µm pp" xRange={range} syncGroup="bode" height={270} />
-        <Plot label={`Phase lag of ${channels.join(", ")} over speed`} {...bodeCurves(props, "lag")} xUnit="rpm" yUnit="° lag" xRange={range} syncGroup="bode" height={190} />
-        <Residuals {...props} range={range} />
+      <Panel title={`Bode, ${order}×`} aside={<Legend {...props} />}>
+        {order === 1 && unfitted.length > 0 && <p class="muted">The identification of this run does not include {unfitted.join(", ")}: there is no curve and no residual.</p>}
+        <Plot label={`Amplitude of ${channels.join(", ")} over speed`} {...bodeCurves(props, "amplitude")} {...axes} yUnit={amplitude.label} height={270} />
+        <Plot label={`Phase lag of ${channels.join(", ")} over speed`} {...bodeCurves(props, "lag")} {...axes} yUnit="° lag" turn={360} height={190} />
+        {order === 1 && <Residuals {...props} range={range} />}
       </Panel>
-      <Panel title="Polar" aside={<p class="muted">Phase lag increases clockwise from the right; speeds in rpm; {props.slowRoll}.</p>}>
+      <Panel title={`Polar, ${order}×`} aside={<p class="muted">Phase lag increases clockwise from the right; speeds in {speed.label}; {slowRollOf(props)}.</p>}>
         <div class="polars">
           {channels.map((channel, style) => (
-            <PolarPlot key={channel} title={channel} curves={polarCurves(props, channel, style)} />
+            <PolarPlot key={channel} title={channel} curves={polarCurves(props, channel, style)} unit={amplitude.label} speedUnit={speed.label} />
           ))}
         </div>
       </Panel>
@@ -54,18 +74,38 @@ export function ResponsePanels(props: ResponseProps) {
   );
 }
 
-function Legend({ fit, reference, slowRoll }: ResponseProps) {
-  const signs = ["● measured", ...(fit ? ["— model with 95 % band"] : []), ...(reference ? ["○ overlaid run"] : [])];
-  return <p class="muted">{signs.join("  ")}; {slowRoll}.</p>;
+function Legend(props: ShownProps) {
+  const { fit, reference, order, overlaid } = props;
+  const model = fit && order === 1 ? ["— model with 95 % band"] : [];
+  const signs = ["● measured", ...model, ...(reference ? [`○ overlaid run${overlaid ? ` of ${overlaid}` : ""}`] : [])];
+  return (
+    <p class="muted">
+      {signs.join("  ")}; {slowRollOf(props)}.
+    </p>
+  );
 }
 
-function pointsOf(sweep: SpeedSweep, channel: string): Points {
-  const row = sweep.channels.indexOf(channel);
-  return { rpm: sweep.rpm, amplitude: sweep.amplitude[row] ?? [], lag: sweep.lag[row] ?? [] };
+function slowRollOf({ order, slowRoll }: ShownProps): string {
+  return order === 1 ? slowRoll : "2× as measured, its phase in degrees of the 2×";
 }
 
-function fittedOf({ fit }: ResponseProps, channel: string): Bode["fitted"]["channels"][number] | undefined {
-  return fit?.fitted.channels.find((one) => one.channel === channel);
+/** The points of a channel; of another machine's run those of the channel of that name, else of the same place in its list. */
+function pointsOf({ order, units, machine, overlaid }: ShownProps, sweep: SpeedSweep, channel: string): Points {
+  const named = sweep.channels.indexOf(channel);
+  const row = named < 0 && overlaid ? machine.probes.findIndex((one) => one.id === channel) : named;
+  const [amplitude, lag] = order === 1 ? [sweep.amplitude[row], sweep.lag[row]] : [sweep.second[row], sweep.secondLag[row]];
+  return { rpm: speedsInUnit(sweep.rpm, units.speed), amplitude: inUnit(amplitude ?? [], units.amplitude), lag: lag ?? [] };
+}
+
+/** The model's curve of a channel, in the units shown; of the 1× alone. */
+function fittedOf({ fit, order, units }: ShownProps, channel: string): Bode["fitted"]["channels"][number] | undefined {
+  const found = order === 1 ? fit?.fitted.channels.find((one) => one.channel === channel) : undefined;
+  const shown = (column: Column) => inUnit(column, units.amplitude);
+  return found && { ...found, amplitude: shown(found.amplitude), lower: shown(found.lower), upper: shown(found.upper) };
+}
+
+function fittedSpeeds({ fit, units }: ShownProps): number[] {
+  return speedsInUnit(fit?.fitted.speed ?? [], units.speed);
 }
 
 /** A curve's own columns, and the curve made of them once they are on the common axis. */
@@ -73,21 +113,21 @@ interface PendingCurve extends Group {
   curve: (columns: Column[]) => Curve;
 }
 
-function bodeCurves(props: ResponseProps, what: "amplitude" | "lag"): { x: number[]; curves: Curve[] } {
+function bodeCurves(props: ShownProps, what: "amplitude" | "lag"): { x: number[]; curves: Curve[] } {
   const pending = props.channels.flatMap((channel, style) => channelCurves(props, channel, style, what));
   const { x, columns } = mergeOnCommonAxis(pending);
   return { x, curves: columns.map((one, at) => pending[at]!.curve(one)) };
 }
 
 /** The curves of a channel: overlaid run, model, measured points. Phases are put beside the model's curve. */
-function channelCurves(props: ResponseProps, channel: string, style: number, what: "amplitude" | "lag"): PendingCurve[] {
+function channelCurves(props: ShownProps, channel: string, style: number, what: "amplitude" | "lag"): PendingCurve[] {
   const fitted = fittedOf(props, channel);
-  const speeds = props.fit?.fitted.speed ?? [];
+  const speeds = fittedSpeeds(props);
   const model = fitted && what === "lag" ? unwrapPhase(fitted.phase) : fitted?.amplitude;
   const valuesOf = (points: Points) => (what === "amplitude" ? points.amplitude : model ? nearestTurns(points.rpm, points.lag, speeds, model) : points.lag);
   const curves: PendingCurve[] = [];
   if (props.reference) {
-    const points = pointsOf(props.reference, channel);
+    const points = pointsOf(props, props.reference, channel);
     curves.push({ x: points.rpm, columns: [valuesOf(points)], curve: ([y]) => ({ name: `${channel}, overlaid run`, y: y!, faint: true, points: true, line: false }) });
   }
   if (fitted && model) {
@@ -95,20 +135,20 @@ function channelCurves(props: ResponseProps, channel: string, style: number, wha
     const curve = ([y, lower, upper]: Column[]): Curve => ({ name: `${channel}, model`, style, y: y!, ...(lower && upper ? { lower, upper } : {}), spanGaps: true, unlisted: true });
     curves.push({ x: speeds, columns: [model, ...band], curve });
   }
-  const points = pointsOf(props.measured, channel);
+  const points = pointsOf(props, props.measured, channel);
   const line = !fitted && what === "amplitude";
   curves.push({ x: points.rpm, columns: [valuesOf(points)], curve: ([y]) => ({ name: channel, style, y: y!, points: true, line, spanGaps: true }) });
   return curves;
 }
 
-function Residuals({ fit, noFit, channels, range }: ResponseProps & { range: [number, number] }) {
+function Residuals({ fit, noFit, channels, range, units }: ShownProps & { range: [number, number] }) {
   const run: MeasuredRun | undefined = fit?.measured[0];
   if (!run) return <Empty>{noFit}</Empty>;
   const order = run.speed.map((_, at) => at).sort((a, b) => run.speed[a]! - run.speed[b]!);
   const rows = channels.flatMap((channel, style) => run.channels.filter((one) => one.channel === channel).map((one) => ({ ...one, style })));
   const isStandardised = rows.some((one) => one.residual_sigma.some((value) => value !== null));
   const curves = rows.flatMap((one): Curve[] => {
-    const values = isStandardised ? one.residual_sigma : one.residual;
+    const values = isStandardised ? one.residual_sigma : inUnit(one.residual, units.amplitude);
     const of = (used: boolean) => order.map((at) => (one.used[at] === used ? (values[at] ?? null) : null));
     return [
       { name: `${one.channel}, excluded`, y: of(false), faint: true, points: true, line: false },
@@ -118,10 +158,10 @@ function Residuals({ fit, noFit, channels, range }: ResponseProps & { range: [nu
   return (
     <Plot
       label="Residuals over speed"
-      x={order.map((at) => run.speed[at]!)}
+      x={order.map((at) => run.speed[at]! * units.speed.factor)}
       curves={curves}
-      xUnit="rpm"
-      yUnit={isStandardised ? "residual, σ" : "residual, µm pp"}
+      xUnit={units.speed.label}
+      yUnit={isStandardised ? "residual, σ" : `residual, ${units.amplitude.label}`}
       xRange={range}
       syncGroup="bode"
       height={130}
@@ -129,11 +169,11 @@ function Residuals({ fit, noFit, channels, range }: ResponseProps & { range: [nu
   );
 }
 
-function polarCurves(props: ResponseProps, channel: string, style: number): PolarCurve[] {
+function polarCurves(props: ShownProps, channel: string, style: number): PolarCurve[] {
   const curves: PolarCurve[] = [];
-  if (props.reference) curves.push({ name: `${channel}, overlaid run`, style, line: false, faint: true, ...pointsOf(props.reference, channel) });
+  if (props.reference) curves.push({ name: `${channel}, overlaid run`, style, line: false, faint: true, ...pointsOf(props, props.reference, channel) });
   const fitted = fittedOf(props, channel);
-  if (fitted) curves.push({ name: `${channel}, model`, style, line: true, unlabelled: true, rpm: props.fit!.fitted.speed, amplitude: fitted.amplitude, lag: fitted.phase });
-  curves.push({ name: channel, style, line: false, ...pointsOf(props.measured, channel) });
+  if (fitted) curves.push({ name: `${channel}, model`, style, line: true, unlabelled: true, rpm: fittedSpeeds(props), amplitude: fitted.amplitude, lag: fitted.phase });
+  curves.push({ name: channel, style, line: false, ...pointsOf(props, props.measured, channel) });
   return curves;
 }

@@ -1,7 +1,41 @@
-// Field balancing of a machine, for the person beside it.
+// Field balancing of a machine, for the person beside it; it gives way where a danger is open that no balancing mends.
+import { link } from "../browser/router";
+import { Panel } from "../components/panel";
+import { Severity } from "../components/severity";
+import { useOpenAlerts } from "../data/open-alerts";
 import { FieldBalancingPanel } from "../panels/field-balancing-panel";
+import type { Alert } from "../schemas/alerts";
 import type { Document } from "../schemas/machines";
+import { alertTitle } from "../words/alert-states";
+
+/** What balancing is for. */
+const MENDED_BY_BALANCING = "unbalance";
 
 export function BalancingTab({ machine }: { machine: Document }) {
-  return <FieldBalancingPanel machine={machine} />;
+  const dangers = (useOpenAlerts(machine.id).data ?? []).filter((one) => one.severity === "danger" && one.rule !== MENDED_BY_BALANCING);
+  if (dangers.length === 0) return <FieldBalancingPanel machine={machine} />;
+  return (
+    <>
+      <Dangers dangers={dangers} />
+      <details class="screen">
+        <summary>Balance all the same</summary>
+        <FieldBalancingPanel machine={machine} />
+      </details>
+    </>
+  );
+}
+
+function Dangers({ dangers }: { dangers: Alert[] }) {
+  return (
+    <Panel title="Not now: a danger is open">
+      <p>Balancing would hide what is wrong and not mend it. First:</p>
+      <ul class="reasons">
+        {dangers.map((one) => (
+          <li key={one.id}>
+            <Severity severity={one.severity} /> <a href={link(["alerts", String(one.id)])}>{alertTitle(one)}</a>: {one.message}
+          </li>
+        ))}
+      </ul>
+    </Panel>
+  );
 }

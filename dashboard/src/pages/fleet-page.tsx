@@ -1,11 +1,12 @@
 // All machines, found by name and sorted by urgency, name or plant.
-import { replaceQuery, route } from "../browser/router";
+import { link, replaceQuery, route } from "../browser/router";
 import { useStore } from "../browser/store";
 import { Loaded } from "../components/loading";
 import { Empty, Panel, Truncated } from "../components/panel";
 import { useResource } from "../data/resource";
 import { FleetTable } from "../panels/fleet-table";
 import type { Fleet, FleetMachine } from "../schemas/machines";
+import { needOrder, needs } from "../words/needs";
 
 const POLL_MS = 5000;
 /** The API's limit for the fleet. */
@@ -16,7 +17,7 @@ type Order = "urgency" | "name" | "plant";
 
 const BY_NAME: Compare = (a, b) => a.name.localeCompare(b.name);
 const COMPARE: Record<Order, Compare> = {
-  urgency: (a, b) => urgency(b) - urgency(a) || BY_NAME(a, b),
+  urgency: (a, b) => needOrder(b) - needOrder(a) || urgency(b) - urgency(a) || BY_NAME(a, b),
   name: BY_NAME,
   plant: (a, b) => a.plant.localeCompare(b.plant) || BY_NAME(a, b),
 };
@@ -30,6 +31,9 @@ export function FleetPage() {
     <>
       <h1>Fleet</h1>
       <Panel title="Machines" aside={<SearchAndOrder search={search} order={order} />}>
+        <p class="screen">
+          <a href={link(["wall"])}>Wall view</a>
+        </p>
         <Loaded result={result} lines={12}>
           {({ machines, since }) => (
             <>
@@ -53,7 +57,7 @@ function SearchAndOrder({ search, order }: { search: string; order: Order }) {
       <label class="switch">
         Sort{" "}
         <select value={order} onChange={(event) => replaceQuery({ order: event.currentTarget.value })}>
-          <option value="urgency">urgency</option>
+          <option value="urgency">what needs a person</option>
           <option value="name">name</option>
           <option value="plant">plant</option>
         </select>
@@ -93,6 +97,7 @@ function Totals({ machines }: { machines: FleetMachine[] }) {
     [open("danger"), "in danger"],
     [open("alert"), "with an alert"],
     [unacknowledged, "alerts not acknowledged"],
+    [machines.filter((one) => needs(one).length > 0).length, "need a person"],
   ];
   return (
     <dl class="totals">

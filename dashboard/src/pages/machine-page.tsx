@@ -18,6 +18,7 @@ import { SettingsTab } from "./settings-tab";
 import { ShapesTab } from "./shapes-tab";
 import { TABS } from "./tabs";
 import { TrendsTab } from "./trends-tab";
+import { VibrationTab } from "./vibration-tab";
 
 export function MachinePage({ id, tab }: { id: string; tab: string }) {
   useState(() => {
@@ -52,6 +53,8 @@ function tabContent(tab: string, found: MachineRevision): ComponentChildren {
   switch (tab) {
     case "overview":
       return <OverviewTab found={found} />;
+    case "vibration":
+      return <VibrationTab machine={machine} />;
     case "trends":
       return <TrendsTab machine={machine} />;
     case "response":

@@ -10,13 +10,14 @@ import { useResource } from "../data/resource";
 import { AlertList } from "../panels/alert-list";
 import { DeviationsPanel } from "../panels/deviations-panel";
 import { DocumentWarningsPanel } from "../panels/document-warnings-panel";
-import { LiveRunPanel } from "../panels/live-run-panel";
 import { NewestRunsPanel } from "../panels/newest-runs-panel";
 import { TimelinePanel } from "../panels/timeline-panel";
 import type { Drawing, MachineRevision } from "../schemas/machines";
 import { elementMarks } from "../train/marks";
 import { TrainDrawing } from "../train/train-drawing";
 import { TrainLegend } from "../train/train-legend";
+import { LiveRunPanel } from "../vibration/live-run-panel";
+import { VibrationBarsPanel } from "../vibration/vibration-bars-panel";
 
 export function OverviewTab({ found }: { found: MachineRevision }) {
   const machine = found.document;
@@ -26,18 +27,21 @@ export function OverviewTab({ found }: { found: MachineRevision }) {
   const drawing = useResource<Drawing>(`/machines/${machine.id}/drawing`);
   return (
     <>
-      <Panel title="Train" aside={<TrainLegend />}>
-        <Loaded result={drawing} lines={15}>
-          {(train) => (
-            <TrainDrawing
-              name={machine.name}
-              drawing={train}
-              marks={elementMarks(alerts.data ?? [], deviations.data)}
-              onChoose={(element) => navigate(["machines", machine.id, "trends"], { element })}
-            />
-          )}
-        </Loaded>
-      </Panel>
+      <div class="beside">
+        <Panel title="Train" aside={<TrainLegend />}>
+          <Loaded result={drawing} lines={15}>
+            {(train) => (
+              <TrainDrawing
+                name={machine.name}
+                drawing={train}
+                marks={elementMarks(alerts.data ?? [], deviations.data)}
+                onChoose={(element) => navigate(["machines", machine.id, "trends"], { element })}
+              />
+            )}
+          </Loaded>
+        </Panel>
+        <VibrationBarsPanel machine={machine} />
+      </div>
       <DocumentWarningsPanel {...found} />
       <div class="columns">
         <div>

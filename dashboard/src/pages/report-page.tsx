@@ -7,6 +7,7 @@ import { Loaded } from "../components/loading";
 import { Empty, Panel } from "../components/panel";
 import { useResource } from "../data/resource";
 import { dayOf, daysLater, isDay, midnight } from "../format/days";
+import { date, when } from "../format/times";
 import { ReportBody } from "../reports/report-body";
 import type { Document, MachineRevision } from "../schemas/machines";
 
@@ -60,8 +61,7 @@ function Report({ machine, revision }: { machine: Document; revision: number }) 
         </p>
         <h1>{machine.name}</h1>
         <p>
-          {machine.plant} / {machine.id}, document revision {revision}. {from.toLocaleDateString()} to {to.toLocaleDateString()}. Created{" "}
-          {new Date().toLocaleString()}. Times are local time of {ZONE}.
+          {machine.plant} / {machine.id}, document revision {revision}. {date(from)} to {date(to)}. Created {when(new Date().toISOString())}. Times are local time of {ZONE}.
         </p>
         <PeriodFields first={first} last={last} />
       </header>

@@ -2,6 +2,7 @@
 
 export const TABS = [
   { id: "overview", name: "Overview" },
+  { id: "vibration", name: "Vibration" },
   { id: "trends", name: "Trends" },
   { id: "response", name: "Bode and polar" },
   { id: "shapes", name: "Orbits and modes" },

@@ -4,7 +4,9 @@ import { replaceQuery, route } from "../browser/router";
 import { useStore } from "../browser/store";
 import { NewestNotice, NoIdentification, PendingPanel } from "../components/newest-identification";
 import { Panel, Truncated } from "../components/panel";
+import { PeriodFields } from "../components/period-fields";
 import { Severity, worstSeverity } from "../components/severity";
+import { usePeriod } from "../data/chosen-period";
 import { useNewestIdentification } from "../data/newest-identification";
 import { useResource } from "../data/resource";
 import { elementName } from "../format/names";
@@ -27,6 +29,7 @@ const POOLED = "gathered";
 
 export function TrendsTab({ machine }: { machine: Document }) {
   const { query } = useStore(route);
+  const period = usePeriod();
   const { newest, none, failure, list } = useNewestIdentification(machine.id);
   const loaded = useResource<Alert[]>(`/machines/${machine.id}/alerts?limit=${MAX_ALERTS}`, 30_000);
   const alerts = loaded.data ?? [];
@@ -40,25 +43,28 @@ export function TrendsTab({ machine }: { machine: Document }) {
   if (none) return <NoIdentification />;
   if (!newest || !element) return <PendingPanel title="Trends" failure={failure} />;
   const range = query.get("range") ?? "all";
+  const isFree = period.from !== null || period.to !== null;
   return (
     <>
       <NewestNotice failure={failure} list={list} />
       <Panel title="Selection">
         <div class="choices">
           <ElementButtons elements={elements} chosen={element} alerts={alerts} />
-          <RangeButtons chosen={range} />
+          <RangeButtons chosen={isFree ? "" : range} />
+          <PeriodFields {...period} />
           <PooledSwitch checked={query.get("scope") === POOLED} />
         </div>
         <Truncated shown={alerts.length} limit={MAX_ALERTS} of="alerts of the machine" />
       </Panel>
       <ElementHistories
-        key={[element, range, query.get("scope")].join()}
+        key={[element, range, query.get("scope"), period.first, period.last].join()}
+        shown={period}
         machine={machine.id}
         rotation={machine.rotation}
         element={element}
         names={namesOf(newest, element)}
         newest={newest}
-        shownDays={RANGES.find(([id]) => id === range)?.[2] ?? Infinity}
+        shownDays={isFree ? Infinity : (RANGES.find(([id]) => id === range)?.[2] ?? Infinity)}
         scope={query.get("scope") ?? "run"}
         alerts={alerts}
       />
@@ -105,7 +111,7 @@ function RangeButtons({ chosen }: { chosen: string }) {
   return (
     <span class="buttons" role="group" aria-label="Time range">
       {RANGES.map(([id, label]) => (
-        <button key={id} type="button" aria-pressed={id === chosen} onClick={() => replaceQuery({ range: id })}>
+        <button key={id} type="button" aria-pressed={id === chosen} onClick={() => replaceQuery({ range: id, from: null, to: null })}>
           {label}
         </button>
       ))}

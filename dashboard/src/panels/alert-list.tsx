@@ -1,21 +1,14 @@
-// A list of alerts, the evidence and history of each, and the actions on it.
+// A list of alerts, each with its evidence and history, and the actions on it.
 import { useState } from "preact/hooks";
-import { link } from "../browser/router";
 import { Loaded } from "../components/loading";
-import { Empty, Truncated } from "../components/panel";
-import { Severity } from "../components/severity";
-import { Time } from "../components/time";
-import { MAX_EVENTS } from "../data/alerts-at-time";
-import { useResource, type QueryResult } from "../data/resource";
+import { Empty } from "../components/panel";
+import type { QueryResult } from "../data/resource";
 import { AlertActionDialog } from "../dialogs/alert-action-dialog";
-import { causeLabel, findingLabel } from "../findings/findings";
-import { elementName, words } from "../format/names";
-import { number, quantity } from "../format/numbers";
-import { utc } from "../format/times";
-import type { Alert, AlertEvent, Evidence } from "../schemas/alerts";
-import { ALERT_ACTIONS, alertStateLabel, availableActions, isUnacknowledged, type AlertAction } from "../words/alert-states";
+import type { Alert } from "../schemas/alerts";
+import type { AlertAction } from "../words/alert-states";
+import { AlertEntry } from "./alert-entry";
 
-export function AlertList(props: { result: QueryResult<Alert[]>; machines?: boolean; none: string }) {
+export function AlertList(props: { result: QueryResult<Alert[]>; machines?: boolean; opened?: boolean; none: string }) {
   const [dialog, setDialog] = useState<{ alert: Alert; action: AlertAction } | null>(null);
   return (
     <>
@@ -26,7 +19,13 @@ export function AlertList(props: { result: QueryResult<Alert[]>; machines?: bool
           ) : (
             <ul class="alerts">
               {alerts.map((alert) => (
-                <Row key={alert.id} alert={alert} machine={props.machines ?? false} onAction={(action) => setDialog({ alert, action })} />
+                <AlertEntry
+                  key={alert.id}
+                  alert={alert}
+                  machine={props.machines ?? false}
+                  opened={props.opened ?? false}
+                  onAction={(action) => setDialog({ alert, action })}
+                />
               ))}
             </ul>
           )
@@ -34,92 +33,5 @@ export function AlertList(props: { result: QueryResult<Alert[]>; machines?: bool
       </Loaded>
       {dialog && <AlertActionDialog alert={dialog.alert} action={dialog.action} onClose={() => setDialog(null)} />}
     </>
-  );
-}
-
-function Row({ alert, machine, onAction }: { alert: Alert; machine: boolean; onAction: (action: AlertAction) => void }) {
-  const [open, setOpen] = useState(false);
-  return (
-    <li class={`alert-row ${alert.closed_at ? "closed" : ""} ${isUnacknowledged(alert) ? "unacknowledged" : ""}`} data-alert={alert.id}>
-      <div class="head">
-        <Severity severity={alert.severity} acknowledged={!isUnacknowledged(alert)} />
-        {machine && <a href={link(["machines", alert.machine])}>{alert.machine}</a>}
-        <a href={link(["machines", alert.machine, "trends"], { element: alert.element })}>{elementName(alert.element)}</a>
-        <span class="rule">{findingLabel(alert.rule)}</span>
-        <span class="state">{alertStateLabel(alert.state)}</span>
-        <span class="space" />
-        <span title={`first measured ${utc(alert.first_measured_at)}, last ${utc(alert.measured_at)}, opened ${utc(alert.opened_at)}`}>
-          <Time at={alert.opened_at} />
-        </span>
-      </div>
-      <p>{alert.message}</p>
-      <div class="buttons">
-        {availableActions(alert).map((action) => (
-          <button type="button" key={action} class={action === "acknowledge" ? "strong" : undefined} onClick={() => onAction(action)}>
-            {ALERT_ACTIONS[action].button}
-          </button>
-        ))}
-        <button type="button" class="quiet" aria-expanded={open} onClick={() => setOpen(!open)}>
-          {open ? "▾" : "▸"} {alert.events} {alert.events === 1 ? "event" : "events"}
-        </button>
-      </div>
-      {open && (
-        <>
-          <EvidenceList evidence={alert.evidence} />
-          <History alert={alert} />
-        </>
-      )}
-    </li>
-  );
-}
-
-/** The evidence of a diagnosis; nothing for other alerts. */
-function EvidenceList({ evidence }: { evidence: Partial<Evidence> }) {
-  const { moved = [], runners_up: alternatives = [], since, runs, misalignment_force: force } = evidence;
-  if (moved.length === 0) return null;
-  return (
-    <dl class="facts">
-      <dt>Observed since</dt>
-      <dd>
-        <Time at={since} />, in {runs} consecutive runs
-      </dd>
-      <dt>Largest changes</dt>
-      <dd>{moved.map((one) => `${one.parameter} ${one.sigma > 0 ? "+" : "−"}${number(Math.abs(one.sigma), 2)} σ`).join(", ")}</dd>
-      {typeof force === "number" && (
-        <>
-          <dt>Misalignment force</dt>
-          <dd>{quantity(force, "N")} at running speed</dd>
-        </>
-      )}
-      {alternatives.length > 0 && (
-        <>
-          <dt>Alternative causes</dt>
-          <dd>{alternatives.map(causeLabel).join(", or ")}; less likely</dd>
-        </>
-      )}
-    </dl>
-  );
-}
-
-function History({ alert }: { alert: Alert }) {
-  const result = useResource<AlertEvent[]>(`/alerts/${alert.id}/events?limit=${MAX_EVENTS}`);
-  return (
-    <Loaded result={result} lines={alert.events}>
-      {(events) => (
-        <>
-          <Truncated shown={events.length} limit={MAX_EVENTS} which="oldest" />
-          <ol class="history">
-            {events.map((event) => (
-              <li key={event.id}>
-                <Time at={event.at} /> {words(event.kind)}
-                {event.by && <> by {event.by}</>}
-                {event.state !== event.state_before && <>, now {alertStateLabel(event.state)}</>}
-                {event.comment && <q>{event.comment}</q>}
-              </li>
-            ))}
-          </ol>
-        </>
-      )}
-    </Loaded>
   );
 }

@@ -2,6 +2,7 @@
 import { link } from "../browser/router";
 import { ErrorMessage, Loaded } from "../components/loading";
 import { Empty, Panel } from "../components/panel";
+import { Scroll } from "../components/scroll";
 import { Time } from "../components/time";
 import type { ApiError } from "../data/http-client";
 import type { QueryResult } from "../data/resource";
@@ -9,7 +10,7 @@ import { elementName } from "../format/names";
 import { number } from "../format/numbers";
 import type { Document } from "../schemas/machines";
 import type { Deviations } from "../schemas/trends";
-import { CHANGED, deviationText, largestDeviation } from "../words/deviations";
+import { chanceText, CHANGED, changeText, deviationText, largestDeviation } from "../words/deviations";
 
 const TITLE = "Deviation from the baseline";
 
@@ -58,18 +59,16 @@ function Compared({ found }: { found: Deviations }) {
 function Table({ machine, found }: { machine: string; found: Deviations }) {
   const order = [...found.elements].sort((a, b) => a.probability - b.probability || b.distance - a.distance);
   return (
-    <div class="scroll">
+    <Scroll label="Table">
       <table>
         <thead>
           <tr>
             <th>Element</th>
             <th>Largest deviation</th>
-            <th class="number" title="distance of all its parameters together from the baseline, over what is usual">
-              Distance
+            <th class="number" title="all its parameters together, in multiples of how they usually scatter">
+              Of usual scatter
             </th>
-            <th class="number" title="probability of such a distance without any change">
-              p-value
-            </th>
+            <th title="by the probability of as much without any change">Has it changed?</th>
           </tr>
         </thead>
         <tbody>
@@ -78,7 +77,7 @@ function Table({ machine, found }: { machine: string; found: Deviations }) {
           ))}
         </tbody>
       </table>
-    </div>
+    </Scroll>
   );
 }
 
@@ -95,8 +94,8 @@ function Row({ machine, found, one }: { machine: string; found: Deviations; one:
         <a href={link(["machines", machine, "trends"], { element: one.element })}>{elementName(one.element)}</a>
       </td>
       <td>{largest ? deviationText(largest) : "–"}</td>
-      <td class="number">{number(one.distance / Math.sqrt(one.degrees_of_freedom), 2)}</td>
-      <td class="number">{one.probability < 1e-9 ? "< 10⁻⁹" : number(one.probability, 2)}</td>
+      <td class="number">{number(one.distance / Math.sqrt(one.degrees_of_freedom), 2)} times</td>
+      <td title={`an unchanged element is as far in ${chanceText(one.probability)} runs`}>{changeText(one.probability)}</td>
     </tr>
   );
 }

@@ -6,7 +6,7 @@ import { API_PREFIX, queryString } from "../data/http-client";
 import { isComparable } from "../data/newest-identification";
 import { useResource } from "../data/resource";
 import { angleConvention } from "../format/angles";
-import { elementName, isUnbalance, termName } from "../format/names";
+import { elementName, isUnbalance, parameterName, termName } from "../format/names";
 import { when } from "../format/times";
 import { CurveLegend } from "../plots/curve-legend";
 import { MARKER_SIGNS } from "../plots/curve-style";
@@ -37,6 +37,8 @@ interface Props {
   from?: string | null;
   /** The end of a period that may be past: the results of trend tests are those of that time. */
   to?: string | null;
+  /** A stretch that is shown alone; tests and baselines are still those of all. */
+  shown?: { from: string | null; to: string | null };
   /** Only the newest days are shown, of all that is loaded. */
   shownDays?: number;
   scope: string;
@@ -98,13 +100,13 @@ function Explanation({ series, names, rotation }: { series: Series[]; names: str
 
 function Plots(props: Props & { series: Series[]; markers: Marker[]; tests: TrendTest[] | null }) {
   const { series, element, tests } = props;
-  const xRange = newestDays(series, props.shownDays ?? Infinity);
+  const xRange = chosenStretch(series, props.shown) ?? newestDays(series, props.shownDays ?? Infinity);
   return (
     <div class="plots">
       {series.map((one) => (
         <ParameterHistory
           key={one.parameter}
-          name={element === DERIVED ? one.parameter : termName(one.parameter)}
+          name={element === DERIVED ? parameterName(one.parameter) : termName(one.parameter)}
           series={one}
           kinds={kindsOf(series)}
           markers={props.markers}
@@ -150,6 +152,16 @@ function MarkerList({ markers }: { markers: Marker[] }) {
       ))}
     </ul>
   );
+}
+
+/** The range that a person has chosen, open ends at the data's; undefined where nothing was chosen. */
+function chosenStretch(series: Series[], shown: Props["shown"]): [number, number] | undefined {
+  if (!shown || (shown.from === null && shown.to === null)) return undefined;
+  const times = series.flatMap((one) => [one.measured_at[0], one.measured_at.at(-1)]).flatMap((one) => (one ? [Date.parse(one) / 1000] : []));
+  const [low, high] = [Math.min(...times), Math.max(...times)];
+  const from = shown.from === null ? low : Date.parse(shown.from) / 1000;
+  const to = shown.to === null ? high : Date.parse(shown.to) / 1000;
+  return from < to ? [from, to] : undefined;
 }
 
 /** The range of the newest days; undefined: all. */

@@ -2,6 +2,7 @@
 import { useState } from "preact/hooks";
 import { Loaded } from "../components/loading";
 import { Empty, Panel } from "../components/panel";
+import { Scroll } from "../components/scroll";
 import { Time } from "../components/time";
 import { useResource } from "../data/resource";
 import { BalancingDialog, type BalancingStep } from "../dialogs/balancing-dialogs";
@@ -103,7 +104,7 @@ function Correction({ found, check, machine }: { found: ProposedCorrection; chec
         </p>
       ))}
       <div class="columns">
-        <div class="scroll">
+        <Scroll label="Table">
           <table>
             <thead>
               <tr>
@@ -127,7 +128,7 @@ function Correction({ found, check, machine }: { found: ProposedCorrection; chec
             </tbody>
           </table>
           <p class="muted">Counted from the state without trial weights: take these off first.</p>
-        </div>
+        </Scroll>
         <Channels found={found} check={check} />
       </div>
       <Residuals found={found} check={check} />
@@ -138,7 +139,7 @@ function Correction({ found, check, machine }: { found: ProposedCorrection; chec
 function Channels({ found, check }: { found: ProposedCorrection; check: CheckRun | null }) {
   const measured = (channel: string) => check?.channels.find((one) => one.channel === channel);
   return (
-    <div class="scroll">
+    <Scroll label="Table">
       <table>
         <thead>
           <tr>
@@ -169,13 +170,13 @@ function Channels({ found, check }: { found: ProposedCorrection; check: CheckRun
           {check && check.limit_met !== null && `; by the check run ${check.limit_met ? "met" : "not met"}`}
         </p>
       )}
-    </div>
+    </Scroll>
   );
 }
 
 function Residuals({ found, check }: { found: ProposedCorrection; check: CheckRun | null }) {
   return (
-    <div class="scroll">
+    <Scroll label="Table">
       <h3>
         Residual unbalance as of rigid rotors, ISO 21940-11 G {number(found.grade)} at {Math.round(found.service_rpm)} rpm
       </h3>
@@ -203,7 +204,7 @@ function Residuals({ found, check }: { found: ProposedCorrection; check: CheckRu
           ))}
         </tbody>
       </table>
-    </div>
+    </Scroll>
   );
 }
 

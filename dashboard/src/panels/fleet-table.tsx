@@ -1,23 +1,27 @@
 // The machines of the fleet: their states, open alerts, last runs and identifications, and recent changes.
 import { link } from "../browser/router";
 import { OperatingState } from "../components/operating-state";
+import { Scroll } from "../components/scroll";
 import { Severity } from "../components/severity";
+import { Speed } from "../components/speed";
 import { Time } from "../components/time";
-import { rpm } from "../format/numbers";
 import { when } from "../format/times";
 import type { FleetMachine } from "../schemas/machines";
+import { alertTitle } from "../words/alert-states";
+import { needs } from "../words/needs";
 
 const SEVERITIES = ["danger", "alert"];
 
 /** since: from when on changes are counted. */
 export function FleetTable({ machines, since }: { machines: FleetMachine[]; since: string }) {
   return (
-    <div class="scroll">
+    <Scroll label="Table">
       <table class="fleet">
         <thead>
           <tr>
             <th>Open alerts</th>
             <th>Machine</th>
+            <th>Needs a person to</th>
             <th>State</th>
             <th class="number">Speed</th>
             <th>Last run</th>
@@ -31,7 +35,7 @@ export function FleetTable({ machines, since }: { machines: FleetMachine[]; sinc
           ))}
         </tbody>
       </table>
-    </div>
+    </Scroll>
   );
 }
 
@@ -47,13 +51,18 @@ function Row({ one }: { one: FleetMachine }) {
           {one.plant} / {one.id}
         </div>
       </td>
+      <td class="needs">
+        {needs(one).map(({ words }) => (
+          <div key={words}>{words}</div>
+        ))}
+      </td>
       <td>
         <OperatingState state={one.state} />
         <div class="muted">
           <Time at={one.state_since} />
         </div>
       </td>
-      <td class="number">{rpm(one.speed_rpm)}</td>
+      <td class="number"><Speed rpm={one.speed_rpm} /></td>
       <td>
         <LastRun one={one} />
       </td>
@@ -76,6 +85,11 @@ function OpenAlerts({ one }: { one: FleetMachine }) {
           <Severity severity={severity} acknowledged={one.unacknowledged === 0} /> {one.open_alerts[severity]}
         </span>
       ))}
+      {one.first_alert && (
+        <a class="first-alert" href={link(["alerts", String(one.first_alert.id)])}>
+          {alertTitle(one.first_alert)}
+        </a>
+      )}
       {one.unacknowledged > 0 && <span class="pill">{one.unacknowledged} unacknowledged</span>}
     </>
   );
@@ -105,6 +119,7 @@ const CHANGES: [keyof FleetMachine["happened"], string, string][] = [
   ["runs", "run", "runs"],
   ["identifications", "identification", "identifications"],
   ["timeline", "note", "notes"],
+  ["refused", "refusal", "refusals"],
   ["revisions", "revision of the document", "revisions of the document"],
 ];
 

@@ -2,6 +2,7 @@
 import { useState } from "preact/hooks";
 import { Loaded } from "../components/loading";
 import { Panel } from "../components/panel";
+import { Scroll } from "../components/scroll";
 import { Time } from "../components/time";
 import { useResource } from "../data/resource";
 import { LimitsDialog } from "../dialogs/limits-dialog";
@@ -39,7 +40,7 @@ export function LimitsPanel({ machine }: { machine: Document }) {
 
 function Table({ limits, onChange }: { limits: Limits; onChange: (kind: FindingKind) => void }) {
   return (
-    <div class="scroll">
+    <Scroll label="Table">
       <table class="limits">
         <thead>
           <tr>
@@ -54,7 +55,9 @@ function Table({ limits, onChange }: { limits: Limits; onChange: (kind: FindingK
             </th>
             <th class="number">Hysteresis</th>
             <th>Latching</th>
-            <th />
+            <th>
+              <span class="hidden">Actions</span>
+            </th>
           </tr>
         </thead>
         <tbody>
@@ -63,7 +66,7 @@ function Table({ limits, onChange }: { limits: Limits; onChange: (kind: FindingK
           ))}
         </tbody>
       </table>
-    </div>
+    </Scroll>
   );
 }
 

@@ -1,12 +1,14 @@
 // The present state of a machine: its operation, the run being collected, the identification being computed.
 import { StaleNotice } from "../components/loading";
 import { OperatingState } from "../components/operating-state";
+import { Speed } from "../components/speed";
 import { Time } from "../components/time";
 import { isOpen, MAX_JOBS, useJobs } from "../data/jobs";
 import { useResource } from "../data/resource";
-import { rpm } from "../format/numbers";
 import type { Job } from "../schemas/identifications";
 import type { Document, MachineState } from "../schemas/machines";
+import { jobRemedy } from "../words/job-failures";
+import { RefusedData } from "./refused-data";
 
 const POLL_MS = 1000;
 
@@ -26,7 +28,7 @@ export function MachineStatus({ machine, revision }: { machine: Document; revisi
         <dt>State</dt>
         <dd>{now ? <OperatingState state={now.state} /> : "…"}</dd>
         <dt>Speed</dt>
-        <dd class="figure">{rpm(now?.speed_rpm)}</dd>
+        <dd class="figure"><Speed rpm={now?.speed_rpm} /></dd>
         <dt>Since</dt>
         <dd>
           <Time at={now?.since} />
@@ -41,8 +43,21 @@ export function MachineStatus({ machine, revision }: { machine: Document; revisi
         <RunProgress state={now} />
         <JobProgress jobs={jobs.data} />
       </div>
+      <Notices state={now} />
+      <RefusedData machine={machine.id} />
       <StaleNotice result={state.asOf === undefined ? jobs : state} />
     </section>
+  );
+}
+
+/** What somebody should know of the data, though nothing is wrong with the service. */
+function Notices({ state }: { state: MachineState | undefined }) {
+  const waiting = state?.late_samples_waiting ?? 0;
+  return (
+    <>
+      {state?.outside_speed_range && <p class="refused">▲ No run: {state.outside_speed_range}.</p>}
+      {waiting > 0 && <p class="muted">{waiting} samples came late and are being sorted into their runs.</p>}
+    </>
   );
 }
 
@@ -72,6 +87,12 @@ function JobProgress({ jobs }: { jobs: Job[] | undefined }) {
       </label>
     );
   }
-  if (failed) return <span class="error">Identification of run {failed.runs.join(" + ")} failed: {failed.error}</span>;
+  if (failed) {
+    return (
+      <span class="error">
+        Identification of run {failed.runs.join(" + ")} failed: {failed.error}. {jobRemedy(failed.error)}
+      </span>
+    );
+  }
   return <span class="muted">No identification is being computed.</span>;
 }

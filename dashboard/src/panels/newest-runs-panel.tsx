@@ -2,9 +2,11 @@
 import { link } from "../browser/router";
 import { Loaded } from "../components/loading";
 import { Empty, Panel } from "../components/panel";
+import { Scroll } from "../components/scroll";
+import { Speed } from "../components/speed";
 import { Time } from "../components/time";
 import { useResource } from "../data/resource";
-import { number, rpm } from "../format/numbers";
+import { number } from "../format/numbers";
 import type { Run } from "../schemas/runs";
 
 export function NewestRunsPanel({ machine }: { machine: string }) {
@@ -16,7 +18,7 @@ export function NewestRunsPanel({ machine }: { machine: string }) {
           runs.length === 0 ? (
             <Empty>No run yet. A run begins when the speed sweeps through the machine's range.</Empty>
           ) : (
-            <div class="scroll">
+            <Scroll label="Table">
               <table>
                 <thead>
                   <tr>
@@ -35,7 +37,7 @@ export function NewestRunsPanel({ machine }: { machine: string }) {
                   ))}
                 </tbody>
               </table>
-            </div>
+            </Scroll>
           )
         }
       </Loaded>
@@ -54,7 +56,7 @@ function Row({ machine, run }: { machine: string; run: Run }) {
       </td>
       <td>{run.kind}</td>
       <td class="number">
-        {rpm(run.speed_minimum_rpm).replace(" rpm", "")} … {rpm(run.speed_maximum_rpm)}
+        <Speed rpm={run.speed_minimum_rpm} /> … <Speed rpm={run.speed_maximum_rpm} />
       </td>
       <td class="number">{run.samples ?? "–"}</td>
       <td class="number">{run.quality ? `${number((100 * run.quality.usable) / Math.max(1, run.quality.points))} %` : "–"}</td>

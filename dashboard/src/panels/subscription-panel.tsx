@@ -2,6 +2,7 @@
 import { useState } from "preact/hooks";
 import { Loaded } from "../components/loading";
 import { Empty, Truncated } from "../components/panel";
+import { Scroll } from "../components/scroll";
 import { Time } from "../components/time";
 import { ApiError, getWithEtag, post } from "../data/http-client";
 import { refetch, useResource } from "../data/resource";
@@ -79,7 +80,7 @@ function DeliveryLog({ subscription }: { subscription: number }) {
         all.length === 0 ? (
           <Empty>No deliveries yet.</Empty>
         ) : (
-          <div class="scroll">
+          <Scroll label="Table">
             <table>
               <thead>
                 <tr>
@@ -107,7 +108,7 @@ function DeliveryLog({ subscription }: { subscription: number }) {
               </tbody>
             </table>
             <Truncated shown={all.length} limit={LOG_LIMIT} />
-          </div>
+          </Scroll>
         )
       }
     </Loaded>

@@ -2,6 +2,7 @@
 import { useState } from "preact/hooks";
 import { Loaded } from "../components/loading";
 import { Empty, Panel, Truncated } from "../components/panel";
+import { Scroll } from "../components/scroll";
 import { Time } from "../components/time";
 import { useResource } from "../data/resource";
 import { EndSuppressionDialog, SuppressDialog } from "../dialogs/suppression-dialogs";
@@ -36,7 +37,7 @@ export function SuppressionsPanel({ machine }: { machine: Document }) {
 
 function Table({ all, onEnd }: { all: Suppression[]; onEnd: (one: Suppression) => void }) {
   return (
-    <div class="scroll">
+    <Scroll label="Table">
       <table class="suppressions">
         <thead>
           <tr>
@@ -46,7 +47,9 @@ function Table({ all, onEnd }: { all: Suppression[]; onEnd: (one: Suppression) =
             <th>Until</th>
             <th>By</th>
             <th>Comment</th>
-            <th />
+            <th>
+              <span class="hidden">Actions</span>
+            </th>
           </tr>
         </thead>
         <tbody>
@@ -70,6 +73,6 @@ function Table({ all, onEnd }: { all: Suppression[]; onEnd: (one: Suppression) =
         </tbody>
       </table>
       <Truncated shown={all.length} limit={LIMIT} which="oldest" />
-    </div>
+    </Scroll>
   );
 }

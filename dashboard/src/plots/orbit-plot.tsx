@@ -1,53 +1,137 @@
-// The 1× orbit of the shaft at a station.
-import { number, rpm } from "../format/numbers";
-import type { Orbit } from "../schemas/runs";
+// The orbit of the shaft at a station in one turn, from 1× and where it is sent 2×, with its probes and their timebase.
+import type { DataColumn } from "../browser/download";
+import { number } from "../format/numbers";
+import type { AxisPhasor, Orbit } from "../schemas/runs";
+import { SaveDrawing } from "./save-buttons";
 
-const STEPS = 72;
+const STEPS = 144;
 /** The dot marks the keyphasor event; the gap before it shows the direction of motion. */
-const GAP = 4;
+const GAP = 6;
 const SIZE = 200;
-const RADIUS = 82;
+const RADIUS = 78;
+const PROBE_RADIUS = 91;
+const BASE_WIDTH = 200;
+const BASE_HEIGHT = 70;
+/** From an amplitude, 0-to-peak, to peak-to-peak. */
+const PEAK_TO_PEAK = 2;
 
-/** ring: radius of the inner of two rings [µm]. */
-export function OrbitPlot({ orbit, overlay, ring }: { orbit: Orbit; overlay: Orbit | undefined; ring: number }) {
-  const scale = RADIUS / (2 * ring);
+interface Props {
+  orbit: Orbit;
+  overlay: Orbit | undefined;
+  /** Radius of the inner of two rings, peak-to-peak [µm]. */
+  ring: number;
+  second: boolean;
+  unit: { label: string; factor: number };
+  speed: (rpm: number) => string;
+}
+
+export function OrbitPlot({ orbit, overlay, ring, second, unit, speed }: Props) {
+  const scale = (PEAK_TO_PEAK * RADIUS) / (2 * ring);
+  const label = `Orbit at ${orbit.channels.join(" and ")}`;
+  const told = (value: number, digits = 3) => number(PEAK_TO_PEAK * value * unit.factor, digits);
+  const [x, y] = motion(orbit, second);
   return (
     <figure>
       <figcaption>
         <strong>{orbit.channels.join(" ")}</strong> <span class="muted">{orbit.sense}</span>
+        <SaveDrawing label={label} columns={() => columnsOf(orbit, second)} />
       </figcaption>
       <svg
-        viewBox={`${-SIZE / 2} ${-SIZE / 2} ${SIZE} ${SIZE}`}
+        viewBox={`${-SIZE / 2} ${-SIZE / 2} ${SIZE} ${SIZE + BASE_HEIGHT}`}
         role="img"
-        aria-label={`Orbit at ${orbit.channels.join(" and ")}: ${number(orbit.semi_major_um)} by ${number(Math.abs(orbit.semi_minor_um))} µm, ${orbit.sense}`}
+        aria-label={`${label}: ${told(orbit.semi_major_um)} by ${told(Math.abs(orbit.semi_minor_um))} ${unit.label} (1×), ${orbit.sense}`}
       >
         <circle class="grid" r={RADIUS} />
         <circle class="grid" r={RADIUS / 2} />
         <path class="grid" d={`M${-RADIUS} 0H${RADIUS}M0 ${-RADIUS}V${RADIUS}`} />
+        <Probes orbit={orbit} />
         {overlay && (
           <g class="curve faint">
-            <path d={orbitPath(overlay, scale)} />
+            <path d={orbitPath(motion(overlay, second), scale)} />
           </g>
         )}
         <g class="curve s0">
-          <path d={orbitPath(orbit, scale)} />
-          <circle cx={orbit.x.real_um * scale} cy={-orbit.y.real_um * scale} r={3.5} fill="currentColor" />
+          <path d={orbitPath([x, y], scale)} />
+          <circle cx={x[0]! * scale} cy={-y[0]! * scale} r={3.5} fill="currentColor" />
         </g>
+        <Timebase orbit={orbit} second={second} scale={(BASE_HEIGHT / 2 - 8) / RADIUS * scale} />
       </svg>
       <p class="muted">
-        {number(orbit.semi_major_um)} ± {number(2 * orbit.semi_major_error_um, 2)} by {number(Math.abs(orbit.semi_minor_um))} ±{" "}
-        {number(2 * orbit.semi_minor_error_um, 2)} µm at {rpm(orbit.speed_rpm)}
-        {overlay && `; overlaid run at ${rpm(overlay.speed_rpm)}`}
+        1× {told(orbit.semi_major_um)} ± {told(2 * orbit.semi_major_error_um, 2)} by {told(Math.abs(orbit.semi_minor_um))} ±{" "}
+        {told(2 * orbit.semi_minor_error_um, 2)} {unit.label} at {speed(orbit.speed_rpm)}
+        {second && !orbit.x_2x && "; no 2× is sent here"}
+        {overlay && `; overlaid run at ${speed(overlay.speed_rpm)}`}
       </p>
     </figure>
   );
 }
 
-function orbitPath({ x, y }: Orbit, scale: number): string {
-  const points = Array.from({ length: STEPS - GAP + 1 }, (_, step) => {
-    const angle = (2 * Math.PI * step) / STEPS;
-    const at = (phasor: { real_um: number; imaginary_um: number }) => phasor.real_um * Math.cos(angle) - phasor.imaginary_um * Math.sin(angle);
-    return `${(at(x) * scale).toFixed(2)} ${(-at(y) * scale).toFixed(2)}`;
-  });
+function at(phasor: AxisPhasor | null, angle: number): number {
+  return phasor ? phasor.real_um * Math.cos(angle) - phasor.imaginary_um * Math.sin(angle) : 0;
+}
+
+/** Displacements along x and y over one turn, 0-to-peak [µm]. */
+function motion(orbit: Orbit, second: boolean): [number[], number[]] {
+  const angles = Array.from({ length: STEPS }, (_, step) => (2 * Math.PI * step) / STEPS);
+  const along = (first: AxisPhasor, twice: AxisPhasor | null) => angles.map((angle) => at(first, angle) + (second ? at(twice, 2 * angle) : 0));
+  return [along(orbit.x, orbit.x_2x), along(orbit.y, orbit.y_2x)];
+}
+
+function orbitPath([x, y]: [number[], number[]], scale: number): string {
+  const points = x.slice(0, STEPS - GAP + 1).map((one, step) => `${(one * scale).toFixed(2)} ${(-y[step]! * scale).toFixed(2)}`);
   return `M${points.join("L")}`;
+}
+
+/** Each probe where it looks at the shaft from. */
+function Probes({ orbit }: { orbit: Orbit }) {
+  return (
+    <>
+      {orbit.channels.map((channel, index) => {
+        const angle = orbit.angles_deg[index]!;
+        const [x, y] = [Math.cos((angle * Math.PI) / 180), -Math.sin((angle * Math.PI) / 180)];
+        return (
+          <g key={channel} class={`curve s${index}`}>
+            <path transform={`translate(${(RADIUS * x).toFixed(1)} ${(RADIUS * y).toFixed(1)}) rotate(${-angle})`} d="M2 -4H9V4H2Z" />
+            <text x={PROBE_RADIUS * x} y={PROBE_RADIUS * y + (Math.abs(y) < 0.3 ? -8 : y > 0 ? 6 : 1)} text-anchor={x > 0.3 ? "end" : x < -0.3 ? "start" : "middle"}>
+              {channel}
+            </text>
+          </g>
+        );
+      })}
+    </>
+  );
+}
+
+/** What a probe sees along its own direction over one turn, 0-to-peak [µm]. */
+function seen(orbit: Orbit, second: boolean, index: number): number[] {
+  const angle = (orbit.angles_deg[index]! * Math.PI) / 180;
+  const [x, y] = motion(orbit, second);
+  return x.map((one, step) => one * Math.cos(angle) + y[step]! * Math.sin(angle));
+}
+
+/** The signals of the probes over one turn from the keyphasor event. */
+function Timebase({ orbit, second, scale }: { orbit: Orbit; second: boolean; scale: number }) {
+  const middle = SIZE / 2 + BASE_HEIGHT / 2 - 4;
+  const path = (values: number[]) =>
+    `M${[...values, values[0]!].map((one, step) => `${((step / STEPS - 0.5) * BASE_WIDTH * 0.9).toFixed(2)} ${(middle - one * scale).toFixed(2)}`).join("L")}`;
+  return (
+    <>
+      <path class="grid" d={`M${-0.45 * BASE_WIDTH} ${middle}H${0.45 * BASE_WIDTH}M${-0.45 * BASE_WIDTH} ${middle - 26}V${middle + 26}`} />
+      {orbit.channels.map((channel, index) => (
+        <g key={channel} class={`curve s${index}`}>
+          <path d={path(seen(orbit, second, index))} />
+        </g>
+      ))}
+    </>
+  );
+}
+
+function columnsOf(orbit: Orbit, second: boolean): DataColumn[] {
+  const [x, y] = motion(orbit, second);
+  return [
+    { name: "turn [°]", values: x.map((_, step) => (360 * step) / STEPS) },
+    { name: "x, 0-to-peak [µm]", values: x },
+    { name: "y, 0-to-peak [µm]", values: y },
+    ...orbit.channels.map((channel, index) => ({ name: `${channel}, 0-to-peak [µm]`, values: seen(orbit, second, index) })),
+  ];
 }

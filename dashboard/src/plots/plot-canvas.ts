@@ -19,6 +19,24 @@ export function drawBands(plot: uPlot, { bands }: PlotProps): void {
   ctx.restore();
 }
 
+export function drawLimits(plot: uPlot, { limits }: PlotProps): void {
+  const { ctx, bbox } = plot;
+  ctx.save();
+  ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
+  for (const one of limits ?? []) {
+    const y = plot.valToPos(one.y, "y", true);
+    if (y < bbox.top || y > bbox.top + bbox.height) continue;
+    ctx.strokeStyle = ctx.fillStyle = cssColour(one.kind === "note" ? "muted" : one.kind);
+    ctx.setLineDash(one.kind === "danger" ? [] : [6 * devicePixelRatio, 4 * devicePixelRatio]);
+    ctx.beginPath();
+    ctx.moveTo(bbox.left, y);
+    ctx.lineTo(bbox.left + bbox.width, y);
+    ctx.stroke();
+    ctx.fillText(one.words, bbox.left + 4 * devicePixelRatio, y - 3 * devicePixelRatio);
+  }
+  ctx.restore();
+}
+
 export function drawMarkers(plot: uPlot, { markers }: PlotProps): void {
   const { ctx, bbox } = plot;
   ctx.save();

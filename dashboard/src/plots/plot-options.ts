@@ -3,20 +3,23 @@ import type uPlot from "uplot";
 import { cssColour } from "../browser/theme";
 import { number } from "../format/numbers";
 import { COLOURS, dash, transparent } from "./curve-style";
-import { drawBands, drawBars, drawMarkers } from "./plot-canvas";
+import { drawBands, drawBars, drawLimits, drawMarkers } from "./plot-canvas";
 import { addGestures, isTouched } from "./plot-gestures";
 import type { Curve, PlotProps } from "./plot-props";
+import { withinTurn } from "./read-out";
 
 const DAY_S = 86_400;
+/** Round steps of an axis of angles [°]. */
+const TURN_STEPS = [15, 30, 45, 90, 180, 360, 720];
 const FONT = "11px system-ui, sans-serif";
 /** Labels of a time axis by the distance of its ticks: of every tick, and what is added where the year or day changes. */
 const DATES: uPlot.Axis.Values = [
   [365 * DAY_S, "{YYYY}", null, null, null, null, null, null, 1],
-  [28 * DAY_S, "{MMM}", "\n{YYYY}", null, null, null, null, null, 1],
-  [DAY_S, "{D} {MMM}", "\n{YYYY}", null, null, null, null, null, 1],
-  [3600, "{HH}:{mm}", "\n{D} {MMM} {YYYY}", null, "\n{D} {MMM}", null, null, null, 1],
-  [60, "{HH}:{mm}", "\n{D} {MMM} {YYYY}", null, "\n{D} {MMM}", null, null, null, 1],
-  [1, "{HH}:{mm}:{ss}", "\n{D} {MMM} {YYYY}", null, "\n{D} {MMM}", null, null, null, 1],
+  [28 * DAY_S, "{YYYY}-{MM}", null, null, null, null, null, null, 1],
+  [DAY_S, "{MM}-{DD}", "\n{YYYY}", null, null, null, null, null, 1],
+  [3600, "{HH}:{mm}", "\n{YYYY}-{MM}-{DD}", null, "\n{MM}-{DD}", null, null, null, 1],
+  [60, "{HH}:{mm}", "\n{YYYY}-{MM}-{DD}", null, "\n{MM}-{DD}", null, null, null, 1],
+  [1, "{HH}:{mm}:{ss}", "\n{YYYY}-{MM}-{DD}", null, "\n{MM}-{DD}", null, null, null, 1],
 ];
 
 /** A plot's columns: x, and of each curve its values and bounds. */
@@ -44,7 +47,7 @@ export function plotOptions(latest: { current: PlotProps }, height: number, widt
     axes: axes(props),
     cursor: cursor(props),
     hooks: {
-      drawAxes: [(plot) => drawBands(plot, latest.current)],
+      drawAxes: [(plot) => drawBands(plot, latest.current), (plot) => drawLimits(plot, latest.current)],
       draw: [(plot) => drawMarkers(plot, latest.current), (plot) => drawBars(plot, latest.current)],
       setCursor: [(plot) => onCursor(plot.cursor.idx ?? null)],
       setSelect: [(plot) => plot.select.width > 0 && (plot.root.dataset.zoomed = "1")],
@@ -82,7 +85,7 @@ function axes(props: PlotProps): uPlot.Axis[] {
   const x = props.xUnit ? titled(props.xUnit, 30, 14) : { size: 34 };
   return [
     { ...axis, ...x, values: props.time ? DATES : (_, ticks) => ticks.map((tick) => String(tick)) },
-    { ...axis, ...titled(props.yUnit, 54, 16), values: (_, ticks) => ticks.map(tickLabel) },
+    { ...axis, ...titled(props.yUnit, 54, 16), ...(props.turn ? { incrs: TURN_STEPS } : {}), values: (_, ticks) => ticks.map((tick) => tickLabel(props.turn ? withinTurn(tick, props.turn) : tick)) },
   ];
 }
 
@@ -120,7 +123,7 @@ function yRange(props: PlotProps, min: number | null, max: number | null): [numb
   if (props.yRange) return props.yRange;
   if (min === null || max === null) return [0, 1];
   const low = Math.min(min, ...(props.bands ?? []).map((one) => one.low));
-  const high = Math.max(max, ...(props.bands ?? []).map((one) => one.high));
+  const high = Math.max(max, ...(props.bands ?? []).map((one) => one.high), ...(props.limits ?? []).map((one) => one.y));
   const margin = 0.06 * (high - low || Math.abs(high) || 1);
   return [low >= 0 && low - margin < 0 ? 0 : low - margin, high + margin];
 }

@@ -35,6 +35,13 @@ export interface Band {
   to: number | null;
 }
 
+/** A limit, drawn as a horizontal line over the whole width. */
+export interface LimitLine {
+  y: number;
+  kind: "alert" | "danger" | "note";
+  words: string;
+}
+
 export interface PlotProps {
   label: string;
   x: number[];
@@ -46,6 +53,9 @@ export interface PlotProps {
   xRange?: [number, number];
   yRange?: [number, number];
   bands?: Band[];
+  limits?: LimitLine[];
+  /** Values are angles: they are read out from 0 to this, however many turns a curve has gone. */
+  turn?: number;
   markers?: Marker[];
   height?: number;
   /** Plots of one group share cursor and zoom. */

@@ -7,7 +7,8 @@ import { CurveLegend } from "./curve-legend";
 import { plotData, plotOptions } from "./plot-options";
 import type { PlotProps } from "./plot-props";
 import { isZoomed, moveReadOut, rangeOf, showAll, zoom, ZOOM_STEP, zoomLikeGroup, zoomTo } from "./plot-zoom";
-import { readOutLines, valuesText } from "./read-out";
+import { dataColumns, readOutLines, valuesText } from "./read-out";
+import { SaveButtons } from "./save-buttons";
 
 const DEFAULT_HEIGHT = 200;
 
@@ -24,7 +25,10 @@ export function Plot(props: PlotProps) {
           {last < 0 ? "no values" : index === null ? (props.readOut && props.time ? `newest: ${props.readOut(last)}` : "") : props.readOut ? props.readOut(index) : valuesText(props, index)}
           {index === null && !props.readOut && <CurveLegend curves={props.curves} />}
         </div>
-        <ZoomButtons plot={plot} />
+        <span class="zooms screen">
+          <ZoomButtons plot={plot} />
+          <SaveButtons label={props.label} columns={() => dataColumns(props)} canvas={() => plot.current?.ctx.canvas} />
+        </span>
       </div>
       <div ref={container} class="canvas" style={{ height: `${props.height ?? DEFAULT_HEIGHT}px` }} />
     </div>
@@ -84,11 +88,11 @@ function ZoomButtons({ plot }: { plot: { current: uPlot | null } }) {
     </button>
   );
   return (
-    <span class="zooms screen">
+    <>
       {button("+", "Zoom in", (one) => zoom(one, ZOOM_STEP))}
       {button("−", "Zoom out", (one) => zoom(one, 1 / ZOOM_STEP))}
       {button("all", "Show all", showAll)}
-    </span>
+    </>
   );
 }
 

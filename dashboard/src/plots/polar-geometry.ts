@@ -15,6 +15,8 @@ export interface PolarCurve {
   vector?: boolean;
   /** Radius of the circle around the last point in which it lies with 95 %. */
   radius?: number;
+  /** A region around a centre in which the next point lies with 95 %, in the plane of real part and imaginary part upwards. */
+  region?: { real: number; imaginary: number; semiMajor: number; semiMinor: number; inclinationDeg: number };
 }
 
 export interface Point {

@@ -1,17 +1,28 @@
 // A polar plot: amplitude as radius, phase lag as angle, one curve for each channel, speeds beside it.
 import { useState } from "preact/hooks";
 import { number, rpm } from "../format/numbers";
+import type { DataColumn } from "../browser/download";
 import { arrowStep } from "./arrow-keys";
 import { niceStep } from "./axis-steps";
 import { COLOURS } from "./curve-style";
+import { withinTurn } from "./read-out";
+import { SaveDrawing } from "./save-buttons";
 import { drawnCurve, labelledPoints, nearestPlace, nextPlace, type DrawnCurve, type Point, type PointPlace, type PolarCurve } from "./polar-geometry";
 
 const SIZE = 320;
 const RADIUS = 132;
 
-export function PolarPlot({ title, curves, unit = "µm pp" }: { title: string; curves: PolarCurve[]; unit?: string }) {
+interface Props {
+  title: string;
+  curves: PolarCurve[];
+  unit?: string;
+  /** Of the speeds beside the curves. */
+  speedUnit?: string;
+}
+
+export function PolarPlot({ title, curves, unit = "µm pp", speedUnit = "rpm" }: Props) {
   const [place, setPlace] = useState<PointPlace | null>(null);
-  const largest = Math.max(1e-9, ...curves.flatMap((one) => one.amplitude.map((value) => (value ?? 0) + (one.radius ?? 0))));
+  const largest = Math.max(1e-9, ...curves.flatMap((one) => [...one.amplitude.map((value) => (value ?? 0) + (one.radius ?? 0)), regionReach(one)]));
   const ring = niceStep(largest / 3);
   const rings = Math.ceil(largest / ring);
   const scale = RADIUS / (ring * rings);
@@ -34,8 +45,9 @@ export function PolarPlot({ title, curves, unit = "µm pp" }: { title: string; c
       <figcaption>
         <strong>{title}</strong>{" "}
         <span class="muted" aria-live="polite">
-          {place && point ? pointText(drawn[place[0]]!.curve, point, unit) : `rings of ${number(ring)} ${unit}`}
+          {place && point ? pointText(drawn[place[0]]!.curve, point, unit, speedUnit) : `rings of ${number(ring)} ${unit}`}
         </span>
+        <SaveDrawing label={`Polar plot of ${title}`} columns={() => columnsOf(curves, unit)} />
       </figcaption>
       <svg
         viewBox={`${-SIZE / 2} ${-SIZE / 2} ${SIZE} ${SIZE}`}
@@ -80,14 +92,37 @@ function CurveOf({ drawn: { curve, points }, scale }: { drawn: DrawnCurve; scale
   return (
     <g class={`curve s${curve.style % COLOURS} ${curve.faint ? "faint" : ""}`}>
       {curve.line ? <path d={linePath(points)} /> : <path class="dots" d={points.map((one) => `M${one.x.toFixed(1)} ${one.y.toFixed(1)}h0`).join("")} />}
+      {curve.region && <path class="region" d={regionPath(curve.region, scale)} />}
       {curve.radius !== undefined && end && <path d={circlePath(end, curve.radius * scale)} />}
       {!curve.faint && !curve.unlabelled && !curve.vector && labelledPoints(points).map((one) => (
         <text class="speed" x={one.x + 5} y={one.y - 4}>
-          {Math.round(curve.rpm[one.index]!)}
+          {number(curve.rpm[one.index]!, 4)}
         </text>
       ))}
     </g>
   );
+}
+
+function regionReach({ region }: PolarCurve): number {
+  return region ? Math.hypot(region.real, region.imaginary) + region.semiMajor : 0;
+}
+
+const REGION_STEPS = 60;
+
+/** Upwards is negative on the screen. */
+function regionPath({ real, imaginary, semiMajor, semiMinor, inclinationDeg }: NonNullable<PolarCurve["region"]>, scale: number): string {
+  const turn = (inclinationDeg * Math.PI) / 180;
+  const points = Array.from({ length: REGION_STEPS }, (_, step) => {
+    const [along, across] = [semiMajor * Math.cos((2 * Math.PI * step) / REGION_STEPS), semiMinor * Math.sin((2 * Math.PI * step) / REGION_STEPS)];
+    const [x, y] = [real + along * Math.cos(turn) - across * Math.sin(turn), imaginary + along * Math.sin(turn) + across * Math.cos(turn)];
+    return `${(x * scale).toFixed(1)} ${(-y * scale).toFixed(1)}`;
+  });
+  return `M${points.join("L")}Z`;
+}
+
+function columnsOf(curves: PolarCurve[], unit: string): DataColumn[] {
+  const rows = curves.flatMap((curve) => curve.rpm.map((speed, at) => [curve.name, speed, curve.amplitude[at] ?? null, curve.lag[at] ?? null]));
+  return ["curve", "speed", `amplitude [${unit}]`, "lag [°]"].map((name, at) => ({ name, values: rows.map((row) => row[at]!) }));
 }
 
 function linePath(points: Point[]): string {
@@ -99,7 +134,7 @@ function circlePath({ x, y }: Point, radius: number): string {
   return `M${(x - radius).toFixed(1)} ${y.toFixed(1)}${half(1)}${half(-1)}`;
 }
 
-function pointText(curve: PolarCurve, { index }: Point, unit: string): string {
-  const speed = curve.vector ? "" : `${rpm(curve.rpm[index])}, `;
-  return `${curve.name}: ${speed}${number(curve.amplitude[index])} ${unit}, ${Math.round(curve.lag[index]!)}° lag`;
+function pointText(curve: PolarCurve, { index }: Point, unit: string, speedUnit: string): string {
+  const speed = curve.vector ? "" : speedUnit === "rpm" ? `${rpm(curve.rpm[index])}, ` : `${number(curve.rpm[index], 4)} ${speedUnit}, `;
+  return `${curve.name}: ${speed}${number(curve.amplitude[index])} ${unit}, ${Math.round(withinTurn(curve.lag[index]!, 360)) % 360}° lag`;
 }

@@ -1,6 +1,7 @@
 // The parts of a report: summary with the train as it was, alerts and timeline of the period.
 import { ErrorMessage, Loaded } from "../components/loading";
 import { Empty, Panel } from "../components/panel";
+import { Scroll } from "../components/scroll";
 import { Severity } from "../components/severity";
 import { Time } from "../components/time";
 import { isComparable } from "../data/newest-identification";
@@ -85,7 +86,7 @@ export function AlertsOfPeriod({ result, alerts }: { result: QueryResult<Alert[]
 function AlertTable({ alerts }: { alerts: Alert[] }) {
   if (alerts.length === 0) return <Empty>No alert in this period.</Empty>;
   return (
-    <div class="scroll">
+    <Scroll label="Table">
       <table>
         <thead>
           <tr>
@@ -116,7 +117,7 @@ function AlertTable({ alerts }: { alerts: Alert[] }) {
           ))}
         </tbody>
       </table>
-    </div>
+    </Scroll>
   );
 }
 

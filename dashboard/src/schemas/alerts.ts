@@ -12,6 +12,8 @@ export interface Alert {
   latching: boolean;
   suppressions: string[];
   message: string;
+  /** What it means and what to do; null, or missing, where the service has no words for its kind. */
+  advice?: Advice | null;
   evidence: Partial<Evidence>;
   identification: number;
   measured_at: string;
@@ -22,12 +24,26 @@ export interface Alert {
   events: number;
 }
 
+/** What is told of a finding, in the service's or the site's own texts. */
+export interface Advice {
+  what: string;
+  how_far: { words: string }[];
+  how_sure: { words: string };
+  how_urgent: { words: string };
+  check: string[];
+  actions: { opportunity: string; text: string }[];
+  confirm: string[];
+  not_determined: string[];
+}
+
 /** The evidence of a diagnosis; alerts of other kinds hold other fields. */
 export interface Evidence {
   kind: string;
   sigma: number;
   since: string;
   runs: number;
+  /** Identifications that it was compared with. */
+  baseline: number[];
   form: string | null;
   misalignment_force: number | null;
   moved: { parameter: string; change: number; sigma: number }[];

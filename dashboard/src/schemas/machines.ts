@@ -8,6 +8,7 @@ export interface Document {
   plant: string;
   name: string;
   rotation?: Sense;
+  operation?: { running_rpm?: number | null };
   speed_range: { minimum_rpm: number; maximum_rpm: number };
   couplings: { id: string }[];
   /** film: of a journal bearing whose coefficients follow from its oil film. */
@@ -42,6 +43,9 @@ export interface MachineState {
   direction: "positive" | "negative" | null;
   newest_sample_at: string | null;
   run: OpenRun | null;
+  /** What is probably wrong where it turns, but never was in its document's speed range. */
+  outside_speed_range?: string | null;
+  late_samples_waiting?: number;
 }
 
 export interface TimelineEntry {
@@ -76,7 +80,9 @@ export interface FleetMachine {
   last_identification: { id: number; measured_at: string; accepted: boolean; verdict: string } | null;
   open_alerts: Record<string, number>;
   unacknowledged: number;
-  happened: Record<"runs" | "identifications" | "alert_events" | "revisions" | "timeline", number>;
+  /** The open alert to look at first. */
+  first_alert: { id: number; severity: string; rule: string; element: string; state: string } | null;
+  happened: Record<"runs" | "identifications" | "alert_events" | "revisions" | "timeline" | "refused", number>;
 }
 
 export interface Fleet {

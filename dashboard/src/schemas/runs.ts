@@ -21,6 +21,8 @@ export interface Phasors {
   speed_rpm: number[];
   amplitude_um_pp: (number | null)[][];
   phase_lag_deg: (number | null)[][];
+  amplitude_2x_um_pp?: (number | null)[][] | null;
+  phase_2x_lag_deg?: (number | null)[][] | null;
   /** Vectors that were subtracted; null: raw. */
   slow_roll_version: number | null;
   slow_roll_left_out: Record<string, string>;
@@ -35,9 +37,13 @@ export interface Orbit {
   shaft: string;
   station: number;
   channels: string[];
+  /** Of the probes, from +x towards +y [°]. */
+  angles_deg: number[];
   speed_rpm: number;
   x: AxisPhasor;
   y: AxisPhasor;
+  x_2x: AxisPhasor | null;
+  y_2x: AxisPhasor | null;
   semi_major_um: number;
   semi_major_error_um: number;
   semi_minor_um: number;

@@ -9,7 +9,7 @@ const SHORTCUTS: [string, string][] = [
   ["f", "fleet"],
   ["a", "alerts"],
   ["w", "notifications"],
-  ["1 … 8", "tabs of a machine"],
+  ["1 … 9", "tabs of a machine"],
   ["d", "dark or light"],
   ["← → in a plot", "move the read-out; with Shift ten points"],
   ["Enter in a trend", "open the identification of the point read out"],

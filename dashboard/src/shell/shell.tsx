@@ -4,14 +4,17 @@ import { link, route } from "../browser/router";
 import { useStore } from "../browser/store";
 import { ErrorBoundary } from "../components/error-boundary";
 import { connection } from "../data/connection";
+import { AlertPage } from "../pages/alert-page";
 import { AlertsPage } from "../pages/alerts-page";
 import { FleetPage } from "../pages/fleet-page";
 import { MachinePage } from "../pages/machine-page";
 import { NotificationsPage } from "../pages/notifications-page";
 import { ReportPage } from "../pages/report-page";
+import { WallPage } from "../pages/wall-page";
 import { ConnectionBanner, ConnectionState } from "./connection-state";
 import { KeyboardShortcuts, useShortcuts } from "./keyboard-shortcuts";
 import { ThemeButton } from "./theme-button";
+import { UnitSelect } from "./unit-select";
 import { UserName } from "./user-name";
 
 /** Identifiers that a machine may have. */
@@ -39,6 +42,7 @@ export function Shell() {
         <span class="space" />
         <UserName />
         <ConnectionState />
+        <UnitSelect />
         <ThemeButton />
         <button type="button" class="quiet" onClick={() => setShortcuts(true)} aria-label="Keyboard shortcuts" title="Keyboard shortcuts (?)">
           ?
@@ -81,7 +85,9 @@ function Navigation({ first }: { first: string | undefined }) {
 function Page({ parts }: { parts: string[] }) {
   const [first, machine, tab] = parts;
   if (first === undefined) return <FleetPage />;
+  if (first === "alerts" && machine !== undefined) return <AlertPage key={machine} id={encodeURIComponent(machine)} />;
   if (first === "alerts") return <AlertsPage />;
+  if (first === "wall") return <WallPage />;
   if (first === "subscriptions") return <NotificationsPage />;
   if (machine !== undefined && !MACHINE.test(machine)) return <p class="error" role="alert">There is no machine “{encodeURIComponent(machine)}”.</p>;
   if (first === "machines" && machine) return <MachinePage key={machine} id={machine} tab={tab ?? "overview"} />;

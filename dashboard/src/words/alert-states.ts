@@ -3,7 +3,7 @@ import { findingLabel } from "../findings/findings";
 import { elementName } from "../format/names";
 import type { Alert } from "../schemas/alerts";
 
-export type AlertAction = "acknowledge" | "reset" | "shelve" | "unshelve" | "comments";
+export type AlertAction = "acknowledge" | "instruct" | "reset" | "shelve" | "unshelve" | "comments";
 
 const STATES: Record<string, string> = {
   unacknowledged: "unacknowledged",
@@ -33,6 +33,7 @@ export function isUnacknowledged(alert: Alert): boolean {
 
 export const ALERT_ACTIONS: Record<AlertAction, { button: string; title: string }> = {
   acknowledge: { button: "Acknowledge", title: "Acknowledge" },
+  instruct: { button: "Instruct the crew …", title: "Instruct the crew" },
   reset: { button: "Reset", title: "Reset" },
   shelve: { button: "Shelve …", title: "Shelve: no notifications until then" },
   unshelve: { button: "Unshelve", title: "Unshelve" },
@@ -45,8 +46,27 @@ export function availableActions(alert: Alert): AlertAction[] {
   if (alert.condition === "latched_acknowledged") actions.push("reset");
   if (alert.suppressions.includes("shelved")) actions.push("unshelve");
   else if (!alert.closed_at) actions.push("shelve");
+  if (!alert.closed_at) actions.push("instruct");
   actions.push("comments");
   return actions;
+}
+
+/** What an alert is about, as a heading: `Misalignment of coupling C1`. */
+export function alertTitle({ rule, element }: Pick<Alert, "rule" | "element">): string {
+  const words = `${findingLabel(rule)}${element.startsWith(`${rule}.`) ? ` ${element.slice(rule.length + 1)}` : ` of ${elementName(element)}`}`;
+  return words.charAt(0).toUpperCase() + words.slice(1);
+}
+
+/** The API's limit for a comment. */
+const LONGEST_COMMENT = 2000;
+
+/** Text that an instruction to the crew begins with: what was found, to be completed by who gives it. */
+export function instructionDraft(alert: Alert): string {
+  const { actions = [], check = [] } = alert.advice ?? {};
+  const lines = [`For the crew: ${alertTitle(alert)}. ${alert.message}`];
+  for (const { opportunity, text } of actions) lines.push(`- ${opportunity}: ${text}`);
+  if (check.length > 0) lines.push(`To check: ${check.join("; ")}`);
+  return lines.join("\n").slice(0, LONGEST_COMMENT);
 }
 
 /** The findings and elements that a suppression holds for. */

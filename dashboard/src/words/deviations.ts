@@ -6,6 +6,24 @@ import type { Deviations, ParameterDeviation } from "../schemas/trends";
 /** Elements less probable than this in the baseline state have changed. */
 export const CHANGED = 1e-3;
 
+/** Beyond this nobody doubts it. */
+const CERTAIN = 1e-6;
+/** Chance makes as much now and then. */
+const PERHAPS = 0.05;
+
+/** Whether an element has changed, by the probability of its deviation without any change. */
+export function changeText(probability: number): string {
+  if (probability < CERTAIN) return "yes, certainly";
+  if (probability < CHANGED) return "yes";
+  return probability < PERHAPS ? "perhaps" : "no";
+}
+
+/** A probability as `one of 400`. */
+export function chanceText(probability: number): string {
+  if (probability < 1e-9) return "less than one of a billion";
+  return `one of ${number(1 / probability, 2)}`;
+}
+
 /** A parameter's deviation in words: kxx +54 % (10.5 σ). */
 export function deviationText(one: ParameterDeviation): string {
   const term = termName(one.parameter);

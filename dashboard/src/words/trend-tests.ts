@@ -13,7 +13,10 @@ export function trendTestTexts(parameter: string, tests: TrendTest[]): string[] 
   return tests.flatMap((test) => {
     const component = test.name.startsWith(`${parameter}.`) ? test.name.slice(parameter.length + 1) : "";
     const prefix = component ? `${COMPONENTS[component] ?? component}: ` : "";
-    return [...steps(test), ...slowShift(test), ...drift(test, reference(parameter, component))].map((one) => prefix + one);
+    const drifts = drift(test, reference(parameter, component));
+    // Whoever drifts for weeks passes the limit of a step as well: it is no step.
+    const jumps = drifts.length > 0 ? drifted(test) : [...steps(test), ...slowShift(test)];
+    return [...jumps, ...drifts].map((one) => prefix + one);
   });
 }
 
@@ -29,6 +32,12 @@ function steps(test: TrendTest): string[] {
     ...(test.step_up.passed ? [`step up${since(test.step_up.began)}`] : []),
     ...(test.step_down?.passed ? [`step down${since(test.step_down.began)}`] : []),
   ];
+}
+
+/** Since when a drift shows. */
+function drifted({ step_up: up, step_down: down }: TrendTest): string[] {
+  const began = up.passed ? up.began : down?.passed ? down.began : null;
+  return began ? [`drifting, seen since ${when(began)}`] : [];
 }
 
 function slowShift({ creep }: TrendTest): string[] {

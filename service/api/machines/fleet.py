@@ -52,6 +52,17 @@ class Happened(BaseModel):
     alert_events: int
     revisions: int = Field(description="of the document")
     timeline: int = Field(description="entries")
+    refused: int = Field(description="entries of the quarantine: messages and values of its sources that were not taken")
+
+
+class FirstAlert(BaseModel):
+    """The open alert to look at first: one that waits for a person, then the worst, then the newest."""
+
+    id: int
+    severity: str
+    rule: str
+    element: str
+    state: str
 
 
 class FleetMachine(BaseModel):
@@ -70,6 +81,7 @@ class FleetMachine(BaseModel):
     last_identification: LastIdentification | None
     open_alerts: dict[str, int] = Field(description="by severity: alert, danger")
     unacknowledged: int = Field(description="open alerts that nobody has seen")
+    first_alert: FirstAlert | None
     happened: Happened
 
 
@@ -91,7 +103,7 @@ async def read_fleet(
 ) -> Response:
     """List every machine with its state, last run, open alerts, and the events since a time.
 
-    Speeds, states and progress may be half a second behind what is stored; everything else is current.
+    Speeds, states and progress may be half a second behind what is stored, `refused` a minute; everything else is current.
     """
     begin = (now() - A_DAY) // A_MINUTE * A_MINUTE if since is None else instant(since)
     known: MachineList = request.app.state.machine_list

@@ -17,7 +17,7 @@ from storage.clock import to_datetime
 from storage.database.change_counts import Changes
 from storage.database.engine import Database
 from storage.machines import fleet
-from storage.machines.fleet import IdentificationGlance, ListedMachine, MachineGlance, RunGlance
+from storage.machines.fleet import AlertGlance, IdentificationGlance, ListedMachine, MachineGlance, RunGlance
 from storage.measurements.runs import OPEN
 
 LABELS = [(severity, severity.label) for severity in Severity]
@@ -87,6 +87,7 @@ def _row(one: MachineGlance, standing: CollectionState | None) -> Row:
         "last_identification": _last_identification(one.last_identification),
         "open_alerts": {label: one.open_alerts.get(severity, 0) for severity, label in LABELS},
         "unacknowledged": one.unacknowledged,
+        "first_alert": _first_alert(one.first_alert),
         "happened": one.since,
     }
 
@@ -100,6 +101,13 @@ def _open_run(one: MachineGlance, standing: CollectionState | None) -> Row | Non
         return None
     part = progress(run.kind, standing, minimum_rpm=minimum, maximum_rpm=maximum)
     return {"id": run.id, "kind": run.kind, "started_at": to_datetime(run.time_first), "progress": part}
+
+
+def _first_alert(alert: AlertGlance | None) -> Row | None:
+    if alert is None:
+        return None
+    named = {"rule": alert.rule, "element": alert.element, "state": alert.state}
+    return {"id": alert.id, "severity": Severity(alert.severity).label} | named
 
 
 def _last_run(run: RunGlance | None) -> Row | None:

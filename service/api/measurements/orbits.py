@@ -6,9 +6,9 @@ import numpy as np
 from fastapi import APIRouter, Query
 from pydantic import BaseModel, Field
 
-from estimator.arrays import Floats
+from estimator.arrays import Complexes, Floats
 from estimator.phasors.orbits import OrbitFinding, StationOrbits, orbit_findings, station_orbits
-from estimator.phasors.probe_axes import probe_stations
+from estimator.phasors.probe_axes import axis_phasors, probe_stations
 from estimator.phasors.slow_roll import corrected
 from estimator.units import METRES, RADIANS, rad_per_s_to_rpm, rpm_to_rad_per_s
 from service.api.conventions.dependencies import Number, Reading
@@ -50,10 +50,13 @@ class OrbitOut(BaseModel):
     shaft: str
     station: float = Field(description="[m] from the shaft's driver-side end")
     channels: list[str]
+    angles_deg: list[float] = Field(description="of the probes, from +x towards +y [°]")
     angles_condition: float = Field(description="condition number of the probes' angles, 1 at right angles")
     speed_rpm: float
     x: AxisPhasor
     y: AxisPhasor
+    x_2x: AxisPhasor | None = Field(default=None, description="2× along x, x(t) = Re(X e^{2jωt}); null where not sent")
+    y_2x: AxisPhasor | None = None
     semi_major_um: float
     semi_major_error_um: float
     semi_minor_um: float = Field(description="positive with the rotation, negative against it")
@@ -99,6 +102,7 @@ def read_orbits(
     measurement = held.measurement()
     described, without = (machine, measurement) if vectors is None else corrected(machine, measurement, vectors)
     nearest = [(one, _nearest(one, without.speed, rpm_to_rad_per_s(rpm))) for one in station_orbits(described, without)]
+    second = {one.place.channels: _second_order(one, held.second) for one, _ in nearest}
     seen = {one.place.channels for one, sample in nearest if sample is not None}
     return Orbits(
         run=run_id,
@@ -107,7 +111,10 @@ def read_orbits(
         slow_roll_left_out=left_out,
         units=units,
         orbits=[
-            _rendered(one, sample, without.speed).model_copy(update={"in_units": _in_units(one, sample, without.speed, units)})
+            _rendered(one, sample, without.speed).model_copy(
+                update=_axes_of(second[one.place.channels], sample)
+                | {"in_units": _in_units(one, sample, without.speed, units)}
+            )
             for one, sample in nearest
             if sample is not None
         ],
@@ -132,6 +139,7 @@ def _rendered(one: StationOrbits, sample: int, speed: Floats) -> OrbitOut:
         shaft=one.place.shaft,
         station=one.place.station,
         channels=list(one.place.channels),
+        angles_deg=[float(angle) for angle in np.rad2deg(one.place.angle)],
         angles_condition=one.place.condition,
         speed_rpm=rad_per_s_to_rpm(float(speed[sample])),
         x=AxisPhasor(real_um=x.real, imaginary_um=x.imag),
@@ -144,6 +152,18 @@ def _rendered(one: StationOrbits, sample: int, speed: Floats) -> OrbitOut:
         inclination_error_deg=error if told else None,
         sense=one.sense(sample),
     )
+
+
+def _second_order(one: StationOrbits, second: Complexes) -> tuple[Complexes, Complexes]:
+    axes = axis_phasors(one.place, phasor=second, usable=np.isfinite(second))
+    return axes.x, axes.y
+
+
+def _axes_of(second: tuple[Complexes, Complexes], sample: int) -> dict[str, AxisPhasor]:
+    x, y = (complex(axis[sample]) / METRES["um"] for axis in second)
+    if not np.isfinite([x, y]).all():
+        return {}
+    return {"x_2x": AxisPhasor(real_um=x.real, imaginary_um=x.imag), "y_2x": AxisPhasor(real_um=y.real, imaginary_um=y.imag)}
 
 
 def _in_units(one: StationOrbits, sample: int, speed: Floats, units: Units | None) -> OrbitInUnits | None:

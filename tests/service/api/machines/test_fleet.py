@@ -45,6 +45,9 @@ def test_each_machine_at_a_glance(api: Api) -> None:
     assert pump["speed_rpm"] == pytest.approx(1650.0)
     assert pump["open_alerts"] == {"alert": 1, "danger": 1}
     assert pump["unacknowledged"] == 1
+    assert fan["first_alert"] is None
+    first = pump["first_alert"]
+    assert (first["element"], first["severity"], first["state"]) == ("coupling.C1", "alert", "unacknowledged"), "it waits"
     assert pump["last_run"]["state"] == "open"
     state = api.value("/machines/pump-7/state")
     assert pump["open_run"] == state["run"]
@@ -55,7 +58,14 @@ def test_each_machine_at_a_glance(api: Api) -> None:
 
 def test_what_happened_since(api: Api) -> None:
     _, pump = api.value("/fleet")["machines"]
-    assert pump["happened"] == {"runs": 0, "identifications": 1, "alert_events": 3, "revisions": 1, "timeline": 0}
+    assert pump["happened"] == {
+        "runs": 0,
+        "identifications": 1,
+        "alert_events": 3,
+        "revisions": 1,
+        "timeline": 0,
+        "refused": 0,
+    }
     long_ago = api.value("/fleet", since="2020-01-01T00:00:00Z")
     assert long_ago["since"] == "2020-01-01T00:00:00Z"
     assert long_ago["machines"][1]["happened"]["runs"] == 2

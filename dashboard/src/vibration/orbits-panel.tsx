@@ -1,10 +1,12 @@
-// The 1× orbits at the probes, at a chosen speed of a run.
+// The orbits at the probes, of 1× alone or with the 2×, at a chosen speed of a run: at first at running speed.
 import { useState } from "preact/hooks";
 import { replaceQuery, route } from "../browser/router";
 import { useStore } from "../browser/store";
+import { useUnits } from "../browser/units";
 import { ErrorMessage, Loaded } from "../components/loading";
 import { Empty, Panel } from "../components/panel";
 import { RunSelect } from "../components/run-select";
+import { Speed } from "../components/speed";
 import type { ApiError } from "../data/http-client";
 import { useLastComplete } from "../data/last-complete";
 import { useResource, type QueryResult } from "../data/resource";
@@ -14,7 +16,7 @@ import { number, rpm } from "../format/numbers";
 import { niceStep } from "../plots/axis-steps";
 import { OrbitPlot } from "../plots/orbit-plot";
 import type { Document } from "../schemas/machines";
-import type { Orbits, Run } from "../schemas/runs";
+import type { AxisPhasor, Orbit, Orbits, Run } from "../schemas/runs";
 import { slowRollText } from "../words/slow-roll";
 
 interface OrbitsAndOverlay {
@@ -26,13 +28,18 @@ export function OrbitsPanel({ machine }: { machine: Document }) {
   const runs = useRunSelection(machine.id);
   const { query } = useStore(route);
   const { minimum_rpm: low, maximum_rpm: high } = machine.speed_range;
-  const speed = Number(query.get("rpm")) || Math.round((low + high) / 2);
+  const speed = Number(query.get("rpm")) || runningSpeed(machine, runs.run);
+  const second = query.get("order") === "2";
   const { result, failure } = useOrbits(machine.id, runs.run, runs.reference, speed);
   return (
-    <Panel title="1× orbits at the probes">
+    <Panel title={`Orbits at the probes, ${second ? "1× and 2×" : "1×"}`}>
       <div class="choices">
         <RunSelect {...runs} />
         <SpeedSlider low={low} high={high} speed={speed} />
+        <label class="switch">
+          <input type="checkbox" checked={second} onChange={(event) => replaceQuery({ order: event.currentTarget.checked ? "2" : null })} />
+          with 2×
+        </label>
       </div>
       {failure?.isLocal && <ErrorMessage failure={failure} />}
       {runs.all?.length === 0 ? (
@@ -43,11 +50,16 @@ export function OrbitsPanel({ machine }: { machine: Document }) {
         </p>
       ) : (
         <Loaded result={result} lines={20}>
-          {({ found, other }) => <OrbitPlots found={found} other={other} />}
+          {({ found, other }) => <OrbitPlots found={found} other={other} second={second} />}
         </Loaded>
       )}
     </Panel>
   );
+}
+
+/** The speed at which the machine works; else the run's highest. */
+function runningSpeed({ operation, speed_range: range }: Document, run: Run | undefined): number {
+  return Math.round(operation?.running_rpm ?? run?.speed_maximum_rpm ?? range.maximum_rpm);
 }
 
 /** The orbits of a run and of the one overlaid, without the same slow roll, once both are loaded. */
@@ -67,7 +79,7 @@ function SpeedSlider({ low, high, speed }: { low: number; high: number; speed: n
   const [dragged, setDragged] = useState<number | null>(null);
   return (
     <label class="wide">
-      Speed: {rpm(dragged ?? speed)}
+      Speed: <Speed rpm={dragged ?? speed} />
       <input
         type="range"
         min={low}
@@ -84,14 +96,16 @@ function SpeedSlider({ low, high, speed }: { low: number; high: number; speed: n
   );
 }
 
-function OrbitPlots({ found, other }: OrbitsAndOverlay) {
+function OrbitPlots({ found, other, second }: OrbitsAndOverlay & { second: boolean }) {
+  const { amplitude, speed } = useUnits();
   const all = [...found.orbits, ...(other?.orbits ?? [])];
-  const ring = niceStep(Math.max(1e-6, ...all.map((one) => one.semi_major_um)) / 2);
+  const reach = (one: Orbit) => one.semi_major_um + (second && one.x_2x && one.y_2x ? size(one.x_2x, one.y_2x) : 0);
+  const shown = niceStep(Math.max(1e-6, ...all.map(reach)) * amplitude.factor);
   return (
     <>
       <p class="muted">
-        x to the right, y up; 0-to-peak, rings of {number(ring)} µm; {slowRollOf(found)}. The dot marks the keyphasor event; the
-        gap before it shows the direction of motion.
+        x to the right, y up; the outer of two rings is {number(2 * shown)} {amplitude.label} wide; {slowRollOf(found)}. The dot marks the
+        keyphasor event; the gap before it shows the direction of motion. Below, what each probe sees in one turn.
       </p>
       <div class="orbits shapes">
         {found.orbits.map((one) => (
@@ -99,7 +113,10 @@ function OrbitPlots({ found, other }: OrbitsAndOverlay) {
             key={one.channels.join()}
             orbit={one}
             overlay={other?.orbits.find((them) => them.channels.join() === one.channels.join())}
-            ring={ring}
+            ring={shown / amplitude.factor}
+            second={second}
+            unit={amplitude}
+            speed={(value) => (speed.factor === 1 ? rpm(value) : `${number(value * speed.factor, 4)} ${speed.label}`)}
           />
         ))}
       </div>
@@ -112,6 +129,10 @@ function OrbitPlots({ found, other }: OrbitsAndOverlay) {
       ))}
     </>
   );
+}
+
+function size(...axes: AxisPhasor[]): number {
+  return Math.hypot(...axes.flatMap((one) => [one.real_um, one.imaginary_um]));
 }
 
 /** Names only channels of which an orbit is shown. */

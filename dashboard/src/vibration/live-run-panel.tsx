@@ -1,4 +1,5 @@
 // The run that is being collected, drawn while it grows.
+import { inUnit, speedsInUnit, useUnits } from "../browser/units";
 import { Loading, StaleNotice } from "../components/loading";
 import { Panel } from "../components/panel";
 import { useResource } from "../data/resource";
@@ -13,6 +14,7 @@ const POLL_MS = 1500;
 export function LiveRunPanel({ machine }: { machine: Document }) {
   const run = useResource<MachineState>(`/machines/${machine.id}/state`).data?.run;
   const result = useResource<Phasors>(run ? `/runs/${run.id}/phasors?slow_roll=in_force` : null, POLL_MS);
+  const { amplitude, speed } = useUnits();
   if (!run) return null;
   const phasors = result.data;
   const sweep = phasors && speedSweep(phasors);
@@ -22,11 +24,11 @@ export function LiveRunPanel({ machine }: { machine: Document }) {
       {sweep ? (
         <Plot
           label={`Amplitude over speed of run ${run.id} so far`}
-          x={sweep.rpm}
-          xUnit="rpm"
-          yUnit="µm pp"
-          curves={sweep.channels.map((channel, index) => ({ name: channel, y: sweep.amplitude[index]!, points: true }))}
-          xRange={[machine.speed_range.minimum_rpm, machine.speed_range.maximum_rpm]}
+          x={speedsInUnit(sweep.rpm, speed)}
+          xUnit={speed.label}
+          yUnit={amplitude.label}
+          curves={sweep.channels.map((channel, index) => ({ name: channel, y: inUnit(sweep.amplitude[index]!, amplitude), points: true }))}
+          xRange={[machine.speed_range.minimum_rpm * speed.factor, machine.speed_range.maximum_rpm * speed.factor]}
           height={190}
         />
       ) : (

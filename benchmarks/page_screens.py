@@ -1,0 +1,109 @@
+"""Takes a picture of every view, by day, by night and on a phone, and compares it with the last accepted one.
+
+Accepted pictures lie in a folder outside the repository; `--accept` makes the new ones the accepted ones. Two pictures are the
+same where not more than a small part of their blocks differs clearly: times and noise differ in every run of the story.
+
+    python -m benchmarks.page_screens --folder artefacts/screens [--accept]
+"""
+
+import argparse
+import shutil
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+from playwright.sync_api import Browser, ViewportSize, sync_playwright
+
+from estimator.arrays import Floats
+from tests.browser.story import BASELINE_RUNS, ZONE, installed, launch, run_story
+from tests.browser.views import VIEWS, show
+from tests.end_to_end.processes import Service
+
+BLOCK_PX = 16
+"""Side of a block: what changes within one, as a digit does, hardly changes its mean."""
+CLEARLY = 24.0
+"""Difference of a block's mean brightness that a person sees [of 255]."""
+MOST_BLOCKS = 0.02
+"""Part of the blocks that may differ clearly [-]."""
+SETTLE_MS = 500
+SIZES: dict[str, dict[str, object]] = {
+    "light": {"viewport": ViewportSize(width=1440, height=900), "color_scheme": "light"},
+    "dark": {"viewport": ViewportSize(width=1440, height=900), "color_scheme": "dark"},
+    "phone": {"viewport": ViewportSize(width=390, height=844), "has_touch": True, "is_mobile": True},
+}
+
+
+def take(browser: Browser, base: str, folder: Path) -> list[Path]:
+    """Take all pictures."""
+    taken = []
+    for size, options in SIZES.items():
+        context = browser.new_context(timezone_id=ZONE.key, locale="en-GB", **options)  # type: ignore[arg-type]
+        page = context.new_page()
+        for view in VIEWS:
+            show(page, base, view)
+            page.wait_for_timeout(SETTLE_MS)
+            taken.append(folder / f"{size}-{view}.png")
+            page.screenshot(path=taken[-1], full_page=True)
+        context.close()
+    return taken
+
+
+def difference(one: Path, other: Path) -> float:
+    """Return the part of the blocks that differs clearly between two pictures; where they are not equally high, all below."""
+    first, second = _blocks(one), _blocks(other)
+    rows, columns = max(len(first), len(second)), max(first.shape[1], second.shape[1])
+    common = min(len(first), len(second)), min(first.shape[1], second.shape[1])
+    apart = np.abs(first[: common[0], : common[1]] - second[: common[0], : common[1]]) > CLEARLY
+    alike = common[0] * common[1] - int(np.count_nonzero(apart))
+    return float(1.0 - alike / (rows * columns))
+
+
+def _blocks(path: Path) -> Floats:
+    grey = np.asarray(Image.open(path).convert("L"), dtype=float)
+    rows, columns = (size // BLOCK_PX for size in grey.shape)
+    cut = grey[: rows * BLOCK_PX, : columns * BLOCK_PX].reshape(rows, BLOCK_PX, columns, BLOCK_PX)
+    return np.asarray(cut.mean(axis=(1, 3)))
+
+
+def compare(taken: list[Path], accepted: Path, *, accept: bool) -> int:
+    """Print what differs, accept it where asked, and return how many pictures differ or are new."""
+    accepted.mkdir(parents=True, exist_ok=True)
+    changed = 0
+    for path in taken:
+        known = accepted / path.name
+        part = difference(path, known) if known.exists() else None
+        if part is None or part > MOST_BLOCKS:
+            changed += 1
+            print(f"  {path.name:<28} {'new' if part is None else f'{100 * part:.1f} % differs'}")
+        if accept:
+            shutil.copy(path, known)
+    print(f"{len(taken)} pictures, {changed} differ from the accepted ones{'; all are accepted now' if accept else ''}")
+    return 0 if accept else changed
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Take and compare; end with status 1 where a picture differs."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--folder", type=Path, default=Path("artefacts/screens"))
+    parser.add_argument("--accept", action="store_true")
+    options = parser.parse_args(arguments)
+    program = installed()
+    if program is None:
+        raise SystemExit("page_screens: chromium is not installed: apt-get install chromium")
+    new = options.folder / "new"
+    new.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory() as folder:
+        service = Service(Path(folder), RUNDOWN_BASELINE_RUNS=str(BASELINE_RUNS))
+        with service.running(), sync_playwright() as playwright:
+            run_story(service)
+            browser = launch(playwright, program)
+            taken = take(browser, f"http://127.0.0.1:{service.port}", new)
+            browser.close()
+        service.client.close()
+    if compare(taken, options.folder / "accepted", accept=options.accept):
+        raise SystemExit(1)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,54 @@
+// The units that vibration and speed are shown in, chosen here and kept by the browser; the API's are µm peak-to-peak and r/min.
+import { Store, useStore } from "./store";
+
+/** A unit's label, and the factor from the API's unit. */
+export interface Unit {
+  label: string;
+  factor: number;
+}
+
+export interface Units {
+  amplitude: Unit;
+  speed: Unit;
+}
+
+const STORAGE_KEY = "rundown.units";
+const MIL_UM = 25.4;
+const AMPLITUDES: Record<string, Unit> = {
+  um_pp: { label: "µm pp", factor: 1 },
+  um_p: { label: "µm 0-pk", factor: 0.5 },
+  mil_pp: { label: "mil pp", factor: 1 / MIL_UM },
+  mil_p: { label: "mil 0-pk", factor: 0.5 / MIL_UM },
+};
+const SPEEDS: Record<string, Unit> = { rpm: { label: "rpm", factor: 1 }, hz: { label: "Hz", factor: 1 / 60 } };
+
+/** Every choice by its name: `um_pp,rpm`. */
+export const UNIT_CHOICES: [string, Units][] = Object.entries(SPEEDS).flatMap(([speedName, speed]) =>
+  Object.entries(AMPLITUDES).map(([name, amplitude]): [string, Units] => [`${name},${speedName}`, { amplitude, speed }]),
+);
+
+function saved(): string {
+  const name = window.localStorage.getItem(STORAGE_KEY);
+  return UNIT_CHOICES.some(([one]) => one === name) ? name! : UNIT_CHOICES[0]![0];
+}
+
+export const unitChoice = new Store<string>(saved());
+
+export function chooseUnits(name: string): void {
+  window.localStorage.setItem(STORAGE_KEY, name);
+  unitChoice.set(name);
+}
+
+export function useUnits(): Units {
+  const name = useStore(unitChoice);
+  return UNIT_CHOICES.find(([one]) => one === name)![1];
+}
+
+/** Values in a unit. */
+export function inUnit(values: (number | null)[], { factor }: Unit): (number | null)[] {
+  return factor === 1 ? values : values.map((one) => (one === null ? null : one * factor));
+}
+
+export function speedsInUnit(values: number[], { factor }: Unit): number[] {
+  return factor === 1 ? values : values.map((one) => one * factor);
+}

@@ -1,0 +1,17 @@
+// Fields to choose a period by its first and last day.
+import { replaceQuery } from "../browser/router";
+
+export function PeriodFields({ first, last }: { first: string; last: string }) {
+  return (
+    <>
+      <label>
+        From
+        <input type="date" value={first} max={last || undefined} onChange={(event) => replaceQuery({ from: event.currentTarget.value || null })} />
+      </label>
+      <label>
+        To
+        <input type="date" value={last} min={first || undefined} onChange={(event) => replaceQuery({ to: event.currentTarget.value || null })} />
+      </label>
+    </>
+  );
+}

@@ -1,0 +1,112 @@
+// One alert on one page: what it says and what to do, the train, the trends of what changed, the response beside it.
+import { link } from "../browser/router";
+import { Loaded } from "../components/loading";
+import { Panel } from "../components/panel";
+import { useDeviations } from "../data/machine-deviations";
+import { useNewestSummary } from "../data/newest-identification";
+import { useOpenAlerts } from "../data/open-alerts";
+import { useResource } from "../data/resource";
+import { AlertList } from "../panels/alert-list";
+import { ElementHistories } from "../panels/element-histories";
+import type { Alert } from "../schemas/alerts";
+import type { Identification } from "../schemas/identifications";
+import type { Document, Drawing, MachineRevision } from "../schemas/machines";
+import type { Run } from "../schemas/runs";
+import { elementMarks } from "../train/marks";
+import { nearestChannels } from "../train/nearest-probes";
+import { TrainDrawing } from "../train/train-drawing";
+import { alertTitle } from "../words/alert-states";
+import { RunResponse } from "./run-response";
+
+/** Trends shown beside an alert: those that moved most. */
+const MOST_TRENDS = 4;
+
+export function AlertPage({ id }: { id: string }) {
+  const result = useResource<Alert>(`/alerts/${id}`, 10_000);
+  const machine = useResource<MachineRevision>(result.data ? `/machines/${result.data.machine}` : null);
+  return (
+    <Loaded result={result} lines={20}>
+      {(alert) => (
+        <>
+          <header class="alert-title">
+            <h1>
+              {alertTitle(alert)}
+            </h1>
+            <p class="buttons">
+              <a href={link(["machines", alert.machine])}>{machine.data?.document.name ?? alert.machine}</a>
+              <a href={link(["reports", alert.machine])}>Report</a>
+              <a href={link(["alerts"])}>All alerts</a>
+            </p>
+          </header>
+          <Panel title="What it says">
+            <AlertList result={{ ...result, data: [alert] }} machines opened none="" />
+          </Panel>
+          <Loaded result={machine} lines={20}>
+            {({ document }) => <Evidence alert={alert} machine={document} />}
+          </Loaded>
+        </>
+      )}
+    </Loaded>
+  );
+}
+
+function Evidence({ alert, machine }: { alert: Alert; machine: Document }) {
+  const drawing = useResource<Drawing>(`/machines/${machine.id}/drawing`);
+  const identified = useResource<Identification>(`/identifications/${alert.identification}`);
+  return (
+    <>
+      <MarkedTrain machine={machine} drawing={drawing.data} />
+      <Loaded result={identified} lines={15}>
+        {(found) => (
+          <>
+            <Trends alert={alert} machine={machine} found={found} />
+            <Response alert={alert} machine={machine} drawing={drawing.data} found={found} />
+          </>
+        )}
+      </Loaded>
+    </>
+  );
+}
+
+function MarkedTrain({ machine, drawing }: { machine: Document; drawing: Drawing | undefined }) {
+  const alerts = useOpenAlerts(machine.id);
+  const { deviations } = useDeviations(machine.id, useNewestSummary(machine.id));
+  if (!drawing) return null;
+  return (
+    <Panel title="Where it is">
+      <TrainDrawing
+        name={machine.name}
+        drawing={drawing}
+        marks={elementMarks(alerts.data ?? [], deviations.data)}
+        onChoose={(element) => (window.location.hash = link(["machines", machine.id, "trends"], { element }))}
+      />
+    </Panel>
+  );
+}
+
+/** The histories of the element's parameters that moved most; of all where the alert names none. */
+function Trends({ alert, machine, found }: { alert: Alert; machine: Document; found: Identification }) {
+  const own = found.estimates.filter((one) => one.element === alert.element).map((one) => one.parameter);
+  const moved = (alert.evidence.moved ?? []).map((one) => own.find((name) => one.parameter === name || one.parameter.startsWith(`${name}.`)));
+  const named = [...new Set(moved.filter((one) => one !== undefined))];
+  const names = (named.length > 0 ? named : own).slice(0, MOST_TRENDS);
+  if (names.length === 0) return null;
+  return (
+    <ElementHistories machine={machine.id} rotation={machine.rotation} element={alert.element} names={names} newest={found} scope="run" alerts={[alert]} />
+  );
+}
+
+/** The run that shows it, beside the first run of the baseline that it was compared with. */
+function Response({ alert, machine, drawing, found }: { alert: Alert; machine: Document; drawing: Drawing | undefined; found: Identification }) {
+  const run = useResource<Run>(found.runs[0] === undefined ? null : `/runs/${found.runs[0]}`);
+  const compared = alert.evidence.baseline?.[0];
+  const baseline = useResource<Identification>(compared === undefined ? null : `/identifications/${compared}`);
+  const first = baseline.data?.runs[0];
+  const reference = useResource<Run>(first === undefined ? null : `/runs/${first}`);
+  if (!drawing) return null;
+  const channels = machine.probes.map((one) => one.id);
+  const near = nearestChannels(drawing, alert.element).filter((one) => channels.includes(one));
+  return (
+    <RunResponse machine={machine} run={run.data} reference={reference.data} channels={near.length > 0 ? near : channels.slice(0, 2)} />
+  );
+}

@@ -1,0 +1,44 @@
+// Buttons that save a plot as a picture, and its data.
+import { saveCsv, savePng, saveSvg, type DataColumn } from "../browser/download";
+import { cssColour } from "../browser/theme";
+
+interface Props {
+  /** Of the plot; the files are named after it. */
+  label: string;
+  columns: () => DataColumn[];
+}
+
+/** Of a plot drawn on a canvas. */
+export function SaveButtons({ label, columns, canvas }: Props & { canvas: () => HTMLCanvasElement | undefined }) {
+  const save = () => {
+    const found = canvas();
+    if (found) savePng(label, found, cssColour("inset"));
+  };
+  return <Buttons label={label} columns={columns} kind="PNG" onSave={save} />;
+}
+
+/** Of a drawing, which is found beside them in its figure. */
+export function SaveDrawing({ label, columns }: Props) {
+  const save = (event: Event) => {
+    const found = (event.currentTarget as HTMLElement).closest("figure")?.querySelector("svg");
+    if (found) saveSvg(label, found);
+  };
+  return (
+    <span class="saves screen">
+      <Buttons label={label} columns={columns} kind="SVG" onSave={save} />
+    </span>
+  );
+}
+
+function Buttons({ label, columns, kind, onSave }: Props & { kind: string; onSave: (event: Event) => void }) {
+  return (
+    <>
+      <button type="button" aria-label={`Save as ${kind}: ${label}`} title={`Save as ${kind}`} onClick={onSave}>
+        {kind}
+      </button>
+      <button type="button" aria-label={`Save the data as CSV: ${label}`} title="Save the data as CSV" onClick={() => saveCsv(label, columns())}>
+        CSV
+      </button>
+    </>
+  );
+}

@@ -1,0 +1,65 @@
+// Vibration at the probes: newest values, and the trend at running speed.
+
+type Column = (number | null)[];
+
+/** Of the 1×, peak-to-peak [µm]; null where the document gives none. */
+export interface VibrationLimits {
+  balanced_um_pp: number | null;
+  alert_um_pp: number | null;
+  danger_um_pp: number | null;
+}
+
+export interface VibrationVector {
+  amplitude_um_pp: number;
+  phase_lag_deg: number;
+}
+
+export interface ProbeVibration {
+  channel: string;
+  time: string | null;
+  speed_rpm: number | null;
+  first: VibrationVector | null;
+  second: VibrationVector | null;
+}
+
+export interface Vibration {
+  slow_roll_version: number | null;
+  slow_roll_left_out: Record<string, string>;
+  limits: VibrationLimits;
+  probes: ProbeVibration[];
+}
+
+/** An ellipse in the plane of the 1× vector. */
+export interface VibrationRegion {
+  run_kind: string;
+  runs: number;
+  centre_real_um_pp: number;
+  centre_imaginary_um_pp: number;
+  semi_major_um_pp: number;
+  semi_minor_um_pp: number;
+  inclination_deg: number;
+}
+
+export interface ProbeTrend {
+  channel: string;
+  run: number[];
+  run_kind: string[];
+  measured_at: string[];
+  speed_rpm: number[];
+  amplitude_um_pp: Column;
+  phase_lag_deg: Column;
+  amplitude_2x_um_pp: Column;
+  phase_2x_lag_deg: Column;
+  second_over_first: Column;
+  within: (boolean | null)[];
+  regions: VibrationRegion[];
+}
+
+export interface VibrationTrend {
+  running_rpm: number | null;
+  running_speed_named: boolean;
+  slow_roll_version: number | null;
+  slow_roll_left_out: Record<string, string>;
+  limits: VibrationLimits;
+  probes: ProbeTrend[];
+}

@@ -1,0 +1,181 @@
+// 1×, 2× and 2×/1× at running speed, run by run, with the machine's limits, and the vectors in their acceptance regions.
+import { inUnit, useUnits, type Unit } from "../browser/units";
+import { Loaded } from "../components/loading";
+import { Empty, Panel } from "../components/panel";
+import { Speed } from "../components/speed";
+import { queryString } from "../data/http-client";
+import { useResource } from "../data/resource";
+import { number } from "../format/numbers";
+import { when } from "../format/times";
+import { CurveLegend } from "../plots/curve-legend";
+import { unwrapPhase } from "../plots/phase";
+import { Plot } from "../plots/plot";
+import type { Curve, LimitLine } from "../plots/plot-props";
+import type { PolarCurve } from "../plots/polar-geometry";
+import { PolarPlot } from "../plots/polar-plot";
+import { withinTurn } from "../plots/read-out";
+import type { Document } from "../schemas/machines";
+import type { ProbeTrend, VibrationLimits, VibrationTrend } from "../schemas/vibration";
+import { slowRollText } from "../words/slow-roll";
+
+const POLL_MS = 30_000;
+
+interface Props {
+  machine: Document;
+  channels: string[];
+  /** Of the runs that are shown; null: of the newest. */
+  kind: string | null;
+  from: string | null;
+  to: string | null;
+}
+
+export function VibrationTrendPanels(props: Props) {
+  const query = queryString({ slow_roll: "in_force", limit: 400, from: props.from, to: props.to });
+  const result = useResource<VibrationTrend>(`/machines/${props.machine.id}/vibration/trend${query}`, POLL_MS);
+  return (
+    <Loaded result={result} lines={30}>
+      {(found) => (found.probes[0]?.run.length ? <Panels {...props} found={found} /> : <NoRuns found={found} />)}
+    </Loaded>
+  );
+}
+
+function NoRuns({ found }: { found: VibrationTrend }) {
+  return (
+    <Panel title="At running speed">
+      <Empty>
+        No run of this period came to running speed{found.running_rpm !== null && <>, <Speed rpm={found.running_rpm} /></>}.
+      </Empty>
+    </Panel>
+  );
+}
+
+/** The runs of one kind, of the channels shown. */
+function Panels({ machine, channels, kind, found }: Props & { found: VibrationTrend }) {
+  const { amplitude } = useUnits();
+  const shownKind = kind ?? found.probes[0]!.run_kind.at(-1)!;
+  const probes = found.probes.filter((one) => channels.includes(one.channel)).map((one) => ofKind(one, shownKind));
+  const limits = limitLines(found.limits, amplitude);
+  return (
+    <>
+      <Panel title={`At running speed, ${shownKind}s`} aside={<Basis found={found} />}>
+        <CurveLegend curves={probes.map(({ channel }) => ({ name: channel }))} />
+        <div class="plots">
+          <Trend what="1× amplitude" probes={probes} unit={amplitude.label} column={(one) => inUnit(one.amplitude_um_pp, amplitude)} limits={limits} />
+          <Trend what="1× phase" probes={probes} unit="° lag" column={(one) => unwrapPhase(one.phase_lag_deg)} turn={360} />
+          <Trend what="2× amplitude" probes={probes} unit={amplitude.label} column={(one) => inUnit(one.amplitude_2x_um_pp, amplitude)} />
+          <Trend what="2× over 1×" probes={probes} unit="2×/1×" column={(one) => one.second_over_first} />
+        </div>
+      </Panel>
+      <Panel title="1× vectors and acceptance regions" aside={<p class="muted">Phase lag increases clockwise from the right.</p>}>
+        <p class="muted">
+          Dashed: where the next run lies with 95 % while nothing happens, from the first {found.probes[0]!.regions[0]?.runs ?? "few"} runs of the
+          baseline; the arrow is the newest run.
+        </p>
+        <div class="polars">
+          {probes.map((one, style) => (
+            <figure key={one.channel}>
+              <PolarPlot title={one.channel} curves={vectorCurves(one, style, amplitude)} unit={amplitude.label} />
+              <p class="muted">{regionText(one)}</p>
+            </figure>
+          ))}
+        </div>
+        {machine.probes.length > probes.length && <p class="muted">Of {machine.probes.length} probes the chosen ones are shown.</p>}
+      </Panel>
+    </>
+  );
+}
+
+function Basis({ found }: { found: VibrationTrend }) {
+  return (
+    <p class="muted">
+      Mean vectors within 2 % of <Speed rpm={found.running_rpm} />
+      {!found.running_speed_named && ", to which all of the runs came"}; {slowRollText(found.slow_roll_version, Object.keys(found.slow_roll_left_out))}
+    </p>
+  );
+}
+
+type TrendColumn = Exclude<{ [Name in keyof ProbeTrend]: ProbeTrend[Name] extends unknown[] ? Name : never }[keyof ProbeTrend], "regions">;
+const COLUMNS: TrendColumn[] = ["run", "run_kind", "measured_at", "speed_rpm", "amplitude_um_pp", "phase_lag_deg", "amplitude_2x_um_pp", "phase_2x_lag_deg", "second_over_first", "within"];
+
+function ofKind(probe: ProbeTrend, kind: string): ProbeTrend {
+  const kept = probe.run_kind.flatMap((one, at) => (one === kind ? [at] : []));
+  const columns = COLUMNS.map((name) => [name, kept.map((at) => probe[name][at])]);
+  return { ...probe, ...(Object.fromEntries(columns) as Pick<ProbeTrend, TrendColumn>), regions: probe.regions.filter((one) => one.run_kind === kind) };
+}
+
+function limitLines(limits: VibrationLimits, unit: Unit): LimitLine[] {
+  const named: [LimitLine["kind"], number | null][] = [["alert", limits.alert_um_pp], ["danger", limits.danger_um_pp], ["note", limits.balanced_um_pp]];
+  return named.flatMap(([kind, value]) => (value === null ? [] : [{ y: value * unit.factor, kind, words: kind === "note" ? "balanced" : kind }]));
+}
+
+interface TrendProps {
+  what: string;
+  probes: ProbeTrend[];
+  unit: string;
+  column: (one: ProbeTrend) => (number | null)[];
+  limits?: LimitLine[];
+  turn?: number;
+}
+
+function Trend({ what, probes, unit, column, limits, turn }: TrendProps) {
+  const x = (probes[0]?.measured_at ?? []).map((one) => Date.parse(one) / 1000);
+  const curves = probes.map((one): Curve => ({ name: one.channel, y: column(one), points: true, spanGaps: true }));
+  if (curves.every(({ y }) => y.every((value) => value === null))) {
+    return (
+      <figure>
+        <figcaption>
+          <strong>{what}</strong>
+        </figcaption>
+        <Empty>The sources of this machine send none.</Empty>
+      </figure>
+    );
+  }
+  const told = (value: number | null) => (value === null ? "–" : turn ? String(Math.round(withinTurn(value, turn)) % turn) : number(value));
+  const readOut = (at: number) => `${when(probes[0]!.measured_at[at]!)}: ${curves.map(({ name, y }) => `${name} ${told(y[at] ?? null)}`).join(", ")} ${unit}`;
+  return (
+    <figure>
+      <figcaption>
+        <strong>{what}</strong>
+      </figcaption>
+      <Plot
+        label={`${what} at running speed over time, ${x.length} runs`}
+        x={x}
+        time
+        yUnit={unit}
+        curves={curves}
+        {...(limits ? { limits } : {})}
+        {...(turn ? { turn } : {})}
+        syncGroup="vibration"
+        height={170}
+        readOut={readOut}
+      />
+    </figure>
+  );
+}
+
+/** All runs as points, the region, and the newest run as an arrow. */
+function vectorCurves(probe: ProbeTrend, style: number, unit: Unit): PolarCurve[] {
+  const amplitude = inUnit(probe.amplitude_um_pp, unit);
+  const [region] = probe.regions;
+  const last = amplitude.findLastIndex((one) => one !== null);
+  const points: PolarCurve = { name: "runs", style, rpm: probe.speed_rpm, amplitude, lag: probe.phase_lag_deg, line: false, unlabelled: true };
+  if (region) {
+    points.region = {
+      real: region.centre_real_um_pp * unit.factor,
+      imaginary: region.centre_imaginary_um_pp * unit.factor,
+      semiMajor: region.semi_major_um_pp * unit.factor,
+      semiMinor: region.semi_minor_um_pp * unit.factor,
+      inclinationDeg: region.inclination_deg,
+    };
+  }
+  if (last < 0) return [points];
+  const arrow: PolarCurve = { name: "newest run", style: 1, rpm: [0, 0], amplitude: [0, amplitude[last]!], lag: [probe.phase_lag_deg[last]!, probe.phase_lag_deg[last]!], line: true, vector: true };
+  return [points, arrow];
+}
+
+function regionText({ within, regions }: ProbeTrend): string {
+  if (regions.length === 0) return "No region yet: the baseline lacks runs of this kind.";
+  const outside = within.filter((one) => one === false).length;
+  const newest = within.at(-1) === false ? "The newest run lies outside." : "The newest run lies within.";
+  return outside > 0 ? `${newest} ${outside} of ${within.length} runs lie outside.` : newest;
+}

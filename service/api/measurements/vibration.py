@@ -1,0 +1,178 @@
+"""Serves the vibration at each probe: its newest values beside the machine's limits, and the trend at running speed."""
+
+from typing import Annotated
+
+import numpy as np
+from fastapi import APIRouter, Query, Request
+
+from estimator.arrays import Complexes, Floats
+from estimator.machine.document import Machine
+from estimator.phasors.running_speed import speed_of_trend
+from estimator.trends.acceptance_region import AcceptanceRegion, acceptance_region
+from estimator.units import RADIANS, rad_per_s_to_rpm, rpm_to_rad_per_s
+from service.api.conventions.dependencies import MachineId, Period, Reading
+from service.api.conventions.problems import RESPONSES
+from service.api.conventions.values import MICROMETRES
+from service.api.measurements import vibration_schemas as schemas
+from service.api.measurements.corrections import SlowRollChoice, chosen
+from service.api.measurements.run_vectors import KeptVectors, RunVectors
+from service.security.requirement import VIEWER
+from storage.clock import to_datetime
+from storage.encoding.sample_blocks import Samples
+from storage.machines import baselines, machines
+from storage.measurements import runs, samples
+
+router = APIRouter(prefix="/machines", tags=["measurements"], responses=RESPONSES, dependencies=[VIEWER])
+
+NEWEST_SAMPLES = 25
+"""Samples that are looked through for a good value of each channel."""
+MOST_RUNS = 400
+
+
+@router.get("/{machine_id}/vibration", operation_id="read_vibration")
+def read_vibration(session: Reading, machine_id: MachineId, slow_roll: SlowRollChoice = "none") -> schemas.Vibration:
+    """Read the newest good 1× and 2× of each probe, as measured or without slow-roll vectors, and the document's limits."""
+    row = machines.get(session, machine_id)
+    machine = machines.document(session, machine_id, row.revision)
+    held = samples.latest(
+        session,
+        machine_id,
+        revision=row.revision,
+        also=machines.revisions_with_same_channels(session, machine_id, row.revision),
+        channels=len(machine.probes),
+        count=NEWEST_SAMPLES,
+    )
+    version, vectors, left_out = chosen(session, machine, slow_roll)
+    offset = np.zeros(held.phasor.shape, complex) if vectors is None else vectors.turned(held.direction.astype(float))
+    first = np.where(held.usable, held.phasor - offset, complex(np.nan, np.nan))
+    return schemas.Vibration(
+        machine=machine_id,
+        slow_roll_version=version,
+        slow_roll_left_out=left_out,
+        limits=_limits(machine),
+        probes=[_newest(channel, held, first[:, i], held.second[:, i]) for i, channel in enumerate(machine.channels)],
+    )
+
+
+def _limits(machine: Machine) -> schemas.VibrationLimits:
+    operation = machine.operation
+    levels = operation.vibration_limit, operation.vibration_alert, operation.vibration_danger
+    balanced, alert, danger = (None if level is None else level / MICROMETRES for level in levels)
+    return schemas.VibrationLimits(balanced_um_pp=balanced, alert_um_pp=alert, danger_um_pp=danger)
+
+
+def _newest(channel: str, held: Samples, first: Complexes, second: Complexes) -> schemas.ProbeVibration:
+    good = np.flatnonzero(np.isfinite(first))
+    if good.size == 0:
+        return schemas.ProbeVibration(channel=channel)
+    at = int(good[-1])
+    return schemas.ProbeVibration(
+        channel=channel,
+        time=to_datetime(int(held.time[at])),
+        speed_rpm=rad_per_s_to_rpm(float(held.speed[at])),
+        first=_vector(complex(first[at])),
+        second=_vector(complex(second[at])),
+    )
+
+
+def _vector(phasor: complex) -> schemas.VibrationVector | None:
+    if not np.isfinite(phasor):
+        return None
+    lag = float(np.mod(-np.angle(phasor) / RADIANS["deg"], 360.0)) % 360.0
+    return schemas.VibrationVector(amplitude_um_pp=abs(phasor) / MICROMETRES, phase_lag_deg=lag)
+
+
+@router.get("/{machine_id}/vibration/trend", operation_id="read_vibration_trend")
+def read_vibration_trend(
+    request: Request,
+    session: Reading,
+    machine_id: MachineId,
+    period: Period,
+    slow_roll: SlowRollChoice = "none",
+    limit: Annotated[int, Query(ge=1, le=MOST_RUNS, description="so many of the newest runs")] = 200,
+) -> schemas.VibrationTrend:
+    """Read 1×, 2× and their ratio at running speed, run by run, with the acceptance region of each probe and kind of run.
+
+    The regions are made of the first runs of the baseline in force, which are those that identifications are compared with.
+    """
+    machine = machines.document(session, machine_id)
+    rows = runs.of_machine(session, machine_id, first=period.first, last=period.last, limit=limit)
+    rows = [row for row in reversed(rows) if row.state == runs.CLOSED and row.released_at is None and row.speed_maximum]
+    named = machine.operation.running_rpm
+    version, vectors, left_out = chosen(session, machine, slow_roll)
+    if named is None and not rows:
+        return schemas.VibrationTrend(machine=machine_id, running_rpm=None, limits=_limits(machine), probes=[])
+    speed = speed_of_trend(np.array([row.speed_maximum for row in rows])) if named is None else rpm_to_rad_per_s(named)
+    kept: KeptVectors = request.app.state.run_vectors
+    found = kept.of_runs(session, machine, rows, running_speed=speed)
+    begun = baselines.in_force(session, machine_id, at=runs.LAST_TIME)
+    since = 0 if begun is None else begun.since
+    directions = np.array([one.direction for one in found], dtype=float)
+    offset = np.zeros((len(found), len(machine.probes)), complex) if vectors is None else vectors.turned(directions)
+    return schemas.VibrationTrend(
+        machine=machine_id,
+        running_rpm=rad_per_s_to_rpm(speed),
+        running_speed_named=named is not None,
+        slow_roll_version=version,
+        slow_roll_left_out=left_out,
+        limits=_limits(machine),
+        probes=[
+            _trend(channel, found, i, offset[:, i], since=since, baseline_runs=request.app.state.baseline_runs)
+            for i, channel in enumerate(machine.channels)
+        ],
+    )
+
+
+def _trend(
+    channel: str, found: list[RunVectors], place: int, offset: Complexes, *, since: int, baseline_runs: int
+) -> schemas.ProbeTrend:
+    first = np.array([one.first[place] for one in found], complex) - offset
+    second = np.array([one.second[place] for one in found], complex)
+    kinds = [one.kind for one in found]
+    regions = {}
+    for kind in dict.fromkeys(kinds):
+        own = [i for i, one in enumerate(found) if one.kind == kind and one.ended_at >= since and np.isfinite(first[i])]
+        region = acceptance_region(first[own[:baseline_runs]])
+        if region is not None and len(own) >= baseline_runs:
+            regions[kind] = region
+    within = [
+        bool(regions[kind].holds(complex(vector))) if kind in regions and np.isfinite(vector) else None
+        for kind, vector in zip(kinds, first, strict=True)
+    ]
+    known = np.isfinite(first)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = np.abs(second) / np.abs(first)
+    return schemas.ProbeTrend(
+        channel=channel,
+        run=[one.run for one in found],
+        run_kind=kinds,
+        measured_at=[to_datetime(one.ended_at) for one in found],
+        speed_rpm=[rad_per_s_to_rpm(one.speed) for one in found],
+        amplitude_um_pp=_column(np.abs(first) / MICROMETRES),
+        phase_lag_deg=_column(np.where(known, _lag(first), np.nan)),
+        amplitude_2x_um_pp=_column(np.abs(second) / MICROMETRES),
+        phase_2x_lag_deg=_column(np.where(np.isfinite(second), _lag(second), np.nan)),
+        second_over_first=_column(ratio),
+        within=within,
+        regions=[_region(kind, region, baseline_runs) for kind, region in regions.items()],
+    )
+
+
+def _lag(phasor: Complexes) -> Floats:
+    return np.asarray(np.mod(-np.angle(phasor) / RADIANS["deg"], 360.0) % 360.0)
+
+
+def _column(values: Floats) -> list[float | None]:
+    return [float(value) if np.isfinite(value) else None for value in values]
+
+
+def _region(kind: str, region: AcceptanceRegion, count: int) -> schemas.Region:
+    return schemas.Region(
+        run_kind=kind,
+        runs=count,
+        centre_real_um_pp=region.centre.real / MICROMETRES,
+        centre_imaginary_um_pp=region.centre.imag / MICROMETRES,
+        semi_major_um_pp=region.semi_major / MICROMETRES,
+        semi_minor_um_pp=region.semi_minor / MICROMETRES,
+        inclination_deg=region.inclination / RADIANS["deg"],
+    )

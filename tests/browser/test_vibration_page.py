@@ -1,0 +1,194 @@
+"""A machine whose source sends the 2× and whose document names limits: what is measured is seen, saved and compared."""
+
+import csv
+import re
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from playwright.sync_api import expect
+
+from tests.browser.conftest import Seen
+from tests.browser.drawing import wait_drawn
+from tests.browser.story import MACHINE, closed
+from tests.end_to_end.processes import Service, example, until
+
+COPY = "with-second-order"
+RUNS = 3
+SECOND_PART = 0.25
+"""Of the 1×, in the same direction."""
+
+
+@pytest.fixture(scope="module")
+def place(place: Service) -> Service:
+    """The same service, with a copy of its machine whose source sends a 2× and, in a batch of its own, times in ms."""
+    with place.running():
+        document = example(MACHINE) | {"id": COPY, "name": "Train with second order"}
+        document["operation"] = {"vibration_alert": 2e-4, "vibration_danger": 2e-3}
+        assert place.client.post("/machines", json=document).status_code == 201
+        sent = _with_second_order(place)
+        assert place.client.post(f"/machines/{COPY}/samples", json=sent).status_code == 200
+        wrong = sent | {"epoch": 2, "time_ns": [time // 1_000_000 for time in sent["time_ns"]]}
+        assert place.client.post(f"/machines/{COPY}/samples", json=wrong).status_code == 422
+        until(lambda: closed(place, COPY) >= RUNS, within_s=30, what="the runs of the copy are closed")
+        until(place.idle, within_s=90, what="they are identified")
+    return place
+
+
+def _with_second_order(service: Service) -> dict[str, Any]:
+    end = sorted(run["started_at"] for run in service.get(f"/machines/{MACHINE}/runs"))[RUNS + 1]
+    read = service.get(f"/machines/{MACHINE}/samples", to=end, limit=10_000)
+    amplitude, phase = (np.array(read[name], float).T for name in ("amplitude_um_pp", "phase_lag_deg"))
+    return {
+        "schema": 1,
+        "plant": example(MACHINE)["plant"],
+        "machine": COPY,
+        "source": "copy",
+        "epoch": 1,
+        "sequence": 0,
+        "channels": read["channels"],
+        "speed_unit": "rpm",
+        "amplitude_unit": "um",
+        "amplitude_kind": "peak-to-peak",
+        "phase_convention": "lag",
+        "phase_unit": "deg",
+        "direction": "positive",
+        "time_ns": [int(datetime.fromisoformat(time).timestamp() * 1e6) * 1000 for time in read["time"]],
+        "speed": read["speed_rpm"],
+        "amplitude": amplitude.tolist(),
+        "phase": phase.tolist(),
+        "amplitude_2x": (SECOND_PART * amplitude).tolist(),
+        "phase_2x": np.mod(2 * phase, 360.0).tolist(),
+    }
+
+
+def test_bars_stand_beside_the_train_with_the_limits(seen: Seen, service: Service) -> None:
+    seen.open(f"machines/{COPY}")
+    newest = {one["channel"]: one for one in service.get(f"/machines/{COPY}/vibration")["probes"]}
+    bars = seen.page.locator(".vibration-bars li")
+    expect(bars).to_have_count(len(newest))
+    first = seen.page.locator(".vibration-bars li[data-channel=B1X]")
+    expect(first).to_contain_text("1× ")
+    expect(first).to_contain_text("2× ")
+    assert float(newest["B1X"]["second"]["amplitude_um_pp"]) == pytest.approx(
+        SECOND_PART * newest["B1X"]["first"]["amplitude_um_pp"]
+    )
+    expect(first.locator(".limit")).to_have_count(2)
+    expect(seen.page.get_by_text("Limits of the 1×: alert 400 µm pp, danger 4000 µm pp")).to_be_visible()
+    assert seen.errors == []
+
+
+def test_units_are_changed_everywhere_and_kept(seen: Seen) -> None:
+    seen.open(f"machines/{COPY}")
+    seen.page.get_by_label("Units of vibration and speed").select_option("mil_p,hz")
+    expect(seen.page.get_by_text("Limits of the 1×: alert 7.87 mil 0-pk")).to_be_visible()
+    seen.open(f"machines/{COPY}/vibration")
+    seen.page.reload()
+    expect(seen.page.get_by_text("mil 0-pk").first).to_be_visible()
+    expect(seen.page.locator("main")).not_to_contain_text("µm pp")
+    expect(seen.page.locator(".polar figcaption").first).to_contain_text("mil 0-pk")
+    seen.page.get_by_label("Units of vibration and speed").select_option("um_pp,rpm")
+    assert seen.errors == []
+
+
+def test_trends_at_running_speed_are_drawn_and_read_within_a_turn(seen: Seen) -> None:
+    seen.open(f"machines/{COPY}/vibration?channels=B1X,B1Y")
+    wait_drawn(seen.page, 4)
+    phase = seen.page.get_by_role("group", name=re.compile("^1× phase at running speed"))
+    lags = [int(one) for one in re.findall(r"B1[XY] (\d+)", phase.locator(".readout").inner_text())]
+    assert len(lags) == 2
+    assert all(0 <= lag < 360 for lag in lags)
+    ratio = seen.page.get_by_role("group", name=re.compile("^2× over 1×"))
+    expect(ratio.locator(".readout")).to_contain_text("B1X 0.250")
+    expect(seen.page.get_by_text("No region yet").first).to_be_visible()
+    assert seen.errors == []
+
+
+def test_bode_and_polar_of_the_2x_and_as_measured(seen: Seen) -> None:
+    seen.open(f"machines/{COPY}/response?channels=B1X")
+    wait_drawn(seen.page, 3)
+    seen.page.get_by_role("group", name="Order").get_by_role("button", name="2×").click()
+    expect(seen.page.get_by_role("heading", name="Bode, 2×")).to_be_visible()
+    wait_drawn(seen.page, 2)
+    seen.page.get_by_role("group", name="Order").get_by_role("button", name="1×").click()
+    seen.page.get_by_label("slow roll subtracted").uncheck()
+    expect(seen.page.get_by_text("as measured, no slow roll subtracted").first).to_be_visible()
+    seen.page.get_by_label("Newest run of").select_option(MACHINE)
+    expect(seen.page.get_by_text(f"overlaid run of {MACHINE}").first).to_be_visible()
+    assert seen.errors == []
+
+
+def test_a_machine_without_2x_says_so(seen: Seen) -> None:
+    seen.open(f"machines/{MACHINE}/response?order=2")
+    expect(seen.page.get_by_text("sent no 2×")).to_be_visible()
+    assert seen.errors == []
+
+
+def test_orbits_open_at_running_speed_with_probes_and_timebase(seen: Seen, service: Service) -> None:
+    seen.open(f"machines/{COPY}/shapes?order=2")
+    expect(seen.page.get_by_role("heading", name="Orbits at the probes, 1× and 2×")).to_be_visible()
+    orbit = seen.page.locator(".orbits figure").first
+    expect(orbit.locator("svg text")).to_have_text(["B1X", "B1Y"])
+    highest = max(run["speed_maximum_rpm"] for run in service.get(f"/machines/{COPY}/runs"))
+    shown = re.search(r"Speed: ([\d ]+) rpm", seen.page.locator(".wide").inner_text())
+    assert shown is not None
+    assert int(shown.group(1).replace(" ", "")) == pytest.approx(highest, abs=6)
+    expect(orbit).to_contain_text("µm pp")
+    assert seen.errors == []
+
+
+def test_every_plot_is_saved_as_a_picture_and_its_data_as_csv(seen: Seen, tmp_path: Path) -> None:
+    seen.open(f"machines/{COPY}/response?channels=B1X")
+    wait_drawn(seen.page, 3)
+    for name, beginning in (("Save as PNG: Amplitude of B1X", b"\x89PNG"), ("Save as SVG: Polar plot of B1X", b"<svg")):
+        with seen.page.expect_download() as download:
+            seen.page.get_by_role("button", name=name).click()
+        path = tmp_path / download.value.suggested_filename
+        download.value.save_as(path)
+        assert path.read_bytes().startswith(beginning)
+    assert b"stroke:rgb" in path.read_bytes(), "the drawing brings its colours along"
+    with seen.page.expect_download() as download:
+        seen.page.get_by_role("button", name="Save the data as CSV: Amplitude of B1X").click()
+    path = tmp_path / "data.csv"
+    download.value.save_as(path)
+    head, *rows = list(csv.reader(path.open()))
+    assert head[0] == "x [rpm]"
+    assert "B1X [µm pp]" in head
+    assert len(rows) > 50
+    count = seen.page.locator(".plot, .polar").count()
+    expect(seen.page.get_by_role("button", name=re.compile("^Save the data as CSV"))).to_have_count(count)
+    assert seen.errors == []
+
+
+def test_refused_data_are_a_badge_in_a_persons_words(seen: Seen) -> None:
+    seen.open(f"machines/{COPY}")
+    badge = seen.page.locator(".refused")
+    expect(badge).to_contain_text("refused: times look like milliseconds")
+    badge.get_by_role("button").click()
+    expect(badge.locator("q").first).to_contain_text("before 2000")
+    seen.open()
+    row = seen.page.locator(f"tr[data-machine={COPY}]")
+    expect(row.locator(".needs")).to_contain_text("some were refused")
+    assert seen.errors == []
+
+
+def test_a_danger_comes_before_balancing(seen: Seen, service: Service) -> None:
+    seen.open(f"machines/{MACHINE}/balancing")
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    assert alert["severity"] == "danger"
+    expect(seen.page.get_by_role("heading", name="Not now: a danger is open")).to_be_visible()
+    expect(seen.page.get_by_role("button", name="Begin")).to_be_hidden()
+    seen.page.get_by_text("Balance all the same").click()
+    expect(seen.page.get_by_role("button", name="Begin")).to_be_visible()
+
+
+def test_a_wall_shows_the_fleet_and_follows_it(seen: Seen) -> None:
+    seen.open("wall")
+    tiles = seen.page.locator(".tile")
+    expect(tiles).to_have_count(2)
+    expect(tiles.first).to_contain_text("Misalignment of coupling C1")
+    with seen.page.expect_response(re.compile("/api/v1/fleet")):
+        seen.page.wait_for_timeout(100)
+    assert seen.errors == []
