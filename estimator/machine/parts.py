@@ -6,7 +6,7 @@ from the driver-side end of its own shaft [m].
 """
 
 import math
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -186,6 +186,11 @@ class Probe(Part):
     )
     absolute: bool = Field(default=False, description="stands on the ground: measures the shaft's own motion")
     sensitivity: Positive | None = Field(default=None, description="[V/m]; needed only where a source publishes volts")
+    gap_grows: Literal["away", "towards"] | None = Field(
+        default=None,
+        description="which way the shaft moves while the gap that a source sends grows: away from the probe, as a distance "
+        "does, or towards it, as the negative volts of most proximity probes do; needed only where a source sends gaps",
+    )
     gain_spread: Annotated[float, Field(ge=0, lt=10)] = Field(
         default=0.0, description="how far gain and phase may be off, relative rms [-]; 0: exact"
     )
