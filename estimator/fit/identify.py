@@ -12,6 +12,7 @@ from estimator.fit.coordinates import Coordinates
 from estimator.fit.estimates import Estimate, determined, estimates
 from estimator.fit.fit_problem import FitProblem, FitResult, best_excitations
 from estimator.fit.form_discrepancy import FormVerdict, judge_form, needs_form
+from estimator.fit.gap_checks import with_gaps
 from estimator.fit.goodness_of_fit import Verdict, VerdictRemark, judge, remark
 from estimator.fit.identifiability import Reasons, reasons_for
 from estimator.fit.maximum_likelihood import STAGE_MISFITS
@@ -286,7 +287,10 @@ def identify_train(
         beginning=None if beginning is None else problem.coordinates.theta(beginning),
         twice=measurement.speed.size <= FEW_SAMPLES and beginning is None and not problem.coordinates.calibrated_places,
     )
-    return _result(problem, best, reasons, limits)
+    with_centreline = with_gaps(problem, best.fit)
+    return _result(
+        with_centreline.problem, replace(best, fit=with_centreline.found), with_centreline.remarks, reasons, limits
+    )
 
 
 def _eccentric(machine: Machine, found: Identification) -> str:
@@ -391,7 +395,9 @@ def _problem(train: CondensedTrain, measurement: Measurement, noise: Noise, *, r
     return problem
 
 
-def _result(problem: FitProblem, best: BestFit, reasons: Reasons | None, limits: Limits | None) -> Identification:
+def _result(
+    problem: FitProblem, best: BestFit, of_gaps: tuple[str, ...], reasons: Reasons | None, limits: Limits | None
+) -> Identification:
     coordinates, found = problem.coordinates, best.fit
     information = found.information + coordinates.prior.precision
     covariance = np.linalg.inv(information)
@@ -424,7 +430,7 @@ def _result(problem: FitProblem, best: BestFit, reasons: Reasons | None, limits:
         chi_square=found.chi_square,
         degrees_of_freedom=verdict.degrees_of_freedom,
         accepted=verdict.accepted,
-        verdict="; ".join((verdict.words + beside.words, *best.remarks)),
+        verdict="; ".join((verdict.words + beside.words, *best.remarks, *of_gaps)),
         condition_number=condition,
         starts=best.starts,
         iterations=best.iterations,

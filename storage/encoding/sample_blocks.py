@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from estimator.errors import Damaged
 from estimator.phasors.channel_status import ChannelStatus
-from estimator.phasors.measurement import Measurement
+from estimator.phasors.measurement import MeasuredGaps, Measurement
 from estimator.phasors.recorded_run import RecordedRun
 from storage.encoding.packing import pack, shuffled, unpack, unshuffled
 
@@ -73,7 +73,12 @@ class Samples:
 
     def measurement(self) -> Measurement:
         """Return the samples in the form of an identification's input."""
-        return Measurement(self.speed, self.direction.astype(float), self.phasor, self.usable, self.scatter)
+        usable = self.usable
+        place = np.where(usable, self.gap, np.nan)
+        gaps = None
+        if np.isfinite(place).any():
+            gaps = MeasuredGaps(place, (self.time - self.time[0]) / 1e9, np.zeros(len(self), np.intp))
+        return Measurement(self.speed, self.direction.astype(float), self.phasor, usable, self.scatter, gaps=gaps)
 
 
 _FIELDS = ("time", "speed", "direction", "phasor", "status", "scatter", "second", "conditions", "gap")
