@@ -1,8 +1,8 @@
 """Gaps beside a fit of the phasors: which of them may be believed, and the fit with those.
 
-The phasors alone say where the shaft stands, to some micrometres. A gap that moves the other way, many times as far, or not at
-all, has another sign or unit than the document says, or comes through an input that is not coupled for direct current; one that
-jumps has lost its probe. Such gaps are left out by name, and the fit of the phasors stands as it was.
+The phasors alone say where the shaft stands, to some micrometres. A gap that moves the other way, many times as far, or not
+at all, has another sign or unit than the document says, or comes through an input that is not coupled for direct current; one
+that jumps has lost its probe. Such gaps are left out by name, and the fit of the phasors stands as it was.
 """
 
 from dataclasses import dataclass, replace
@@ -86,7 +86,9 @@ def _fitted(problem: FitProblem, found: FitResult, rows: GapRows, remarks: tuple
     again = fit(whole, found.theta, near=True)
     cost = whole.gap_cost(again.theta)
     if not judge(whole, again).accepted or not accepted(cost, rows.freedom):
-        words = f"the shaft centreline is left out: it does not fit together with the vibration, χ²/dof {cost / rows.freedom:.3g}"
+        words = (
+            f"the shaft centreline is left out: it does not fit together with the vibration, χ²/dof {cost / rows.freedom:.3g}"
+        )
         return GapVerdict(problem, found, (*remarks, words))
     names = sorted({problem.train.channels[one.channel] for one in rows.channels})
     words = f"with the shaft centreline of {len(names)} channels, χ²/dof {cost / rows.freedom:.3g}"
@@ -154,4 +156,3 @@ def _ratio_words(problem: FitProblem, channel: int, ratio: float) -> str:
     if abs(ratio) < SAME:
         return f"hardly moves, {ratio:.2g} times as the journals do: is its input coupled for direct current?"
     return f"moves {ratio:.2g} times as the journals do: are its unit and sensitivity right?"
-

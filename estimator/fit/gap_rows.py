@@ -8,6 +8,7 @@ force that deviates by some part moves the journals as that part of its viscosit
 process over speed by which the document says that films deviate (derived here).
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -197,9 +198,7 @@ def gap_rows(
             own = own[np.argsort(gaps.time[own], kind="stable")]
             place, elapsed = gaps.place[own, channel], gaps.time[own] - gaps.time[own].mean()
             span = float(np.ptp(elapsed)) or 1.0
-            errors = np.column_stack(
-                [np.full(own.size, ANY_ZERO), rules.drift * elapsed / span, moved[own, channel]]
-            )
+            errors = np.column_stack([np.full(own.size, ANY_ZERO), rules.drift * elapsed / span, moved[own, channel]])
             noise = max(rules.noise, seen_noise(place))
             found.append(ChannelGaps.of(channel, run, own, place, noise=noise, errors=errors))
     return GapRows(centreline, slice(first, first + model.own.count), tuple(found))
@@ -214,7 +213,7 @@ def seen_noise(place: Floats) -> float:
     Returns:
         Rms error of each [m].
     """
-    return float(np.median(np.abs(np.diff(place, 2)))) / NORMAL_MEDIAN / np.sqrt(6.0)
+    return float(np.median(np.abs(np.diff(place, 2)))) / NORMAL_MEDIAN / math.sqrt(6.0)
 
 
 def _by_deviations(model: FilmModel, centreline: ShaftCentreline, speed: Floats, fitted: Floats) -> Floats:

@@ -288,9 +288,7 @@ def identify_train(
         twice=measurement.speed.size <= FEW_SAMPLES and beginning is None and not problem.coordinates.calibrated_places,
     )
     with_centreline = with_gaps(problem, best.fit)
-    return _result(
-        with_centreline.problem, replace(best, fit=with_centreline.found), with_centreline.remarks, reasons, limits
-    )
+    return _result(with_centreline.problem, replace(best, fit=with_centreline.found), with_centreline.remarks, reasons, limits)
 
 
 def _eccentric(machine: Machine, found: Identification) -> str:

@@ -14,7 +14,7 @@ class MeasuredGaps:
     """Gaps of S samples of m channels, in one run or several.
 
     Attributes:
-        place: Mean places (S, m) of the shaft along the probes' axes, towards them, from a zero of each [m]; NaN where unknown.
+        place: Mean places (S, m) of the shaft along the probes' axes, towards them, from a zero of each [m]; NaN: unknown.
         time: Times (S,) from an arbitrary moment on [s].
         run: Number of the run that each sample is of (S,); each run has zeros of its own.
     """

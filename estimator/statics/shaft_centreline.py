@@ -1,9 +1,9 @@
 """Shaft centreline at the probes: where the mean gap says that the shaft stands, from the journals in their films.
 
-A probe sees the shaft along its axis and stands on a pedestal, or on the ground. The journals rest at q = E + p - D (f - f0): E
-where the bearings stand, p in their films, D what pedestals give way by under the forces f of the films. At rest the shafts and
-couplings move with the journals as M q (as in `train_statics`), beside what weight and elevation add, which is the same at
-every speed. So a probe along e sees e M (p - D f), less e D f of its own pedestal with the sign turned, from a zero of its own.
+A probe sees the shaft along its axis and stands on a pedestal, or on the ground. The journals rest at q = E + p - D (f - f0):
+E where the bearings stand, p in their films, D what pedestals give way by under the forces f of the films. At rest the shafts
+and couplings move with the journals as M q (as in `train_statics`), beside what weight and elevation add, which is the same at
+every speed. So a probe along e sees e M (p - D f) from a zero of its own, and e D f more where its own pedestal gives way.
 (Derived here; shaft centreline plots: Bently and Hatch, Fundamentals of Rotating Machinery Diagnostics, 2002, ch. 6.)
 """
 

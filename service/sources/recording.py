@@ -42,7 +42,9 @@ class RecordedChannel(BaseModel):
     real: str | None = Field(default=None, description="with `imaginary` in place of amplitude and phase")
     imaginary: str | None = None
     scatter: str | None = Field(default=None, description="rms of the complex error, in the amplitude's unit and kind")
-    gap: str | None = Field(default=None, description="mean gap, in `gap_unit`; the machine's document says which way it grows")
+    gap: str | None = Field(
+        default=None, description="mean gap, in `gap_unit`; the machine's document says which way it grows"
+    )
 
     @model_validator(mode="after")
     def _one_pair(self) -> Self:
@@ -192,16 +194,16 @@ def write_recording(
     gap_um: (S, m) gaps as the probes' document says that they grow [µm]; NaN for probes without.
     """
     channels = machine.channels
-    told = [False] * len(channels) if gap_um is None else np.isfinite(gap_um).all(axis=0).tolist()
-    gaps = {channel: cell(f"{channel}_gap_um") for channel, there in zip(channels, told, strict=True) if there}
+    gap = np.full(phasor.shape, np.nan) if gap_um is None else gap_um
+    told = np.flatnonzero(np.isfinite(gap).all(axis=0))
+    gaps = {channels[place]: cell(f"{channels[place]}_gap_um") for place in told}
     prepare(path)
     prepare(path.with_suffix(".yaml"))
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = CsvWriter(file)
         parts = (f"{channel}_{part}" for channel in channels for part in ("um_pp", "lag_deg"))
         writer.row(["speed_rpm", *parts, *gaps.values()])
-        rest = np.empty((len(phasor), 0)) if gap_um is None else gap_um[:, told]
-        for speed, row, behind in zip(speed_rpm, phasor, rest, strict=True):
+        for speed, row, behind in zip(speed_rpm, phasor, gap[:, told], strict=True):
             values = [value for one in row for value in (2e6 * abs(one), -math.degrees(cmath.phase(one)))]
             writer.row([f"{speed:.4f}", *(f"{value:.6g}" for value in (*values, *behind))])
     sidecar = Sidecar(

@@ -1,8 +1,8 @@
 """Conversion of a batch's gaps from their unit and sign to the place of the shaft along each probe's axis.
 
 A probe looks at the shaft along its axis. Its gap is stored as the mean place of the shaft on that axis, towards the probe, as
-vibration is: the zero is the probe's own, so that only changes have a meaning. A gap that cannot be told is left out and named;
-the vibration beside it stays.
+vibration is. The zero is the probe's own, so that only changes have a meaning. A gap that cannot be told is left out by name,
+and the vibration beside it stays.
 """
 
 import numpy as np
@@ -59,7 +59,9 @@ def _undescribed(batch: SampleBatch, signs: Floats, factors: Floats) -> list[Fau
     told = np.isfinite(np.array(batch.gap, dtype=float)).any(axis=0)
     unsigned = [channel for channel, sign, gap in zip(batch.channels, signs, told, strict=True) if gap and np.isnan(sign)]
     if unsigned:
-        detail = f"gaps need the document's `gap_grows`, away or towards, of the probes {', '.join(unsigned)}; they are left out"
+        detail = (
+            f"gaps need the document's `gap_grows`, away or towards, of the probes {', '.join(unsigned)}; they are left out"
+        )
         faults.append(Fault(0, "gap_undescribed", detail))
     unscaled = [channel for channel, one, gap in zip(batch.channels, factors, told, strict=True) if gap and np.isnan(one)]
     if unscaled:

@@ -49,7 +49,7 @@ class Phasors(BaseModel):
     )
     gap_um: list[list[float | None]] | None = Field(
         default=None,
-        description="mean place of the shaft on the probe's axis, towards the probe, from a zero of the probe's own [µm], where "
+        description="mean place of the shaft on the probe's axis, towards the probe, from a zero of its own [µm], where "
         "`include=gap` asks for it; null: not sent",
     )
     in_units: PhasorsInUnits | None = Field(default=None, description="where `units` are asked for")

@@ -242,7 +242,9 @@ def test_a_written_recording_with_gaps_is_read_again(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("size", [1, 3, 10, 100])
 def test_pieces_are_the_whole(size: int) -> None:
-    tables: dict[str, Any] = {name: [[float(i)] * 4 for i in range(10)] for name in ("scatter", "amplitude_2x", "phase_2x", "gap")}
+    tables: dict[str, Any] = {
+        name: [[float(i)] * 4 for i in range(10)] for name in ("scatter", "amplitude_2x", "phase_2x", "gap")
+    }
     whole = batch(
         sweep_rpm(2990.0, 2900.0, 10),
         sequence=5,
