@@ -23,10 +23,8 @@ LARGEST_JUMP = 1e-5
 """Step between neighbouring samples, beside the motion before and behind it, that no shaft on films takes [m]."""
 JUMP = 15.0
 """The same as a multiple of the gap's noise [-]."""
-TELLING = 0.25
-"""Largest standard error of the ratio of a gap's motion to that expected at which it is judged [-]."""
 LARGEST_ERROR = 5.0
-"""Standard errors by which that ratio may differ from one [-]."""
+"""Standard errors by which the ratio of a gap's motion to that expected may differ from one [-]."""
 SAME = 0.25
 """Part of that ratio by which it may differ from one in any case [-]: what films deviate by."""
 
@@ -106,7 +104,7 @@ def _doubt(problem: FitProblem, found: FitResult, rows: GapRows, one: ChannelGap
             "holder or its cable has moved"
         )
     ratio, error, misfit = _ratio(problem, found, rows, one)
-    if error <= TELLING and abs(ratio - 1.0) > max(SAME, LARGEST_ERROR * error):
+    if abs(ratio - 1.0) > max(SAME, LARGEST_ERROR * error):
         return f"the gap of {channel} {_ratio_words(problem, one.channel, ratio)}; it is left out"
     if not accepted(misfit, one.freedom):
         return f"the gap of {channel} does not move as the journals do, χ²/dof {misfit / one.freedom:.3g}; it is left out"
@@ -150,7 +148,7 @@ def _ratio_words(problem: FitProblem, channel: int, ratio: float) -> str:
     """Return what a gap's motion over that expected says."""
     machine = problem.train.machine
     said = None if machine is None else machine.probes[channel].gap_grows
-    if ratio < -0.5 and ratio > -2.0:
+    if -2.0 < ratio < -0.5:
         other = "towards" if said == "away" else "away"
         return f"moves the other way than the journals do: gap_grows is {said} in the document, is it {other}?"
     if abs(ratio) < SAME:

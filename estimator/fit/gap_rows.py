@@ -26,6 +26,8 @@ ANY_ZERO = 1e-2
 """Prior standard deviation of a probe's zero: it may be anywhere [m]."""
 FEWEST_SAMPLES = 8
 """Least number of gaps of a channel in a run: fewer say nothing of its noise."""
+FORCE_PART = 0.4
+"""Deviation of a film's force over that of its coefficients, which are its derivatives: solvers agree to 2 % in loads [-]."""
 NORMAL_MEDIAN = 0.6745
 """Median of the size of a normal number of unit variance [-]."""
 
@@ -220,5 +222,5 @@ def _by_deviations(model: FilmModel, centreline: ShaftCentreline, speed: Floats,
     """Return what deviations of the films' forces move at the probes (S, m, r), each with a factor of unit variance [m]."""
     nominal = model.nominal
     shapes = DeviationShapes(nominal.slowest, nominal.fastest).at(np.clip(speed, nominal.slowest, nominal.fastest))
-    moved = centreline.by_viscosities(fitted) * [one.discrepancy for one in model.own.forms]
+    moved = centreline.by_viscosities(fitted) * [FORCE_PART * one.discrepancy for one in model.own.forms]
     return np.asarray((moved[..., None] * shapes[:, None, None, :]).reshape(*moved.shape[:2], -1))
