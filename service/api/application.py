@@ -27,6 +27,7 @@ from service.api.findings.deviations import router as deviations
 from service.api.findings.diagnoses import router as diagnoses
 from service.api.findings.identifications import router as identifications
 from service.api.findings.model import router as model
+from service.api.findings.shaft_line import router as shaft_line
 from service.api.findings.model_process import ModelProcess
 from service.api.machines.balancings import router as balancings
 from service.api.machines.baselines import router as baselines
@@ -189,6 +190,7 @@ def _routes() -> list[BaseRoute]:
         identifications,
         model,
         bode,
+        shaft_line,
         diagnoses,
         event_stream,
         suppressions,
