@@ -12,6 +12,7 @@ from service.wire.conversion import (
 )
 from service.wire.encodings import BINARY, ENCODINGS, JSON, MESSAGEPACK, decode_batch, decode_body, encode_batch, encode_body
 from service.wire.frame import LARGEST_MESSAGE, frame, require_size, unframed
+from service.wire.gap_conversion import as_sent
 from service.wire.keys import ALL_LIVE, ALL_RECEIVED, ALL_SAMPLES, ALL_SUBMIT, IDENTIFIER, Key
 from service.wire.rejection import Fault, InternalErrorReason, Reason, Rejected
 from service.wire.schema import (
@@ -56,6 +57,7 @@ __all__ = [
     "Rejected",
     "SampleBatch",
     "SourceReceived",
+    "as_sent",
     "decode_batch",
     "decode_body",
     "encode_batch",

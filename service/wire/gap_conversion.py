@@ -46,6 +46,12 @@ def to_gap(batch: SampleBatch, machine: Machine) -> tuple[Floats, list[Fault]]:
     return places, faults
 
 
+def as_sent(places: Floats, machine: Machine) -> Floats:
+    """Return the gaps (S, m) [µm] that a source sends of the shaft's places [m], as the document says that they grow."""
+    signs = np.array([np.nan if one.gap_grows is None else TOWARDS[one.gap_grows] for one in machine.probes])
+    return np.asarray(places * signs / METRES["um"])
+
+
 def _metres(unit: str, sensitivity: float | None) -> float:
     """Return the factor from a unit to metres; NaN where a probe's sensitivity is not known."""
     if unit == "V":
