@@ -136,6 +136,18 @@ def _unbalance_sentence(one: SizedCause) -> str:
     )
 
 
+def _rotating_coupling_sentence(one: SizedCause) -> str:
+    q = one.size.quantities
+    parts = [
+        f"{what} by {rounded(q[f'{name}_{unit}'], 2)} {shown} at {q[f'{name}_deg']:.0f}°"
+        for what, name, unit, shown in (("bore", "offset", "um", "µm"), ("face", "angle", "urad", "µrad"))
+        if f"{name}_{unit}" in q
+    ]
+    return (
+        f"The run-out of coupling {_id(one)} has changed, {' and '.join(parts)}: it turns with the shaft, whatever the speed"
+    )
+
+
 def _sensor_sentence(one: SizedCause) -> str:
     if not one.cause.names:
         return f"Probe {_id(one)} gives no usable phasors any more"
@@ -228,6 +240,12 @@ UNBALANCE = AlertRule(
     quantities=("sigma", "per_cent"),
     deviations=("disc",),
 )
+ROTATING_COUPLING = AlertRule(
+    "rotating_coupling",
+    # 100 % is a reading of 0.05 mm at rim and face, usually allowed. Rigid couplings pull hard with a tenth of that.
+    limits=Rule(alert=Level(sigma=4, tolerance_per_cent=3), danger=Level(tolerance_per_cent=100)),
+    quantities=("sigma", "tolerance_per_cent"),
+)
 RUN_OUT = AlertRule(
     "run_out",
     limits=Rule(alert=Level(sigma=4, per_cent=25)),
@@ -261,6 +279,7 @@ FINDING_RULES: tuple[FindingRule, ...] = (
     FindingRule("light_load", AlertRule("light_load"), _light_load_sentence),
     FindingRule("heavy_load", AlertRule("heavy_load"), _heavy_load_sentence),
     FindingRule("unbalance", UNBALANCE, _unbalance_sentence),
+    FindingRule("rotating_coupling", ROTATING_COUPLING, _rotating_coupling_sentence),
     FindingRule("bow", RUN_OUT, _bow_sentence),
     FindingRule("run_out", RUN_OUT, _run_out_sentence),
     FindingRule("sensor", SENSOR, _sensor_sentence),
