@@ -196,11 +196,12 @@ def _explained(one: Observation, channels: frozenset[str]) -> float:
     known = np.diag(information) > 0.0  # of a channel without phasors nothing is
     free = known & np.array([describe(name).error_of in channels - left_out for name in one.names])
     machine = np.array([describe(name).error_of is None for name in one.names])
+    beside_fit = np.arange(len(one.names)) >= one.coordinates
     if not free.any():
         return 0.0
     across = information[np.ix_(free, machine)]
     own = information[np.ix_(free, free)] - across @ np.linalg.solve(information[np.ix_(machine, machine)], across.T)
-    score = one.gradient[free]
+    score = one.gradient[free] + own @ one.reference[free] * beside_fit[free]
     return float(score @ np.linalg.solve(own, score))
 
 

@@ -86,11 +86,12 @@ class Observation:
             or kept[: self.coordinates] != [*range(self.coordinates)]
         ):
             return self
+        gone = [place for place in range(len(self.names)) if self.names[place] not in wanted]
         return replace(
             self,
             names=tuple(self.names[place] for place in kept),
             reference=self.reference[kept],
-            gradient=self.gradient[kept],
+            gradient=self.gradient[kept] + self.information[np.ix_(kept, gone)] @ self.reference[gone],
             information=self.information[np.ix_(kept, kept)],
             believed=None if self.believed is None else self.believed[kept],
         )
@@ -181,18 +182,20 @@ def fit_observation(fit: ObservedFit, channels: tuple[str, ...]) -> Observation:
     names, information, gradient = coordinates, own, np.zeros(len(coordinates))
     phasors: dict[str, int] = {}
     amplitude: dict[str, float] = {}
+    errors = np.zeros(0)
     if effects is not None:
         names = (*coordinates, *effects.names)
         across = own @ effects.bias
         among = effects.information + effects.bias.T @ across
         information = np.block([[own, across], [across.T, among]])
         gradient = np.concatenate([gradient, effects.score])
+        errors = np.zeros(len(effects.names)) if effects.at is None else effects.at
         phasors = dict(zip(channels, effects.phasors, strict=True))
         amplitude = dict(zip(channels, effects.amplitude, strict=True))
     return Observation(
         names=names,
         coordinates=len(coordinates),
-        reference=np.concatenate([fit.point, np.zeros(len(names) - len(fit.point))]),
+        reference=np.concatenate([fit.point, errors]),
         gradient=gradient,
         information=information,
         accepted=fit.accepted,

@@ -19,6 +19,7 @@ from estimator.fit.channel_coordinates import ChannelCoordinates
 from estimator.fit.coordinates import Coordinates
 from estimator.fit.fit_problem import FitProblem, FitResult
 from estimator.fit.reweighting import with_fitted_noise
+from estimator.machine.document import Machine
 from estimator.machine.parameter_description import COMPONENTS, ROTATING_ERRORS, describe
 from estimator.machine.parts import RotatingError
 from estimator.rotor.condensation import condense
@@ -28,6 +29,8 @@ MOSTLY_LEFT_OUT = 0.3
 """Part of a channel's phasors [-]; where more was left out, the channel itself is at fault and all of its phasors are used."""
 RUN_OUT_UNIT = 1e-6
 """Unit [m] of run-outs while the matrices are built, so that they are of the size of everything else."""
+LARGE = RotatingError(offset_spread=1e-4, angle_spread=1e-3)
+"""Run-outs of which hardly anything is believed."""
 ROTATING_UNIT = {"rotating_offset": 1e-6, "rotating_angle": 1e-5}
 """The same of couplings' errors [m, rad]."""
 
@@ -45,6 +48,7 @@ class ChannelEffects:
         score: Half the derivative (e,) of -χ² by the errors [1/unit].
         phasors: Number of used phasors of each of the m channels.
         amplitude: Median amplitude of the used phasors of each of the m channels [m], 0 where none was used.
+        at: Errors (e,) that the fit was linearised at [unit]; None for none at all.
     """
 
     names: tuple[str, ...]
@@ -53,6 +57,7 @@ class ChannelEffects:
     score: Floats
     phasors: tuple[int, ...]
     amplitude: tuple[float, ...]
+    at: Floats | None = None
 
 
 def channel_effects(problem: FitProblem, found: FitResult, *, inflation: float = 1.0) -> ChannelEffects:
@@ -170,14 +175,9 @@ class _RotatingErrors:
 
 def _rotating_errors(problem: FitProblem, theta: Floats) -> _RotatingErrors:
     """Return the run-outs of those couplings of which the document does not ask for them."""
-    machine = problem.train.machine
-    asked = [] if machine is None else [one.id for one in machine.couplings if one.rotating_error is None]
-    if machine is None or not asked:
+    described = None if problem.train.machine is None else with_run_outs(problem.train.machine, keep=False)
+    if described is None:
         return _RotatingErrors((), np.zeros(0), np.zeros((0, 0, 0), dtype=complex))
-    couplings = tuple(
-        one.model_copy(update={"rotating_error": RotatingError() if one.id in asked else None}) for one in machine.couplings
-    )
-    described = machine.model_copy(update={"couplings": couplings})
     train = condense(described, speed=problem.train.speed, direction=problem.train.direction)
     if problem.coordinates.scale_place.size:
         train = train.scaled(problem.coordinates.scales(theta))
@@ -188,6 +188,27 @@ def _rotating_errors(problem: FitProblem, theta: Floats) -> _RotatingErrors:
     moved = each.reshape(-1, 2, *each.shape[1:])[turning].reshape(-1, *each.shape[1:])
     names = tuple(f"{train.unknowns.excitations[k].name}.{part}" for k in turning for part in COMPONENTS)
     return _RotatingErrors(names, unit, moved * unit[:, None, None] * problem.coordinates.channels.gains(theta))
+
+
+def with_run_outs(machine: Machine, *, keep: bool) -> Machine | None:
+    """Return a machine whose document asks for the run-outs of those couplings of which it did not.
+
+    Args:
+        machine: The machine.
+        keep: Whether it asks for those for which it did, too.
+
+    Returns:
+        The machine; None where there is no such coupling.
+    """
+    if all(one.rotating_error is not None for one in machine.couplings):
+        return None
+    couplings = tuple(
+        one.model_copy(
+            update={"rotating_error": LARGE if one.rotating_error is None else one.rotating_error if keep else None}
+        )
+        for one in machine.couplings
+    )
+    return machine.model_copy(update={"couplings": couplings})
 
 
 def with_every_channel(coordinates: Coordinates, channels: Sequence[str]) -> Coordinates:

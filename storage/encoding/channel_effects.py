@@ -22,6 +22,7 @@ class _Block(msgspec.Struct, array_like=True):
     score: bytes
     phasors: tuple[int, ...]
     amplitude: tuple[float, ...]
+    at: bytes = b""  # empty: linearised without errors, as older releases do
 
 
 def encode(effects: ChannelEffects) -> bytes:
@@ -33,6 +34,7 @@ def encode(effects: ChannelEffects) -> bytes:
         score=_bytes(effects.score),
         phasors=effects.phasors,
         amplitude=effects.amplitude,
+        at=b"" if effects.at is None else _bytes(effects.at),
     )
     return zlib.compress(msgspec.msgpack.encode(block))
 
@@ -50,6 +52,7 @@ def decode(block: bytes) -> ChannelEffects:
         score=np.frombuffer(found.score, "<f8"),
         phasors=found.phasors,
         amplitude=found.amplitude,
+        at=np.frombuffer(found.at, "<f8") if found.at else None,
     )
 
 

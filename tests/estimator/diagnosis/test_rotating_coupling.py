@@ -1,4 +1,4 @@
-"""The run-out of a coupling among everything else that can have happened to a constant train: named as itself, and only then."""
+"""The run-out of a coupling among everything else that can have happened to a constant train: named where it is there."""
 
 from dataclasses import replace
 
