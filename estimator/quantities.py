@@ -20,6 +20,8 @@ Quantity = Literal[
     "viscosity",
     "elevation",
     "slope",
+    "rotating offset",
+    "rotating angle",
 ]
 """Physical quantity of a parameter."""
 
@@ -41,6 +43,8 @@ UNITS: dict[Quantity, str] = {
     "viscosity": "Pa s",
     "elevation": "m",
     "slope": "1",
+    "rotating offset": "m",
+    "rotating angle": "rad",
 }
 """SI unit of each quantity."""
 ORDER: dict[Quantity, int] = {"damping": 1, "angular damping": 1, "inertia": 2}

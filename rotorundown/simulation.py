@@ -1,11 +1,14 @@
 """Simulates a run-down of a machine, to try methods and thresholds on."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from estimator.machine.document import Machine
 from estimator.phasors.channel_status import ChannelStatus
-from estimator.phasors.measurement import Measurement
+from estimator.phasors.measurement import MeasuredGaps, Measurement
 from estimator.phasors.recorded_run import RecordedRun
+from estimator.simulation.simulated_gaps import simulated_gaps
 from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law, truth_at_progress, truth_of_run
 from estimator.simulation.stories import Story
 from rotorundown.runs import MachineRun
@@ -43,11 +46,12 @@ def simulate(
     true = truth_at_progress(draw_truth(machine, np.random.default_rng(seed)), machine, story, progress)
     rng = np.random.default_rng([seed, run_seed])
     time, speed = speed_law(machine, "run-down", duration=duration_s, samples=samples)
-    own = truth_of_run(true, rng)
-    phasor = measured_phasors(machine, own, speed, rng)
+    of_run = truth_of_run(true, rng)
+    phasor = measured_phasors(machine, of_run, speed, rng)
+    place = simulated_gaps(machine, of_run, time=time, speed=speed, rng=rng)
     status = np.full(phasor.shape, ChannelStatus.GOOD, dtype=np.uint8)
     recorded = RecordedRun(time, speed, phasor, status, np.full(phasor.shape, np.nan), machine.channels)
     measurement = Measurement.of(speed=speed, phasor=phasor, direction=machine.direction)
-    return MachineRun(
-        f"simulated {story}", machine.channels, recorded, measurement, units="simulated, SI", truth=own.parameters
-    )
+    if place is not None:
+        measurement = replace(measurement, gaps=MeasuredGaps(place, time, np.zeros(time.size, np.intp)))
+    return MachineRun(f"simulated {story}", machine.channels, recorded, measurement, units="simulated, SI", truth=of_run.parameters)

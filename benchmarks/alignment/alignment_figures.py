@@ -17,6 +17,8 @@ WIDEST: dict[CouplingKind, float] = {"rigid": 17e-6, "flexible": 160e-6}
 """Median half width asked of the vertical offset of one run [m]."""
 WIDEST_CHANGE: dict[CouplingKind, float] = {"rigid": 8e-6, "flexible": 52e-6}
 """Median half width asked of that offset's change against a baseline [m]."""
+WIDEST_CENTRED: dict[CouplingKind, float] = {"rigid": 16e-6, "flexible": 120e-6}
+"""The same of one run with its shaft centreline [m]."""
 QUANTITIES = ("offset", "angle", "load")
 VERTICAL = "coupling.C1.offset_vertical"
 
@@ -35,11 +37,13 @@ def figures(kind: CouplingKind, plants: int) -> Iterator[ReportLine]:
     for what, told in (
         ("absolute", [each for one in trials for each in one.absolute]),
         ("changes", [each for one in trials for each in one.changes]),
+        ("absolute, with gap", [each for one in trials for each in one.centred]),
     ):
         yield from _coverage(what, told, judged=plants >= FEWEST)
     for which, own in (("motor-compressors", trials[::2]), ("random trains", trials[1::2])):
         if own:
             yield _width(f"vertical offset, {which}", [each for one in own for each in one.absolute], WIDEST[kind])
+            yield _width("    with gap", [each for one in own for each in one.centred], WIDEST_CENTRED[kind])
             yield _width("    its change against six runs", [each for one in own for each in one.changes], WIDEST_CHANGE[kind])
     yield _determined(trials)
 

@@ -45,6 +45,8 @@ GAIN_TOLERANCE = 0.05
 """Standard deviation of a channel's gain as believed before the baseline [-]."""
 RUN_OUT_TOLERANCE = 0.5
 """Standard deviation of a channel's run-out as believed before the baseline, in units of its median amplitude [-]."""
+ROTATING_TOLERANCE = {"rotating_offset": 3e-5, "rotating_angle": 3e-4}
+"""Standard deviations of a coupling's run-outs of bore and face as believed before the baseline [m, rad]."""
 UNKNOWN_PRECISION = 1e-6
 """Precision of everything else as believed before the baseline, in units of the healthy variation [-]: nothing."""
 
@@ -401,16 +403,18 @@ def _symmetric(matrix: Floats) -> Floats:
 
 
 def channel_precision(name: str, baseline: Sequence[Observation]) -> float:
-    """Return the precision of a channel's error as believed before the baseline.
+    """Return the precision of an error of a channel or a coupling as believed before the baseline.
 
     Args:
         name: Name of the quantity.
         baseline: Observations of the baseline.
 
     Returns:
-        Precision [1/unit²]; 0 for everything that is no channel's error.
+        Precision [1/unit²]; 0 for everything that is no such error.
     """
     described = describe(name)
+    if described.quantity in ROTATING_TOLERANCE:
+        return 1.0 / ROTATING_TOLERANCE[described.quantity] ** 2
     if described.channel is None:
         return 0.0
     if described.quantity == "gain":

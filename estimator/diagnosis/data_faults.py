@@ -135,7 +135,7 @@ def misfit(window: Sequence[Observation], faulty_channels: frozenset[str]) -> It
 
     Args:
         window: Observations of the newest runs.
-        faulty_channels: Ids of the channels whose errors are allowed for.
+        faulty_channels: Ids of the channels, and names of the couplings, whose errors are allowed for.
 
     Yields:
         A fault where none does.
@@ -145,11 +145,11 @@ def misfit(window: Sequence[Observation], faulty_channels: frozenset[str]) -> It
 
 
 def fits(one: Observation, channels: frozenset[str]) -> bool:
-    """Check whether an identification was accepted, or would be with the errors of some channels allowed for.
+    """Check whether an identification was accepted, or would be with the errors of some channels or couplings allowed for.
 
     Args:
         one: Observation of the run.
-        channels: Ids of the channels.
+        channels: Ids of the channels, and names of the couplings.
 
     Returns:
         Whether it was or would be.
@@ -190,17 +190,18 @@ def _largest_deviation(one: Observation) -> float:
 
 
 def _explained(one: Observation, channels: frozenset[str]) -> float:
-    """Compute the fall of χ² when the gains and run-outs of these channels are fitted along."""
+    """Compute the fall of χ² when the errors of these channels and couplings are fitted along."""
     left_out = {channel for channel, count in one.outliers.items() if count > MOSTLY_LEFT_OUT * _usable(one, channel)}
     information = one.fitted
     known = np.diag(information) > 0.0  # of a channel without phasors nothing is
-    free = known & np.array([describe(name).channel in channels - left_out for name in one.names])
-    machine = np.array([describe(name).channel is None for name in one.names])
+    free = known & np.array([describe(name).error_of in channels - left_out for name in one.names])
+    machine = np.array([describe(name).error_of is None for name in one.names])
+    beside_fit = np.arange(len(one.names)) >= one.coordinates
     if not free.any():
         return 0.0
     across = information[np.ix_(free, machine)]
     own = information[np.ix_(free, free)] - across @ np.linalg.solve(information[np.ix_(machine, machine)], across.T)
-    score = one.gradient[free]
+    score = one.gradient[free] + own @ one.reference[free] * beside_fit[free]
     return float(score @ np.linalg.solve(own, score))
 
 

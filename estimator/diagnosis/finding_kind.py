@@ -148,6 +148,7 @@ class FindingKind:
         size: Function that returns the size of a cause; needed beside `changes`.
         form: Function that returns the form of a cause, as far as the data tell.
         linear: Whether it enters the response linearly, so that it explains its effect exactly.
+        left_out: Whether it moves an error that fits leave out unless the document asks for it.
 
     Raises:
         ValueError: A part of the declaration is missing.
@@ -162,6 +163,12 @@ class FindingKind:
     size: Callable[[Cause, BaselineValues], ChangeSize] | None = None
     form: Callable[[Cause], str | None] | None = None
     linear: bool = False
+    left_out: bool = False
+
+    @property
+    def beside_fit(self) -> bool:
+        """Return whether it lies in what fits leave out, and so may explain why one is refused."""
+        return self.left_out or self.place == "channels"
 
     def __post_init__(self) -> None:
         if not self.elements:

@@ -40,6 +40,13 @@ UNBALANCE = 0.5
 """Expected change of an unbalance, in units of the machine's median one [-]."""
 GAIN = 0.15
 """Expected change of a gain, each part [-]."""
+ROTATING = {"rotating_offset": 1e-5, "rotating_angle": 1e-4}
+"""Expected changes of a coupling's run-outs of bore and face, each part [m, rad]."""
+USUAL_ROTATING = {"rotating_offset": 25e-6, "rotating_angle": 250e-6}
+"""Run-outs that are usually allowed [m, rad]: a reading of 0.05 mm at the rim, and on a face of 200 mm (J. Piotrowski, Shaft
+Alignment Handbook, 3rd ed., CRC Press 2006, ch. 5)."""
+ROTATING_WORDS = {"rotating_offset": ("offset", "um", 1e6), "rotating_angle": ("angle", "urad", 1e6)}
+"""Name, unit and factor of each run-out's size."""
 FORM_SIGNIFICANCE = 2.0
 """Standard errors by which a coupling's lateral and angular stiffness must have risen differently to tell the form [-]."""
 
@@ -164,6 +171,34 @@ def _unbalance_size(cause: Cause, baseline: BaselineValues) -> ChangeSize:
     return ChangeSize(100.0 * abs(change) / max(abs(before), 1e-300), quantities, parts=(part,))
 
 
+# --- what turns with a coupling ----------------------------------------------------------------------------------------------
+
+
+def _rotating_errors(columns: ChangeColumns) -> Iterator[ExpectedChange]:
+    """Yield the run-out of bore and face of each coupling: either of them, or both."""
+    for coupling in columns.machine.couplings:
+        element = f"coupling.{coupling.id}"
+        pairs = tuple(
+            columns.complex_pair(name, size)
+            for name, size in ((f"{element}.{error}", size) for error, size in ROTATING.items())
+            if columns.knows(name)
+        )
+        if pairs:
+            yield ExpectedChange(element, (*pairs, np.concatenate(pairs, axis=1)) if len(pairs) > 1 else pairs)
+
+
+def _rotating_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
+    """Return offset and angle with their directions, and how large they are beside what is usual."""
+    quantities, usual = {}, []
+    for name, change in zip(cause.names[::2], _complex_changes(cause).tolist(), strict=True):
+        error = describe(name).quantity
+        what, unit, factor = ROTATING_WORDS[error]
+        quantities[f"{what}_{unit}"] = factor * abs(change)
+        quantities[f"{what}_deg"] = math.degrees(np.angle(change)) % 360.0
+        usual.append(abs(change) / USUAL_ROTATING[error])
+    return ChangeSize(None, quantities, tolerance_per_cent=100.0 * max(usual))
+
+
 # --- measuring channels ------------------------------------------------------------------------------------------------------
 
 
@@ -250,6 +285,15 @@ FINDING_KINDS: tuple[FindingKind, ...] = (
     FindingKind("light_load", ("bearing",), "machine", data_fault=light_loads),
     FindingKind("heavy_load", ("bearing",), "machine", data_fault=heavy_loads),
     FindingKind("unbalance", ("disc",), "machine", changes=_unbalances, size=_unbalance_size, linear=True),
+    FindingKind(
+        "rotating_coupling",
+        ("coupling",),
+        "machine",
+        changes=_rotating_errors,
+        size=_rotating_size,
+        linear=True,
+        left_out=True,
+    ),
     FindingKind("bow", ("shaft",), "channels", changes=_bows, size=_run_out_size),
     FindingKind("run_out", ("probe",), "channels", changes=_run_outs, size=_run_out_size),
     FindingKind("sensor", ("probe",), "channels", changes=_gains, size=_gain_size, data_fault=lost_channels),

@@ -31,6 +31,8 @@ SCALE_FACTOR = 5e-4
 """Run-to-run standard deviation of the scale factors of E and density [-]: the steel stays the same."""
 GAIN = 0.005
 """Run-to-run standard deviation of a channel's gain [-]."""
+ROTATING_VARIATION = {"rotating_offset": 2e-7, "rotating_angle": 2e-6}
+"""Run-to-run standard deviations of a coupling's run-outs of bore and face [m, rad]: nobody opens it between runs."""
 RUN_OUT = 0.005
 """Run-to-run standard deviation of a run-out, as a part of the channel's median amplitude [-]."""
 
@@ -100,16 +102,18 @@ def typical_amplitude(channel: str, baseline: Sequence[Observation]) -> float:
 
 
 def channel_variation(name: str, baseline: Sequence[Observation]) -> float:
-    """Return the run-to-run standard deviation of a channel's error.
+    """Return the run-to-run standard deviation of an error of a channel or a coupling.
 
     Args:
         name: Name of the quantity.
         baseline: Observations of the baseline's runs.
 
     Returns:
-        Standard deviation [unit of the quantity]; 0 for everything that is no channel's error.
+        Standard deviation [unit of the quantity]; 0 for everything that is no such error.
     """
     said = describe(name)
+    if said.quantity in ROTATING_VARIATION:
+        return ROTATING_VARIATION[said.quantity]
     if said.element_kind != "probe":
         return 0.0
     return GAIN if said.quantity == "gain" else RUN_OUT * typical_amplitude(said.element_id, baseline)

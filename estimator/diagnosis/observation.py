@@ -69,6 +69,33 @@ class Observation:
         own = slice(self.coordinates)
         return Point(self.names[own], self.reference[own], inverse(self.fitted[own, own]))
 
+    def limited(self, names: "Sequence[str]") -> "Observation":
+        """Return the observation without the errors that others do not have: an older release's fits state fewer of them.
+
+        Args:
+            names: Names of the quantities wanted, the fit's own among them.
+
+        Returns:
+            The observation with these, in its own order; itself where it has no others or lacks some.
+        """
+        wanted = set(names)
+        kept = [place for place, name in enumerate(self.names) if name in wanted]
+        if (
+            len(kept) in (len(self.names), 0)
+            or len(kept) < len(wanted)
+            or kept[: self.coordinates] != [*range(self.coordinates)]
+        ):
+            return self
+        gone = [place for place in range(len(self.names)) if self.names[place] not in wanted]
+        return replace(
+            self,
+            names=tuple(self.names[place] for place in kept),
+            reference=self.reference[kept],
+            gradient=self.gradient[kept] + self.information[np.ix_(kept, gone)] @ self.reference[gone],
+            information=self.information[np.ix_(kept, kept)],
+            believed=None if self.believed is None else self.believed[kept],
+        )
+
     def at(self, point: Point) -> "Observation":
         """Return the observation with another estimate of the fit's own coordinates.
 
@@ -155,18 +182,20 @@ def fit_observation(fit: ObservedFit, channels: tuple[str, ...]) -> Observation:
     names, information, gradient = coordinates, own, np.zeros(len(coordinates))
     phasors: dict[str, int] = {}
     amplitude: dict[str, float] = {}
+    errors = np.zeros(0)
     if effects is not None:
         names = (*coordinates, *effects.names)
         across = own @ effects.bias
         among = effects.information + effects.bias.T @ across
         information = np.block([[own, across], [across.T, among]])
         gradient = np.concatenate([gradient, effects.score])
+        errors = np.zeros(len(effects.names)) if effects.at is None else effects.at
         phasors = dict(zip(channels, effects.phasors, strict=True))
         amplitude = dict(zip(channels, effects.amplitude, strict=True))
     return Observation(
         names=names,
         coordinates=len(coordinates),
-        reference=np.concatenate([fit.point, np.zeros(len(names) - len(fit.point))]),
+        reference=np.concatenate([fit.point, errors]),
         gradient=gradient,
         information=information,
         accepted=fit.accepted,
@@ -177,6 +206,19 @@ def fit_observation(fit: ObservedFit, channels: tuple[str, ...]) -> Observation:
         outliers=fit.outliers,
         amplitude=amplitude,
     )
+
+
+def limited_alike(observations: "Sequence[Observation]") -> "tuple[Observation, ...]":
+    """Return observations with the errors that all of them have: an older release's fits state fewer of them.
+
+    Args:
+        observations: The observations.
+
+    Returns:
+        The same, limited.
+    """
+    fewest = min((one.names for one in observations), key=len, default=())
+    return tuple(one.limited(fewest) for one in observations)
 
 
 def names_in_common(baseline: "Sequence[Observation]") -> tuple[str, ...]:

@@ -17,7 +17,7 @@ from estimator.diagnosis.data_faults import DataFault, fits
 from estimator.diagnosis.film_reference import film_reference
 from estimator.diagnosis.finding_kind import Cause, FindingKind
 from estimator.diagnosis.finding_kinds import FINDING_KINDS, finding_kind
-from estimator.diagnosis.observation import Observation
+from estimator.diagnosis.observation import Observation, limited_alike
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.document import Machine
 from estimator.machine.film_speeds import follows_films
@@ -61,9 +61,10 @@ class RunWindows:
         Raises:
             ValueError: The baseline does not make a reference, see `reference`.
         """
+        alike = limited_alike(baseline)
         if not follows_films(machine):
-            return cls(tuple(baseline), reference(machine, baseline))
-        return cls(tuple(baseline), film_reference(machine, baseline, variation or stated_variation(machine)))
+            return cls(alike, reference(machine, alike))
+        return cls(alike, film_reference(machine, alike, variation or stated_variation(machine)))
 
     def found(self, after: Sequence[Observation], *, on_delay: Delay) -> Diagnosis:
         """Find the causes that the newest of the runs after the baseline agree on.
@@ -75,6 +76,7 @@ class RunWindows:
         Returns:
             The diagnosis.
         """
+        after = [one.limited(self.reference.names) for one in after]
         causes: dict[tuple[str, str], tuple[Cause, tuple[Cause, ...]]] = {}
         for length in self._window_lengths(on_delay):
             if length > len(after):
@@ -105,7 +107,7 @@ class RunWindows:
         """
         if len(after) < off_delay:
             return False
-        window = after[-off_delay:]
+        window = [one.limited(self.reference.names) for one in after[-off_delay:]]
         if any(self._shows_fault(one, kind, element) for one in window):
             return False
         whole = self._diagnosis(window)
@@ -113,7 +115,7 @@ class RunWindows:
             return False
         channels = faulty_channels(whole)
         place = finding_kind(kind).place
-        if not all(fits(one, channels) for one in window) and place != "channels":
+        if not all(fits(one, channels) for one in window) and not finding_kind(kind).beside_fit:
             return place == "data" and all(one.accepted for one in window)
         return self._explanation(window).evidence.get((kind, element), 0.0) < GONE * STRONG
 
@@ -129,7 +131,7 @@ class RunWindows:
         """
         if not cause.names:
             return len(after) - len(cause.agreement)
-        spoken = [agreement(self.reference, cause, one) for one in after]
+        spoken = [agreement(self.reference, cause, one.limited(self.reference.names)) for one in after]
         sums = np.cumsum(spoken[::-1])[::-1]
         return int(np.argmax(sums))
 
@@ -156,7 +158,7 @@ class RunWindows:
         found = self._explanation(window)
         channels = faulty_channels(found)
         if not all(fits(one, channels) for one in window):
-            kept = [i for i, cause in enumerate(found.causes) if _lies_in_channels(cause)]
+            kept = [i for i, cause in enumerate(found.causes) if finding_kind(cause.kind).beside_fit]
             found = Diagnosis(tuple(found.causes[i] for i in kept), tuple(found.runners_up[i] for i in kept))
         beside = tuple(self._data_causes(window, faulty_channels(found)))
         return Diagnosis((*found.causes, *beside), (*found.runners_up, *(() for _ in beside)))
@@ -171,20 +173,16 @@ class RunWindows:
 
 
 def faulty_channels(diagnosis: Diagnosis) -> frozenset[str]:
-    """Return the channels that a diagnosis calls faulty.
+    """Return the channels and couplings whose errors, which fits leave out, a diagnosis names.
 
     Args:
         diagnosis: The diagnosis.
 
     Returns:
-        Ids of the channels.
+        Ids of the channels, and names of the couplings.
     """
-    names = (name for cause in diagnosis.causes if _lies_in_channels(cause) for name in cause.names)
-    return frozenset(channel for name in names if (channel := describe(name).channel) is not None)
-
-
-def _lies_in_channels(cause: Cause) -> bool:
-    return finding_kind(cause.kind).place == "channels"
+    names = (name for cause in diagnosis.causes if finding_kind(cause.kind).beside_fit for name in cause.names)
+    return frozenset(of for name in names if (of := describe(name).error_of) is not None)
 
 
 def _data_cause(kind: FindingKind, fault: DataFault) -> Cause:

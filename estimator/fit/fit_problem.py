@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
 from estimator.fit.coordinates import Coordinates
+from estimator.fit.gap_rows import GapRows
 from estimator.fit.linear_phasors import LinearPhasors, PhasorMemory, Sources, linear_phasors
 from estimator.machine.rules import Noise
 from estimator.phasors.measurement import Measurement
@@ -28,7 +29,7 @@ class FitResult:
 
     Attributes:
         theta: Fit coordinates θ (n,) [-].
-        chi_square: χ² of the data at the final weights [-].
+        chi_square: χ² of the phasors at the final weights [-].
         information: Fisher information (n, n) of the data in the coordinates [-].
         converged: Whether the last stage met its tolerance.
         iterations: Number of steps tried.
@@ -64,6 +65,7 @@ class FitProblem:
         outlier: True for phasors left out (S, m).
         robust: Whether outliers are left out at all.
         channel_noise: Noise of each channel over the noise model's, (m,) or (1,) [-].
+        gaps: Gaps that are fitted with the phasors; None for none.
     """
 
     train: CondensedTrain
@@ -73,6 +75,7 @@ class FitProblem:
     outlier: NDArray[np.bool_]
     robust: bool = True
     channel_noise: Floats = field(default_factory=lambda: np.ones(1))
+    gaps: GapRows | None = None
     _scaled: dict[bytes, CondensedTrain] = field(default_factory=dict)
     _memory: PhasorMemory = field(default_factory=PhasorMemory)
 
@@ -200,11 +203,13 @@ class FitProblem:
             weight: Weights (S, m) [1/m].
 
         Returns:
-            χ² of the data [-], -½ of its gradient (n,) [-] and its Gauss-Newton curvature (n, n) [-].
+            χ² of the data, gaps included [-], -½ of its gradient (n,) [-] and its Gauss-Newton curvature (n, n) [-].
         """
         weight = np.where(self.used, weight, 0.0)
         chi_square, gradient = 0.0, np.zeros(theta.size)
         curvature = np.zeros((theta.size, theta.size))
+        if self.gaps is not None:
+            chi_square, gradient, curvature = self.gaps.linearised(theta)
         for found in self.linear_phasors(theta):
             rows, parts = found.weighted(self.measurement.phasor, weight)
             chi_square += float(parts @ parts)
@@ -213,7 +218,7 @@ class FitProblem:
         return chi_square, gradient, curvature
 
     def chi_square(self, theta: Floats, weight: Floats) -> float:
-        """Compute χ²: the sum of squared weighted residuals, real and imaginary parts counted apart.
+        """Compute χ²: the sum of squared weighted residuals, real and imaginary parts counted apart, and that of the gaps.
 
         Args:
             theta: Fit coordinates θ (n,) [-].
@@ -223,7 +228,18 @@ class FitProblem:
             χ² [-].
         """
         residual = ((self.measurement.phasor - self.model(theta)) * weight)[self.used]
-        return float(np.vdot(residual, residual).real)
+        return float(np.vdot(residual, residual).real) + self.gap_cost(theta)
+
+    def gap_cost(self, theta: Floats) -> float:
+        """Compute χ² of the gaps.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            χ² [-]; 0 without gaps.
+        """
+        return 0.0 if self.gaps is None else self.gaps.cost(theta)
 
     def begun(self, theta: Floats, weight: Floats) -> Floats:
         """Complete the coefficients of a start by what follows from them linearly.

@@ -4,14 +4,17 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
 from estimator.fit.calibrated_scatter import with_calibrated_scatter
 from estimator.fit.channel_sensitivity import ChannelEffects, channel_effects
 from estimator.fit.coordinates import Coordinates
+from estimator.fit.coupling_run_outs import RunOutFit, fit_with_run_outs
 from estimator.fit.estimates import Estimate, determined, estimates
 from estimator.fit.fit_problem import FitProblem, FitResult, best_excitations
 from estimator.fit.form_discrepancy import FormVerdict, judge_form, needs_form
+from estimator.fit.gap_checks import with_gaps
 from estimator.fit.goodness_of_fit import Verdict, VerdictRemark, judge, remark
 from estimator.fit.identifiability import Reasons, reasons_for
 from estimator.fit.maximum_likelihood import STAGE_MISFITS
@@ -278,15 +281,46 @@ def identify_train(
             "(samples at one speed repeat each other)"
         )
     problem = _problem(train, measurement, noise, robust=options.robust)
-    best = best_fit(
-        problem,
-        starts=options.starts,
-        seed=options.seed,
-        good=lambda found: judge(problem, found).accepted,
-        beginning=None if beginning is None else problem.coordinates.theta(beginning),
-        twice=measurement.speed.size <= FEW_SAMPLES and beginning is None and not problem.coordinates.calibrated_places,
+    begin = None if beginning is None else problem.coordinates.theta(beginning)
+
+    def best_of(starts: int) -> BestFit:
+        return best_fit(
+            problem,
+            starts=starts,
+            seed=options.seed,
+            good=lambda found: judge(problem, found).accepted,
+            beginning=begin,
+            twice=measurement.speed.size <= FEW_SAMPLES and begin is None and not problem.coordinates.calibrated_places,
+        )
+
+    best = best_of(options.starts if begin is None else 1)
+    other = None
+    if not judge(problem, best.fit).accepted:
+        other = fit_with_run_outs(problem, best.fit.theta if begin is None else begin, near=begin is not None)
+        if other is None and begin is not None and options.starts > 1:
+            best = best_of(options.starts)
+    joined = with_gaps(problem, best.fit)
+    found = _result(joined.problem, replace(best, fit=joined.found), joined.remarks, reasons, limits)
+    return found if other is None or found.accepted else _explained_by_run_outs(problem, found, other)
+
+
+def _explained_by_run_outs(problem: FitProblem, found: Identification, other: RunOutFit) -> Identification:
+    """Return a refused fit with what one that was accepted with run-outs of couplings says of the machine."""
+    return replace(
+        found,
+        point=other.point,
+        covariance=other.covariance,
+        chi_square=other.refused_chi_square,
+        verdict=f"{found.verdict}; {other.words}",
+        outliers=_counted(problem, other.outlier),
+        channel_effects=other.effects,
     )
-    return _result(problem, best, reasons, limits)
+
+
+def _counted(problem: FitProblem, outlier: NDArray[np.bool_]) -> dict[str, int]:
+    """Return the number of phasors left out by channel."""
+    counts = np.count_nonzero(outlier, axis=0)
+    return {channel: int(count) for channel, count in zip(problem.train.channels, counts, strict=True) if count}
 
 
 def _eccentric(machine: Machine, found: Identification) -> str:
@@ -391,7 +425,9 @@ def _problem(train: CondensedTrain, measurement: Measurement, noise: Noise, *, r
     return problem
 
 
-def _result(problem: FitProblem, best: BestFit, reasons: Reasons | None, limits: Limits | None) -> Identification:
+def _result(
+    problem: FitProblem, best: BestFit, of_gaps: tuple[str, ...], reasons: Reasons | None, limits: Limits | None
+) -> Identification:
     coordinates, found = problem.coordinates, best.fit
     information = found.information + coordinates.prior.precision
     covariance = np.linalg.inv(information)
@@ -411,7 +447,6 @@ def _result(problem: FitProblem, best: BestFit, reasons: Reasons | None, limits:
         if verdict.accepted and condition > LARGEST_CONDITION and not coordinates.models:
             doubtful = flat_coordinates(problem, found, covariance, sorted(_determined(coordinates, covariance)))
     speed = problem.measurement.speed
-    left_out = np.count_nonzero(found.outlier, axis=0)
     error = np.sqrt(np.diag(covariance))
     why = None if reasons is None else reasons(problem, found, covariance)
     if why is not None and form_alone:
@@ -424,7 +459,7 @@ def _result(problem: FitProblem, best: BestFit, reasons: Reasons | None, limits:
         chi_square=found.chi_square,
         degrees_of_freedom=verdict.degrees_of_freedom,
         accepted=verdict.accepted,
-        verdict="; ".join((verdict.words + beside.words, *best.remarks)),
+        verdict="; ".join((verdict.words + beside.words, *best.remarks, *of_gaps)),
         condition_number=condition,
         starts=best.starts,
         iterations=best.iterations,
@@ -432,7 +467,7 @@ def _result(problem: FitProblem, best: BestFit, reasons: Reasons | None, limits:
         speed_minimum=float(speed.min()),
         speed_maximum=float(speed.max()),
         noise=found.noise,
-        outliers={channel: int(count) for channel, count in zip(problem.train.channels, left_out, strict=True) if count},
+        outliers=_counted(problem, found.outlier),
         channel_effects=channel_effects(problem, found, inflation=beside.inflation),
     )
 

@@ -100,9 +100,10 @@ def fit(
         if not converged or (ended and is_unchanged(before, problem)):
             break
     chi_square, _, information = problem.linearised(theta, weight)
+    of_phasors = chi_square - problem.gap_cost(theta)
     return FitResult(
         theta=theta,
-        chi_square=chi_square,
+        chi_square=of_phasors,
         information=information,
         converged=converged,
         iterations=iterations,

@@ -15,6 +15,7 @@ from estimator.machine.consistency import CONTRADICTION, reference_problems
 from estimator.machine.films import StaticLoad
 from estimator.machine.parts import Bearing, Coupling, Disc, Material, Pedestal, Probe, RayleighDamping, Seal, Shaft
 from estimator.machine.rules import (
+    Centreline,
     Collection,
     Condition,
     ImpactTest,
@@ -51,6 +52,7 @@ class Machine(Part):
     probes: Annotated[tuple[Probe, ...], Field(min_length=1, max_length=120)]
     conditions: Annotated[tuple[Condition, ...], Field(max_length=16)] = ()
     noise: Noise = Noise()
+    centreline: Centreline = Centreline()
     operation: Operation = Operation()
     collection: Collection = Collection()
     quality: QualityRules = QualityRules()
@@ -108,7 +110,10 @@ class Machine(Part):
         Returns:
             Whether they do.
         """
-        said = {"name", "conditions", "operation", "collection", "quality", "impact_test", "sparkplug"}
+        said: dict[str, Any] = dict.fromkeys(
+            ("name", "conditions", "operation", "collection", "quality", "impact_test", "centreline", "sparkplug"), True
+        )
+        said["probes"] = {"__all__": {"gap_grows"}}  # gaps that are sent from now on do not make it another train
         return self.model_dump(exclude=said) == other.model_dump(exclude=said)
 
     def shaft(self, shaft_id: str) -> Shaft:

@@ -216,6 +216,7 @@ def _unknowns(machine: Machine) -> int:
             count += len(names) - len(governed) + form.parameter_count(governed)
     count += 2 * sum(shaft.bow_spread > 0.0 for shaft in machine.shafts)
     count += 8 * sum(coupling.load is not None for coupling in machine.couplings)
+    count += 4 * sum(coupling.rotating_error is not None for coupling in machine.couplings)
     count += 2 * sum((probe.gain_spread > 0.0) + (probe.run_out_spread > 0.0) for probe in machine.probes)
     return count + sum((one.young_modulus_spread > 0.0) + (one.density_spread > 0.0) for one in machine.materials.values())
 

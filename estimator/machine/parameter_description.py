@@ -12,6 +12,8 @@ from estimator.bearings.terms import TERMS, Term
 
 SCALE_FACTORS = frozenset({"young_modulus", "density"})
 """Factors on a material's properties, positive and fitted as logarithms."""
+ROTATING_ERRORS = ("rotating_offset", "rotating_angle")
+"""Run-outs of a coupling's bore and face."""
 COMPONENTS = ("real", "imaginary")
 """Parts of a complex parameter."""
 CACHE_SIZE = 10_000
@@ -52,6 +54,14 @@ class ParameterDescription:
     def channel(self) -> str | None:
         """Return the id of the channel whose gain or run-out it is; None for anything else."""
         return self.element_id if self.element_kind == "probe" else None
+
+    @property
+    def error_of(self) -> str | None:
+        """Return what has an error that fits leave out unless the document asks for it; None for anything else.
+
+        It is the id of a channel, or the name of a coupling.
+        """
+        return self.element if self.quantity in ROTATING_ERRORS else self.channel
 
     @property
     def positive(self) -> bool:

@@ -6,7 +6,7 @@ from the driver-side end of its own shaft [m].
 """
 
 import math
-from typing import Annotated, Self
+from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -151,6 +151,13 @@ class EquivalentLoad(Part):
     moment_spread: Positive = Field(description="how large a moment may be, rms [N m]")
 
 
+class RotatingError(Part):
+    """Run-out of a coupling's bore and face, which turns with the shafts: offset and angle that the coupling makes up for."""
+
+    offset_spread: Positive = Field(default=2e-5, description="how large an offset may be, rms [m]")
+    angle_spread: Positive = Field(default=2e-4, description="how large an angle may be, rms [rad]")
+
+
 class Coupling(LateralCoefficients):
     """A flexible coupling with ten linear coefficients (thesis Eq. 3.9) from the end of one shaft to the start of the next.
 
@@ -171,6 +178,9 @@ class Coupling(LateralCoefficients):
     driver_half: Half | None = Field(default=None, description="what sits on the driver's end")
     driven_half: Half | None = Field(default=None, description="what sits on the driven shaft's end")
     load: EquivalentLoad | None = Field(default=None, description="where given, equivalent loads are identified")
+    rotating_error: RotatingError | None = Field(
+        default=None, description="where given, run-outs of bore and face are identified, which turn with the shafts"
+    )
 
 
 class Probe(Part):
@@ -186,6 +196,11 @@ class Probe(Part):
     )
     absolute: bool = Field(default=False, description="stands on the ground: measures the shaft's own motion")
     sensitivity: Positive | None = Field(default=None, description="[V/m]; needed only where a source publishes volts")
+    gap_grows: Literal["away", "towards"] | None = Field(
+        default=None,
+        description="which way the shaft moves while the gap that a source sends grows: away from the probe, as a distance "
+        "does, or towards it, as the negative volts of most proximity probes do; needed only where a source sends gaps",
+    )
     gain_spread: Annotated[float, Field(ge=0, lt=10)] = Field(
         default=0.0, description="how far gain and phase may be off, relative rms [-]; 0: exact"
     )

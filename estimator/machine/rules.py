@@ -142,6 +142,18 @@ class Noise(Part):
     )
 
 
+class Centreline(Part):
+    """Expectations of the gaps that samples may carry: the shaft's mean place over the run, from a zero of each probe."""
+
+    noise: Positive = Field(
+        default=1e-6, description="rms error of a gap [m]; where neighbouring samples scatter more, that counts"
+    )
+    drift: NotNegative = Field(
+        default=5e-6,
+        description="rms drift of a probe's zero over a run [m]: a holder of 100 mm that cools by 4 K shrinks by 5 µm",
+    )
+
+
 class ParameterRule(Part):
     """Rule on some parameters of an identification. Later rules win over earlier ones."""
 

@@ -10,6 +10,32 @@ from estimator.arrays import Complexes, Floats
 
 
 @dataclass(frozen=True)
+class MeasuredGaps:
+    """Gaps of S samples of m channels, in one run or several.
+
+    Attributes:
+        place: Mean places (S, m) of the shaft along the probes' axes, towards them, from a zero of each [m]; NaN: unknown.
+        time: Times (S,) from an arbitrary moment on [s].
+        run: Number of the run that each sample is of (S,); each run has zeros of its own.
+    """
+
+    place: Floats
+    time: Floats
+    run: NDArray[np.intp]
+
+    def pick(self, which: NDArray[np.bool_]) -> "MeasuredGaps":
+        """Return some of the samples.
+
+        Args:
+            which: True for the samples wanted (S,).
+
+        Returns:
+            Their gaps.
+        """
+        return MeasuredGaps(self.place[which], self.time[which], self.run[which])
+
+
+@dataclass(frozen=True)
 class Measurement:
     """S samples of m channels.
 
@@ -21,6 +47,7 @@ class Measurement:
         scatter: Rms of the complex error (S, m) as the source measured it [m], NaN where it did not.
         added: Known unbalances (S, P) beside the residual ones [kg m], such as a trial weight that was on during some of the
             samples; None for none.
+        gaps: The gaps; None where no source sends them.
     """
 
     speed: Floats
@@ -29,6 +56,7 @@ class Measurement:
     usable: NDArray[np.bool_]
     scatter: Floats
     added: Complexes | None = None
+    gaps: MeasuredGaps | None = None
 
     @classmethod
     def of(cls, *, speed: Floats, phasor: Complexes, direction: float = 1.0) -> Self:
@@ -61,6 +89,8 @@ class Measurement:
             raise ValueError(f"added has shape {self.added.shape}, should have a row for each of {samples} samples")
         if np.any(self.usable & ~np.isfinite(self.phasor)):
             raise ValueError("a phasor marked usable is not finite")
+        if self.gaps is not None and self.gaps.place.shape != (samples, channels):
+            raise ValueError(f"gaps have shape {self.gaps.place.shape}, should have {(samples, channels)}")
 
     def pick(self, which: NDArray[np.bool_]) -> "Measurement":
         """Return some of the samples.
@@ -78,6 +108,7 @@ class Measurement:
             self.usable[which],
             self.scatter[which],
             None if self.added is None else self.added[which],
+            None if self.gaps is None else self.gaps.pick(which),
         )
 
     def with_trial_weight(self, unbalances: Complexes) -> "Measurement":
@@ -115,4 +146,20 @@ def joined(measurements: list[Measurement]) -> Measurement:
         usable=np.concatenate([one.usable for one in measurements]),
         scatter=np.concatenate([one.scatter for one in measurements]),
         added=np.concatenate(added) if planes else None,
+        gaps=_joined_gaps(measurements),
     )
+
+
+def _joined_gaps(measurements: list[Measurement]) -> MeasuredGaps | None:
+    """Return the gaps of several measurements, the runs of each numbered behind those before it."""
+    if all(one.gaps is None for one in measurements):
+        return None
+    found, runs = [], 0
+    for one in measurements:
+        own = one.gaps or MeasuredGaps(
+            np.full(one.phasor.shape, np.nan), np.zeros(one.speed.size), np.zeros(one.speed.size, np.intp)
+        )
+        found.append((own.place, own.time, own.run + runs))
+        runs += int(own.run.max(initial=0)) + 1
+    place, time, run = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    return MeasuredGaps(place, time, run)

@@ -6,6 +6,7 @@ force: a residual unbalance, a bow, a misalignment's equivalent load.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from typing import Literal
@@ -211,7 +212,7 @@ def unknowns(machine: Machine, rotor: Rotor) -> Unknowns:
     unbalances = [_with_rule(one, machine.parameters) for one in _unbalances(machine, rotor)]
     return Unknowns(
         _tied([_ruled(one, machine.parameters) for one in coefficients]),
-        (*unbalances, *_bows(machine, rotor), *_loads(machine, rotor)),
+        (*unbalances, *_bows(machine, rotor), *_loads(machine, rotor), *_rotating_errors(machine, rotor, coefficients)),
     )
 
 
@@ -375,6 +376,34 @@ def _loads(machine: Machine, rotor: Rotor) -> list[Excitation]:
             for axis, along in axes.items():
                 acting = _relative(nodes, _DOF[along])
                 found.append(Excitation(f"{element}.{quantity}_{axis}", element, quantity, acting=acting, spread=spread))
+    return found
+
+
+def _rotating_errors(machine: Machine, rotor: Rotor, coefficients: Sequence[Coefficient]) -> list[Excitation]:
+    """Build the run-outs of bore and face of each coupling that the document asks for.
+
+    A coupling whose bores are off centre by e, or whose faces are askew by α, is free of load where the driven shaft's end
+    stands off the driver's by that. Both turn with the shafts, so that the coupling pulls the ends apart with K e and K_φ α,
+    whatever the speed (coupling errors as rotating forces and moments: Bachschmid, Pennacchi and Vania, J. Sound Vib. 254
+    (2002) 327, doi:10.1006/jsvi.2001.4096). Something that turns acts alike in both planes: with the mean of the coupling's
+    expected stiffnesses.
+    """
+    expected = {one.name: one.expected for one in coefficients}
+    found = []
+    for coupling in machine.couplings:
+        said, element = coupling.rotating_error, f"coupling.{coupling.id}"
+        if said is None:
+            continue
+        ends = rotor.end_node(coupling.driver), rotor.first_node[coupling.driven]
+        parts: tuple[tuple[str, Quantity, tuple[str, str], int, float], ...] = (
+            ("rotating_offset", "rotating offset", ("kxx", "kyy"), 0, said.offset_spread),
+            ("rotating_angle", "rotating angle", ("k_phix", "k_phiy"), 1, said.angle_spread),
+        )
+        for name, quantity, terms, dof, spread in parts:
+            shape = np.zeros(rotor.plane_size)
+            pull = float(np.mean([expected[f"{element}.{term}"] for term in terms]))
+            shape[[PLANE_DOFS * end + dof for end in ends]] = -pull, pull
+            found.append(Excitation(f"{element}.{name}", element, quantity, shape=shape, spread=spread))
     return found
 
 

@@ -24,6 +24,8 @@ ORDERS = (1, 2)
 """Multiples of the speed that are tracked."""
 COLUMNS = 8
 """Number of real unknowns of one block."""
+MEAN = 6
+"""Which of them is the mean."""
 FEWEST_TURNS = 3.0
 """Least turns in a block: fewer do not tell the trends from the orders."""
 FEWEST_SAMPLES_PER_TURN = 5.0
@@ -45,6 +47,7 @@ class Block:
         scatter: Rms of the complex error of each (C, 2) [unit of the waveform], from the block's own residual beside the order
             (`estimator/signal/phasor_scatter.py`), with the errors by the keyphasor's jitter and a converter's steps.
         residual: Rms of the residual (C,) [unit of the waveform].
+        mean: Mean (C,) of each waveform in the middle of the block, without the orders [unit of the waveform].
         faults: Fault of each of the C waveforms, or None.
     """
 
@@ -55,6 +58,7 @@ class Block:
     phasors: Complexes
     scatter: Floats
     residual: Floats
+    mean: Floats
     faults: tuple[WaveformFault | None, ...]
 
 
@@ -206,9 +210,11 @@ def track_block(
     faults = tuple(waveform_fault(signal, samples_per_turn=per_turn, rails=one) for signal, one in pairs)
     lost = np.array([fault in UNUSABLE for fault in faults], dtype=bool)
     signals = np.where(lost[:, None], 0.0, signals) if lost.any() else signals
-    signals = signals - signals.mean(axis=1, keepdims=True)
+    mean = signals.mean(axis=1)
+    signals = signals - mean[:, None]
     inverse = np.linalg.inv(normal)
     coefficients = (signals @ columns.T) @ inverse
+    mean = np.where(lost, math.nan, mean + coefficients[:, MEAN])
     rest = signals - coefficients @ columns
     residual = np.sqrt(np.einsum("cn,cn->c", rest, rest) / (time.size - COLUMNS))
     residual[lost] = math.nan
@@ -217,7 +223,7 @@ def track_block(
     steps = _converter_steps(signals, phasors[:, 0], residual, lost)
     scatter = np.hypot(_scatter(rest, residual, columns, np.diag(inverse), turned), steps[:, None])
     speed = 2.0 * math.pi * turned / (end - begin)
-    return Block(middle, speed, turned, time.size, phasors, scatter, residual, faults)
+    return Block(middle, speed, turned, time.size, phasors, scatter, residual, mean, faults)
 
 
 def _converter_steps(signals: Floats, phasors: Complexes, residual: Floats, lost: NDArray[np.bool_]) -> Floats:

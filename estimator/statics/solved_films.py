@@ -119,6 +119,15 @@ class _Solution:
         yield position * np.array([[new.clearance / old.clearance] for new, old in pairs])
 
 
+@dataclass(frozen=True)
+class _Slopes:
+    """Derivatives by the P own fitted numbers of coefficients (G, 8n, P) [SI], positions and forces (G, n, 2, P) [m, N]."""
+
+    coefficients: Floats
+    position: Floats
+    force: Floats
+
+
 class SolvedFilms:
     """Films at the speeds at which equilibria are solved, remembered for the last fitted numbers.
 
@@ -140,7 +149,7 @@ class SolvedFilms:
         self._last = _Solution(np.zeros(0), nominal.train, nominal.equilibria)
         # Each is one object, so that a thread that reads it while another replaces it gets a pair that belongs together.
         self._solved: tuple[bytes, tuple[FilmEquilibrium, ...] | None] = (b"", None)
-        self._slopes: tuple[bytes, Floats] = (b"", np.zeros(0))
+        self._slopes: tuple[bytes, _Slopes] = (b"", _Slopes(np.zeros(0), np.zeros(0), np.zeros(0)))
 
     @property
     def viscosities(self) -> list[int]:
@@ -242,18 +251,38 @@ class SolvedFilms:
         Returns:
             Derivatives (G, 8n, P) by the P own ones [SI].
         """
+        return self._all_slopes(fitted).coefficients
+
+    def motions(self, fitted: Floats) -> tuple[Floats, Floats]:
+        """Compute the derivatives of the journals' positions and of the films' forces by the films' own fitted numbers.
+
+        Args:
+            fitted: Fitted numbers (...), the own ones first [-].
+
+        Returns:
+            Derivatives of positions (G, n, 2, P) [m] and of forces (G, n, 2, P) [N]; NaN where a film is too thin.
+        """
+        found = self._all_slopes(fitted)
+        return found.position, found.force
+
+    def _all_slopes(self, fitted: Floats) -> _Slopes:
         key, known = self._own.of(fitted).tobytes(), self._slopes
         if known[0] != key:
             known = self._slopes = key, self._differentiated(fitted)
         return known[1]
 
-    def _differentiated(self, fitted: Floats) -> Floats:
+    def _differentiated(self, fitted: Floats) -> _Slopes:
         found, count = self.sensitivity(fitted), self._own.count
-        if found is None:
-            return np.full((self.nominal.speed.size, self.count, count), np.nan)
         speed = self.nominal.speed
-        self._last = replace(self._last, slopes=self._own.by_fitted(np.moveaxis(found.position, 1, -1), speed=speed))
-        return self._own.by_fitted(np.moveaxis(_rows(found.stiffness, found.damping), 1, -1), speed=speed)
+        if found is None:
+            journals = np.full((speed.size, self.count // 8, 2, count), np.nan)
+            return _Slopes(np.full((speed.size, self.count, count), np.nan), journals, journals)
+        position, force, coefficients = (
+            self._own.by_fitted(np.moveaxis(one, 1, -1), speed=speed)
+            for one in (found.position, found.force, _rows(found.stiffness, found.damping))
+        )
+        self._last = replace(self._last, slopes=position)
+        return _Slopes(coefficients, position, force)
 
 
 def _rows(stiffness: Floats, damping: Floats) -> Floats:

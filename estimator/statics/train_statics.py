@@ -81,7 +81,7 @@ def train_statics(machine: Machine) -> TrainStatics:
     load = train_load(machine, rotor)
     stiffness, weight, by_load = _condensed(_stiffness(machine, couplings=True), load, held, _unit_loads(machine, rotor))
     aligned = _aligned(machine, rotor, load, held)
-    compliance = _compliance(machine)
+    compliance = pedestal_compliance(machine)
     if compliance.any():
         at_rest = stiffness @ aligned.reshape(-1) - weight
         given = np.linalg.inv(np.eye(weight.size) + stiffness * compliance)
@@ -90,8 +90,34 @@ def train_statics(machine: Machine) -> TrainStatics:
     return TrainStatics(tuple(one.id for one in machine.bearings), stiffness, weight, aligned, by_load)
 
 
-def _compliance(machine: Machine) -> Floats:
-    """Return by how much the pedestal under each bearing gives way along x and along y (2n,) [m/N]; 0 without one."""
+def shaft_motion(machine: Machine) -> Floats:
+    """Derive how the whole train moves with its journals, at rest (Guyan, AIAA J. 3 (1965) 380, exact in statics).
+
+    Args:
+        machine: The machine; stiffness of its couplings as expected.
+
+    Returns:
+        Motions (N, 2n) of all degrees of freedom per unit of each journal's x and y [-, 1/m]; pedestals do not move.
+
+    Raises:
+        UnsupportedShaft: Something would fall although all journals are held.
+    """
+    rotor = assemble_rotor(machine)
+    held = np.concatenate([_journal(rotor, bearing.shaft, bearing.station) for bearing in machine.bearings])
+    _, moved = free_motion(_stiffness(machine, couplings=True), np.zeros(rotor.size), held)
+    moved[held] = np.eye(held.size)
+    return moved
+
+
+def pedestal_compliance(machine: Machine) -> Floats:
+    """Return by how much the pedestal under each bearing gives way along x and along y, 0 without one.
+
+    Args:
+        machine: The machine.
+
+    Returns:
+        Compliances (2n,) [m/N].
+    """
     under = {one.bearing: (1.0 / one.kxx, 1.0 / one.kyy) for one in machine.pedestals}
     return np.array([under.get(one.id, (0.0, 0.0)) for one in machine.bearings]).reshape(-1)
 

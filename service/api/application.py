@@ -29,6 +29,7 @@ from service.api.findings.diagnoses import router as diagnoses
 from service.api.findings.identifications import router as identifications
 from service.api.findings.model import router as model
 from service.api.findings.model_process import ModelProcess
+from service.api.findings.shaft_line import router as shaft_line
 from service.api.machines.balancings import router as balancings
 from service.api.machines.baselines import router as baselines
 from service.api.machines.calibrations import router as calibrations
@@ -202,6 +203,7 @@ def _routes() -> list[BaseRoute]:
         identifications,
         model,
         bode,
+        shaft_line,
         diagnoses,
         event_stream,
         suppressions,

@@ -309,11 +309,20 @@ def sample(
     from rotorundown.simulation import simulate as simulate_run
     from service.configuration.document_files import UnreadableFile
     from service.sources.recording import write_recording
+    from service.wire import as_sent
 
     try:
         described, story = _machine_and_story(machine)
         run = simulate_run(described, story=story, progress=progress, samples=samples, seed=seed, run_seed=run_seed)
-        write_recording(file, described, speed_rpm=run.speed_rpm, phasor=run.recorded.phasor, interval_s=run.interval_s)
+        gaps = run.measurement.gaps
+        write_recording(
+            file,
+            described,
+            speed_rpm=run.speed_rpm,
+            phasor=run.recorded.phasor,
+            interval_s=run.interval_s,
+            gap_um=None if gaps is None else as_sent(gaps.place, described),
+        )
     except (UnreadableFile, ValueError, OSError) as error:
         fail(str(error))
 

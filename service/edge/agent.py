@@ -178,6 +178,7 @@ class Agent:
             (batch.amplitude_2x, size[:, 1]),
             (batch.phase_2x, phase[:, 1]),
             (batch.scatter, scatter),
+            *([] if batch.gap is None else [(batch.gap, block.mean * self._factors)]),
         ):
             assert table is not None
             table.append([float(value) if np.isfinite(value) else None for value in row])
@@ -235,6 +236,8 @@ class Agent:
             scatter=[],
             amplitude_2x=[],
             phase_2x=[],
+            gap=[] if configuration.gap else None,
+            gap_unit=configuration.amplitude_unit if configuration.gap else None,
         )
 
 

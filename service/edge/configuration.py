@@ -126,6 +126,10 @@ class EdgeConfiguration(_ConfigurationPart):
     keyphasor: KeyphasorChannel
     channels: Annotated[list[ProbeChannel], Field(min_length=1, max_length=LARGEST_CHANNEL_COUNT)]
     rails: Range | None = Field(default=None, description="measuring range of all channels that have none of their own")
+    gap: bool = Field(
+        default=False,
+        description="send the mean of each waveform as the probe's gap; only where the inputs are coupled for direct current",
+    )
     block: BlockLength
     log: LogFileSettings
 

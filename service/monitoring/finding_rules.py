@@ -13,6 +13,7 @@ from service.wording.finding_texts import LISTS, FindingTexts
 from service.wording.finding_words import (
     alignment_questions,
     bearing_words,
+    coupling_run_out_words,
     element_questions,
     element_words,
     misalignment_words,
@@ -157,6 +158,12 @@ UNBALANCE = AlertRule(
     limits=Rule(alert=Level(sigma=4, per_cent=25), danger=Level(per_cent=100)),
     quantities=("sigma", "per_cent"),
     deviations=("disc",),
+)
+ROTATING_COUPLING = AlertRule(
+    "rotating_coupling",
+    # 100 % is a reading of 0.05 mm at rim and face, usually allowed. Rigid couplings pull hard with a tenth of that.
+    limits=Rule(alert=Level(sigma=4, tolerance_per_cent=3), danger=Level(tolerance_per_cent=100)),
+    quantities=("sigma", "tolerance_per_cent"),
 )
 RUN_OUT = AlertRule(
     "run_out",
@@ -370,6 +377,26 @@ FINDING_RULES: tuple[FindingRule, ...] = (
             not_determined=("What causes it: a loss, deposits or a bend of the disc",),
         ),
         unbalance_words,
+    ),
+    FindingRule(
+        "rotating_coupling",
+        ROTATING_COUPLING,
+        FindingTexts(
+            what="The run-out of coupling {id} has changed, {size}: it turns with the shaft, whatever the speed, "
+            "{compared}, since {since}",
+            check=("What was done at coupling {id} at {since}: hubs fitted anew, bolts, spacer or marks that do not match",),
+            in_operation=("Take a run-down at the next chance: it shows whether the change grows",),
+            at_next_stop=(
+                "Measure rim and face run-out of both hubs of coupling {id} with dial gauges while the shaft turns",
+                "Look for a hub that sits askew, wrong bolt lengths and dirt in the spigot of coupling {id}",
+                BALANCE_FIRST,
+                NEW_BASELINE,
+            ),
+            if_danger=("Agree on the earliest stop for coupling {id} with operations",),
+            confirm=("A rim or face run-out of coupling {id} that is off at the same angle",),
+            not_determined=("Which of the two hubs of coupling {id} it is",),
+        ),
+        coupling_run_out_words,
     ),
     FindingRule(
         "bow",

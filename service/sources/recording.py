@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Annotated, Literal, Self
 
 import msgspec
+import numpy as np
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
@@ -42,6 +43,9 @@ class RecordedChannel(BaseModel):
     real: str | None = Field(default=None, description="with `imaginary` in place of amplitude and phase")
     imaginary: str | None = None
     scatter: str | None = Field(default=None, description="rms of the complex error, in the amplitude's unit and kind")
+    gap: str | None = Field(
+        default=None, description="mean gap, in `gap_unit`; the machine's document says which way it grows"
+    )
 
     @model_validator(mode="after")
     def _one_pair(self) -> Self:
@@ -73,6 +77,7 @@ class Sidecar(BaseModel):
     amplitude_kind: str
     phase_convention: str
     phase_unit: str
+    gap_unit: Literal["um", "mil", "mm", "m", "V"] | None = Field(default=None, description="unit of the columns of gaps")
     conditions: dict[Identifier, str] = Field(default_factory=dict, description="column of each operating condition by name")
     added_unbalance: dict[Identifier, TrialWeight] | Literal["none"] | None = Field(
         default=None, description="trial weights that were on: disc, and what they add to its unbalance; `none` for none"
@@ -87,12 +92,16 @@ class Sidecar(BaseModel):
     @model_validator(mode="after")
     def _mapped_once(self) -> Self:
         columns = [
-            one for part in self.channels for one in (part.amplitude, part.phase, part.real, part.imaginary, part.scatter)
+            one
+            for part in self.channels
+            for one in (part.amplitude, part.phase, part.real, part.imaginary, part.scatter, part.gap)
         ]
         mapped = [one for one in (self.speed, self.time, *columns) if one is not None]
         twice = sorted({one for one in mapped if mapped.count(one) > 1})
         if twice:
             raise ValueError(f"column {', '.join(twice)} is mapped twice: each amplitude, phase and speed has one of its own")
+        if (self.gap_unit is None) != all(part.gap is None for part in self.channels):
+            raise ValueError("gap_unit and the columns of gaps come together or not at all")
         return self
 
     @property
@@ -132,7 +141,9 @@ def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
         speed=speed,
         amplitude=_rows(_amplitude(table, channel) for channel in sidecar.channels),
         phase=_rows(_phase(table, channel, turn) for channel in sidecar.channels),
-        scatter=_scatter(table, sidecar, len(speed)),
+        scatter=_optional(table, [one.scatter for one in sidecar.channels], len(speed)),
+        gap=_optional(table, [one.gap for one in sidecar.channels], len(speed)),
+        gap_unit=sidecar.gap_unit,
         conditions={name: table.gappy(column) for name, column in sidecar.conditions.items()} or None,
     )
 
@@ -163,11 +174,11 @@ def _seconds(path: Path, table: RecordedTable, sidecar: Sidecar, count: int) -> 
     return seconds
 
 
-def _scatter(table: RecordedTable, sidecar: Sidecar, count: int) -> list[list[float | None]] | None:
-    """Return the scatter of each channel, row by row; None where no channel has one."""
-    if not any(one.scatter for one in sidecar.channels):
+def _optional(table: RecordedTable, columns: list[str | None], count: int) -> list[list[float | None]] | None:
+    """Return what channels may have, row by row, from the column of each; None where no channel has one."""
+    if not any(columns):
         return None
-    return _rows([None] * count if one.scatter is None else table.gappy(one.scatter) for one in sidecar.channels)
+    return _rows([None] * count if one is None else table.gappy(one) for one in columns)
 
 
 def _rows(columns: Iterable[list[float | None]]) -> list[list[float | None]]:
@@ -175,20 +186,27 @@ def _rows(columns: Iterable[list[float | None]]) -> list[list[float | None]]:
     return [list(row) for row in zip(*columns, strict=True)]
 
 
-def write_recording(path: Path, machine: Machine, *, speed_rpm: Floats, phasor: Complexes, interval_s: float) -> None:
+def write_recording(
+    path: Path, machine: Machine, *, speed_rpm: Floats, phasor: Complexes, interval_s: float, gap_um: Floats | None = None
+) -> None:
     """Write a run as CSV with its sidecar, readable by their owner only, for `read_recording`.
 
     speed_rpm: (S,) [r/min]. phasor: (S, m) at the machine's probes, 0-to-peak [m]; written in µm peak-to-peak, phase lag.
+    gap_um: (S, m) gaps as the probes' document says that they grow [µm]; NaN for probes without.
     """
     channels = machine.channels
+    gap = np.full(phasor.shape, np.nan) if gap_um is None else gap_um
+    told = np.flatnonzero(np.isfinite(gap).all(axis=0))
+    gaps = {channels[place]: cell(f"{channels[place]}_gap_um") for place in told}
     prepare(path)
     prepare(path.with_suffix(".yaml"))
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = CsvWriter(file)
-        writer.row(["speed_rpm", *(f"{channel}_{part}" for channel in channels for part in ("um_pp", "lag_deg"))])
-        for speed, row in zip(speed_rpm, phasor, strict=True):
-            parts = (value for one in row for value in (2e6 * abs(one), -math.degrees(cmath.phase(one))))
-            writer.row([f"{speed:.4f}", *(f"{value:.6g}" for value in parts)])
+        parts = (f"{channel}_{part}" for channel in channels for part in ("um_pp", "lag_deg"))
+        writer.row(["speed_rpm", *parts, *gaps.values()])
+        for speed, row, behind in zip(speed_rpm, phasor, gap[:, told], strict=True):
+            values = [value for one in row for value in (2e6 * abs(one), -math.degrees(cmath.phase(one)))]
+            writer.row([f"{speed:.4f}", *(f"{value:.6g}" for value in (*values, *behind))])
     sidecar = Sidecar(
         plant=machine.plant,
         machine=machine.id,
@@ -196,11 +214,15 @@ def write_recording(path: Path, machine: Machine, *, speed_rpm: Floats, phasor: 
         interval_s=interval_s,
         speed="speed_rpm",
         speed_unit="rpm",
-        channels=[RecordedChannel(channel=c, amplitude=cell(f"{c}_um_pp"), phase=cell(f"{c}_lag_deg")) for c in channels],
+        channels=[
+            RecordedChannel(channel=c, amplitude=cell(f"{c}_um_pp"), phase=cell(f"{c}_lag_deg"), gap=gaps.get(c))
+            for c in channels
+        ],
         amplitude_unit="um",
         amplitude_kind="peak-to-peak",
         phase_convention="lag",
         phase_unit="deg",
+        gap_unit="um" if gaps else None,
     )
     described = sidecar.model_dump(
         mode="json", exclude_none=True, exclude={"start", "kind", "added_unbalance", "disc_scale", "conditions"}

@@ -5,6 +5,7 @@ Each machine follows a story. The true parameters of each run can be written to 
 
 import json
 import logging
+import math
 import threading
 import time
 from dataclasses import dataclass
@@ -17,6 +18,7 @@ import zenoh
 from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine
 from estimator.runs.segmentation import RunKind
+from estimator.simulation.simulated_gaps import simulated_gaps
 from estimator.simulation.simulated_plant import (
     Truth,
     draw_truth,
@@ -31,7 +33,8 @@ from estimator.simulation.stories import Story
 from estimator.units import METRES, PEAK, RADIANS, rad_per_s_to_rpm
 from service.sources.publisher import Source
 from service.sources.recording import split
-from service.wire import WIRE_SCHEMA, Key, SampleBatch
+from service.wire import WIRE_SCHEMA, Key, SampleBatch, as_sent
+from service.wire.schema import Table
 
 logger = logging.getLogger(__name__)
 
@@ -163,7 +166,8 @@ class _SimulatedMachine:
     def _sweep(self, source: Source, truth: Truth, kind: RunKind, start: float, duration: float) -> None:
         seconds, speed = speed_law(self.machine, kind, duration=duration, samples=self._plan.samples)
         phasors = measured_phasors(self.machine, truth, speed, self._rng)
-        batch = _batch(self.machine, start + seconds, speed, phasors, self._conditions)
+        gaps = simulated_gaps(self.machine, truth, time=seconds, speed=speed, rng=self._rng)
+        batch = _batch(self.machine, start + seconds, speed, phasors, self._conditions, gaps)
         self._truths.write(self.machine, kind, batch.time_ns[-1], truth)
         self._publish(source, batch)
 
@@ -173,7 +177,8 @@ class _SimulatedMachine:
         seconds = np.linspace(0.0, HOLD_S, HOLD_SAMPLES + 2)[1:-1]
         speed = np.full(HOLD_SAMPLES, sweep[0])
         phasors = measured_phasors(self.machine, truth, speed, self._rng)
-        self._publish(source, _batch(self.machine, start + seconds, speed, phasors, self._conditions))
+        gaps = simulated_gaps(self.machine, truth, time=seconds, speed=speed, rng=self._rng)
+        self._publish(source, _batch(self.machine, start + seconds, speed, phasors, self._conditions, gaps))
 
     def _publish(self, source: Source, batch: SampleBatch) -> None:
         for piece in split(batch, BATCH_SAMPLES):
@@ -192,10 +197,12 @@ class _SimulatedMachine:
         self._stop.wait(max(0.0, self._due - time.monotonic()))
 
 
-def _batch(machine: Machine, time_s: Floats, speed: Floats, phasors: Complexes, conditions: Floats) -> SampleBatch:
-    """Return a batch in the usual units of vibration monitors: rpm, µm peak-to-peak, degrees of lag.
+def _batch(
+    machine: Machine, time_s: Floats, speed: Floats, phasors: Complexes, conditions: Floats, gaps: Floats | None
+) -> SampleBatch:
+    """Return a batch in the usual units of vibration monitors: rpm, µm peak-to-peak, degrees of lag, gaps in µm.
 
-    conditions: (k,), constant over the samples.
+    conditions: (k,), constant over the samples. gaps: the shaft's places (S, m) [m], NaN of probes that send none.
     """
     told = dict(zip(machine.condition_names, conditions.tolist(), strict=True))
     return SampleBatch(
@@ -217,4 +224,11 @@ def _batch(machine: Machine, time_s: Floats, speed: Floats, phasors: Complexes, 
         amplitude=(np.abs(phasors) / (METRES["um"] * PEAK["peak-to-peak"])).tolist(),
         phase=np.mod(-np.angle(phasors) / RADIANS["deg"], 360.0).tolist(),
         conditions={name: [value] * speed.size for name, value in told.items()} or None,
+        gap=None if gaps is None else _table(as_sent(gaps, machine)),
+        gap_unit=None if gaps is None else "um",
     )
+
+
+def _table(values: Floats) -> Table:
+    """Return values with null for NaN."""
+    return [[value if math.isfinite(value) else None for value in row] for row in values.tolist()]

@@ -23,6 +23,7 @@ from service.wire.encodings import (
     unknown_fields,
 )
 from service.wire.frame import LARGEST_MESSAGE, frame, require_size, unframed
+from service.wire.gap_conversion import as_sent
 from service.wire.keys import ALL_LIVE, ALL_RECEIVED, ALL_SAMPLES, ALL_SUBMIT, IDENTIFIER, Key
 from service.wire.rejection import Fault, InternalErrorReason, Reason, Rejected
 from service.wire.schema import (
@@ -67,6 +68,7 @@ __all__ = [
     "Rejected",
     "SampleBatch",
     "SourceReceived",
+    "as_sent",
     "decode_batch",
     "decode_body",
     "encode_batch",

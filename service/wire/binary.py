@@ -11,15 +11,17 @@
 | 28 | 2 | channels m |
 | 30 | 2 | size of the names |
 | 32 | 1 each | speed_unit, amplitude_unit, amplitude_kind, phase_convention, phase_unit, direction: places in lists below |
-| 38 | 1 | tables that are there beside amplitude and phase: 1 scatter, 2 the 2×, 4 status |
+| 38 | 1 | tables that are there beside amplitude and phase: 1 scatter, 2 the 2×, 4 status, 8 gap |
 | 39 | 1 each | number format of amplitudes, of phases, of scatter: 0 float64, 1 int32, 2 int16 |
 | 42 | 1 | operating conditions k |
-| 43 | 5 | zero |
+| 43 | 1 | gap_unit: place in the list of amplitude_unit; 0 without a gap |
+| 44 | 4 | zero |
 | 48 | 8 each | quantum of amplitudes, of phases, of scatter: what an integer is multiplied with; 1 for float64 |
 | 72 | | names in UTF-8, a newline between them: plant, machine, source, channels, conditions; zeros up to a multiple of 8 |
 | | 8 S | time_ns, int64 |
 | | 8 S | speed, float64 |
-| | S m | amplitude, then phase, then scatter, amplitude_2x, phase_2x and status (one byte each), sample by sample |
+| | S m | amplitude, then phase, then scatter, amplitude_2x, phase_2x, status (one byte each), sample by sample |
+| | 8 S m | gap, float64, sample by sample |
 | | 8 k S | conditions, float64, one after the other |
 
 Tables follow each other without padding. NaN, or the most negative integer, stands for null. status is 0 `good`,
@@ -54,10 +56,10 @@ _UNITS = {
     "direction": SENSES,
 }
 _LABELS = np.array(list(STATUSES), dtype=object)
-_SCATTER, _SECOND, _STATUS = 1, 2, 4
+_SCATTER, _SECOND, _STATUS, _GAP = 1, 2, 4, 8
 _MAGIC = b"RDSW"
 _VERSION = struct.Struct("<4sHH")
-_HEADER = struct.Struct("<4sHHQQIHH6BB3BB5xddd")
+_HEADER = struct.Struct("<4sHHQQIHH6BB3BBB4xddd")
 
 
 class NumberFormat(NamedTuple):
@@ -121,7 +123,8 @@ def encode_binary(
     conditions = batch.conditions or {}
     names = "\n".join([batch.plant, batch.machine, batch.source, *batch.channels, *conditions]).encode()
     second = batch.amplitude_2x is not None and batch.phase_2x is not None
-    tables = _SCATTER * (batch.scatter is not None) | _SECOND * second | _STATUS * (batch.status is not None)
+    with_gap = batch.gap is not None and batch.gap_unit is not None
+    tables = _SCATTER * (batch.scatter is not None) | _SECOND * second | _STATUS * (batch.status is not None) | _GAP * with_gap
     codes = [places.index(getattr(batch, name)) for name, places in _UNITS.items()]
     formats = amplitude, phase, scatter
     header = _HEADER.pack(
@@ -137,6 +140,7 @@ def encode_binary(
         tables,
         *(one.code for one in formats),
         len(conditions),
+        AMPLITUDE_UNITS.index(batch.gap_unit) if with_gap and batch.gap_unit is not None else 0,
         *(one.quantum for one in formats),
     )
     parts = [header, names, bytes(-(_HEADER.size + len(names)) % 8)]
@@ -148,6 +152,8 @@ def encode_binary(
         parts += [amplitude.write(batch.amplitude_2x), phase.write(batch.phase_2x)]
     if batch.status is not None:
         parts.append(bytes(STATUSES[label] for row in batch.status for label in row))
+    if batch.gap is not None and with_gap:
+        parts.append(FLOAT64.write(batch.gap))
     parts += [np.array(values, "<f8").tobytes() for values in conditions.values()]
     return b"".join(parts)
 
@@ -161,7 +167,7 @@ def decode_binary(body: bytes) -> SampleBatch:
     if not _HEADER.size <= header_size <= len(body):
         raise Rejected("undecodable", f"a header of {header_size} bytes; {_HEADER.size} or more must be there")
     _, _, _, epoch, sequence, count, channels, size, *rest = _HEADER.unpack_from(body)
-    codes, (tables, *kinds), conditions, quanta = rest[:6], rest[6:10], rest[10], rest[11:]
+    codes, (tables, *kinds), conditions, gap_unit, quanta = rest[:6], rest[6:10], rest[10], rest[11], rest[12:]
     formats = [_format(code, quantum) for code, quantum in zip(kinds, quanta, strict=True)]
     names = _names(body[header_size : header_size + size], channels, conditions)
     at = header_size + size
@@ -169,8 +175,9 @@ def decode_binary(body: bytes) -> SampleBatch:
     widths = [np.dtype(one.kind).itemsize for one in formats]
     second = bool(tables & _SECOND)
     width = (widths[0] + widths[1]) * (1 + second) + widths[2] * bool(tables & _SCATTER) + bool(tables & _STATUS)
+    width += 8 * bool(tables & _GAP)
     expected = at + 16 * count + width * count * channels + 8 * count * conditions
-    if len(body) != expected or tables >= 8:
+    if len(body) != expected or tables >= 16:
         what = f"{count} samples of {channels} channels" + (f" and {conditions} conditions" if conditions else "")
         raise Rejected("undecodable", f"{len(body)} bytes; {what} make {expected}")
     shape = count, channels
@@ -199,6 +206,8 @@ def decode_binary(body: bytes) -> SampleBatch:
         amplitude_2x=table(0) if second else None,
         phase_2x=table(1) if second else None,
         status=_statuses(np.frombuffer(body, "u1", count * channels, at).reshape(shape)) if tables & _STATUS else None,
+        gap=FLOAT64.read(body, at + count * channels * bool(tables & _STATUS), shape) if tables & _GAP else None,
+        gap_unit=_place(AMPLITUDE_UNITS, "gap_unit", gap_unit) if tables & _GAP else None,
         conditions=_conditions(names[3 + channels :], body, expected - 8 * count * conditions, count) if conditions else None,
         **_units(codes),
     )
@@ -235,12 +244,13 @@ def _names(text: bytes, channels: int, conditions: int) -> list[str]:
 
 
 def _units(codes: Sequence[int]) -> Mapping[str, str]:
-    found = {}
-    for code, (name, places) in zip(codes, _UNITS.items(), strict=True):
-        if code >= len(places):
-            raise Rejected("wrong_unit", f"{name} {code} is not one of {', '.join(f'{i} {p}' for i, p in enumerate(places))}")
-        found[name] = places[code]
-    return found
+    return {name: _place(places, name, code) for code, (name, places) in zip(codes, _UNITS.items(), strict=True)}
+
+
+def _place(places: Sequence[str], name: str, code: int) -> str:
+    if code >= len(places):
+        raise Rejected("wrong_unit", f"{name} {code} is not one of {', '.join(f'{i} {p}' for i, p in enumerate(places))}")
+    return places[code]
 
 
 def _statuses(codes: NDArray[np.uint8]) -> list[list[str]]:

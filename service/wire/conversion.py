@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from estimator.machine.document import Machine
 from estimator.phasors.channel_status import ChannelStatus
 from estimator.units import LEAD, METRES, PEAK, RAD_PER_S, RADIANS, rad_per_s_to_rpm, rpm_to_rad_per_s
+from service.wire.gap_conversion import to_gap
 from service.wire.rejection import Fault, Rejected
 from service.wire.schema import DIRECTIONS, STATUSES, SampleBatch, Table
 from storage.clock import FUTURE_TOLERANCE
@@ -72,8 +73,10 @@ def to_samples(batch: SampleBatch, machine: Machine, *, received_at: int) -> tup
     for index, column in np.argwhere(np.isinf(conditions)).tolist():
         faults.append(Fault(index, "not_finite", f"condition {machine.condition_names[column]} is infinite"))
         conditions[index, column] = np.nan
+    gap, of_gap = to_gap(batch, machine)
+    faults += of_gap
     phasor, second = (on_grid(one.view(np.float64)).view(np.complex128) for one in (phasor, second))
-    return Samples(time, speed, direction, phasor, status, on_grid(scatter), second, conditions), taken, faults
+    return Samples(time, speed, direction, phasor, status, on_grid(scatter), second, conditions, on_grid(gap)), taken, faults
 
 
 def _is_amplitude(size: NDArray[np.float64]) -> NDArray[np.bool_]:

@@ -19,6 +19,8 @@ Reason = Literal[
     "speed_out_of_range",
     "speed_out_of_order",
     "amplitude_out_of_range",
+    "gap_out_of_range",
+    "gap_undescribed",
     "sequence_out_of_range",
     "time_out_of_range",
     "time_out_of_order",

@@ -17,7 +17,7 @@ LARGEST_CONDITION_COUNT = 16
 STATUSES = {status.label: status for status in ChannelStatus}
 DIRECTIONS = {"positive": 1, "negative": -1}
 
-TABLES = ("amplitude", "phase", "status", "scatter", "amplitude_2x", "phase_2x")
+TABLES = ("amplitude", "phase", "status", "scatter", "amplitude_2x", "phase_2x", "gap")
 """Fields with a row per sample and a column per channel."""
 
 Table = list[list[float | None]]
@@ -30,7 +30,8 @@ class SampleBatch(msgspec.Struct, kw_only=True, omit_defaults=True):
     this epoch, counted from 0; the others follow without a gap. time_ns: per sample, UTC since 1970. amplitude, phase, status,
     scatter: per sample a list over the channels; null where there is no value. status: `good`, `not_available`, `bad` or
     `out_of_range`; without it all are good. scatter: rms of the complex error, in the amplitude's unit. amplitude_2x,
-    phase_2x: of the 2×, in the same units and with phase counted in degrees of 2×. direction: `positive` turns +x towards +y.
+    phase_2x: of the 2×, in the same units and with phase counted in degrees of 2×. gap: mean of the probe's signal over the
+    sample, in `gap_unit`; the machine's document says which way it grows. direction: `positive` turns +x towards +y.
     conditions: by name of an operating condition its value per sample, in the unit of the machine's document; null where it
     was not measured.
     """
@@ -56,6 +57,8 @@ class SampleBatch(msgspec.Struct, kw_only=True, omit_defaults=True):
     scatter: Table | None = None
     amplitude_2x: Table | None = None
     phase_2x: Table | None = None
+    gap: Table | None = None
+    gap_unit: str | None = None
     conditions: dict[str, list[float | None]] | None = None
 
 
@@ -102,6 +105,8 @@ def _require_tables(batch: SampleBatch, count: int, channels: int) -> None:
     """Raise Rejected for a table that has not a value for each sample and channel."""
     if (batch.amplitude_2x is None) != (batch.phase_2x is None):
         raise Rejected("wrong_shape", "amplitude_2x and phase_2x come together or not at all")
+    if (batch.gap is None) != (batch.gap_unit is None):
+        raise Rejected("wrong_shape", "gap and gap_unit come together or not at all")
     for name in TABLES:
         rows = getattr(batch, name)
         if rows is not None and (len(rows) != count or any(len(row) != channels for row in rows)):

@@ -94,6 +94,17 @@ def run_out_words(told: ToldFinding) -> Mapping[str, str]:
     return {"size": interval(parts[0]) if parts else f"{rounded(told.quantities['largest_um'], 2)} µm"}
 
 
+def coupling_run_out_words(told: ToldFinding) -> Mapping[str, str]:
+    """Return the change of a coupling's run-out at bore and face, each with its angle."""
+    q = told.quantities
+    parts = [
+        f"{what} by {rounded(q[f'{name}_{unit}'], 2)} {shown} at {q[f'{name}_deg']:.0f}°"
+        for what, name, unit, shown in (("bore", "offset", "um", "µm"), ("face", "angle", "urad", "µrad"))
+        if f"{name}_{unit}" in q
+    ]
+    return {"size": " and ".join(parts)}
+
+
 def rate_words(told: ToldFinding) -> Mapping[str, str]:
     """Return a parameter that drifts, and its rate with the 95 % interval."""
     said = told.evidence

@@ -23,6 +23,7 @@ class _Block(msgspec.Struct, array_like=True):
     phasors: tuple[int, ...]
     amplitude: tuple[float, ...]
     coordinates: int | None = None
+    at: bytes = b""  # empty: linearised without errors, as older releases do
 
 
 def encode(effects: ChannelEffects) -> bytes:
@@ -35,6 +36,7 @@ def encode(effects: ChannelEffects) -> bytes:
         phasors=effects.phasors,
         amplitude=effects.amplitude,
         coordinates=len(effects.bias),
+        at=b"" if effects.at is None else _bytes(effects.at),
     )
     return zlib.compress(msgspec.msgpack.encode(block))
 
@@ -52,6 +54,7 @@ def decode(block: bytes) -> ChannelEffects:
         score=np.frombuffer(found.score, "<f8"),
         phasors=found.phasors,
         amplitude=found.amplitude,
+        at=np.frombuffer(found.at, "<f8") if found.at else None,
     )
 
 

@@ -3,20 +3,21 @@
 import struct
 import zlib
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from estimator.errors import Damaged
 from estimator.phasors.channel_status import ChannelStatus
-from estimator.phasors.measurement import Measurement
+from estimator.phasors.measurement import MeasuredGaps, Measurement
 from estimator.phasors.recorded_run import RecordedRun
 from storage.encoding.packing import pack, shuffled, unpack, unshuffled
 
 _HEADER = struct.Struct("<4sHHII")  # magic, format, channels, samples, checksum of channels, samples and body
 _MAGIC = b"RDSB"
-_FORMAT = 4
+_FORMAT = 5
+_WITHOUT_GAP = 4  # what samples without a gap are still written as, so that an older release reads them, too
 _OLDEST_FORMAT = 1  # unpacked numbers up to 3; no conditions before 3; no 2× and one bit of status in 1
 
 
@@ -42,10 +43,13 @@ class Samples:
     scatter: NDArray[np.float64]
     second: NDArray[np.complex128]
     conditions: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 0)))
+    gap: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 0)))
 
     def __post_init__(self) -> None:
         if self.conditions.size == 0 and len(self.conditions) != len(self):
             object.__setattr__(self, "conditions", np.empty((len(self), 0)))
+        if self.gap.size == 0 and self.gap.shape != self.phasor.shape:
+            object.__setattr__(self, "gap", np.full(self.phasor.shape, np.nan))
 
     @property
     def usable(self) -> NDArray[np.bool_]:
@@ -69,10 +73,15 @@ class Samples:
 
     def measurement(self) -> Measurement:
         """Return the samples in the form of an identification's input."""
-        return Measurement(self.speed, self.direction.astype(float), self.phasor, self.usable, self.scatter)
+        usable = self.usable
+        place = np.where(usable, self.gap, np.nan)
+        gaps = None
+        if np.isfinite(place).any():
+            gaps = MeasuredGaps(place, (self.time - self.time[0]) / 1e9, np.zeros(len(self), np.intp))
+        return Measurement(self.speed, self.direction.astype(float), self.phasor, usable, self.scatter, gaps=gaps)
 
 
-_FIELDS = ("time", "speed", "direction", "phasor", "status", "scatter", "second", "conditions")
+_FIELDS = ("time", "speed", "direction", "phasor", "status", "scatter", "second", "conditions", "gap")
 
 
 def join(parts: Sequence[Samples], *, channels: int) -> Samples:
@@ -89,8 +98,8 @@ def join(parts: Sequence[Samples], *, channels: int) -> Samples:
         )
     width = max(part.conditions.shape[1] for part in parts)
     conditions = np.concatenate([_wider(part.conditions, width) for part in parts])
-    joined = Samples(*(np.concatenate([getattr(part, name) for part in parts]) for name in _FIELDS[:-1]))
-    return replace(joined, conditions=conditions)
+    rest = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _FIELDS if name != "conditions"}
+    return Samples(**rest, conditions=conditions)
 
 
 def mean_conditions(parts: Sequence[Samples], names: Sequence[str]) -> dict[str, float | None]:
@@ -103,6 +112,7 @@ def mean_conditions(parts: Sequence[Samples], names: Sequence[str]) -> dict[str,
 def encode(samples: Samples) -> bytes:
     """Encode samples as a block."""
     count, channels = samples.phasor.shape
+    with_gap = bool(np.any(~np.isnan(samples.gap)))
     body = b"".join(
         [
             shuffled(np.diff(samples.time, prepend=np.int64(0))),
@@ -112,11 +122,13 @@ def encode(samples: Samples) -> bytes:
             samples.status.astype("u1").tobytes(),
             pack(samples.scatter),
             pack(_parts(samples.second)),
+            pack(samples.gap) if with_gap else b"",
             samples.conditions.astype("<f8").tobytes(),
         ]
     )
     packed = zlib.compress(body, 1)
-    return _HEADER.pack(_MAGIC, _FORMAT, channels, count, _checksum(channels, count, packed)) + packed
+    version = _FORMAT if with_gap else _WITHOUT_GAP
+    return _HEADER.pack(_MAGIC, version, channels, count, _checksum(channels, count, packed)) + packed
 
 
 def decode(data: bytes) -> Samples:
@@ -128,15 +140,17 @@ def decode(data: bytes) -> Samples:
         if checksum != _checksum(channels, count, data[_HEADER.size :]):
             raise DamagedBlock("sample block is damaged: its checksum does not fit")
         body = memoryview(zlib.decompress(data[_HEADER.size :]))
-        return _packed(body, count, channels) if version == _FORMAT else _plain(body, count, channels, version)
+        if version < _WITHOUT_GAP:
+            return _plain(body, count, channels, version)
+        return _packed(body, count, channels, with_gap=version == _FORMAT)
     except DamagedBlock:
         raise
     except (struct.error, zlib.error, ValueError) as error:
         raise DamagedBlock(f"sample block cannot be read: {error}") from error
 
 
-def _packed(body: memoryview, count: int, channels: int) -> Samples:
-    """Decode the current format."""
+def _packed(body: memoryview, count: int, channels: int, *, with_gap: bool) -> Samples:
+    """Decode the current format, and the one before it without gaps."""
     time = np.cumsum(unshuffled(body, 0, count, "<i8").astype(np.int64))
     speed = unshuffled(body, 8 * count, count, "<f8").astype(np.float64)
     at = 16 * count
@@ -145,6 +159,7 @@ def _packed(body: memoryview, count: int, channels: int) -> Samples:
     status = np.frombuffer(body, "u1", count * channels, at).copy().reshape(count, channels)
     scatter, at = unpack(body, at + count * channels, (count, channels))
     second, at = unpack(body, at, (count, 2 * channels))
+    gap, at = unpack(body, at, (count, channels)) if with_gap else (np.full((count, channels), np.nan), at)
     conditions = np.frombuffer(body, "<f8", (len(body) - at) // 8, at).astype(np.float64)
     return Samples(
         time,
@@ -155,6 +170,7 @@ def _packed(body: memoryview, count: int, channels: int) -> Samples:
         scatter,
         _complex(second),
         conditions.reshape(count, -1 if count else 0),
+        gap,
     )
 
 

@@ -32,6 +32,7 @@ class Matrices:
         weight: Force of gravity on the shafts, and steady forces on discs (N,) [N, N m]; pedestals stand where gravity has put
             them.
         unbalance: Complex sums (N,) of unbalance [kg m]: the force is ω² times it, x(t) = Re(X e^{jωt}).
+        turning: Forces and moments (N,) that turn with the shafts at any speed [N, N m].
     """
 
     mass: Floats
@@ -42,6 +43,7 @@ class Matrices:
     pedestals: Indices
     weight: Floats
     unbalance: Complexes
+    turning: Complexes
 
 
 def node_stations(train: Train) -> list[Floats]:
@@ -128,8 +130,10 @@ def assemble(train: Train) -> Matrices:
         parts.add_rigid(dof, disc.mass, disc.diametral_inertia, disc.polar_inertia)
         # u cos(ωt + δ) along x, u sin(ωt + δ) along y.
         unbalance[[dof, dof + 2]] += np.array([1.0, -1j]) * disc.unbalance
+    turning = np.zeros(size, dtype=complex)
     for number, coupling in enumerate(train.couplings):
         parts.add_coupling(number, coupling)
+        turning += _pull_of_run_out(size, *parts.ends(number), coupling)
     weight = -train.gravity * parts.mass @ _up(size, parts.shaft_dofs)
     for disc in train.discs:
         dof = parts.dof(disc.shaft, disc.station)
@@ -145,7 +149,20 @@ def assemble(train: Train) -> Matrices:
             parts.mass[here, here] = bearing.pedestal.mass
             parts.stiffness[here, here] = bearing.pedestal.stiffness
             parts.damping[here, here] = bearing.pedestal.damping
-    return Matrices(parts.mass, parts.damping, parts.gyroscopic, parts.stiffness, journals, pedestals, weight, unbalance)
+    return Matrices(
+        parts.mass, parts.damping, parts.gyroscopic, parts.stiffness, journals, pedestals, weight, unbalance, turning
+    )
+
+
+def _pull_of_run_out(size: int, driver: int, driven: int, coupling: Coupling) -> Complexes:
+    """Forces and moments (N,) with which a coupling pulls the ends of its shafts to where it is free of load."""
+    offset, slope = coupling.run_out
+    pull = np.zeros(DOFS, dtype=complex)
+    pull[[0, 2]] = coupling.stiffness @ np.array([1.0, -1j]) * offset
+    pull[[1, 3]] = np.array([coupling.k_phiy, coupling.k_phix]) * np.array([1.0, -1j]) * slope
+    found = np.zeros(size, dtype=complex)
+    found[driven : driven + DOFS], found[driver : driver + DOFS] = pull, -pull
+    return found
 
 
 def _up(size: int, shaft_dofs: int) -> Floats:

@@ -6,11 +6,12 @@ from typing import Any, Literal
 import numpy as np
 
 from estimator.machine.document import Machine, parse_machine
-from estimator.phasors.measurement import Measurement
+from estimator.phasors.measurement import MeasuredGaps, Measurement
 from tests.film_plant.arrays import Complexes, Floats
 from tests.film_plant.oil import HeatedOil
 from tests.film_plant.plant import NOISE_FLOOR, NOISE_PART, RPM, Plant, noisy
 from tests.film_plant.plants import PRIORS, Priors
+from tests.film_plant.statics import Equilibrium
 from tests.film_plant.tilting import TILTING
 from tests.film_plant.train import Bearing, Pedestal
 
@@ -36,6 +37,10 @@ SLOPE_SPREAD = 0.15
 """Prior standard deviation of the slope of viscosity over speed that documents of warmed oil state [-]."""
 RIGID = 1e8
 """Lateral stiffness from which on a coupling is a rigid one [N/m]."""
+GAP_NOISE, GAP_DRIFT, GAP_ZERO = 1e-6, 5e-6, 1e-3
+"""Rms noise of a gap, drift of a probe's zero over a run, and that zero [m]."""
+RUN_S = 600.0
+"""Time that a run takes [s]."""
 SPEED_MARGIN = 0.02
 """Part by which a document's speed range is wider than the runs [-]."""
 
@@ -240,3 +245,12 @@ def measured(plant: Plant, *, samples: int = 150, seed: int = 0, clean: tuple[Fl
         clean = films.speed, plant.phasors(films)
     speed, phasor = clean
     return Measurement.of(speed=speed, phasor=noisy(phasor, np.random.default_rng(seed)))
+
+
+def measured_gaps(films: Equilibrium, rng: np.random.Generator) -> MeasuredGaps:
+    """Gaps of a run at the films' speeds, one after the other: where the journals stand, from zeros that drift steadily."""
+    place = films.position.reshape(films.speed.size, -1)
+    count, channels = place.shape
+    elapsed = np.linspace(0.0, 1.0, count)
+    zero = GAP_ZERO * rng.standard_normal(channels) + GAP_DRIFT * rng.standard_normal(channels) * elapsed[:, None]
+    return MeasuredGaps(place + zero + GAP_NOISE * rng.standard_normal(place.shape), RUN_S * elapsed, np.zeros(count, np.intp))

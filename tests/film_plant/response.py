@@ -20,12 +20,12 @@ def with_films(matrices: Matrices, stiffness: Floats, damping: Floats) -> tuple[
 
 
 def motion(matrices: Matrices, *, speed: Floats, stiffness: Floats, damping: Floats) -> Complexes:
-    """Steady motion (S, N) [m, rad] under the unbalances, at speeds (S,) [rad/s] with coefficients (S, n, 2, 2)."""
+    """Steady motion (S, N) [m, rad] under what turns, at speeds (S,) [rad/s] with coefficients (S, n, 2, 2)."""
     found = np.empty((speed.size, len(matrices.mass)), dtype=complex)
     for row, w, k, c in zip(found, speed, stiffness, damping, strict=True):
         whole, slowed = with_films(matrices, k, c)
         dynamic = whole - w**2 * matrices.mass + 1j * w * (slowed + w * matrices.gyroscopic)
-        row[:] = np.linalg.solve(dynamic, w**2 * matrices.unbalance)
+        row[:] = np.linalg.solve(dynamic, w**2 * matrices.unbalance + matrices.turning)
     return found
 
 

@@ -67,6 +67,7 @@ class ReducedTrain:
             basis.T @ one @ basis for one in (matrices.mass, matrices.damping, matrices.gyroscopic, matrices.stiffness)
         )
         self.unbalance = basis.T @ matrices.unbalance
+        self.turning = basis.T @ matrices.turning
         stands = matrices.pedestals.ravel()
         self.relative = basis[matrices.journals.ravel()] - np.where((stands >= 0)[:, None], basis[stands], 0.0)
 
@@ -79,7 +80,7 @@ class ReducedTrain:
         """Motion in steady running at a speed [rad/s] with coefficients (n, 2, 2)."""
         whole, slowed = self.with_films(stiffness, damping)
         dynamic = whole - speed**2 * self.mass + 1j * speed * (slowed + speed * self.gyroscopic)
-        return np.asarray(np.linalg.solve(dynamic, speed**2 * self.unbalance))
+        return np.asarray(np.linalg.solve(dynamic, speed**2 * self.unbalance + self.turning))
 
 
 def sweep(
@@ -140,7 +141,7 @@ def _envelope(
         held = whole - w**2 * train.mass + 1j * (acceleration * train.mass + w * turning)
         ahead = found[k - 1] + step * velocity + step**2 / 4 * second
         faster = velocity + step / 2 * second
-        force = (w**2 - 1j * acceleration) * train.unbalance
+        force = (w**2 - 1j * acceleration) * train.unbalance + train.turning
         second = np.linalg.solve(train.mass + step / 2 * damped + step**2 / 4 * held, force - damped @ faster - held @ ahead)
         velocity = faster + step / 2 * second
         found[k] = ahead + step**2 / 4 * second

@@ -123,6 +123,8 @@ class Coupling:
         k_phix: Moment about x per relative slope about x [N m/rad]: bending in the y-z plane.
         k_phiy: Moment about y per relative slope about y [N m/rad].
         half: Mass [kg] and inertias (diametral, polar) [kg m²] of each half.
+        run_out: Offset [m] and slope [rad] of the driven shaft's end over the driver's at which it is free of load; both turn
+            with the shafts.
     """
 
     stiffness: Floats
@@ -130,6 +132,7 @@ class Coupling:
     k_phix: float
     k_phiy: float
     half: tuple[float, float, float]
+    run_out: tuple[complex, complex] = (0j, 0j)
 
 
 @dataclass(frozen=True)

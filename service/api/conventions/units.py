@@ -44,6 +44,10 @@ class Units(BaseModel):
         length, _, kind = self.amplitude.partition("_")
         return column(np.asarray(metres) / (_LENGTH[length] * _PEAK[kind]))
 
+    def lengths(self, metres: NDArray[np.float64]) -> Column:
+        """Return lengths [m] in the amplitudes' unit of length; no peak has a part in them."""
+        return column(np.asarray(metres) / _LENGTH[self.amplitude.partition("_")[0]])
+
     def phases(self, phasors: NDArray[np.complex128]) -> Column:
         """Return phases of phasors in these units, from zero to less than a turn."""
         angle, _, sense = self.phase.partition("_")

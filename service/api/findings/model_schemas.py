@@ -188,3 +188,33 @@ class Bode(OfModel):
     slow_roll_subtracted: bool
     fitted: FittedCurve
     measured: list[MeasuredRun] = Field(description="runs whose samples are still stored")
+
+
+class MeasuredLine(BaseModel):
+    """Places of a journal's centre in its bearing over speed; null where unknown."""
+
+    bearing: str
+    x_um: Column = Field(description="horizontal, from the bearing's centre [µm]")
+    y_um: Column = Field(description="upwards [µm]")
+
+
+class JournalLine(MeasuredLine):
+    """The same with the circle in which it moves."""
+
+    clearance_um: float = Field(description="radial [µm]")
+
+
+class MeasuredLines(BaseModel):
+    """What the gaps of a run say."""
+
+    run: int
+    speed: Column
+    bearings: list[MeasuredLine] = Field(description="those with two probes across each other that send gaps")
+
+
+class CentrelineOut(OfModel):
+    """Journals in their clearance circles over the speeds of the runs."""
+
+    speed: Column
+    bearings: list[JournalLine]
+    measured: list[MeasuredLines] = Field(description="by run with gaps, each probe's zero set by the model")

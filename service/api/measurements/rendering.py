@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine
 from estimator.phasors.channel_status import ChannelStatus
-from estimator.units import RADIANS, rad_per_s_to_rpm
+from estimator.units import METRES, RADIANS, rad_per_s_to_rpm
 from service.api.conventions.units import Units
 from service.api.conventions.values import MICROMETRES, direction, rpm_or_none, time_or_none
 from service.api.measurements import schemas
@@ -40,6 +40,7 @@ def phasors(machine: Machine, samples: Samples, include: Collection[schemas.Phas
             if "status" in include
             else None
         ),
+        gap_um=_columns(samples.gap / METRES["um"], np.isfinite(samples.gap)) if "gap" in include else None,
         conditions={
             name: [value if math.isfinite(value) else None for value in column]
             for name, column in zip(machine.condition_names, samples.conditions.T.tolist(), strict=False)
@@ -59,6 +60,7 @@ def phasors_in_units(samples: Samples, units: Units, include: Collection[schemas
         amplitude_2x=None if second is None else [units.amplitudes(np.abs(channel)) for channel in second],
         phase_2x=None if second is None else [units.phases(channel) for channel in second],
         scatter=[units.amplitudes(channel) for channel in samples.scatter.T] if "scatter" in include else None,
+        gap=[units.lengths(channel) for channel in samples.gap.T] if "gap" in include else None,
     )
 
 

@@ -21,9 +21,10 @@ class PhasorsInUnits(BaseModel):
     amplitude_2x: list[list[float | None]] | None = None
     phase_2x: list[list[float | None]] | None = Field(default=None, description="of the 2×, less than a turn of it")
     scatter: list[list[float | None]] | None = Field(default=None, description="an amplitude")
+    gap: list[list[float | None]] | None = Field(default=None, description="in the amplitude's unit of length")
 
 
-PhasorExtra = Literal["2x", "scatter", "status"]
+PhasorExtra = Literal["2x", "scatter", "status", "gap"]
 """Values that come with the 1× where a source sends them."""
 
 
@@ -45,6 +46,11 @@ class Phasors(BaseModel):
     )
     status: list[list[str]] | None = Field(
         default=None, description="good, not_available, bad or out_of_range, where `include=status` asks for it"
+    )
+    gap_um: list[list[float | None]] | None = Field(
+        default=None,
+        description="mean place of the shaft on the probe's axis, towards the probe, from a zero of its own [µm], where "
+        "`include=gap` asks for it; null: not sent",
     )
     in_units: PhasorsInUnits | None = Field(default=None, description="where `units` are asked for")
     slow_roll_version: int | None = Field(default=None, description="slow-roll vectors that were subtracted; null: raw")

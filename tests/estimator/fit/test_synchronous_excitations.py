@@ -31,6 +31,7 @@ LOAD = {
     "coupling.C1.moment_x": 8.0 - 3j,
     "coupling.C1.moment_y": 2.0 + 6j,
 }
+ROTATING = {"coupling.C1.rotating_offset": 4e-5 * np.exp(0.3j), "coupling.C1.rotating_angle": 6e-4 * np.exp(-1.2j)}
 RUN_OUT = {"probe.B1X.run_out": 2e-4 * np.exp(1j), "probe.B3Y.run_out": 3e-4 * np.exp(-1.5j)}
 GAIN = {"probe.B2X.gain": 1.05 * np.exp(0.04j), "probe.B4Y.gain": 0.96 * np.exp(-0.03j)}
 
@@ -81,6 +82,28 @@ def load_force(machine: Machine) -> Force:
     return lambda speed: np.asarray(unbalance_force(machine)(speed) + added)
 
 
+def with_run_out_of_coupling() -> Machine:
+    document = chapter_3_document()
+    document["couplings"][0]["rotating_error"] = {"offset_spread": 5e-5, "angle_spread": 5e-4}
+    return parse_machine(document)
+
+
+def pull_of_run_out(machine: Machine) -> Force:
+    """A coupling that is free of load where its ends stand apart: along y a quarter turn behind x, θy = dx/dz, θx = -dy/dz.
+
+    It turns, so it pulls with the mean of its stiffnesses in either plane.
+    """
+    offset, angle = ROTATING.values()
+    coupling = machine.couplings[0]
+    lateral = (float(coupling.kxx or 0.0) + float(coupling.kyy or 0.0)) / 2
+    angular = (float(coupling.k_phix or 0.0) + float(coupling.k_phiy or 0.0)) / 2
+    pull = np.array([lateral * offset, -1j * lateral * offset, 1j * angular * angle, angular * angle])
+    added = np.zeros(assemble_rotor(machine).size, dtype=complex)
+    for x, sign in zip(coupling_nodes(machine, coupling), (-1, 1), strict=True):
+        added[x : x + 4] = sign * pull
+    return lambda speed: np.asarray(unbalance_force(machine)(speed) + added)
+
+
 def seen(machine: Machine, phasor: Complexes, direction: int, channels: dict[str, complex]) -> Complexes:
     """Phasors through the channels' gains, with their run-out, which the surface under the probe shows mirrored in reverse."""
     shown = phasor.copy()
@@ -115,9 +138,13 @@ def assert_found(found: Identification, expected: dict[str, complex]) -> None:
 
 
 @pytest.mark.parametrize("direction", [1, -1])
-@pytest.mark.parametrize("what", ["bow", "load"])
-def test_response_to_bow_and_load(what: str, direction: int) -> None:
-    machine, force, values = (with_bow(), bow_force, BOW) if what == "bow" else (with_load(), load_force, LOAD)
+@pytest.mark.parametrize("what", ["bow", "load", "run-out of the coupling"])
+def test_response_to_what_turns_beside_the_unbalances(what: str, direction: int) -> None:
+    machine, force, values = {
+        "bow": (with_bow(), bow_force, BOW),
+        "load": (with_load(), load_force, LOAD),
+        "run-out of the coupling": (with_run_out_of_coupling(), pull_of_run_out, ROTATING),
+    }[what]
     train = condense(machine, speed=SPEED, direction=np.full(SPEED.size, float(direction)))
     coefficients = np.array([c.nominal for c in train.unknowns.coefficients], dtype=float)
     assert [one.name for one in train.unknowns.excitations[4:]] == list(values)
@@ -161,6 +188,32 @@ def test_load_is_identified(direction: int) -> None:
     assert_found(identify(machine, measurement), dict(LOAD))
     if direction > 0:
         assert_refused(measurement)
+
+
+def test_run_out_of_a_coupling_is_identified() -> None:
+    machine = with_run_out_of_coupling()
+    assert_found(identify(machine, measured(machine, pull_of_run_out(machine), 1)), dict(ROTATING))
+
+
+def test_what_a_fit_leaves_out_of_a_coupling_is_what_one_that_asks_for_it_finds() -> None:
+    """Of a small run-out, to first order."""
+    machine = with_run_out_of_coupling()
+    whole, own = pull_of_run_out(machine), unbalance_force(machine)
+    part = 0.05
+    measurement = measured(machine, lambda speed: own(speed) + part * (whole(speed) - own(speed)), 1)
+    effects = identify(chapter_3(), measurement).channel_effects
+    assert effects is not None
+    places = [effects.names.index(f"{name}.{one}") for name in ROTATING for one in ("real", "imaginary")]
+    information = effects.information[np.ix_(places, places)]
+    told = np.linalg.solve(information, effects.score[places])
+    exact = part * np.array([half for value in ROTATING.values() for half in (value.real, value.imag)])
+    error = np.sqrt(np.diag(np.linalg.inv(information)))
+    assert np.abs((told - exact) / error).max() < 4.0
+    asked = identify(machine, measurement)
+    for place, name in enumerate(ROTATING):
+        one = asked.estimate(name)
+        assert one.value is not None
+        assert np.abs(one.value - told[2 * place]) < 1.5 * error[2 * place]
 
 
 def test_load_from_both_senses_of_rotation() -> None:

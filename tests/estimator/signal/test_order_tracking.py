@@ -49,6 +49,7 @@ def test_phasors_are_exact_without_noise(speed: float, seconds: float | None, tu
         assert one.phasors[0] == pytest.approx(np.array([FIRST, SECOND]), abs=1e-9 * abs(FIRST))
         assert one.speed == pytest.approx(speed, rel=1e-9)
         assert one.residual[0] < 1e-9 * abs(FIRST)
+        assert one.mean[0] == pytest.approx(2e-4, rel=1e-9)
         assert one.faults == (None,)
 
 

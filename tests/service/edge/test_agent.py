@@ -26,7 +26,7 @@ from service.sources.publisher import Source
 from service.sources.sqlite_replay_log import DurableLog
 from service.wire import SampleBatch, decode_batch, to_samples
 from storage.encoding.sample_blocks import Samples, join
-from tests.plant import KEY, assert_same_samples, listened_to, machine, wait_until
+from tests.plant import KEY, assert_same_samples, document, listened_to, machine, wait_until
 from tests.waveforms import RATE, START_NS, edge_document, recorded, true_phasors
 
 TOPIC = "rundown/v1/plant-1/pump-7/waveforms"
@@ -98,6 +98,25 @@ def test_samples_are_the_machines_phasors_in_metres(undisturbed: Samples) -> Non
     rpm = undisturbed.speed * 30.0 / np.pi
     assert rpm == pytest.approx(900.0 + 30.0 * (undisturbed.time - START_NS) / 1e9, rel=1e-3)
     assert (np.diff(undisturbed.time) > 0).all()
+
+
+def test_means_are_sent_as_gaps_only_where_the_configuration_says_so(client: zenoh.Session, tmp_path: Path) -> None:
+    marks, *probes = WAVEFORMS
+    write(tmp_path / "run.npz", (marks, *(probe - level for probe, level in zip(probes, (3.0, 4.0), strict=True))))
+    configuration = configured(tmp_path, gap=True)
+    with started(client, configuration) as agent:
+        agent.read_files(threading.Event())
+    told = [{**probe, "gap_grows": "towards"} for probe in document()["probes"]]
+    parts = [to_samples(one, machine(probes=told), received_at=2 * START_NS) for one in logged(configuration)]
+    assert all(not faults for _, _, faults in parts)
+    found = join([part for part, _, _ in parts], channels=4).gap
+    assert found[:, 0] == pytest.approx(np.full(len(found), -12.0 / 8000.0), abs=1e-6)
+    assert found[:, 1] == pytest.approx(np.full(len(found), -13.0 / 4000.0), abs=2e-6)
+    assert np.isnan(found[:, 2:]).all()
+
+
+def test_without_that_no_gap_is_sent(undisturbed: Samples) -> None:
+    assert np.isnan(undisturbed.gap).all()
 
 
 def interrupted(

@@ -8,10 +8,10 @@ import pytest
 import yaml
 
 from service.configuration.document_files import UnreadableFile
-from service.sources.recording import Sidecar, read_recording, read_sidecar, split
+from service.sources.recording import Sidecar, read_recording, read_sidecar, split, write_recording
 from service.wire import Key, decode_batch, encode_batch, to_samples
 from tests.paths import DATA
-from tests.plant import SECOND, START, batch, machine, sweep_rpm
+from tests.plant import SECOND, START, batch, document, machine, sweep_rpm
 
 HEADER = "seconds,rpm,size,phase,size_2,phase_2"
 ROWS = ("0.0,2990,100,30,50,-20", "0.5,2980,101,31,51,-21", "1.25,2970,102,32,52,-22")
@@ -209,17 +209,48 @@ def test_columns_may_be_operating_conditions(tmp_path: Path) -> None:
     assert "has no column 'cold'" in refused(path)
 
 
+def test_columns_may_be_gaps(tmp_path: Path) -> None:
+    rows = [f"{row},{value}" for row, value in zip(ROWS, ("-9.5", "", "-9.6"), strict=True)]
+    channels = [{**sidecar()["channels"][0]}, {**sidecar()["channels"][1], "gap": "dc"}]
+    path = write(tmp_path, rows=tuple(rows), header=f"{HEADER},dc", channels=channels, gap_unit="V")
+    one = read_recording(path)
+    assert one.gap == [[None, -9.5], [None, None], [None, -9.6]]
+    probes = [{**probe, "gap_grows": "towards"} for probe in document()["probes"]]
+    found, _, faults = to_samples(one, machine(probes=probes), received_at=START + 10 * SECOND)
+    assert faults == []
+    assert found.gap[:, 3] == pytest.approx([-9.5 / 4000.0, np.nan, -9.6 / 4000.0], nan_ok=True, abs=1e-10)
+    for wrong in ({"channels": channels}, {"gap_unit": "V"}):
+        assert "come together" in refused(write(tmp_path, **wrong))
+
+
+def test_a_written_recording_with_gaps_is_read_again(tmp_path: Path) -> None:
+    probes = [{**probe, "gap_grows": "away"} for probe in document()["probes"]]
+    pump = machine(probes=probes)
+    speed, phasor = np.array([1000.0, 990.0]), np.full((2, 4), 5e-6 + 1e-6j)
+    gap = np.array([[1000.0, 1100.0, np.nan, 1200.0], [1001.0, 1102.0, np.nan, 1203.0]])
+    path = tmp_path / "run.csv"
+    write_recording(path, pump, speed_rpm=speed, phasor=phasor, interval_s=1.0, gap_um=gap)
+    found, taken, faults = to_samples(read_recording(path), pump, received_at=START + 10 * SECOND)
+    assert taken.all()
+    assert faults == []
+    assert found.gap == pytest.approx(-1e-6 * gap, abs=1e-10, nan_ok=True)
+    assert found.phasor == pytest.approx(phasor, rel=1e-5)
+
+
 # --- pieces ---------------------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("size", [1, 3, 10, 100])
 def test_pieces_are_the_whole(size: int) -> None:
-    tables: dict[str, Any] = {name: [[float(i)] * 4 for i in range(10)] for name in ("scatter", "amplitude_2x", "phase_2x")}
+    tables: dict[str, Any] = {
+        name: [[float(i)] * 4 for i in range(10)] for name in ("scatter", "amplitude_2x", "phase_2x", "gap")
+    }
     whole = batch(
         sweep_rpm(2990.0, 2900.0, 10),
         sequence=5,
         status=[["good"] * 4] * 10,
         conditions={"oil": list(map(float, range(10)))},
+        gap_unit="um",
         **tables,
     )
     pieces = list(split(whole, size))

@@ -5,11 +5,13 @@ import threading
 from pathlib import Path
 
 import pytest
+import yaml
 import zenoh
 
-from estimator.machine.document import Machine
+from estimator.machine.document import Machine, parse_machine
 from service.sources.simulator import SimulationPlan, simulate
-from service.wire import ALL_SAMPLES, Key, SampleBatch, decode_batch
+from service.wire import ALL_SAMPLES, Key, SampleBatch, decode_batch, to_samples
+from tests.paths import EXAMPLES
 from tests.plant import listened_to, machine, wait_until
 
 PLAN = SimulationPlan(cycles=2, interval_s=86_400.0, samples=20, rate=100_000.0, seed=1, linger_s=0.0)
@@ -38,6 +40,26 @@ def test_conditions_are_those_of_the_cycle(router: zenoh.Session, client: zenoh.
     oils = {oil.pop() for oil, _ in told}
     assert len(oils) == 2  # one a cycle
     assert all(oil is not None and 30.0 < oil < 70.0 for oil in oils)
+
+
+def test_gaps_of_a_machine_on_films_are_sent_as_its_document_says(
+    router: zenoh.Session, client: zenoh.Session, tmp_path: Path
+) -> None:
+    said = yaml.safe_load((EXAMPLES / "motor-compressor.yaml").read_text(encoding="utf-8"))
+    for probe, way in zip(said["probes"], ["away", "towards", "away"], strict=False):
+        probe["gap_grows"] = way
+    train = parse_machine(said)
+    heard = published(router, client, train, tmp_path / "truth.jsonl")
+    assert {one.gap_unit for one in heard} == {"um"}
+    rows = [row for one in heard for row in one.gap or []]
+    assert all(value is None for row in rows for value in row[3:])
+    for column, sign in ((0, 1.0), (1, -1.0), (2, 1.0)):
+        sent = [sign * value for row in rows if (value := row[column]) is not None]
+        assert len(sent) == len(rows)
+        assert all(800.0 < value < 1200.0 for value in sent)
+        assert max(sent) - min(sent) > 2.0
+    _, _, faults = to_samples(heard[0], train, received_at=heard[0].time_ns[-1])
+    assert faults == []
 
 
 def test_without_conditions_nothing_is_said_of_them(router: zenoh.Session, client: zenoh.Session, tmp_path: Path) -> None:

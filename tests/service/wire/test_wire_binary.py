@@ -50,7 +50,7 @@ def batches(draw: st.DrawFn) -> SampleBatch:
     def table(values: st.SearchStrategy[Cell]) -> st.SearchStrategy[list[list[Cell]]]:
         return st.lists(st.lists(values, min_size=channels, max_size=channels), min_size=count, max_size=count)
 
-    second = draw(st.booleans())
+    second, with_gap = draw(st.booleans()), draw(st.booleans())
     names = draw(st.lists(st.sampled_from(["oil", "load", "Druck-ü"]), unique=True))
     values = st.lists(cells, min_size=count, max_size=count)
     return SampleBatch(
@@ -75,6 +75,8 @@ def batches(draw: st.DrawFn) -> SampleBatch:
         scatter=draw(st.none() | table(cells)),
         amplitude_2x=draw(table(cells)) if second else None,
         phase_2x=draw(table(cells)) if second else None,
+        gap=draw(table(cells)) if with_gap else None,
+        gap_unit=draw(st.sampled_from(AMPLITUDE_UNITS)) if with_gap else None,
         conditions={name: draw(values) for name in names} or None,
     )
 

@@ -30,7 +30,7 @@ from service.wire import (
     frame,
     to_samples,
 )
-from tests.plant import CHANNELS, KEY, batch, few_examples, machine
+from tests.plant import CHANNELS, KEY, batch, document, few_examples, machine
 from tests.service.wire.wire_messages import HUGE, NAN, NOW, body_of, converted, decoded, packed, reason_of
 
 DEEP = 100_000
@@ -191,7 +191,9 @@ def reasons_met() -> set[str]:
     one.time_ns[3] = 0
     one.time_ns[4] = one.time_ns[0]
     found, taken, faults = converted(one)
-    return met | {fault.reason for fault in faults + Plausibility().check(machine(), found, taken)}
+    probes = [probe | {"gap_grows": "away"} for probe in document()["probes"]]
+    _, _, of_gaps = converted(batch(gap=[[1e3] * 4], gap_unit="m"), probes=[*probes[:3], document()["probes"][3]])
+    return met | {fault.reason for fault in faults + of_gaps + Plausibility().check(machine(), found, taken)}
 
 
 def test_every_reason_is_met() -> None:

@@ -1,0 +1,110 @@
+"""Fits that only the run-out of couplings explains: refused ones, done again with it, and what they say of the machine.
+
+A run-out enters the response linearly, but moves what a fit without it finds: score and information there say little of a
+large one (`channel_sensitivity`). So a refused fit is done again with the run-outs of all couplings; where that is accepted,
+what the data say of the machine, of its couplings and of its channels is taken from there (Gaussian approximation of the
+likelihood at its maximum; Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sec. 3.4). The fit itself
+stays refused: its document has no run-out.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.arrays import Floats
+from estimator.fit.channel_sensitivity import ChannelEffects, channel_effects, with_run_outs
+from estimator.fit.coordinates import Coordinates
+from estimator.fit.fit_problem import FitProblem, FitResult, best_excitations
+from estimator.fit.goodness_of_fit import judge
+from estimator.fit.maximum_likelihood import STAGE_MISFITS, fit
+from estimator.machine.parameter_description import COMPONENTS, ROTATING_ERRORS, describe
+from estimator.rotor.condensation import condense
+
+
+@dataclass(frozen=True)
+class RunOutFit:
+    """What an accepted fit with run-outs of couplings says, over the n coordinates of the fit without them.
+
+    Attributes:
+        point: Values (n,) of the coordinates [SI or 1].
+        covariance: Covariance (n, n) of these, the run-outs being what they are [SI² or 1].
+        effects: Effects of errors of channels and couplings, at the run-outs that were found.
+        refused_chi_square: χ² of the phasors as the curvature says it is without run-outs [-].
+        outlier: True for phasors left out (S, m).
+        words: What explains the data.
+    """
+
+    point: Floats
+    covariance: Floats
+    effects: ChannelEffects
+    refused_chi_square: float
+    outlier: NDArray[np.bool_]
+    words: str
+
+
+def fit_with_run_outs(problem: FitProblem, start: Floats, *, near: bool) -> RunOutFit | None:
+    """Fit a refused problem again with the run-outs of its couplings (module's docstring).
+
+    Args:
+        problem: The problem.
+        start: Coordinates θ (n,) to start from [-].
+        near: Whether these are an earlier fit's end.
+
+    Returns:
+        What the fit says; None where it is not accepted, or there is nothing to add.
+    """
+    machine = problem.train.machine
+    described = None if machine is None else with_run_outs(machine, keep=True)
+    if described is None:
+        return None
+    train = condense(described, speed=problem.train.speed, direction=problem.train.direction)
+    scale = float(np.max(problem.coordinates.excitation_scale[: len(train.unknowns.unbalances)], initial=0.0)) or 1.0
+    coordinates = Coordinates.of(train, unbalance_scale=scale)
+    whole = FitProblem(train, problem.measurement, coordinates, problem.noise, np.zeros_like(problem.outlier), problem.robust)
+    own = np.array([coordinates.names.index(name) for name in problem.coordinates.names], dtype=np.intp)
+    theta = coordinates.centre.copy()
+    theta[own] = (problem.coordinates.point(start) - coordinates.origin[own]) / coordinates.unit[own]
+    theta = best_excitations(whole, theta, whole.weight(whole.first_amplitude, STAGE_MISFITS[0]))
+    found = fit(whole, theta, near=near)
+    if not judge(whole, found).accepted:
+        return None
+    return _told(whole, found, own)
+
+
+def _told(whole: FitProblem, found: FitResult, own: NDArray[np.intp]) -> RunOutFit:
+    """Return what a fit with run-outs says, these counted among the errors that a fit without them leaves out."""
+    coordinates, effects = whole.coordinates, channel_effects(whole, found)
+    turning = np.setdiff1d(np.arange(coordinates.size), own)
+    turning = np.array(sorted(turning.tolist(), key=lambda place: _rank(coordinates.names[place])), dtype=np.intp)
+    point, unit = coordinates.point(found.theta), coordinates.unit
+    precision = (found.information + coordinates.prior.precision) / np.outer(unit, unit)
+    across = precision @ effects.bias
+    among = effects.information + effects.bias.T @ across
+    count = len(effects.names)
+    # Everything beside the fit's own: errors of channels, then of couplings.
+    beside = np.block([[among, across[turning].T], [across[turning], precision[np.ix_(turning, turning)]]])
+    mixed = np.hstack([across[own], precision[np.ix_(own, turning)]])
+    size = np.sqrt(np.diag(precision)[own])
+    covariance = np.linalg.inv(precision[np.ix_(own, own)] / np.outer(size, size)) / np.outer(size, size)
+    bias = covariance @ mixed
+    at = np.concatenate([np.zeros(count), point[turning]])
+    told = ChannelEffects(
+        names=(*effects.names, *(coordinates.names[place] for place in turning)),
+        bias=bias,
+        information=beside - mixed.T @ bias,
+        score=np.concatenate([effects.score, np.zeros(turning.size)]),
+        phasors=effects.phasors,
+        amplitude=effects.amplitude,
+        at=at,
+    )
+    names = sorted({describe(coordinates.names[place]).element_id for place in turning})
+    words = f"with the run-out of coupling {', '.join(names)}, which turns with the shaft, it would be accepted"
+    refused = found.chi_square + float(at @ told.information @ at)
+    return RunOutFit(point[own], (covariance + covariance.T) / 2, told, refused, found.outlier, words)
+
+
+def _rank(name: str) -> tuple[str, int, int]:
+    """Return the order in which errors of couplings are told, that of `channel_effects`."""
+    said = describe(name)
+    return said.element, ROTATING_ERRORS.index(said.quantity), COMPONENTS.index(said.component or "real")
