@@ -201,7 +201,7 @@ def change(database: Database, identified: int, number: int) -> tuple[int, int]:
         element = f"coupling.C{number % 10}"
         row = alerts.open_alert(session, "pump-7", rule="misalignment", element=element)
         if row is None:
-            finding = AlertFinding(f"number {number}", {}, identified, START)
+            finding = AlertFinding({}, identified, START)
             row = alerting.raise_alert(session, "pump-7", rule="misalignment", element=element, finding=finding)
         elif row.state == "unacknowledged":
             alerting.acknowledge(session, row, Person("anna"))

@@ -114,7 +114,7 @@ def fill(database: Database) -> int:
             machines.create(session, document)
             row = store_identification(session, identification(), run_id=place + 1, machine_id=document.id)
             if place == 0:
-                finding = AlertFinding("it moves", {}, row.id, START)
+                finding = AlertFinding({}, row.id, START)
                 alert = transitions.raise_alert(session, document.id, rule="misfit", element="coupling.C1", finding=finding)
                 number = alert.id
     return number
@@ -172,7 +172,9 @@ async def acknowledge(client: Client, subscription: Any, heard: Heard, database:
     """Acknowledge as a client does; return the time until its event comes [s]."""
     condition = client.get_node("ns=2;s=plant-1/pump-00/Alerts/misfit coupling.C1")
     if not heard.events:
-        await subscription.subscribe_events(ua.ObjectIds.Server, ua.ObjectIds.AlarmConditionType, where_clause_generation=False)
+        await subscription.subscribe_events(
+            ua.ObjectIds.Server, ua.ObjectIds.AlarmConditionType, where_clause_generation=False
+        )
     with database.transaction() as session:
         from storage.alerts import alerts
 
@@ -182,7 +184,7 @@ async def acknowledge(client: Client, subscription: Any, heard: Heard, database:
             row.machine_id,
             rule=row.rule,
             element=row.element,
-            finding=AlertFinding("it moves", {}, row.identification_id, START),
+            finding=AlertFinding({}, row.identification_id, START),
         )
         if row.condition == "acknowledged":
             until_then = time.time_ns() + 3_600 * SECOND
@@ -217,7 +219,9 @@ async def until(holds: Any) -> None:
 def serving(url: str, endpoint: str) -> Iterator["subprocess.Popen[str]"]:
     """Yield the process of a server."""
     command = [sys.executable, "-c", SERVING, url, endpoint]
-    process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=Path(__file__).parents[1])
+    process = subprocess.Popen(
+        command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd=Path(__file__).parents[1]
+    )
     assert process.stdout is not None
     try:
         if process.stdout.readline().strip() != "ready":

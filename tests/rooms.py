@@ -68,11 +68,6 @@ rotorundown: estimator estimator/calibration estimator/diagnosis estimator/fit e
 service/balancing: estimator estimator/calibration estimator/fit estimator/machine estimator/phasors
     estimator/updated_model storage/alerts storage/machines storage/measurements
 service/workers: service/configuration
-service/advice: estimator estimator/diagnosis service/alerts service/configuration service/monitoring service/wording
-    storage storage/alerts storage/tables
-service/delivery: estimator service/advice service/alerts service/configuration service/replication service/resilience
-    service/secrets storage storage/alerts storage/backup storage/database storage/encoding storage/machines
-    storage/operation storage/tables
 service/edge: estimator estimator/machine estimator/phasors estimator/signal service/configuration service/sources
     service/wire storage
 service/wording: estimator/diagnosis estimator/fit estimator/machine
@@ -80,11 +75,16 @@ service/monitoring: estimator estimator/alignment estimator/diagnosis estimator/
     estimator/trends estimator/updated_model service/alerts service/configuration service/replication
     service/resilience service/wording service/workers storage storage/alerts storage/database storage/findings
     storage/machines storage/measurements storage/tables
+service/advice: estimator estimator/diagnosis service/alerts service/configuration service/monitoring service/wording
+    storage storage/alerts storage/tables
+service/delivery: estimator service/advice service/alerts service/configuration service/replication service/resilience
+    service/secrets storage storage/alerts storage/backup storage/database storage/encoding storage/machines
+    storage/operation storage/tables
 service/runs: estimator estimator/machine estimator/runs service/replication service/resilience storage
     storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
 service/security: estimator service/configuration service/http service/resilience storage storage/database
     storage/encoding storage/operation storage/tables
-service/opcua: estimator estimator/rotor estimator/updated_model service/alerts service/configuration
+service/opcua: estimator estimator/rotor estimator/updated_model service/advice service/alerts service/configuration
     service/resilience service/runs service/security storage storage/alerts storage/database storage/findings
     storage/machines storage/operation storage/tables
 service/identification: estimator estimator/calibration estimator/fit estimator/identification estimator/machine
@@ -93,7 +93,7 @@ service/identification: estimator estimator/calibration estimator/fit estimator/
     storage/findings storage/machines storage/measurements storage/tables
 service/journal: estimator estimator/machine service/replication service/resilience service/runs service/wire
     storage/database storage/encoding storage/machines storage/measurements storage/tables
-service/mqtt: estimator/machine service/alerts service/configuration service/journal service/replication
+service/mqtt: estimator/machine service/advice service/alerts service/configuration service/journal service/replication
     service/resilience service/wire storage storage/alerts storage/database storage/findings storage/machines
     storage/tables
 service/maintenance: service/configuration service/replication service/resilience service/runs storage storage/backup

@@ -83,7 +83,7 @@ class ServiceThreads:
         self._store_watch = StoreWatch(database)
         self._audit_watch = AuditWatch(database)
         serves_opcua = settings.opcua_listen and settings.role in ("all", "opcua")
-        self._opcua = OpcUaServing(database, settings) if serves_opcua else None
+        self._opcua = OpcUaServing(database, settings, self.texts) if serves_opcua else None
         self._parts = dict(self._parts_of_role())
 
     def start(self, closing: ExitStack) -> None:
@@ -112,7 +112,7 @@ class ServiceThreads:
             return None
         from service.mqtt.publisher import MqttAlerts
 
-        publisher = MqttAlerts(self._settings, self._database, self.leasing)
+        publisher = MqttAlerts(self._settings, self._database, self.leasing, self.texts)
         self._broker_gauges.append(lambda: publisher.gauges)
         return publisher
 

@@ -13,7 +13,9 @@ from dataclasses import dataclass
 import aiomqtt
 from sqlalchemy.orm import Session
 
-from service.alerts.event_message import AlertEvent, alert_event
+from service.advice.alert_advice import alert_event
+from service.advice.site_texts import SiteTexts
+from service.alerts.event_message import AlertEvent
 from service.configuration.mqtt_settings import MqttSettings
 from service.mqtt.broker import new_client
 from service.mqtt.connection import MqttThread
@@ -61,9 +63,10 @@ class RetainedMessage:
 class MqttAlerts(MqttThread):
     """The thread that publishes. Of several replicas the one that delivers does it for all."""
 
-    def __init__(self, settings: MqttSettings, database: Database, share: Share) -> None:
+    def __init__(self, settings: MqttSettings, database: Database, share: Share, texts: SiteTexts | None = None) -> None:
         super().__init__("mqtt alerts", settings, share, work=DELIVERY)
         self._database = database
+        self._texts = texts or SiteTexts()
         self._topics = Topics(settings.mqtt_topic_prefix)
         self._loop: asyncio.AbstractEventLoop | None = None
         self._ready: aiomqtt.Client | None = None
@@ -152,7 +155,7 @@ class MqttAlerts(MqttThread):
                 return []
             plants = {row.id: row.plant for row in machines.list_all(session) if _covers(told, row.plant)}
             found = [
-                self._message_of(plants[row.machine_id], alert_event(row))
+                self._message_of(plants[row.machine_id], alert_event(row, self._texts))
                 for row in alerts.last_events(session, limit=LARGEST_LAST_STATES)
                 if row.machine_id in plants
             ]

@@ -1,5 +1,5 @@
 """The OPC UA server (OPC 10000): machines as objects, findings as conditions, trends as history, each client in its plants.
 
 `serving.py` is the thread, all that the service imports; it loads the library `asyncua` where a server is configured. It
-imports `alerts`, `configuration`, `resilience`, `runs` and `security`.
+imports `advice`, `alerts`, `configuration`, `resilience`, `runs` and `security`.
 """

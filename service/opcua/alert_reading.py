@@ -5,6 +5,8 @@ from dataclasses import dataclass
 
 from sqlalchemy.orm import Session
 
+from service.advice.alert_advice import alert_event
+from service.advice.site_texts import SiteTexts
 from service.alerts.lifecycle import AlertStatus, Suppression
 from service.alerts.transitions import status_of
 from storage.alerts import alerts, suppressions
@@ -38,22 +40,22 @@ class AlertReading:
         return f"{self.rule} {self.element}".strip()
 
 
-def open_readings(session: Session) -> list[AlertReading]:
+def open_readings(session: Session, texts: SiteTexts) -> list[AlertReading]:
     """Read every open alert, with its last event."""
     rows = alerts.all_open(session)
-    return [_reading(session, row, alerts.last_event(session, row.id)) for row in rows]
+    return [_reading(session, row, alerts.last_event(session, row.id), texts) for row in rows]
 
 
-def news_after(session: Session, event: int, *, limit: int) -> list[AlertReading]:
+def news_after(session: Session, event: int, texts: SiteTexts, *, limit: int) -> list[AlertReading]:
     """Read the alerts of the events behind one, oldest first; each with the standing that the alert has now."""
-    return _readings(session, alerts.events_after(session, event, limit=limit))
+    return _readings(session, alerts.events_after(session, event, limit=limit), texts)
 
 
-def _readings(session: Session, events: Sequence[AlertEventRow]) -> list[AlertReading]:
-    return [_reading(session, alerts.get(session, one.alert_id), one) for one in events]
+def _readings(session: Session, events: Sequence[AlertEventRow], texts: SiteTexts) -> list[AlertReading]:
+    return [_reading(session, alerts.get(session, one.alert_id), one, texts) for one in events]
 
 
-def _reading(session: Session, row: AlertRow, event: AlertEventRow) -> AlertReading:
+def _reading(session: Session, row: AlertRow, event: AlertEventRow, texts: SiteTexts) -> AlertReading:
     status = status_of(row)
     until = None
     if Suppression.SHELVED in status.suppressions:
@@ -72,7 +74,7 @@ def _reading(session: Session, row: AlertRow, event: AlertEventRow) -> AlertRead
         event=event.id,
         at=event.at,
         kind=event.kind,
-        message=event.message,
+        message=alert_event(event, texts).message,
         by=event.by,
         comment=event.comment,
     )

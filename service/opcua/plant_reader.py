@@ -8,6 +8,7 @@ import msgspec
 from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
 
+from service.advice.site_texts import SiteTexts
 from service.opcua.alert_reading import AlertReading, news_after, open_readings
 from service.opcua.machine_reading import MachineReading, read_machine
 from service.runs.collection_state import CollectionState
@@ -44,7 +45,8 @@ class PlantNews:
 class PlantReader:
     """The state of all plants as last told. Its methods block, and are called one at a time."""
 
-    def __init__(self, database: Database) -> None:
+    def __init__(self, database: Database, texts: SiteTexts | None = None) -> None:
+        self._alert_texts = texts or SiteTexts()
         self._database = database
         self._changes = Changes(database)
         self._mark: Hashable | None = None
@@ -59,7 +61,7 @@ class PlantReader:
         """Read the open alerts, and note the newest event: `news` begins behind it."""
         with self._database.reading() as session:
             self._event = alerts.newest_event(session)
-            return open_readings(session)
+            return open_readings(session, self._alert_texts)
 
     def news(self) -> PlantNews:
         """Read what has changed since the last call. Raises DBAPIError; what was not told then is told by a later call."""
@@ -79,7 +81,7 @@ class PlantReader:
         if mark is not None and mark == self._mark and aged is None:
             return found
         with self._database.reading() as session:
-            found.alerts = news_after(session, self._event, limit=EVENTS)
+            found.alerts = news_after(session, self._event, self._alert_texts, limit=EVENTS)
             found.machines = self._machines(session, aged)
         self._event = max((one.event for one in found.alerts), default=self._event)
         # As long as a look is full, there may be more behind it.

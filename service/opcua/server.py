@@ -15,6 +15,7 @@ from asyncua.crypto.permission_rules import User
 from asyncua.server.internal_server import InternalServer
 from asyncua.server.internal_session import InternalSession
 
+from service.advice.site_texts import SiteTexts
 from service.configuration.release import VERSION
 from service.configuration.settings import Settings
 from service.opcua.alert_conditions import AlertConditions
@@ -104,14 +105,14 @@ class ClientServer(InternalServer):
 class PlantServer:
     """The server over a store. All its methods run on one event loop."""
 
-    def __init__(self, database: Database, settings: Settings) -> None:
+    def __init__(self, database: Database, settings: Settings, texts: SiteTexts | None = None) -> None:
         self._settings = settings
         self._users = ClientUsers(Authentication(database, required=settings.authentication == "required"))
         trust = ClientTrust(Path(settings.opcua_trusted)) if settings.opcua_trusted else None
         self._trust = trust
         self._core = ClientServer(self._users, trust, TrendHistory(database))
         self._server = Server(iserver=self._core)
-        self._reader = PlantReader(database)
+        self._reader = PlantReader(database, texts)
         self._database = database
         self._checked_at = 0.0
         self._machines: MachineNodes | None = None

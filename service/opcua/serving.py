@@ -4,6 +4,7 @@ import asyncio
 import logging
 from typing import TYPE_CHECKING
 
+from service.advice.site_texts import SiteTexts
 from service.configuration.settings import Settings
 from service.resilience.rate_limit import RateLimit
 from service.resilience.supervised_thread import SupervisedThread
@@ -30,10 +31,11 @@ class OpcUaUnusable(RuntimeError):
 class OpcUaServing(SupervisedThread):
     """The OPC UA server until it is stopped. A turn runs its event loop for the pause too: clients are served meanwhile."""
 
-    def __init__(self, database: Database, settings: Settings) -> None:
+    def __init__(self, database: Database, settings: Settings, texts: SiteTexts | None = None) -> None:
         super().__init__("opcua", failure="OPC UA clients are told nothing new", retry_s=RETRY_S)
         self._database = database
         self._settings = settings
+        self._texts = texts
         self._loop = asyncio.Runner()
         self._server: PlantServer | None = None
 
@@ -83,7 +85,7 @@ class OpcUaServing(SupervisedThread):
         except ModuleNotFoundError as error:
             raise OpcUaUnusable(f"the OPC UA server needs {error.name}: pip install 'rundown[opcua]'") from None
         _bound_log()
-        server = PlantServer(self._database, self._settings)
+        server = PlantServer(self._database, self._settings, self._texts)
         endpoint = self._settings.opcua_listen
         try:
             self._loop.run(server.start())

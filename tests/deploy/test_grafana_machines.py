@@ -40,7 +40,7 @@ def api(plant: Database) -> Api:
     """A plant in which something was found."""
     with plant.transaction() as session:
         number = store_identification(session, identification(), run_id=1, measured_at=START).id
-        finding = AlertFinding("bent", {}, number, START)
+        finding = AlertFinding({}, number, START)
         alerting.raise_alert(session, KEY.machine, rule="misalignment", element="coupling.C1", finding=finding)
     return Api(plant)
 

@@ -52,7 +52,7 @@ def year(database: Database, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
             row = store_identification(
                 session, found, run_id=number, measured_at=START + number * WEEK * SECOND, machine_id=pump.id
             )
-        finding = AlertFinding("Coupling C1 is going out of alignment", {}, row.id, START)
+        finding = AlertFinding({}, row.id, START)
         transitions.raise_alert(session, pump.id, rule="misalignment", element="coupling.C1", finding=finding)
     with served(database) as url:
         monkeypatch.setenv("RUNDOWN_URL", url.removesuffix("/api/v1"))

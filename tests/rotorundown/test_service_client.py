@@ -36,7 +36,7 @@ def url(plant: Database) -> Iterator[str]:
         for number, factor in enumerate((1.0, 1.0, 1.2)):
             outcome = identification({"coupling.C1.kxx": factor})
             row = store_identification(session, outcome, run_id=number, measured_at=START + number * SECOND)
-        finding = AlertFinding("Coupling C1 is going out of alignment", {}, row.id, START)
+        finding = AlertFinding({}, row.id, START)
         transitions.raise_alert(session, KEY.machine, rule="misalignment", element="coupling.C1", finding=finding)
     with served(plant) as where:
         yield where.removesuffix("/api/v1")

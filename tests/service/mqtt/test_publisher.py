@@ -52,7 +52,7 @@ def publishing(own_broker: Mosquitto, router: zenoh.Session, plant: Database) ->
 def raised(plant: Database) -> int:
     """Raise an alert; its id."""
     with plant.transaction() as session:
-        finding = AlertFinding("bent", {}, 1, START)
+        finding = AlertFinding({}, 1, START)
         row = alerting.raise_alert(session, KEY.machine, rule="misalignment", element="coupling.C1", finding=finding)
         assert row is not None
         return row.id

@@ -167,7 +167,7 @@ def test_what_has_become_worse_is_not_acknowledged_by_an_old_event(
 
     def found(severity: Severity) -> None:
         with store.transaction() as session:
-            finding = AlertFinding("moves again", {}, served.harbour.identification_id, now(), severity)
+            finding = AlertFinding({}, served.harbour.identification_id, now(), severity)
             transitions.raise_alert(session, KEY.machine, rule="misalignment", element="coupling.C1", finding=finding)
 
     found(Severity.ALERT)
