@@ -1,4 +1,4 @@
-"""What an installation of the service consists of, as a software bill of materials (CycloneDX): `make sbom`.
+"""Writes what an installation of the service consists of, as a software bill of materials (CycloneDX): `make sbom`.
 
 The service is installed into a fresh environment from the wheel, whose packages are then listed.
 
