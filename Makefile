@@ -58,9 +58,7 @@ docs: $(VENV)/.installed ## the documentation as a site in build/site, to be ope
 	$(BIN)/python -m docs_site
 
 sbom: $(VENV)/.installed ## what an installation of the service consists of, as CycloneDX, in build/rotorundown.cdx.json
-	$(PYTHON) -m venv --clear build/sbom
-	build/sbom/bin/pip install --quiet --disable-pip-version-check '.[service]'
-	$(BIN)/cyclonedx-py environment --pyproject pyproject.toml --output-file build/rotorundown.cdx.json build/sbom/bin/python
+	$(BIN)/python -m benchmarks.sbom
 
 clean:
 	rm -rf $(VENV) build *.egg-info

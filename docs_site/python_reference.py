@@ -12,4 +12,9 @@ def python_page() -> str:
     """Return the page: a directive for each public name, functions first."""
     found = {name: getattr(rotorundown, name) for name in rotorundown.__all__}
     order = sorted(found, key=lambda name: (isinstance(found[name], type), name))
-    return HEAD + "\n".join(f"\n::: {found[name].__module__}.{name}\n" for name in order)
+    return HEAD + "".join(_directive(found[name].__module__, name) for name in order)
+
+
+def _directive(module: str, name: str) -> str:
+    """Return the directive of a name, whose heading is what users write."""
+    return f"\n::: {module}.{name}\n    options:\n      heading: rotorundown.{name}\n      toc_label: {name}\n"

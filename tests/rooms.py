@@ -51,7 +51,7 @@ service/wire: estimator estimator/machine estimator/phasors storage storage/enco
 service/alerts: estimator storage storage/alerts storage/tables
 service/resilience: service/wire storage storage/database storage/measurements
 service/secrets: storage/backup storage/database
-service/configuration: estimator/bearings estimator/machine service/secrets storage/encoding
+service/configuration: estimator estimator/bearings estimator/machine service/secrets storage/encoding
 service/http: estimator service/configuration service/resilience service/secrets storage/database storage/operation
 service/messaging: service/configuration service/wire
 service/replication: service/configuration service/resilience storage/database storage/findings storage/operation
