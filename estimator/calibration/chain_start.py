@@ -1,8 +1,8 @@
 """Gains and run-outs from which a calibration starts: those that known unbalances show at given coefficients.
 
-A reading is V = g (H w + H u) + r, with known weights w, the machine's own unbalance u, the model's response H, gain g and run-out
-r. With g u in place of u as unknowns, each channel by itself is linear in them: one regression, without which a fit begins at a
-gain of one and follows a curved valley to where it is. Derived here.
+A reading is V = g (H w + H u) + r, with known weights w, the machine's own unbalance u, the model's response H, gain g and
+run-out r. With g u in place of u as unknowns, each channel by itself is linear in them: one regression, without which a fit
+begins at a gain of one and follows a curved valley to where it is. Derived here.
 """
 
 from dataclasses import replace
@@ -42,7 +42,7 @@ def with_seen_chains(problem: FitProblem, theta: Floats, weight: Floats) -> Floa
     turned = np.where(problem.measurement.direction > 0, 1.0, 0.0)
     found, weight = theta.copy(), np.where(problem.used, weight, 0.0)
     for channel in np.flatnonzero((channels.gain >= 0) & (channels.run_out >= 0)):
-        columns = np.column_stack([by_weight[:, channel], turned, 1.0 - turned, own[:, :, channel].T])
+        columns = np.column_stack([by_weight[:, channel], turned, 1.0 - turned, own[:, :, channel].T]).astype(complex)
         seen = _regression(columns * weight[:, channel, None], problem.measurement.phasor[:, channel] * weight[:, channel])
         if seen is None or not SMALLEST <= abs(seen[0]) <= LARGEST:
             continue

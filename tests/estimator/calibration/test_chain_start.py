@@ -1,4 +1,4 @@
-"""Gains and run-outs that known unbalances show at given coefficients: exact at the right ones, kept where nothing shows them."""
+"""Gains and run-outs that known unbalances show at given coefficients: exact at the right ones, else kept."""
 
 from dataclasses import replace
 
