@@ -42,8 +42,9 @@ def with_seen_chains(problem: FitProblem, theta: Floats, weight: Floats) -> Floa
     turned = np.where(problem.measurement.direction > 0, 1.0, 0.0)
     found, weight = theta.copy(), np.where(problem.used, weight, 0.0)
     for channel in np.flatnonzero((channels.gain >= 0) & (channels.run_out >= 0)):
-        columns = np.column_stack([by_weight[:, channel], turned, 1.0 - turned, own[:, :, channel].T]).astype(complex)
-        seen = _regression(columns * weight[:, channel, None], problem.measurement.phasor[:, channel] * weight[:, channel])
+        shown: Complexes = np.column_stack([by_weight[:, channel], turned, 1.0 - turned, own[:, :, channel].T]).astype(complex)
+        by = weight[:, channel]
+        seen = _regression(np.asarray(shown * by[:, None]), np.asarray(problem.measurement.phasor[:, channel] * by))
         if seen is None or not SMALLEST <= abs(seen[0]) <= LARGEST:
             continue
         run_out = seen[1] if turned.any() else np.conj(seen[2])
