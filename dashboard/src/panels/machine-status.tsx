@@ -41,6 +41,7 @@ export function MachineStatus({ machine, revision }: { machine: Document; revisi
         <RunProgress state={now} />
         <JobProgress jobs={jobs.data} />
       </div>
+      {now?.outside_speed_range && <p class="notice">{now.outside_speed_range}</p>}
       <StaleNotice result={state.asOf === undefined ? jobs : state} />
     </section>
   );
@@ -64,7 +65,7 @@ function JobProgress({ jobs }: { jobs: Job[] | undefined }) {
   const failed = jobs?.[0]?.state === "failed" ? jobs[0] : undefined;
   if (running.length + queued > 0) {
     const waiting = queued > 0 ? `${queued}${isTruncated ? " or more" : ""} queued` : "";
-    const computing = running.length > 0 ? `Identifying run ${running.map((job) => job.runs.join(" + ")).join(", ")}` : "";
+    const computing = running.map((job) => `${job.scope === "calibration" ? "Calibrating by" : "Identifying"} run ${job.runs.join(" + ")}`).join(", ");
     return (
       <label class="computing">
         {computing ? [computing, waiting].filter(Boolean).join(", ") : `Identification: ${waiting}`}
@@ -72,6 +73,6 @@ function JobProgress({ jobs }: { jobs: Job[] | undefined }) {
       </label>
     );
   }
-  if (failed) return <span class="error">Identification of run {failed.runs.join(" + ")} failed: {failed.error}</span>;
+  if (failed) return <span class="error">{failed.scope === "calibration" ? "Calibration by" : "Identification of"} run {failed.runs.join(" + ")} failed: {failed.error}</span>;
   return <span class="muted">No identification is being computed.</span>;
 }

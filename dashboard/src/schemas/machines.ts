@@ -42,6 +42,8 @@ export interface MachineState {
   direction: "positive" | "negative" | null;
   newest_sample_at: string | null;
   run: OpenRun | null;
+  /** What is probably wrong where it turns, but never was in its document's speed range. */
+  outside_speed_range?: string | null;
 }
 
 export interface TimelineEntry {
