@@ -66,7 +66,7 @@ def conventions_figures(
     """
     kept = outcomes or KeptOutcomes()
     yield from _right_runs(right_runs, kept)
-    for name in TRAINS:
+    for name in TRAINS if trials else ():
         for nominal in (True, False):
             yield from _of_a_train(name, trials, kept, nominal=nominal)
 
