@@ -225,18 +225,6 @@ class FitProblem:
         residual = ((self.measurement.phasor - self.model(theta)) * weight)[self.used]
         return float(np.vdot(residual, residual).real)
 
-    def begun(self, theta: Floats, weight: Floats) -> Floats:
-        """Complete the coefficients of a start by what follows from them linearly.
-
-        Args:
-            theta: Fit coordinates θ (n,) [-].
-            weight: Weights (S, m) [1/m].
-
-        Returns:
-            θ (n,) to start from [-].
-        """
-        return best_excitations(self, theta, weight)
-
     def error(self, amplitude: Floats) -> Floats:
         """Compute the rms of the complex error of phasors.
 
