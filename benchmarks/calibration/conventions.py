@@ -1,20 +1,24 @@
 """Figures of wrong conventions: how often each is named rightly on a refused run, and whether any is named on right runs.
 
-`python -m benchmarks.calibration.conventions [TRIALS] [RIGHT RUNS]` prints them alone.
+`python -m benchmarks.calibration.conventions [--trials 3] [--runs 60] [--results FILE]` prints them alone; with a file it goes
+on where it was stopped. A right run whose fit is accepted costs one fit: conventions are tried on refused ones only.
 """
 
+import argparse
 import copy
 import math
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import threadpoolctl
 import yaml
 
+from benchmarks.calibration.kept_outcomes import KeptOutcomes
 from benchmarks.fluid_film.report_line import ReportLine
 from estimator.arrays import Complexes
 from estimator.fit.identify import Options, identify
@@ -53,20 +57,27 @@ class Sent:
     weighed: bool = False
 
 
-def conventions_figures(trials: int = TRIALS, right_runs: int = RIGHT_RUNS) -> Iterator[ReportLine]:
-    """Yield how often each wrong convention is named rightly, and the number of right runs on which one is named."""
-    for name in TRAINS:
+def conventions_figures(
+    trials: int = TRIALS, right_runs: int = RIGHT_RUNS, outcomes: KeptOutcomes | None = None
+) -> Iterator[ReportLine]:
+    """Yield on how many right runs a convention is named, and how often each wrong one is named rightly.
+
+    outcomes: those of earlier runs, which are not computed again.
+    """
+    kept = outcomes or KeptOutcomes()
+    yield from _right_runs(right_runs, kept)
+    for name in TRAINS if trials else ():
         for nominal in (True, False):
-            yield from _of_a_train(name, trials, nominal=nominal)
-    yield from _right_runs(right_runs)
+            yield from _of_a_train(name, trials, kept, nominal=nominal)
 
 
-def _of_a_train(name: str, trials: int, *, nominal: bool) -> Iterator[ReportLine]:
+def _of_a_train(name: str, trials: int, kept: KeptOutcomes, *, nominal: bool) -> Iterator[ReportLine]:
     what = f"{name}, {'nominal stiffness within 30 %' if nominal else 'no nominal stiffness'}"
     worst: dict[str, list[bool]] = {}
     for seed in range(trials):
         for label, one in _conventions(_machine(name), np.random.default_rng(seed)).items():
-            worst.setdefault(label, []).append(_named_rightly(name, one, seed, nominal=nominal))
+            trial = partial(_named_rightly, name, one, seed, nominal=nominal)
+            worst.setdefault(label, []).append(kept.of(f"{what}: {label}, {seed}", trial))
     every = [right for listed in worst.values() for right in listed]
     part = sum(every) / len(every)
     yield ReportLine(f"{what}: named rightly", ">= 95 %", f"{part:.0%} of {len(every)}", part >= LEAST_NAMED)
@@ -108,17 +119,20 @@ def _named_rightly(name: str, sent: Sent, seed: int, *, nominal: bool) -> bool:
     return sent.named in named and (len(named) == 1 or named == MIRRORED)
 
 
-def _right_runs(count: int) -> Iterator[ReportLine]:
+def _right_runs(count: int, kept: KeptOutcomes) -> Iterator[ReportLine]:
     """Yield on how many right runs a convention is named, with right documents and with wrong ones."""
-    named = refused = 0
-    for seed in range(count):
-        name = TRAINS[1] if seed % 3 else TRAINS[0]
-        found = _judged(_altered(name, seed), _runs(name, 1000 + seed, weighed=False))
-        identification = found.gated.identification
-        assert identification is not None
-        refused += not identification.accepted
-        named += bool(found.named) or "that were sent as" in identification.verdict
+    found = [kept.of(f"right run {seed}", partial(_right_run, seed)) for seed in range(count)]
+    refused, named = (sum(one[place] for one in found) for place in (0, 1))
     yield ReportLine(f"named on {count} right runs, {refused} of them refused", "0", str(named), named == 0)
+
+
+def _right_run(seed: int) -> tuple[bool, bool]:
+    """Return whether a right run is refused, and whether a wrong convention is named on it."""
+    name = TRAINS[1] if seed % 3 else TRAINS[0]
+    found = _judged(_altered(name, seed), _runs(name, 1000 + seed, weighed=False))
+    identification = found.gated.identification
+    assert identification is not None
+    return not identification.accepted, bool(found.named) or "that were sent as" in identification.verdict
 
 
 def _judged(machine: Machine, parts: list[tuple[RecordedRun, Measurement]]) -> ConventionVerdict:
@@ -181,11 +195,20 @@ def _run(
     return run, measured.with_trial_weight(added) if weighed else measured
 
 
-if __name__ == "__main__":
-    given = [int(one) for one in sys.argv[1:3]]
+def main() -> None:
+    """Print a line for each figure; status 1 where one falls short."""
+    parser = argparse.ArgumentParser(prog="python -m benchmarks.calibration.conventions", description="Wrong conventions")
+    parser.add_argument("--trials", type=int, default=TRIALS, help="of each wrong convention on each train")
+    parser.add_argument("--runs", type=int, default=RIGHT_RUNS, help="right runs, on which none may be named")
+    parser.add_argument("--results", type=Path, help="file that keeps outcomes; what stands in it is not computed again")
+    asked = parser.parse_args()
     with threadpoolctl.threadpool_limits(1):
         lines = []
-        for line in conventions_figures(*given):
+        for line in conventions_figures(asked.trials, asked.runs, KeptOutcomes(asked.results)):
             print(line, flush=True)
             lines.append(line)
     sys.exit(0 if all(line.kept for line in lines) else 1)
+
+
+if __name__ == "__main__":
+    main()

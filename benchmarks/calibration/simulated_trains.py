@@ -33,7 +33,7 @@ def _document(name: str) -> Machine:
     return read_machine(ROOT / "examples" / f"{name}.yaml")
 
 
-class SimulatedTrain:
+class MountedTrain:
     """A train near its document, whose probes read anything; its runs are sweeps, after each of which it is mounted anew."""
 
     def __init__(self, name: str, seed: int) -> None:
@@ -71,9 +71,9 @@ class SimulatedTrain:
         return [CalibrationRun(f"run-{k}", one, (f"run-{k}",) * speeds, steady=False) for k, one in enumerate(measured)]
 
 
-def calibrated_train(name: str, seed: int) -> tuple[SimulatedTrain, Calibrated]:
+def calibrated_train(name: str, seed: int) -> tuple[MountedTrain, Calibrated]:
     """Return a simulated train and its calibration."""
-    plant = SimulatedTrain(name, seed)
+    plant = MountedTrain(name, seed)
     return plant, calibrate(plant.machine, plant.runs(RUNS, SPEEDS))
 
 

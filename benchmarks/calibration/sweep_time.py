@@ -2,7 +2,7 @@
 
 import time
 
-from benchmarks.calibration.simulated_trains import SimulatedTrain
+from benchmarks.calibration.simulated_trains import MountedTrain
 from estimator.calibration.calibrate import calibrate
 
 RUNS, SPEEDS = 20, 150
@@ -11,7 +11,7 @@ SECONDS_ASKED = 10.0
 
 def seconds_of_sweeps(seed: int = 0) -> float:
     """Return the processor time of a calibration of the motor-pump train, which has eight channels [s]."""
-    plant = SimulatedTrain("motor-pump", seed)
+    plant = MountedTrain("motor-pump", seed)
     runs = plant.runs(RUNS, SPEEDS)
     began = time.process_time()
     found = calibrate(plant.machine, runs)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from estimator.arrays import Floats
 from estimator.calibration.calibrated_document import calibrated_document
 from estimator.calibration.calibration_runs import CalibrationRun, check_runs
+from estimator.calibration.chain_start import best_chains
 from estimator.calibration.mounted_problem import MountedProblem
 from estimator.calibration.undetermined import distinct_speeds, freed
 from estimator.calibration.variance_components import ScatterModel, ScatterSizes
@@ -102,7 +103,7 @@ def calibrate(machine: Machine, runs: Sequence[CalibrationRun], *, seed: int = 0
     problem, scatter, speeds = _problem(fitted, few)
     sizes = scatter.stated
     problem = scatter.applied(problem, sizes)
-    first = best_fit(problem, starts=STARTS, seed=seed, good=lambda _: True, twice=True, passes=0)
+    first = best_fit(problem, starts=STARTS, seed=seed, good=lambda _: True, twice=True, passes=0, begin=best_chains)
     theta, sizes, converged = _settled(problem, scatter, first.fit.theta, sizes)
     if most.mounting.size > few.mounting.size:
         point = problem.coordinates.point(theta)

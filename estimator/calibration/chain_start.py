@@ -1,8 +1,9 @@
 """Gains and run-outs from which a calibration starts: those that known unbalances show at given coefficients.
 
-A reading is V = g (H w + H u) + r, with known weights w, the machine's own unbalance u, the model's response H, gain g and run-out
-r. With g u in place of u as unknowns, each channel by itself is linear in them: one regression, without which a fit begins at a
-gain of one and follows a curved valley to where it is. Derived here.
+A reading is V = g (H w + H u) + r, with known weights w, the machine's own unbalance u, the model's response H, gain g and
+run-out r: separable (Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413, doi:10.1137/0710036). With g u in place of u as
+unknowns, each channel by itself is linear in them: one regression, without which a fit begins at a gain of one and follows a
+curved valley to where it is.
 """
 
 from dataclasses import replace
@@ -10,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.fit.fit_problem import FitProblem
+from estimator.fit.fit_problem import FitProblem, best_excitations
 from estimator.rotor.response import excitation_responses
 
 SMALLEST, LARGEST = 0.02, 50.0
@@ -19,8 +20,8 @@ LEAST_SEEN = 1e-6
 """Part of a column that the others must leave over for its unknown to be seen [-]."""
 
 
-def with_seen_chains(problem: FitProblem, theta: Floats, weight: Floats) -> Floats:
-    """Set the gains and run-outs that runs with known unbalances show at given coefficients.
+def best_chains(problem: FitProblem, theta: Floats, weight: Floats) -> Floats:
+    """Estimate the gains and run-outs that runs with known unbalances show at given coefficients, and the excitations.
 
     Args:
         problem: The problem.
@@ -30,6 +31,10 @@ def with_seen_chains(problem: FitProblem, theta: Floats, weight: Floats) -> Floa
     Returns:
         θ (n,) with them; channels that do not show them keep theirs [-].
     """
+    return best_excitations(problem, _with_chains(problem, theta, weight), weight)
+
+
+def _with_chains(problem: FitProblem, theta: Floats, weight: Floats) -> Floats:
     added, channels = problem.measurement.added, problem.coordinates.channels
     if added is None:
         return theta
@@ -42,8 +47,9 @@ def with_seen_chains(problem: FitProblem, theta: Floats, weight: Floats) -> Floa
     turned = np.where(problem.measurement.direction > 0, 1.0, 0.0)
     found, weight = theta.copy(), np.where(problem.used, weight, 0.0)
     for channel in np.flatnonzero((channels.gain >= 0) & (channels.run_out >= 0)):
-        columns = np.column_stack([by_weight[:, channel], turned, 1.0 - turned, own[:, :, channel].T])
-        seen = _regression(columns * weight[:, channel, None], problem.measurement.phasor[:, channel] * weight[:, channel])
+        shown: Complexes = np.column_stack([by_weight[:, channel], turned, 1.0 - turned, own[:, :, channel].T]).astype(complex)
+        by = weight[:, channel]
+        seen = _regression(np.asarray(shown * by[:, None]), np.asarray(problem.measurement.phasor[:, channel] * by))
         if seen is None or not SMALLEST <= abs(seen[0]) <= LARGEST:
             continue
         run_out = seen[1] if turned.any() else np.conj(seen[2])

@@ -12,7 +12,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
-from estimator.calibration.chain_start import with_seen_chains
 from estimator.fit.fit_problem import FitProblem
 from estimator.fit.phasor_jacobian import phasor_jacobian
 from estimator.rotor.condensation import CondensedTrain
@@ -84,18 +83,6 @@ class MountedProblem(FitProblem):
         phasor, by_difference = self._effects(theta, self.scaled_train(theta))
         difference = self._differences(phasor, by_difference, weight)[1]
         return np.asarray(phasor + np.einsum("sq,qsc->sc", difference[self.mounting], by_difference))
-
-    def begun(self, theta: Floats, weight: Floats) -> Floats:
-        """Complete the coefficients of a start by gains, run-outs and excitations.
-
-        Args:
-            theta: Fit coordinates θ (n,) [-].
-            weight: Weights (S, m) [1/m].
-
-        Returns:
-            θ (n,) to start from [-].
-        """
-        return super().begun(with_seen_chains(self, theta, weight), weight)
 
     def unexplained_part(self, theta: Floats) -> float:
         """Compute how large what differs between mountings is beside what the known unbalances do.

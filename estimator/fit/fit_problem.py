@@ -241,18 +241,6 @@ class FitProblem:
         """
         return 0.0 if self.gaps is None else self.gaps.cost(theta)
 
-    def begun(self, theta: Floats, weight: Floats) -> Floats:
-        """Complete the coefficients of a start by what follows from them linearly.
-
-        Args:
-            theta: Fit coordinates θ (n,) [-].
-            weight: Weights (S, m) [1/m].
-
-        Returns:
-            θ (n,) to start from [-].
-        """
-        return best_excitations(self, theta, weight)
-
     def error(self, amplitude: Floats) -> Floats:
         """Compute the rms of the complex error of phasors.
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.fit.coordinates import Coordinates
-from estimator.fit.fit_problem import FitProblem, FitResult
+from estimator.fit.fit_problem import FitProblem, FitResult, best_excitations
 from estimator.fit.maximum_likelihood import FINAL_PASSES, STAGE_MISFITS, fit
 
 START_SPREAD_LOG = 0.35
@@ -32,6 +32,9 @@ GUESSED_CANDIDATES = 60
 """Number of random candidates where the document leaves nominal values out."""
 GUESSED_SPREAD = 1.5
 """Standard deviation of the logarithm of the factor that all unknown direct terms of a kind share in a candidate [-]."""
+
+Completion = Callable[[FitProblem, Floats, Floats], Floats]
+"""Function of a problem, θ (n,) and weights (S, m) that returns the θ (n,) to start from."""
 
 
 class FitFailed(ValueError):
@@ -71,6 +74,7 @@ def best_fit(
     beginning: Floats | None = None,
     twice: bool = False,
     passes: int = FINAL_PASSES,
+    begin: Completion = best_excitations,
 ) -> BestFit:
     """Fit from start after start until one is good, or several agree that it gets no better, or `starts` are spent.
 
@@ -84,6 +88,7 @@ def best_fit(
         beginning: Fit coordinates θ (n,) of the first start, in place of the nominal values [-].
         twice: Whether to go on until the best misfit has been reached twice.
         passes: Most repetitions of each fit's last stage.
+        begin: Function that completes the coefficients of a start by what follows from them linearly.
 
     Returns:
         The best fit.
@@ -100,7 +105,7 @@ def best_fit(
         if start_number == 1 and beginning is not None:
             found = fit(problem, beginning, near=True, passes=passes)
         else:
-            start = chosen_start(problem, rng, first=start_number == 1)
+            start = chosen_start(problem, rng, first=start_number == 1, begin=begin)
             found = fit(problem, start, give_up_from=give_up_from, passes=passes)
         iterations += found.iterations
         if np.isfinite(found.misfit) and good(found) and not twice:
@@ -126,13 +131,16 @@ def _times(reached: list[float], best: float, tolerance: float) -> int:
     return sum(value - best < tolerance for value in reached)
 
 
-def chosen_start(problem: FitProblem, rng: np.random.Generator, *, first: bool) -> Floats:
+def chosen_start(
+    problem: FitProblem, rng: np.random.Generator, *, first: bool, begin: Completion = best_excitations
+) -> Floats:
     """Choose the nominal values, else the best of some random candidates by their first-stage misfit.
 
     Args:
         problem: Data, train and coordinates.
         rng: Source of the candidates.
         first: Whether it is the first start, which begins at the nominal values where the document gives them.
+        begin: Function that completes coefficients by what follows from them linearly.
 
     Returns:
         Fit coordinates θ (n,) [-].
@@ -140,9 +148,9 @@ def chosen_start(problem: FitProblem, rng: np.random.Generator, *, first: bool) 
     coordinates = problem.coordinates
     weight = problem.weight(problem.first_amplitude, STAGE_MISFITS[0])
     if first and not coordinates.guessed.any():
-        return problem.begun(coordinates.centre, weight)
+        return begin(problem, coordinates.centre, weight)
     candidates = [
-        problem.begun(_candidate(coordinates, rng), weight)
+        begin(problem, _candidate(coordinates, rng), weight)
         for _ in range(GUESSED_CANDIDATES if coordinates.guessed.any() else CANDIDATES)
     ]
     misfits = np.array([problem.chi_square(theta, weight) for theta in candidates])

@@ -30,10 +30,11 @@ const TITLES: Record<BalancingStep, [title: string, button: string]> = {
 export function BalancingDialog({ machine, step, balancing, onClose }: Props) {
   const [title, button] = TITLES[step];
   const list = `/machines/${machine.id}/balancings`;
+  const discs = machine.discs.map((one) => one.id);
   const submit = async (form: FormData, keys: IdempotencyKeys) => {
     const path = { begin: list, trial: `${list}/${balancing}/trials`, correction: `${list}/${balancing}/correction`, check: `${list}/${balancing}/check` }[step];
     try {
-      await post(path, bodyOf(step, form), null, keys);
+      await post(path, bodyOf(step, form, discs), null, keys);
     } finally {
       refetch(list);
     }
@@ -41,21 +42,22 @@ export function BalancingDialog({ machine, step, balancing, onClose }: Props) {
   return (
     <FormDialog title={title} button={button} onSubmit={submit} onClose={onClose}>
       {step === "begin" && <RunField machine={machine.id} label="Run without trial weights" />}
+      {step === "begin" && <ScaleFields />}
       {step === "begin" && <CommentField />}
       {step === "trial" && <RunField machine={machine.id} label="Run with the weight" />}
       {step === "trial" && <WeightFields machine={machine} />}
-      {step === "correction" && <CorrectionFields />}
+      {step === "correction" && <CorrectionFields machine={machine} />}
       {step === "check" && <RunField machine={machine.id} label="Run with the proposed weights" />}
     </FormDialog>
   );
 }
 
-function bodyOf(step: BalancingStep, form: FormData): unknown {
+function bodyOf(step: BalancingStep, form: FormData, discs: string[]): unknown {
   const by = author(form);
   const run = Number(form.get("run"));
   switch (step) {
     case "begin":
-      return { runs: [run], comment: form.get("comment") ?? "", by };
+      return { runs: [run], disc_scale: { counted: form.get("counted"), zero_deg: Number(form.get("zero")) }, comment: form.get("comment") ?? "", by };
     case "trial": {
       const unit = String(form.get("unit"));
       const radius = MASSES.includes(unit) ? { radius_mm: Number(form.get("radius")) } : {};
@@ -63,10 +65,52 @@ function bodyOf(step: BalancingStep, form: FormData): unknown {
       return { run, weights: [weight], by };
     }
     case "correction":
-      return { criterion: form.get("criterion"), grade: Number(form.get("grade")), by };
+      return { criterion: form.get("criterion"), grade: Number(form.get("grade")), limits_g_mm: limitsOf(form, discs), places: placesOf(form, discs), by };
     case "check":
       return { run, by };
   }
+}
+
+/** Largest corrections of the discs for which one is given. */
+function limitsOf(form: FormData, discs: string[]): Record<string, number> {
+  return Object.fromEntries(discs.filter((disc) => form.get(`limit ${disc}`)).map((disc) => [disc, Number(form.get(`limit ${disc}`))]));
+}
+
+/** Holes of the discs for which a number of them is given. */
+function placesOf(form: FormData, discs: string[]): Record<string, unknown> {
+  const given = discs.filter((disc) => form.get(`count ${disc}`));
+  const optional = (name: string) => (form.get(name) ? Number(form.get(name)) : null);
+  return Object.fromEntries(
+    given.map((disc) => [
+      disc,
+      {
+        count: Number(form.get(`count ${disc}`)),
+        radius_mm: Number(form.get(`radius ${disc}`)),
+        first_deg: optional(`first ${disc}`) ?? 0,
+        largest_g: optional(`largest ${disc}`),
+        step_g: optional(`step ${disc}`),
+      },
+    ]),
+  );
+}
+
+function ScaleFields() {
+  return (
+    <>
+      <label>
+        The discs' scale of angles grows
+        <select name="counted">
+          <option value="x-to-y">from +x towards +y</option>
+          <option value="with-rotation">with the rotation</option>
+          <option value="against-rotation">against the rotation</option>
+        </select>
+      </label>
+      <label>
+        Where its zero is at the keyphasor's pulse, from +x towards +y [°]
+        <input name="zero" type="number" step="any" min="-360" max="360" defaultValue="0" required />
+      </label>
+    </>
+  );
 }
 
 function RunField({ machine, label }: { machine: string; label: string }) {
@@ -112,14 +156,14 @@ function WeightFields({ machine }: { machine: Document }) {
         <input name="radius" type="number" step="any" min="0" />
       </label>
       <label>
-        Angle from the keyphasor mark, +x towards +y [°]
+        Angle on the disc's scale [°]
         <input name="angle" type="number" step="any" min="-360" max="360" required />
       </label>
     </>
   );
 }
 
-function CorrectionFields() {
+function CorrectionFields({ machine }: { machine: Document }) {
   return (
     <>
       <label>
@@ -133,6 +177,32 @@ function CorrectionFields() {
         Balance quality grade G, ISO 21940-11 [mm/s]
         <input name="grade" type="number" step="any" min="0.1" defaultValue="2.5" required />
       </label>
+      {machine.discs.map((one) => (
+        <DiscBounds key={one.id} disc={one.id} />
+      ))}
     </>
+  );
+}
+
+/** What may be put on a disc: at most so much, and into which holes; left empty, it is free. */
+function DiscBounds({ disc }: { disc: string }) {
+  const fields: [name: string, label: string, step: string][] = [
+    ["limit", "At most [g·mm]", "any"],
+    ["count", "Holes", "1"],
+    ["radius", "Their radius [mm]", "any"],
+    ["first", "First hole at [°]", "any"],
+    ["largest", "Most in a hole [g]", "any"],
+    ["step", "Steps of masses [g]", "any"],
+  ];
+  return (
+    <details>
+      <summary>{disc}: limit and holes</summary>
+      {fields.map(([name, label, step]) => (
+        <label key={name}>
+          {label}
+          <input name={`${name} ${disc}`} type="number" step={step} min={name === "first" ? "-360" : "0"} />
+        </label>
+      ))}
+    </details>
   );
 }

@@ -55,7 +55,7 @@ export function FieldBalancingPanel({ machine }: { machine: Document }) {
                 </label>
               )}
               <Steps found={shown} onStep={setStep} />
-              {shown.correction && <Correction found={shown.correction} check={shown.check} machine={machine} />}
+              {shown.correction && <Correction found={shown.correction} check={shown.check} angles={scaleWords(shown, machine)} />}
               {shown.check && <Check found={shown.check} />}
               {shown.correction && <BalancingVectors correction={shown.correction} check={shown.check} />}
             </>
@@ -79,7 +79,7 @@ function Steps({ found, onStep }: { found: FieldBalancing; onStep: (step: Balanc
         <li>Initial run {found.initial.join(", ")}</li>
         {found.trials.map((one) => (
           <li key={one.run}>
-            Trial run {one.run}: {one.weights.map((weight) => `${number(weight.g_mm)} g·mm on ${weight.disc} at ${Math.round(weight.angle_deg)}°`).join(", ")}
+            Trial run {one.run}: {one.weights.map((weight) => `${number(weight.g_mm)} g·mm on ${weight.disc} at ${Math.round(weight.scale_deg)}°`).join(", ")}
           </li>
         ))}
       </ul>
@@ -94,7 +94,15 @@ function Steps({ found, onStep }: { found: FieldBalancing; onStep: (step: Balanc
   );
 }
 
-function Correction({ found, check, machine }: { found: ProposedCorrection; check: CheckRun | null; machine: Document }) {
+/** How angles on the discs are counted, as a column's heading says it. */
+function scaleWords(found: FieldBalancing, machine: Document): string {
+  const { counted, zero_deg } = found.disc_scale;
+  if (counted === "x-to-y" && zero_deg === 0) return angleConvention(machine.rotation);
+  const sense = { "x-to-y": "from +x towards +y", "with-rotation": "with the rotation", "against-rotation": "against the rotation" }[counted];
+  return `on the disc's scale, ${sense}`;
+}
+
+function Correction({ found, check, angles }: { found: ProposedCorrection; check: CheckRun | null; angles: string }) {
   return (
     <>
       <p>{found.influence}</p>
@@ -110,7 +118,7 @@ function Correction({ found, check, machine }: { found: ProposedCorrection; chec
               <tr>
                 <th>Disc</th>
                 <th class="number">Add</th>
-                <th>Angle, {angleConvention(machine.rotation)}</th>
+                <th>Angle, {angles}</th>
                 <th>Masses</th>
               </tr>
             </thead>
@@ -121,8 +129,8 @@ function Correction({ found, check, machine }: { found: ProposedCorrection; chec
                   <td class="number" title={`${number(one.lower_g_mm)} to ${number(one.upper_g_mm)} g·mm, 95 %`}>
                     {number(one.g_mm)} g·mm
                   </td>
-                  <td>{angleText(one.angle_deg, one.half_width_deg)}</td>
-                  <td>{one.masses.map((mass) => `${number(mass.grams)} g at ${Math.round(mass.angle_deg)}°`).join(", ")}</td>
+                  <td>{angleText(one.scale_deg, one.half_width_deg)}</td>
+                  <td>{one.masses.map((mass) => `${number(mass.grams)} g at ${Math.round(mass.scale_deg)}°`).join(", ")}</td>
                 </tr>
               ))}
             </tbody>
@@ -216,7 +224,7 @@ function Check({ found }: { found: CheckRun }) {
   return (
     <p>
       Check run {found.run}, <Time at={found.at} /> by {found.by}: {found.points_kept} of {found.points} points within the prediction. To trim, add{" "}
-      {found.trim.map((one) => `${number(one.g_mm)} g·mm on ${one.disc} at ${Math.round(one.angle_deg)}°`).join(", ")}.
+      {found.trim.map((one) => `${number(one.g_mm)} g·mm on ${one.disc} at ${Math.round(one.scale_deg)}°`).join(", ")}.
     </p>
   );
 }

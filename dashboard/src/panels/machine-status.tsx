@@ -79,7 +79,7 @@ function JobProgress({ jobs }: { jobs: Job[] | undefined }) {
   const failed = jobs?.[0]?.state === "failed" ? jobs[0] : undefined;
   if (running.length + queued > 0) {
     const waiting = queued > 0 ? `${queued}${isTruncated ? " or more" : ""} queued` : "";
-    const computing = running.length > 0 ? `Identifying run ${running.map((job) => job.runs.join(" + ")).join(", ")}` : "";
+    const computing = running.map((job) => `${job.scope === "calibration" ? "Calibrating by" : "Identifying"} run ${job.runs.join(" + ")}`).join(", ");
     return (
       <label class="computing">
         {computing ? [computing, waiting].filter(Boolean).join(", ") : `Identification: ${waiting}`}
@@ -90,7 +90,7 @@ function JobProgress({ jobs }: { jobs: Job[] | undefined }) {
   if (failed) {
     return (
       <span class="error">
-        Identification of run {failed.runs.join(" + ")} failed: {failed.error}. {jobRemedy(failed.error)}
+        {failed.scope === "calibration" ? "Calibration by" : "Identification of"} run {failed.runs.join(" + ")} failed: {failed.error}. {jobRemedy(failed.error)}
       </span>
     );
   }

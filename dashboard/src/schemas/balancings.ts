@@ -1,16 +1,20 @@
 // Field balancings of a machine: the steps taken so far.
 
+export type Counted = "x-to-y" | "with-rotation" | "against-rotation";
+
+/** scale_deg: the angle on the disc's scale. */
 export interface Weight {
   disc: string;
   g_mm: number;
   angle_deg: number;
+  scale_deg: number;
 }
 
 export interface CorrectionPlane extends Weight {
   lower_g_mm: number;
   upper_g_mm: number;
   half_width_deg: number;
-  masses: { angle_deg: number; grams: number }[];
+  masses: { angle_deg: number; scale_deg: number; grams: number }[];
   missed: number | null;
 }
 
@@ -79,6 +83,8 @@ export interface FieldBalancing {
   by: string;
   comment: string;
   created_at: string;
+  /** The scale on which angles of weights are told. */
+  disc_scale: { counted: Counted; zero_deg: number };
   initial: number[];
   trials: { run: number; weights: Weight[]; by: string }[];
   correction: ProposedCorrection | null;

@@ -57,7 +57,7 @@ def told(machine: Machine, *parts: tuple[RecordedRun, Measurement]) -> Conventio
     return with_named_conventions(machine, runs, measurements, gated)
 
 
-@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize("name", ["phase-sign", *(pytest.param(one, marks=pytest.mark.long) for one in list(NAMES)[1:])])
 def test_each_wrong_convention_is_named(name: str) -> None:
     found = told(document(), sent(NAMES[name]))
     assert found.gated.identification is not None
@@ -75,6 +75,7 @@ def test_each_wrong_convention_is_named(name: str) -> None:
         assert found.named[0].convention.words == "speeds in rad/s that were sent as r/min"
 
 
+@pytest.mark.long
 def test_every_pair_swapped_and_the_other_sense_of_rotation_are_named_together() -> None:
     found = told(document(), sent(WrongConvention("", "", order=PAIRS)))
     assert {one.convention.name for one in found.named} == {"rotation", "swapped-probes"}
@@ -82,16 +83,20 @@ def test_every_pair_swapped_and_the_other_sense_of_rotation_are_named_together()
     assert "or equally well with" in found.gated.identification.verdict
 
 
-def test_nothing_is_named_on_a_right_run_that_a_wrong_document_refuses() -> None:
-    for part, factor in (("mass", 1.3), ("polar_inertia", 3.0)):
-        wrong = chapter_3_document()
-        wrong["discs"][0][part] *= factor
-        if part == "mass":
-            wrong["shafts"][0]["sections"][0]["outer_diameter"] *= 1.1
-        found = told(parse_machine(wrong), sent())
-        assert found.gated.identification is not None
-        assert found.named == ()
-        assert "times better" not in found.gated.identification.verdict
+@pytest.mark.parametrize(("part", "factor"), [("mass", 1.3), pytest.param("polar_inertia", 3.0, marks=pytest.mark.long)])
+def test_nothing_is_named_on_a_right_run_that_a_wrong_document_refuses(part: str, factor: float) -> None:
+    wrong = chapter_3_document()
+    wrong["discs"][0][part] *= factor
+    if part == "mass":
+        wrong["shafts"][0]["sections"][0]["outer_diameter"] *= 1.1
+    found = told(parse_machine(wrong), sent())
+    assert found.gated.identification is not None
+    assert found.named == ()
+    assert "times better" not in found.gated.identification.verdict
+
+
+@pytest.mark.long
+def test_nothing_is_named_on_a_right_run_whose_stated_scatter_is_far_too_small() -> None:
     stated = replace(sent()[1], scatter=np.full(right()[2].shape, 1e-7))
     strict = parse_machine(chapter_3_document() | {"noise": {"relative": 0.001}})
     found = told(strict, (sent()[0], stated))
@@ -127,6 +132,7 @@ def test_a_factor_on_all_amplitudes_is_named_where_the_unbalances_would_be_impla
     assert twice.named == ()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("factor", "words"),
     [

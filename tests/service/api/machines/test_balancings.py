@@ -186,3 +186,16 @@ def test_each_step_is_in_the_audit_trail_and_nothing_else_is_changed(store: Data
         assert list(timeline.of_machine(session, KEY.machine, limit=10)) == []
         assert machines.get(session, KEY.machine).revision == 1
     assert api("GET", f"{PATH}/{begun}")["revision"] == 1
+
+
+def test_angles_are_on_the_discs_scale_where_one_is_said(store: Database, api: Api) -> None:
+    first = add_run(store, {}, number=1)
+    scale = {"counted": "against-rotation", "zero_deg": 90.0}
+    found = api("POST", PATH, 201, json={"runs": [first], "disc_scale": scale, "by": "Ada"})
+    run = add_run(store, {"D1": TRIALS["D1"]}, number=2)
+    weight = {"disc": "D1", "amount": 800.0, "unit": "g mm", "angle_deg": 90.0}
+    told = api("POST", f"{PATH}/{found['id']}/trials", json={"run": run, "weights": [weight], "by": "Ada"})
+    [said] = told["trials"][0]["weights"]
+    assert said["angle_deg"] == pytest.approx(0.0, abs=1e-9)
+    assert said["scale_deg"] == pytest.approx(90.0)
+    assert told["disc_scale"] == scale
