@@ -84,8 +84,8 @@ service/identification: estimator estimator/fit estimator/identification estimat
     storage/tables
 service/journal: estimator estimator/machine service/replication service/resilience service/runs service/wire
     storage/database storage/encoding storage/machines storage/measurements storage/tables
-service/mqtt: estimator/machine service/alerts service/configuration service/journal service/replication service/resilience service/wire
-    storage storage/alerts storage/database storage/findings storage/machines storage/tables
+service/mqtt: estimator/machine service/alerts service/configuration service/journal service/replication
+    service/resilience service/wire storage storage/alerts storage/database storage/findings storage/machines storage/tables
 service/maintenance: service/configuration service/replication service/resilience service/runs storage storage/backup
     storage/database storage/machines storage/measurements storage/operation
 service/api/conventions: estimator estimator/machine service/export service/http service/identification
@@ -109,7 +109,8 @@ service/api/machines: estimator estimator/calibration estimator/machine estimato
     service/identification service/monitoring service/runs service/security storage storage/database storage/encoding
     storage/findings storage/machines storage/measurements storage/tables
 service/api/trends: estimator estimator/trends estimator/updated_model service/api/cache service/api/conventions
-    service/export service/monitoring service/security storage storage/database storage/findings storage/machines storage/tables
+    service/export service/monitoring service/security storage storage/database storage/findings storage/machines
+    storage/tables
 service/api/alerts: estimator service/alerts service/api/cache service/api/conventions service/api/findings
     service/delivery service/resilience service/secrets service/security storage storage/alerts storage/database
     storage/machines storage/tables
