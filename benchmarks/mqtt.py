@@ -2,8 +2,8 @@
 
 Samples of 16 channels go to a real service at the rate that is asked for; then more slowly for a minute, in which the broker
 is killed twice (SIGKILL) and comes back two seconds later: every number must be stored or counted as missing, none twice.
-Alerts change and are delivered to a listener; after each kill of the broker with all that it kept, the last states must be right
-again.
+Alerts change and are delivered to a listener; after each kill of the broker with all that it kept, the last states must be
+right again.
 
     python -m benchmarks.mqtt [--seconds 20] [--rate 5000] [--format msgpack]
 

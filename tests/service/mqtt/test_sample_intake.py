@@ -3,6 +3,7 @@
 import gc
 import json
 import time
+from pathlib import Path
 
 import pytest
 import zenoh
