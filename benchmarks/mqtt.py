@@ -135,7 +135,7 @@ def samples_in(folder: Path, options: argparse.Namespace) -> bool:
             good = rate >= 0.98 * float(options.rate) and behind < BEHIND_ASKED_S and lost == 0 and stored == fast.published
             good &= with_kills(service, mosquitto, edge.client, names, encoding)
         service.client.close()
-    return good
+    return bool(good)
 
 
 def with_kills(service: Service, mosquitto: Mosquitto, client: paho.Client, names: list[str], encoding: str) -> bool:
