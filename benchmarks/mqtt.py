@@ -213,7 +213,7 @@ def change(database: Database, identified: int, number: int) -> tuple[int, int]:
 
 
 def transitions(database: Database, mosquitto: Mosquitto, identified: int) -> list[float]:
-    """Change alerts; return how long after its commit each change was heard [s]."""
+    """Return how long after its commit each change of alerts was heard [s]."""
     heard: dict[tuple[int, int], float] = {}
     committed: dict[tuple[int, int], float] = {}
 
