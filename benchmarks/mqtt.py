@@ -69,7 +69,9 @@ class Publisher:
         for number in range(round(seconds / step)):
             time.sleep(max(0.0, began + number * step - time.monotonic()))
             self._publish_round(step, self._begun + round(number * step * 1e9))
-        return time.monotonic() - began
+        took = time.monotonic() - began
+        time.sleep(2.0 * step)  # the next samples are taken later than these
+        return took
 
     def _publish_round(self, step: float, moment: int) -> None:
         """Publish a batch of each machine, whose last sample was taken at a time [ns]."""
