@@ -1,8 +1,9 @@
 """Samples in and alerts out by way of a real MQTT broker, mosquitto on loopback with passwords, which is killed meanwhile.
 
 Samples of 16 channels go to a real service at the rate that is asked for; then more slowly for a minute, in which the broker
-is killed twice (SIGKILL) and comes back two seconds later: every number must be stored or counted as missing, none twice. Alerts
-change and are delivered to a listener; after each kill, with all that the broker kept, the last states must be right again.
+is killed twice (SIGKILL) and comes back two seconds later: every number must be stored or counted as missing, none twice.
+Alerts change and are delivered to a listener; after each kill of the broker with all that it kept, the last states must be
+right again.
 
     python -m benchmarks.mqtt [--seconds 20] [--rate 5000] [--format msgpack]
 
@@ -68,7 +69,9 @@ class Publisher:
         for number in range(round(seconds / step)):
             time.sleep(max(0.0, began + number * step - time.monotonic()))
             self._publish_round(step, self._begun + round(number * step * 1e9))
-        return time.monotonic() - began
+        took = time.monotonic() - began
+        time.sleep(2.0 * step)  # the next samples are taken later than these
+        return took
 
     def _publish_round(self, step: float, moment: int) -> None:
         """Publish a batch of each machine, whose last sample was taken at a time [ns]."""
@@ -134,7 +137,7 @@ def samples_in(folder: Path, options: argparse.Namespace) -> bool:
             good = rate >= 0.98 * float(options.rate) and behind < BEHIND_ASKED_S and lost == 0 and stored == fast.published
             good &= with_kills(service, mosquitto, edge.client, names, encoding)
         service.client.close()
-    return good
+    return bool(good)
 
 
 def with_kills(service: Service, mosquitto: Mosquitto, client: paho.Client, names: list[str], encoding: str) -> bool:
@@ -212,7 +215,7 @@ def change(database: Database, identified: int, number: int) -> tuple[int, int]:
 
 
 def transitions(database: Database, mosquitto: Mosquitto, identified: int) -> list[float]:
-    """Change alerts; return how long after its commit each change was heard [s]."""
+    """Return how long after its commit each change of alerts was heard [s]."""
     heard: dict[tuple[int, int], float] = {}
     committed: dict[tuple[int, int], float] = {}
 

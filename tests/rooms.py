@@ -102,9 +102,9 @@ service/api/conventions: estimator estimator/machine service/export service/http
     service/security storage storage/findings
 service/recovery: service/journal service/replication service/resilience service/wire storage/encoding
 service/api/cache: estimator service/api/conventions service/http storage/database
-service/api/measurements: estimator estimator/machine estimator/phasors estimator/trends service/api/conventions service/http
-    service/identification service/journal service/security service/wire storage storage/encoding storage/machines
-    storage/measurements storage/tables
+service/api/measurements: estimator estimator/machine estimator/phasors estimator/trends service/api/conventions
+    service/http service/identification service/journal service/security service/wire storage storage/encoding
+    storage/machines storage/measurements storage/tables
 service/api/operation: service/api/conventions service/configuration service/http service/replication service/security
     service/wire storage storage/alerts storage/database storage/findings storage/measurements storage/operation
     storage/tables

@@ -110,7 +110,7 @@ class Forwarding:
 
 
 class _ForwardedPublication(msgspec.Struct, omit_defaults=True):
-    """What is said beside a body that came over MQTT, see `Publication`."""
+    """Statements beside a body that came over MQTT, see `Publication`."""
 
     topic: str
     plant: str

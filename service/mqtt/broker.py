@@ -30,7 +30,7 @@ QUEUE_MESSAGES, QUEUE_BYTES = 10_000, 64 << 20
 TIMEOUT_S = 10.0
 
 BrokerError = (aiomqtt.MqttError, OSError)
-"""What a broker that is away, or refuses, raises."""
+"""Errors of a broker that is away or refuses."""
 
 
 class BoundedQueue(asyncio.Queue[aiomqtt.Message]):

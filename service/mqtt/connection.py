@@ -47,7 +47,7 @@ class MqttThread(SupervisedThread):
 
     @abstractmethod
     async def use(self, client: aiomqtt.Client) -> None:
-        """Use a connection until it ends or the task is cancelled; call `begun` once it works."""
+        """Work with a connection until it ends or the task is cancelled; call `begun` once it works."""
 
     async def leave(self) -> None:
         """Complete what is under way before the connection is closed."""
@@ -59,7 +59,7 @@ class MqttThread(SupervisedThread):
         self.trouble, self._retry_pause = None, FIRST_RETRY_S
 
     def turn(self) -> float:
-        """Use one connection to its end."""
+        """Work with one connection to its end."""
         if not self._share.is_leader(self._work):
             return STANDING_BY_S
         asyncio.run(self._connection())
@@ -91,7 +91,7 @@ class MqttThread(SupervisedThread):
             forget(client)
 
     async def _use(self, client: aiomqtt.Client) -> None:
-        """Use a connection until it ends, the thread is to stop, or another replica takes over."""
+        """Work with a connection until it ends, the thread is to stop, or another replica takes over."""
         using = asyncio.create_task(self.use(client))
         while self._goes_on and not using.done():
             await asyncio.wait([using], timeout=LOOK_S)

@@ -178,7 +178,7 @@ class MqttSamples(MqttThread):
             return [PublishedBody(one.id, body, "", Publication(where, one.plant, fault)) for one in fed]
 
     async def _offered(self, one: PublishedBody) -> Future[StoreOutcome]:
-        """Offer a body until it is queued: the database may be away, or the queue full."""
+        """Submit a body until it is queued: the database may be away, or the queue full."""
         while True:
             try:
                 return self._sink.offer(one.machine, one.body, one.encoding, one.published)

@@ -137,9 +137,9 @@ async def read_trends(
     """Read the history of one or more parameters, or quantities derived from them, over a time range, oldest first.
 
     The answer is JSON, CSV, Parquet or InfluxDB line protocol. CSV and Parquet are one table with a column `parameter`; each
-    point has the baseline's band beside it, and each row names its series' method of downsampling. The series of a parameter that
-    the machine has and that was never identified is empty; one that none of the newest 20 revisions of its document has is not
-    found.
+    point has the baseline's band beside it, and each row names its series' method of downsampling. The series of a parameter
+    that the machine has and that was never identified is empty; one that none of the newest 20 revisions of its document
+    has is not found.
     """
     wanted: TrendFormat = "influx" if chosen == "influx" else asked_format(request, chosen)
     kept: HistoryCache = request.app.state.histories

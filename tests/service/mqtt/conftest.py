@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from uuid import uuid4
 
 import pytest
 import zenoh
@@ -44,7 +45,8 @@ class Taking:
 def taking(mosquitto: Mosquitto, router: zenoh.Session, plant: Database) -> Iterator[Taking]:
     submissions = Submissions()
     ingest = Ingest(router, Journal(plant, Collector()), silence_s=60.0, submissions=submissions)
-    samples = MqttSamples(settings_of(mosquitto), plant, submissions, WholeShare())
+    own = settings_of(mosquitto, mqtt_client_id=f"taking-{uuid4().hex[:8]}")  # no session of an earlier test
+    samples = MqttSamples(own, plant, submissions, WholeShare())
     ingest.start()
     samples.start()
     try:
