@@ -1,4 +1,4 @@
-"""What clients do to alerts: the methods of conditions, each a change of an alert's life under the client's name.
+"""Methods of conditions, by which clients act on alerts: each is a change of an alert's life under the client's name.
 
 Source: OPC 10000-9, 5.5 to 5.8 and the result codes there. Acknowledge, Confirm and Reset, TimedShelve and Unshelve need the
 role operator, AddComment analyst, as over HTTP; the audit trail has the change in the same transaction, and refusals.
@@ -223,7 +223,7 @@ _FORBIDDEN = {
     "unshelve_alert": ua.StatusCodes.BadConditionNotShelved,
     "comment_alert": ua.StatusCodes.BadInvalidState,
 }
-"""What a change is answered with that the alert's state does not allow."""
+"""Answer to a change that the alert's state does not allow."""
 
 
 def _typed(given: tuple[ua.Variant, ...], types: tuple[Any, ...]) -> list[Any]:
