@@ -90,11 +90,11 @@ class ClientSession(OwnSubscriptions):
         return [value if self.sees(one.NodeId) else unknown for one, value in zip(params.NodesToRead, found, strict=True)]
 
     async def write(self, params: ua.WriteParameters) -> list[ua.StatusCode]:
-        """Refuse: clients change alerts by methods, and nothing else."""
+        """Refuse to write: clients change alerts by methods, and nothing else."""
         return [ua.StatusCode(ua.StatusCodes.BadNotWritable) for _ in params.NodesToWrite]
 
     async def browse(self, params: ua.BrowseParameters) -> list[ua.BrowseResult]:
-        """Browse; references to what is not visible are left out."""
+        """List references; those to what is not visible are left out."""
         _at_most(params.NodesToBrowse, MOST_BROWSED)
         found = await super().browse(params)
         for asked, result in zip(params.NodesToBrowse, found, strict=True):
@@ -128,7 +128,7 @@ class ClientSession(OwnSubscriptions):
             current.reset(token)
 
     async def create_monitored_items(self, params: ua.CreateMonitoredItemsParameters) -> list[ua.MonitoredItemCreateResult]:
-        """Watch values and events that are visible, within limits of number. Raises ServiceError."""
+        """Monitor values and events that are visible, within limits of number. Raises ServiceError."""
         subscription = self.own(params.SubscriptionId)
         count = sum(len(one.monitored_item_srv._monitored_items) for one in self.subscriptions.values())
         results: list[ua.MonitoredItemCreateResult] = []

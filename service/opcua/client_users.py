@@ -1,4 +1,4 @@
-"""Who a client is: the service's API keys, given as a user name and a password.
+"""Users of OPC UA clients: the service's API keys, given as a user name and a password.
 
 The user name is the key's name and the password the key itself. Where the service needs no credentials, OPC UA needs none
 either: then the user name, or the application's name, says who does something, as a name does over HTTP.

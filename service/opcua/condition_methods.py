@@ -1,4 +1,4 @@
-"""What clients do to alerts: the methods of conditions, each a change of an alert's life under the client's name.
+"""Methods of conditions, by which clients act on alerts: each is a change of an alert's life under the client's name.
 
 Source: OPC 10000-9, 5.5 to 5.8 and the result codes there. Acknowledge, Confirm and Reset, TimedShelve and Unshelve need the
 role operator, AddComment analyst, as over HTTP; the audit trail has the change in the same transaction, and refusals.
@@ -41,7 +41,7 @@ WORSE = ("raised", "severity_changed")
 Change = Callable[[Session, AlertRow, Person], None]
 
 
-class Refused(Exception):
+class CallRefused(Exception):
     """A method's call is refused with a status code."""
 
     def __init__(self, code: int) -> None:
@@ -86,7 +86,7 @@ class ConditionMethods:
         return await self._of_event(parent, given, "reset_alert", transitions.reset)
 
     async def add_comment(self, parent: ua.NodeId, *given: ua.Variant) -> ua.StatusCode:
-        """Comment an alert."""
+        """Add a comment to an alert."""
         return await self._of_event(parent, given, "comment_alert", transitions.comment, role=Role.ANALYST)
 
     async def reset(self, parent: ua.NodeId, *given: ua.Variant) -> ua.StatusCode:
@@ -98,7 +98,7 @@ class ConditionMethods:
         """Shelve an alert for some time [ms]."""
         try:
             (duration,) = _typed(given, (int | float,))
-        except Refused as refused:
+        except CallRefused as refused:
             return refused.status
         if not math.isfinite(duration) or not 0 < duration <= LONGEST_SHELVING_MS:
             return ua.StatusCode(ua.StatusCodes.BadShelvingTimeOutOfRange)
@@ -114,7 +114,7 @@ class ConditionMethods:
         return await self._done(parent, "unshelve_alert", transitions.unshelve)
 
     async def one_shot_shelve(self, parent: ua.NodeId, *given: ua.Variant) -> ua.StatusCode:
-        """Refuse: nothing is shelved without an end."""
+        """Refuse to shelve: nothing is shelved without an end."""
         del parent, given
         return ua.StatusCode(ua.StatusCodes.BadNotSupported)
 
@@ -138,8 +138,8 @@ class ConditionMethods:
             identifier, comment = _typed(given, (bytes | None, ua.LocalizedText | None))
             words = _comment(comment)
             if operation == "comment_alert" and not words.strip():
-                raise Refused(ua.StatusCodes.BadInvalidArgument)
-        except Refused as refused:
+                raise CallRefused(ua.StatusCodes.BadInvalidArgument)
+        except CallRefused as refused:
             return refused.status
         return await self._done(parent, operation, change, comment=words, identifier=identifier, by_event=True, role=role)
 
@@ -169,7 +169,7 @@ class ConditionMethods:
         try:
             made = _AlertChange(alert.id, named[1] if named is not None else None, change, comment, operation)
             await asyncio.to_thread(made.make, self._database, session.principal, entry)
-        except Refused as refused:
+        except CallRefused as refused:
             return refused.status
         except DBAPIError as error:
             logger.error("%s over OPC UA of %s: %s", operation, _target(alert), error.orig)
@@ -192,19 +192,19 @@ class _AlertChange:
         self._comment, self._operation = comment, operation
 
     def make(self, database: Database, who: Principal, entry: AuditedOperation) -> None:
-        """Make it, with its entry in the audit trail. Raises Refused, DBAPIError."""
+        """Make it, with its entry in the audit trail. Raises CallRefused, DBAPIError."""
         try:
             with AuditedTransactions(database, who.plants, entry).transaction() as session:
                 row = alerts.get(session, self._alert, to_change=True)
                 self._require_known(session)
                 self._change(session, row, Person(who.name, self._comment))
         except AlertUnknown:
-            raise Refused(ua.StatusCodes.BadNodeIdUnknown) from None
+            raise CallRefused(ua.StatusCodes.BadNodeIdUnknown) from None
         except MomentRefused:
-            raise Refused(ua.StatusCodes.BadShelvingTimeOutOfRange) from None
+            raise CallRefused(ua.StatusCodes.BadShelvingTimeOutOfRange) from None
         except Forbidden as forbidden:
             logger.info("%s over OPC UA by %s is refused: %s", self._operation, who.name, forbidden)
-            raise Refused(_FORBIDDEN[self._operation]) from None
+            raise CallRefused(_FORBIDDEN[self._operation]) from None
 
     def _require_known(self, session: Session) -> None:
         """Refuse an acknowledgement of what has become worse since, or of an event that there is not."""
@@ -213,7 +213,7 @@ class _AlertChange:
         found = alerts.history(session, self._alert)
         newer = [one for one in found if one.id > self._event and one.kind in WORSE]
         if (newer and self._operation == "acknowledge_alert") or all(one.id != self._event for one in found):
-            raise Refused(ua.StatusCodes.BadEventIdUnknown)
+            raise CallRefused(ua.StatusCodes.BadEventIdUnknown)
 
 
 _FORBIDDEN = {
@@ -223,25 +223,25 @@ _FORBIDDEN = {
     "unshelve_alert": ua.StatusCodes.BadConditionNotShelved,
     "comment_alert": ua.StatusCodes.BadInvalidState,
 }
-"""What a change is answered with that the alert's state does not allow."""
+"""Answer to a change that the alert's state does not allow."""
 
 
 def _typed(given: tuple[ua.Variant, ...], types: tuple[Any, ...]) -> list[Any]:
-    """Return the values of a method's arguments. Raises Refused where their number or types are wrong."""
+    """Return the values of a method's arguments. Raises CallRefused where their number or types are wrong."""
     if len(given) < len(types):
-        raise Refused(ua.StatusCodes.BadArgumentsMissing)
+        raise CallRefused(ua.StatusCodes.BadArgumentsMissing)
     if len(given) > len(types):
-        raise Refused(ua.StatusCodes.BadTooManyArguments)
+        raise CallRefused(ua.StatusCodes.BadTooManyArguments)
     values = [one.Value for one in given]
     if any(not isinstance(value, kind) or isinstance(value, bool) for value, kind in zip(values, types, strict=True)):
-        raise Refused(ua.StatusCodes.BadInvalidArgument)
+        raise CallRefused(ua.StatusCodes.BadInvalidArgument)
     return values
 
 
 def _comment(given: ua.LocalizedText | None) -> str:
     words = "" if given is None else given.Text or ""
     if len(words) > LONGEST_COMMENT or "\x00" in words:
-        raise Refused(ua.StatusCodes.BadInvalidArgument)
+        raise CallRefused(ua.StatusCodes.BadInvalidArgument)
     return words
 
 

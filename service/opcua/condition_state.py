@@ -33,7 +33,7 @@ STATES: dict[str, tuple[str, str]] = {
     "SuppressedState": ("Suppressed", "Unsuppressed"),
     "OutOfServiceState": ("Out of Service", "In Service"),
 }
-"""What each two-state variable says when it is true and when not; the words of OPC 10000-9."""
+"""Words of each two-state variable when it is true and when not: the words of OPC 10000-9."""
 
 Fields = dict[str, ua.Variant]
 """Fields of an event by their paths, such as `AckedState/Id`."""

@@ -1,4 +1,4 @@
-"""What is told of a machine over OPC UA, read from the store."""
+"""Reading of a machine as it is told over OPC UA, from the store."""
 
 import math
 from collections.abc import Iterator, Sequence

@@ -47,12 +47,12 @@ class OwnSubscriptions(InternalSession):
         return await super().create_subscription(params, callback, request_callback)
 
     def modify_subscription(self, params: ua.ModifySubscriptionParameters) -> ua.ModifySubscriptionResult:
-        """Change a subscription. Raises ServiceError."""
+        """Update a subscription. Raises ServiceError."""
         self.own(params.SubscriptionId)
         return super().modify_subscription(params)
 
     async def modify_monitored_items(self, params: ua.ModifyMonitoredItemsParameters) -> list[ua.MonitoredItemModifyResult]:
-        """Change queues; filters stay as they were checked when the item was created. Raises ServiceError."""
+        """Set sizes of queues; filters stay as they were checked when the item was created. Raises ServiceError."""
         known = self.own(params.SubscriptionId).monitored_item_srv._monitored_items
         results = []
         for item in params.ItemsToModify:
@@ -66,18 +66,18 @@ class OwnSubscriptions(InternalSession):
         return results
 
     async def set_monitoring_mode(self, params: ua.SetMonitoringModeParameters) -> list[ua.StatusCode]:
-        """Switch items on or off. Raises ServiceError."""
+        """Enable or disable items. Raises ServiceError."""
         self.own(params.SubscriptionId)
         return await super().set_monitoring_mode(params)
 
     async def set_publishing_mode(self, params: ua.SetPublishingModeParameters) -> list[ua.StatusCode]:
-        """Switch subscriptions on or off. Raises ServiceError."""
+        """Enable or disable subscriptions. Raises ServiceError."""
         for number in params.SubscriptionIds:
             self.own(number)
         return await super().set_publishing_mode(params)
 
     def republish(self, params: ua.RepublishParameters) -> ua.NotificationMessage:
-        """Repeat a message that was not acknowledged. Raises ServiceError."""
+        """Send again a message that was not acknowledged. Raises ServiceError."""
         subscription = self.own(params.SubscriptionId)
         if params.RetransmitSequenceNumber not in subscription._not_acknowledged_results:
             raise ServiceError(ua.StatusCodes.BadMessageNotAvailable)
@@ -115,6 +115,6 @@ class OwnSubscriptions(InternalSession):
     async def transfer_subscriptions(
         self, params: ua.TransferSubscriptionsParameters, callback: Any
     ) -> list[ua.TransferResult]:
-        """Refuse: a client that comes back activates its old session, or subscribes anew."""
+        """Refuse to transfer: a client that comes back activates its old session, or subscribes anew."""
         del params, callback
         raise ServiceError(ua.StatusCodes.BadServiceUnsupported)

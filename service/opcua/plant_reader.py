@@ -35,7 +35,7 @@ EVENTS = 500
 
 @dataclass
 class PlantNews:
-    """What has changed. alerts: one entry an event; standings: states of run collection by machine."""
+    """Changes since the last look. alerts: one entry an event; standings: states of run collection by machine."""
 
     machines: list[MachineReading] = field(default_factory=list)
     standings: dict[str, CollectionState] = field(default_factory=dict)

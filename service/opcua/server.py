@@ -88,7 +88,7 @@ class ClientServer(InternalServer):
             self._trust.require(certificate, application)
 
     def register_server(self, server: Any, conf: Any = None) -> None:
-        """Refuse: this is no discovery server."""
+        """Refuse to register: this is no discovery server."""
         del server, conf
         raise ServiceError(ua.StatusCodes.BadServiceUnsupported)
 

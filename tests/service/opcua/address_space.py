@@ -30,7 +30,7 @@ def _described(serving: OpcUaServing) -> dict[str, Any]:
     assert serving._server is not None
     core = serving._server._core
     nodes = {}
-    for number in core.aspace.keys():
+    for number in sorted(core.aspace.keys(), key=str):
         if number.NamespaceIndex != core.names.index or core.names.plant_of(number) not in (None, KEY.plant):
             continue
         one = core.aspace[number]

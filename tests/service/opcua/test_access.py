@@ -113,6 +113,7 @@ def test_a_revoked_key_ends_its_session(served: ServedPlants, store: Database, f
     assert "BadUserAccessDenied" in refused(served, folder, **served.client("passing"))
 
 
+@pytest.mark.long
 def test_a_revoked_certificate_is_refused(served: ServedPlants, folder: Path) -> None:
     how = served.client("everywhere", key_size=3072)
     with second_stack(served.endpoint, folder, **how) as client:

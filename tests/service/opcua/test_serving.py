@@ -33,6 +33,7 @@ def test_without_an_endpoint_the_library_is_not_loaded() -> None:
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.long
 def test_a_port_that_is_taken_is_the_parts_trouble_until_it_is_free(database: Database) -> None:
     port = free_port()
     settings = Settings(opcua_listen=LOOPBACK.format(port), opcua_allow_unencrypted=True)
@@ -105,6 +106,7 @@ def test_open_to_the_network_without_keys_it_does_not_start() -> None:
     assert require_authentication(settings, keys_are_there=True) == []
 
 
+@pytest.mark.long
 def test_strange_bytes_end_their_own_connection_only(database: Database, tmp_path: Path) -> None:
     port = free_port()
     endpoint = LOOPBACK.format(port)
