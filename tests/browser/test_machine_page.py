@@ -274,7 +274,7 @@ def test_the_speed_of_the_orbit_laid_over_is_shown(seen: Seen, service: Service)
     seen.open(f"machines/{MACHINE}/shapes?run={newest['id']}&reference={other['id']}&rpm=1500")
     said = seen.page.locator(".orbits figure").first.locator("p")
     own = service.get(f"/runs/{newest['id']}/orbits", rpm=1500)["orbits"][0]["speed_rpm"]
-    expect(said).to_have_text(re.compile(rf"µm at {own // 1000:.0f}\s{own % 1000:03.0f} rpm; overlaid run at 987 rpm$"))
+    expect(said).to_have_text(re.compile(rf"µm pp at {own // 1000:.0f}\s{own % 1000:03.0f} rpm; overlaid run at 987 rpm$"))
     assert seen.errors == []
 
 
