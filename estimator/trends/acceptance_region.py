@@ -1,7 +1,7 @@
 """Acceptance region of a vibration vector in the polar plane: where the next run's lies with 95 % while nothing happens.
 
-Prediction ellipse of one further observation of a normal vector of two components, from n earlier ones (Hotelling's T²;
-Johnson and Wichern, Applied Multivariate Statistical Analysis, Pearson 2007, §5.4): the next vector is within it where
+Prediction ellipse of one further observation of a normal vector of two components, from n earlier ones (Hotelling's T², Ann.
+Math. Stat. 2 (1931) 360, doi:10.1214/aoms/1177732979): the next vector is within it where
 (x - x̄)ᵀ S⁻¹ (x - x̄) ≤ 2 (n - 1)(n + 1) / (n (n - 2)) F(2, n - 2).
 """
 
@@ -51,7 +51,7 @@ class AcceptanceRegion:
 
 
 def acceptance_region(vectors: Complexes) -> AcceptanceRegion | None:
-    """Compute the region from the vectors of n runs to which nothing has happened (Johnson and Wichern 2007, §5.4).
+    """Compute the region from the vectors of n runs to which nothing has happened (Hotelling 1931).
 
     Args:
         vectors: Vectors (n,) [any unit].

@@ -18,7 +18,7 @@ def test_fleet_shows_the_machine_and_its_alert(seen: Seen) -> None:
     row = seen.page.locator(f"tr[data-machine={MACHINE}]")
     expect(row).to_contain_text(re.compile("alert|danger"))
     expect(row).to_contain_text("1 unacknowledged")
-    row.get_by_role("link").click()
+    row.get_by_role("link", name="Two-shaft train").click()
     expect(seen.page.get_by_role("heading", level=1)).to_have_text("Two-shaft train of the thesis, Chapter 3")
     assert seen.errors == []
 
@@ -82,7 +82,7 @@ def test_words_on_an_unbalance_say_which_of_its_components_they_are_of(seen: See
     passed = {"value": 9.0, "limit": 5.0, "passed": True, "began": series["measured_at"][-2]}
     drift = {"per_week": -8.9, "lower": -12.0, "upper": -5.0, "probability": 1e-4, "alert": None, "danger": None}
     tests: list[dict[str, Any]] = [
-        {"name": f"{name}.real", "step_up": quiet, "step_down": quiet, "creep": {**passed, "value": -9.0}, "drift": drift},
+        {"name": f"{name}.real", "step_up": passed, "step_down": quiet, "creep": {**passed, "value": -9.0}, "drift": drift},
         {"name": f"{name}.imaginary", "step_up": passed, "step_down": quiet, "creep": quiet, "drift": None},
     ]
     tests = [{"runs": 9, "newest": 1.0, **one} for one in tests]
@@ -94,7 +94,10 @@ def test_words_on_an_unbalance_say_which_of_its_components_they_are_of(seen: See
     mean = "mean of the newest runs below the baseline"
     weekly = "−8.9 % of the baseline's magnitude per week (−12 … −5.0)"
     expect(texts).to_have_text(
-        re.compile(re.escape(f"real part: {mean}; real part: {weekly}; imaginary part: step up, most likely since "))
+        re.compile(
+            rf"^real part: drifting, seen since [-\d]+ [:\d]+; real part: {re.escape(mean)}; real part: {re.escape(weekly)}; "
+            "imaginary part: step up, most likely since "
+        )
     )
     assert texts.evaluate("words => words.scrollWidth <= words.clientWidth && words.scrollHeight <= words.clientHeight")
     seen.page.set_viewport_size({"width": 390, "height": 844})
@@ -274,7 +277,7 @@ def test_the_speed_of_the_orbit_laid_over_is_shown(seen: Seen, service: Service)
     seen.open(f"machines/{MACHINE}/shapes?run={newest['id']}&reference={other['id']}&rpm=1500")
     said = seen.page.locator(".orbits figure").first.locator("p")
     own = service.get(f"/runs/{newest['id']}/orbits", rpm=1500)["orbits"][0]["speed_rpm"]
-    expect(said).to_have_text(re.compile(rf"µm at {own // 1000:.0f}\s{own % 1000:03.0f} rpm; overlaid run at 987 rpm$"))
+    expect(said).to_have_text(re.compile(rf"µm pp at {own // 1000:.0f}\s{own % 1000:03.0f} rpm; overlaid run at 987 rpm$"))
     assert seen.errors == []
 
 

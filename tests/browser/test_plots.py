@@ -131,7 +131,7 @@ def test_fingers_zoom_a_plot_and_scroll_the_page_over_it(phone: Seen) -> None:
     assert looks(canvas) == zoomed_in
     assert phone.page.evaluate("visualViewport.scale") == 1
     phone.page.emulate_media(media="print")
-    expect(plot.get_by_role("button", include_hidden=True)).to_have_count(3)
+    expect(plot.get_by_role("button", include_hidden=True)).to_have_count(5)
     for button in plot.get_by_role("button", include_hidden=True).all():
         expect(button).to_be_hidden()
     assert phone.errors == []
@@ -283,7 +283,7 @@ def test_bode_plots_read_out_every_channel_at_every_speed(seen: Seen, service: S
 
 
 def test_polar_plots_are_read_out_by_keys(seen: Seen) -> None:
-    seen.open(f"machines/{MACHINE}/response")
+    seen.open(f"machines/{MACHINE}/response?channels=B1X,B1Y")
     wait_drawn(seen.page, 3)
     plot = seen.page.get_by_role("group", name=re.compile("Polar plot of B1X"))
     said = seen.page.locator(".polar", has=plot).locator("figcaption .muted")
@@ -432,7 +432,7 @@ def test_a_plot_that_comes_later_is_zoomed_as_those_beside_it(seen: Seen) -> Non
     """The run is identified while one looks at it."""
     listed = re.compile(r"/identifications\?from=")
     seen.page.route(listed, lambda route: route.fulfill(json=[]))
-    seen.open(f"machines/{MACHINE}/response")
+    seen.open(f"machines/{MACHINE}/response?channels=B1X,B1Y")
     expect(seen.page.get_by_text("This run has no accepted identification")).to_be_visible()
     wait_drawn(seen.page, 2)
     seen.page.get_by_role("button", name="Zoom in").first.click()

@@ -106,7 +106,7 @@ def test_points_are_shown_without_the_slow_roll_of_the_curve(seen: Seen, service
     run, reference = _runs(service)
     asked = Asked(seen)
     seen.open(f"machines/{COPY}/response?run={run}&reference={reference}")
-    for panel in ("Bode", "Polar"):
+    for panel in ("Bode, 1×", "Polar, 1×"):
         expect(seen.page.locator(".panel", has=seen.page.get_by_role("heading", name=panel, exact=True))).to_contain_text(
             "slow roll version 1 subtracted"
         )

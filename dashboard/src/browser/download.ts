@@ -48,7 +48,7 @@ export function savePng(label: string, canvas: HTMLCanvasElement, background: st
 /** What the style sheets give to a drawing; a file must say it itself. */
 const STYLES = ["color", "fill", "stroke", "stroke-width", "stroke-dasharray", "stroke-linecap", "opacity", "font-family", "font-size", "font-weight", "text-anchor"];
 
-/** A drawing with its styles in itself. */
+/** A drawing with its colours and lines in itself. */
 export function svgText(svg: SVGSVGElement): string {
   const copy = svg.cloneNode(true) as SVGSVGElement;
   copy.setAttribute("xmlns", "http://www.w3.org/2000/svg");
@@ -58,7 +58,8 @@ export function svgText(svg: SVGSVGElement): string {
   const copies = [copy, ...copy.querySelectorAll("*")];
   [svg, ...svg.querySelectorAll("*")].forEach((one, at) => {
     const styles = getComputedStyle(one);
-    copies[at]!.setAttribute("style", STYLES.map((name) => `${name}:${styles.getPropertyValue(name)}`).join(";"));
+    // As attributes: the page's security policy allows no styles in elements.
+    for (const name of STYLES) copies[at]!.setAttribute(name, styles.getPropertyValue(name));
   });
   return new XMLSerializer().serializeToString(copy);
 }

@@ -49,7 +49,7 @@ export function Loading({ height }: { height: string }) {
     };
   }, []);
   return (
-    <div class="loading" role="status" aria-busy="true" style={{ minHeight: height }}>
+    <div class="loading" aria-busy="true" style={{ minHeight: height }}>
       {seconds === null ? (
         <span class="hidden">loading</span>
       ) : (

@@ -15,8 +15,8 @@ export function trendTestTexts(parameter: string, tests: TrendTest[]): string[] 
     const prefix = component ? `${COMPONENTS[component] ?? component}: ` : "";
     const drifts = drift(test, reference(parameter, component));
     // Whoever drifts for weeks passes the limit of a step as well: it is no step.
-    const jumps = drifts.length > 0 ? drifted(test) : [...steps(test), ...slowShift(test)];
-    return [...jumps, ...drifts].map((one) => prefix + one);
+    const jumps = drifts.length > 0 ? drifted(test) : steps(test);
+    return [...jumps, ...slowShift(test), ...drifts].map((one) => prefix + one);
   });
 }
 

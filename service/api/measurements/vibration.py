@@ -30,7 +30,7 @@ MOST_RUNS = 400
 
 
 @router.get("/{machine_id}/vibration", operation_id="read_vibration")
-def read_vibration(session: Reading, machine_id: MachineId, slow_roll: SlowRollChoice = "none") -> schemas.Vibration:
+def read_vibration(session: Reading, machine_id: MachineId, slow_roll: SlowRollChoice = "none") -> schemas.MachineVibration:
     """Read the newest good 1× and 2× of each probe, as measured or without slow-roll vectors, and the document's limits."""
     row = machines.get(session, machine_id)
     machine = machines.document(session, machine_id, row.revision)
@@ -45,7 +45,7 @@ def read_vibration(session: Reading, machine_id: MachineId, slow_roll: SlowRollC
     version, vectors, left_out = chosen(session, machine, slow_roll)
     offset = np.zeros(held.phasor.shape, complex) if vectors is None else vectors.turned(held.direction.astype(float))
     first = np.where(held.usable, held.phasor - offset, complex(np.nan, np.nan))
-    return schemas.Vibration(
+    return schemas.MachineVibration(
         machine=machine_id,
         slow_roll_version=version,
         slow_roll_left_out=left_out,

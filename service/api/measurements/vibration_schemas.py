@@ -30,7 +30,7 @@ class ProbeVibration(BaseModel):
     second: VibrationVector | None = Field(default=None, description="2×; null where the source sends none")
 
 
-class Vibration(BaseModel):
+class MachineVibration(BaseModel):
     """Newest vibration of a machine."""
 
     machine: str
