@@ -216,8 +216,7 @@ def track_block(
     coefficients = (signals @ columns.T) @ inverse
     mean = np.where(lost, math.nan, mean + coefficients[:, MEAN])
     rest = signals - coefficients @ columns
-    residual = np.sqrt(np.einsum("cn,cn->c", rest, rest) / (time.size - COLUMNS))
-    residual[lost] = math.nan
+    residual = np.where(lost, math.nan, np.sqrt(np.einsum("cn,cn->c", rest, rest) / (time.size - COLUMNS)))
     phasors = np.stack([coefficients[:, 0] + 1j * coefficients[:, 1], coefficients[:, 2] + 1j * coefficients[:, 3]], axis=1)
     phasors[lost] = complex(math.nan, math.nan)
     steps = _converter_steps(signals, phasors[:, 0], residual, lost)
