@@ -23,7 +23,7 @@ from estimator.units import METRES, rad_per_s_to_rpm
 LARGEST_JUMP = 1e-5
 """Step between neighbouring samples, beside the motion before and behind it, that no shaft on films takes [m]."""
 JUMP = 15.0
-"""The same as a multiple of the gap's noise [-]."""
+"""Multiple of the gap's noise that a step must exceed, too [-]."""
 LARGEST_ERROR = 5.0
 """Standard errors by which the ratio of a gap's motion to that expected may differ from one [-]."""
 SAME = 0.25
