@@ -300,7 +300,7 @@ def identify_train(
 
 
 def _require_more_than(free: int, measurement: Measurement) -> None:
-    """Raise NotEnoughData unless more independent numbers were measured than unknowns are free."""
+    """Check that more independent numbers were measured than unknowns are free. Raises NotEnoughData."""
     count = _independent_numbers(measurement)
     if count <= free:
         raise NotEnoughData(

@@ -25,7 +25,7 @@ ORDERS = (1, 2)
 COLUMNS = 8
 """Number of real unknowns of one block."""
 MEAN = 6
-"""Which of them is the mean."""
+"""Place of the mean among them."""
 FEWEST_TURNS = 3.0
 """Least turns in a block: fewer do not tell the trends from the orders."""
 FEWEST_SAMPLES_PER_TURN = 5.0
