@@ -18,7 +18,7 @@ WIDEST: dict[CouplingKind, float] = {"rigid": 17e-6, "flexible": 160e-6}
 WIDEST_CHANGE: dict[CouplingKind, float] = {"rigid": 8e-6, "flexible": 52e-6}
 """Median half width asked of that offset's change against a baseline [m]."""
 WIDEST_CENTRED: dict[CouplingKind, float] = {"rigid": 16e-6, "flexible": 120e-6}
-"""The same of one run with its shaft centreline [m]."""
+"""Median half width asked of it in one run with its shaft centreline [m]."""
 QUANTITIES = ("offset", "angle", "load")
 VERTICAL = "coupling.C1.offset_vertical"
 

@@ -32,7 +32,7 @@ RUN_OUT_UNIT = 1e-6
 LARGE = RotatingError(offset_spread=1e-4, angle_spread=1e-3)
 """Run-outs of which hardly anything is believed."""
 ROTATING_UNIT = {"rotating_offset": 1e-6, "rotating_angle": 1e-5}
-"""The same of couplings' errors [m, rad]."""
+"""Units of couplings' errors meanwhile [m, rad]."""
 
 
 @dataclass(frozen=True)

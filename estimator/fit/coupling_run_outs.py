@@ -24,7 +24,7 @@ from estimator.rotor.condensation import condense
 
 @dataclass(frozen=True)
 class RunOutFit:
-    """What an accepted fit with run-outs of couplings says, over the n coordinates of the fit without them.
+    """Outcome of an accepted fit with run-outs of couplings, over the n coordinates of the fit without them.
 
     Attributes:
         point: Values (n,) of the coordinates [SI or 1].

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
 from estimator.fit.coordinates import Coordinates
-from estimator.fit.gap_rows import GapRows
+from estimator.fit.gap_rows import GapRows, gap_cost, linearised_gaps
 from estimator.fit.linear_phasors import LinearPhasors, PhasorMemory, Sources, linear_phasors
 from estimator.machine.rules import Noise
 from estimator.phasors.measurement import Measurement
@@ -206,10 +206,7 @@ class FitProblem:
             χ² of the data, gaps included [-], -½ of its gradient (n,) [-] and its Gauss-Newton curvature (n, n) [-].
         """
         weight = np.where(self.used, weight, 0.0)
-        chi_square, gradient = 0.0, np.zeros(theta.size)
-        curvature = np.zeros((theta.size, theta.size))
-        if self.gaps is not None:
-            chi_square, gradient, curvature = self.gaps.linearised(theta)
+        chi_square, gradient, curvature = linearised_gaps(self.gaps, theta)
         for found in self.linear_phasors(theta):
             rows, parts = found.weighted(self.measurement.phasor, weight)
             chi_square += float(parts @ parts)
@@ -228,18 +225,7 @@ class FitProblem:
             χ² [-].
         """
         residual = ((self.measurement.phasor - self.model(theta)) * weight)[self.used]
-        return float(np.vdot(residual, residual).real) + self.gap_cost(theta)
-
-    def gap_cost(self, theta: Floats) -> float:
-        """Compute χ² of the gaps.
-
-        Args:
-            theta: Fit coordinates θ (n,) [-].
-
-        Returns:
-            χ² [-]; 0 without gaps.
-        """
-        return 0.0 if self.gaps is None else self.gaps.cost(theta)
+        return float(np.vdot(residual, residual).real) + gap_cost(self.gaps, theta)
 
     def error(self, amplitude: Floats) -> Floats:
         """Compute the rms of the complex error of phasors.

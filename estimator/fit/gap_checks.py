@@ -2,7 +2,8 @@
 
 The phasors alone say where the shaft stands, to some micrometres. A gap that moves the other way, many times as far, or not
 at all, has another sign or unit than the document says, or comes through an input that is not coupled for direct current; one
-that jumps has lost its probe. Such gaps are left out by name, and the fit of the phasors stands as it was.
+that jumps has lost its probe (ratio by generalised least squares: Aitken, Proc. R. Soc. Edinb. 55 (1935) 42,
+doi:10.1017/S0370164600014346). Such gaps are left out by name, and the fit of the phasors stands as it was.
 """
 
 from dataclasses import dataclass, replace
@@ -22,7 +23,7 @@ from estimator.units import METRES, rad_per_s_to_rpm
 LARGEST_JUMP = 1e-5
 """Step between neighbouring samples, beside the motion before and behind it, that no shaft on films takes [m]."""
 JUMP = 15.0
-"""The same as a multiple of the gap's noise [-]."""
+"""Multiple of the gap's noise that a step must exceed, too [-]."""
 LARGEST_ERROR = 5.0
 """Standard errors by which the ratio of a gap's motion to that expected may differ from one [-]."""
 SAME = 0.25
@@ -82,7 +83,7 @@ def _fitted(problem: FitProblem, found: FitResult, rows: GapRows, remarks: tuple
     """Return the fit with gaps, begun where that of the phasors has ended; that one where both do not fit together."""
     whole = replace(with_fitted_noise(problem, found), gaps=rows)
     again = fit(whole, found.theta, near=True)
-    cost = whole.gap_cost(again.theta)
+    cost = rows.cost(again.theta)
     if not judge(whole, again).accepted or not accepted(cost, rows.freedom):
         words = (
             f"the shaft centreline is left out: it does not fit together with the vibration, χ²/dof {cost / rows.freedom:.3g}"

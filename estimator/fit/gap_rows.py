@@ -224,3 +224,31 @@ def _by_deviations(model: FilmModel, centreline: ShaftCentreline, speed: Floats,
     shapes = DeviationShapes(nominal.slowest, nominal.fastest).at(np.clip(speed, nominal.slowest, nominal.fastest))
     moved = centreline.by_viscosities(fitted) * [FORCE_PART * one.discrepancy for one in model.own.forms]
     return np.asarray((moved[..., None] * shapes[:, None, None, :]).reshape(*moved.shape[:2], -1))
+
+
+def gap_cost(gaps: GapRows | None, theta: Floats) -> float:
+    """Compute χ² of gaps.
+
+    Args:
+        gaps: The gaps; None for none.
+        theta: Fit coordinates θ (n,) [-].
+
+    Returns:
+        χ² [-]; 0 without gaps.
+    """
+    return 0.0 if gaps is None else gaps.cost(theta)
+
+
+def linearised_gaps(gaps: GapRows | None, theta: Floats) -> tuple[float, Floats, Floats]:
+    """Linearise χ² of gaps.
+
+    Args:
+        gaps: The gaps; None for none.
+        theta: Fit coordinates θ (n,) [-].
+
+    Returns:
+        χ² [-], -½ of its gradient (n,) [-] and its Gauss-Newton curvature (n, n) [-]; zeros without gaps.
+    """
+    if gaps is None:
+        return 0.0, np.zeros(theta.size), np.zeros((theta.size, theta.size))
+    return gaps.linearised(theta)

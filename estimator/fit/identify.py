@@ -274,12 +274,7 @@ def identify_train(
     by_prior[coordinates.scale_place] = True
     by_prior[coordinates.channels.places] = True
     free = coordinates.size - int(np.count_nonzero(by_prior))
-    count = _independent_numbers(measurement)
-    if count <= free:
-        raise NotEnoughData(
-            f"{count} measured numbers cannot determine {free} unknowns: more speeds or more channels are needed "
-            "(samples at one speed repeat each other)"
-        )
+    _require_more_than(free, measurement)
     problem = _problem(train, measurement, noise, robust=options.robust)
     begin = None if beginning is None else problem.coordinates.theta(beginning)
 
@@ -302,6 +297,16 @@ def identify_train(
     joined = with_gaps(problem, best.fit)
     found = _result(joined.problem, replace(best, fit=joined.found), joined.remarks, reasons, limits)
     return found if other is None or found.accepted else _explained_by_run_outs(problem, found, other)
+
+
+def _require_more_than(free: int, measurement: Measurement) -> None:
+    """Check that more independent numbers were measured than unknowns are free. Raises NotEnoughData."""
+    count = _independent_numbers(measurement)
+    if count <= free:
+        raise NotEnoughData(
+            f"{count} measured numbers cannot determine {free} unknowns: more speeds or more channels are needed "
+            "(samples at one speed repeat each other)"
+        )
 
 
 def _explained_by_run_outs(problem: FitProblem, found: Identification, other: RunOutFit) -> Identification:

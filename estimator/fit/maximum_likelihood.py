@@ -18,6 +18,7 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.fit.fit_problem import FitProblem, FitResult, best_excitations
+from estimator.fit.gap_rows import gap_cost
 from estimator.fit.reweighting import is_unchanged, with_estimated_noise, without_outliers
 from estimator.phasors.noise import outlier_limit
 from estimator.rotor.elimination import SingularCondensation
@@ -100,7 +101,7 @@ def fit(
         if not converged or (ended and is_unchanged(before, problem)):
             break
     chi_square, _, information = problem.linearised(theta, weight)
-    of_phasors = chi_square - problem.gap_cost(theta)
+    of_phasors = chi_square - gap_cost(problem.gaps, theta)
     return FitResult(
         theta=theta,
         chi_square=of_phasors,

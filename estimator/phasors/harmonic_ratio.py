@@ -4,6 +4,7 @@ Per sample the ratio of the two amplitudes as they were measured; of these the m
 and supposes no distribution (order statistics of a binomial; Conover, Practical Nonparametric Statistics, Wiley 1999, §3.2).
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -81,6 +82,45 @@ def second_over_first(runs: Sequence[Orders], channel: int, *, running_speed: fl
         return None
     first = int(np.searchsorted(scipy.special.bdtr(np.arange(found.size + 1.0), found.size, 0.5), TAIL)) - 1
     return OrderRatio(float(np.median(found)), float(found[first]), float(found[found.size - 1 - first]), found.size)
+
+
+@dataclass(frozen=True)
+class SecondOrder:
+    """The 2× of a channel near a speed, from the mean of its phasors.
+
+    Attributes:
+        amplitude: Amplitude, 0-to-peak [m].
+        amplitude_error: Its standard error [m].
+        phase: Phase lead of the 2×, of a turn of it, between -π and π [rad].
+        phase_error: Its standard error [rad].
+    """
+
+    amplitude: float
+    amplitude_error: float
+    phase: float
+    phase_error: float
+
+
+def second_order(runs: Sequence[Orders], channel: int, *, running_speed: float) -> SecondOrder | None:
+    """Compute amplitude and phase of the 2× of one channel in all samples near a speed together (JCGM 100:2008, 4.2 and 5.2).
+
+    Args:
+        runs: The runs.
+        channel: Index of the channel.
+        running_speed: The speed [rad/s].
+
+    Returns:
+        Amplitude and phase; None where there are fewer than FEWEST samples, or nothing but zeros.
+    """
+    near = [run.second[np.abs(run.speed - running_speed) <= NEAR * running_speed, channel] for run in runs]
+    whole = np.concatenate([np.empty(0, complex), *near])
+    whole = whole[np.isfinite(whole)]
+    mean = complex(whole.mean()) if whole.size >= FEWEST else 0j
+    if mean == 0j:
+        return None
+    along = (whole - mean) * np.conj(mean) / abs(mean)
+    radial, across = (float(np.std(part, ddof=1)) / math.sqrt(whole.size) for part in (along.real, along.imag))
+    return SecondOrder(abs(mean), radial, float(np.angle(mean)), across / abs(mean))
 
 
 def _ratios(run: Orders, channel: int, running_speed: float) -> Floats:

@@ -93,6 +93,7 @@ def derived_units(machine: Machine) -> dict[str, str]:
         found |= {f"coupling.{coupling.id}.misalignment_force": "N", f"coupling.{coupling.id}.misalignment_moment": "N m"}
     for channel in machine.channels:
         found |= {f"probe.{channel}.amplification_factor.N": "1", f"probe.{channel}.second_over_first": "1"}
+        found |= {f"probe.{channel}.second_amplitude": "m", f"probe.{channel}.second_phase": "rad"}
     return found | _film_units(machine)
 
 

@@ -25,7 +25,7 @@ ORDERS = (1, 2)
 COLUMNS = 8
 """Number of real unknowns of one block."""
 MEAN = 6
-"""Which of them is the mean."""
+"""Place of the mean among them."""
 FEWEST_TURNS = 3.0
 """Least turns in a block: fewer do not tell the trends from the orders."""
 FEWEST_SAMPLES_PER_TURN = 5.0
@@ -216,8 +216,7 @@ def track_block(
     coefficients = (signals @ columns.T) @ inverse
     mean = np.where(lost, math.nan, mean + coefficients[:, MEAN])
     rest = signals - coefficients @ columns
-    residual = np.sqrt(np.einsum("cn,cn->c", rest, rest) / (time.size - COLUMNS))
-    residual[lost] = math.nan
+    residual = np.where(lost, math.nan, np.sqrt(np.einsum("cn,cn->c", rest, rest) / (time.size - COLUMNS)))
     phasors = np.stack([coefficients[:, 0] + 1j * coefficients[:, 1], coefficients[:, 2] + 1j * coefficients[:, 3]], axis=1)
     phasors[lost] = complex(math.nan, math.nan)
     steps = _converter_steps(signals, phasors[:, 0], residual, lost)

@@ -19,7 +19,7 @@ from estimator.fit.estimates import (
 )
 from estimator.fit.identify import Identification
 from estimator.machine.document import Machine
-from estimator.phasors.harmonic_ratio import FEWEST, NEAR, Orders, measures_second, second_over_first
+from estimator.phasors.harmonic_ratio import FEWEST, NEAR, Orders, measures_second, second_order, second_over_first
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 from estimator.updated_model.alignment_results import AlignmentResult, alignment_results
 from estimator.updated_model.amplification import UncertainPeak, peaks_with_errors
@@ -252,6 +252,13 @@ def _second_orders(machine: Machine, runs: Sequence[Orders], speed: float) -> It
             yield Derived(name, "1", None, None, None, why)
         else:
             yield Derived(name, "1", found.value, found.lower, found.upper)
+        second = second_order(runs, place, running_speed=speed)
+        if second is not None:
+            half = CONFIDENCE_95 * second.amplitude_error
+            size = second.amplitude
+            yield Derived(f"probe.{channel}.second_amplitude", "m", size, max(0.0, size - half), size + half)
+            half, phase = CONFIDENCE_95 * second.phase_error, second.phase
+            yield Derived(f"probe.{channel}.second_phase", "rad", phase, phase - half, phase + half)
 
 
 def _normal(name: str, unit: str, value: float, slope: Floats, model: UpdatedModel) -> Derived:

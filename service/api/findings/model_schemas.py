@@ -199,13 +199,13 @@ class MeasuredLine(BaseModel):
 
 
 class JournalLine(MeasuredLine):
-    """The same with the circle in which it moves."""
+    """Places of a journal with the circle in which it moves."""
 
     clearance_um: float = Field(description="radial [µm]")
 
 
 class MeasuredLines(BaseModel):
-    """What the gaps of a run say."""
+    """Lines that the gaps of a run tell."""
 
     run: int
     speed: Column

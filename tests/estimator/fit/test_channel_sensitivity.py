@@ -31,14 +31,11 @@ def places(found: ChannelEffects, stem: str) -> list[int]:
     return [found.names.index(f"{stem}.{part}") for part in ("real", "imaginary")]
 
 
-def test_every_channel_has_a_gain_and_a_run_out(machine: Machine) -> None:
+def test_every_channel_has_a_gain_and_a_run_out_and_every_coupling_turns(machine: Machine) -> None:
     found = effects(plant.first_run().channel_effects)
-    assert set(found.names) == {
-        f"probe.{channel}.{what}.{part}"
-        for channel in machine.channels
-        for what in ("gain", "run_out")
-        for part in ("real", "imaginary")
-    }
+    errors = [f"probe.{channel}.{what}" for channel in machine.channels for what in ("gain", "run_out")]
+    errors += [f"coupling.{one.id}.rotating_{what}" for one in machine.couplings for what in ("offset", "angle")]
+    assert set(found.names) == {f"{error}.{part}" for error in errors for part in ("real", "imaginary")}
     assert found.phasors == (plant.SAMPLES,) * len(machine.channels)
     assert all(np.linalg.eigvalsh(found.information / np.max(np.abs(found.information))) > -1e-9)
 

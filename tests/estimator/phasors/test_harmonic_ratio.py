@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from estimator.phasors.harmonic_ratio import FEWEST, Orders, measures_second, second_over_first
+from estimator.phasors.harmonic_ratio import FEWEST, Orders, measures_second, second_order, second_over_first
 
 SPEED = 300.0
 
@@ -61,3 +61,27 @@ def test_what_was_not_measured_does_not_count() -> None:
     without = Orders(one.speed, one.first, np.full_like(one.second, np.nan))
     assert measures_second([without, one], 0)
     assert not measures_second([without], 0)
+
+
+def test_amplitude_and_phase_of_the_2x_are_those_of_the_mean_with_its_errors() -> None:
+    rng, true = np.random.default_rng(4), 3e-6 * np.exp(2.5j)
+    found = []
+    for _ in range(200):
+        one = orders(np.ones(40))
+        one.second[:, 0] = true + 2e-7 * (rng.standard_normal(40) + 1j * rng.standard_normal(40))
+        told = second_order([one], 0, running_speed=SPEED)
+        assert told is not None
+        found.append((told.amplitude, told.phase, told.amplitude_error, told.phase_error))
+    amplitude, phase, amplitude_error, phase_error = np.array(found).T
+    assert np.isclose(amplitude.mean(), 3e-6, rtol=0.01)
+    assert np.isclose(phase.mean(), 2.5, atol=0.01)
+    assert np.isclose(amplitude_error.mean(), amplitude.std(), rtol=0.2)
+    assert np.isclose(phase_error.mean(), phase.std(), rtol=0.2)
+
+
+def test_too_few_samples_and_nothing_have_no_2x() -> None:
+    few = orders(np.ones(FEWEST - 1))
+    assert second_order([few], 0, running_speed=SPEED) is None
+    nothing = orders(np.ones(20))
+    nothing.second[:] = 0.0
+    assert second_order([nothing], 0, running_speed=SPEED) is None

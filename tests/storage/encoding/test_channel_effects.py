@@ -1,7 +1,10 @@
 """Effects of channels' errors come back exactly, also from blocks that an older release wrote."""
 
 import io
+import zlib
+from dataclasses import replace
 
+import msgspec
 import numpy as np
 import pytest
 
@@ -50,3 +53,13 @@ def test_blocks_of_older_releases_are_read(effects: ChannelEffects) -> None:
         amplitude=np.array(effects.amplitude),
     )
     assert_same(channel_effects.decode(block.getvalue()), effects)
+
+
+def test_errors_that_a_fit_was_linearised_at_come_back_and_the_release_before_had_none(effects: ChannelEffects) -> None:
+    at = np.array([0.0, 0.0, 3e-6])
+    block = channel_effects.encode(replace(effects, at=at))
+    np.testing.assert_array_equal(channel_effects.decode(block).at, at)
+    fields = msgspec.msgpack.decode(zlib.decompress(channel_effects.encode(effects)))
+    before = channel_effects.decode(zlib.compress(msgspec.msgpack.encode(fields[:6])))
+    assert_same(before, effects)
+    assert before.at is None
