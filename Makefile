@@ -14,7 +14,7 @@ export OPENBLAS_NUM_THREADS = 1
 
 .PHONY: demo compiled test test-browser test-long test-postgresql lint audit benchmarks dashboard clean
 
-$(VENV)/.installed: pyproject.toml
+$(VENV)/.installed: pyproject.toml setup.py
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/pip install --quiet --disable-pip-version-check --editable '.[dev]'
 	touch $@
@@ -29,7 +29,7 @@ lint: $(VENV)/.installed
 
 # As an installed package is: where Python may not write its caches, each service started would compile all of it anew.
 compiled: $(VENV)/.installed
-	$(BIN)/python -m compileall -q estimator service storage tests benchmarks
+	$(BIN)/python -m compileall -q estimator rotorundown service storage tests benchmarks
 
 test: lint compiled
 	$(BIN)/pytest -n $(PROCESSES) $(IN_PARALLEL) -m 'not long' --ignore tests/browser

@@ -5,7 +5,7 @@ one with 2,000, and two thousand alerts.
 
 Each figure is the median of some rounds: a p99 is made by twenty requests, and one of the machine's hiccups makes all of them.
 In each round the same is asked without and then with samples coming in, so that a machine that changes its speed over minutes
-makes no ratio.
+makes no ratio. The service's own processor time of a request says what it costs, whatever else the machine does.
 
     python -m benchmarks.api_latency [--requests 2000] [--clients 8] [--rounds 5] [--rate 2000]
 """
@@ -19,8 +19,9 @@ from datetime import UTC, datetime, timedelta
 from pathlib import Path
 
 import numpy as np
+import psutil
 
-from benchmarks.chain import create_machines, publishing, received
+from benchmarks.chain import create_machines, processor_s, publishing, received
 from benchmarks.closed_loop import latencies
 from service.runs.collection_state import CollectionState
 from storage.alerts import alerts
@@ -120,10 +121,14 @@ def fill(file: Path, *, seed: int) -> None:
 
 @dataclass(frozen=True)
 class Round:
-    """Latencies [s], figures in rows: of each first question alone, and of all clients at once."""
+    """Latencies [s], figures in rows: of each first question alone, and of all clients at once.
+
+    processor: the service's processor time of a request [s] by figure, with all that it does beside.
+    """
 
     firsts: np.ndarray
     at_once: np.ndarray
+    processor: np.ndarray
 
     @property
     def p99(self) -> np.ndarray:
@@ -135,13 +140,15 @@ class Round:
         return float(np.percentile(self.at_once[asked], 99))
 
 
-def one_round(base: str, options: argparse.Namespace) -> Round:
+def one_round(base: str, process: psutil.Process, options: argparse.Namespace) -> Round:
     """Measure each figure once."""
-    firsts, at_once = [], []
+    firsts, at_once, processor = [], [], []
     for figure in figures(options.requests):
         firsts.append(latencies(base, figure.paths, clients=1, requests=1)[0])
+        before = processor_s(process)
         at_once.append(latencies(base, figure.paths, clients=options.clients, requests=options.requests))
-    return Round(np.array(firsts), np.array(at_once))
+        processor.append((processor_s(process) - before) / len(at_once[-1]))
+    return Round(np.array(firsts), np.array(at_once), np.array(processor))
 
 
 def show(rounds: list[Round], options: argparse.Namespace) -> np.ndarray:
@@ -149,10 +156,11 @@ def show(rounds: list[Round], options: argparse.Namespace) -> np.ndarray:
     firsts = np.median([one.firsts for one in rounds], axis=0)
     p50 = np.median([np.percentile(one.at_once, 50, axis=1) for one in rounds], axis=0)
     p99 = np.median([one.p99 for one in rounds], axis=0)
-    print(f"  {'ms':42s} {'first':>7s} {'p50':>7s} {'p99':>7s} {'asked':>7s}")
+    processor = np.median([one.processor for one in rounds], axis=0)
+    print(f"  {'ms':42s} {'first':>7s} {'p50':>7s} {'p99':>7s} {'asked':>7s} {'processor':>9s}")
     for place, figure in enumerate(figures(options.requests)):
         values = (firsts[place], p50[place], p99[place], figure.asked_s or np.nan)
-        row = "  ".join(f"{1e3 * value:5.1f}" for value in values).replace("nan", "  -")
+        row = "  ".join(f"{1e3 * value:5.1f}" for value in values).replace("nan", "  -") + f"  {1e3 * processor[place]:9.2f}"
         print(f"  {figure.name:42s}   {row}", flush=True)
     return np.asarray(p99)
 
@@ -162,13 +170,14 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
     fill(folder / "rundown.db", seed=options.seed)
     service = Service(folder)
     quiet, busy = [], []
-    with service.running():
+    with service.running() as started:
+        process = psutil.Process(started.pid)
         base = f"http://127.0.0.1:{service.port}/api/v1"
         names = create_machines(service, 4)
         for _ in range(options.rounds):
-            quiet.append(one_round(base, options))
+            quiet.append(one_round(base, process, options))
             with _ingest(service, names, folder, options):
-                busy.append(one_round(base, options))
+                busy.append(one_round(base, process, options))
         stored = received(service)
     service.client.close()
     print(f"{options.clients} clients at once, {options.requests} requests each figure, seed {options.seed}")

@@ -160,7 +160,7 @@ class Usage:
 
     def begin(self) -> None:
         """Begin the measurement."""
-        self._before = {name: _processor_s(one) for name, one in self.processes.items()}
+        self._before = {name: processor_s(one) for name, one in self.processes.items()}
         self._began = time.perf_counter()
 
     def text(self) -> str:
@@ -168,12 +168,13 @@ class Usage:
         elapsed = time.perf_counter() - self._began
         lines = []
         for name, one in self.processes.items():
-            busy = 100 * (_processor_s(one) - self._before[name]) / elapsed
+            busy = 100 * (processor_s(one) - self._before[name]) / elapsed
             lines.append(f"  {name:8s} {busy:5.0f} % of a core, {one.memory_info().rss / 2**20:5.0f} MiB")
         return "\n".join(lines)
 
 
-def _processor_s(one: psutil.Process) -> float:
+def processor_s(one: psutil.Process) -> float:
+    """Return the processor time that a process has used [s]."""
     times = one.cpu_times()
     return float(times.user + times.system)
 

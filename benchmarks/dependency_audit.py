@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 TIMEOUT_S = 300.0
-OWN = "rundown"
+OWN = "rotorundown"
 """Not a package of any index."""
 
 

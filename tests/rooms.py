@@ -26,7 +26,8 @@ estimator/updated_model: estimator estimator/bearings estimator/fit estimator/ma
     estimator/rotor estimator/statics
 estimator/calibration: estimator estimator/fit estimator/machine estimator/phasors estimator/rotor
     estimator/updated_model
-estimator/alignment: estimator estimator/bearings estimator/fit estimator/machine estimator/statics estimator/updated_model
+estimator/alignment: estimator estimator/bearings estimator/fit estimator/machine estimator/statics
+    estimator/updated_model
 estimator/diagnosis: estimator estimator/alignment estimator/fit estimator/machine estimator/rotor estimator/statics
     estimator/trends estimator/updated_model
 estimator/identification: estimator estimator/fit estimator/machine estimator/modes estimator/phasors estimator/rotor
@@ -55,8 +56,8 @@ service/http: estimator service/configuration service/resilience service/secrets
 service/messaging: service/configuration service/wire
 service/replication: service/configuration service/resilience storage/database storage/findings storage/operation
     storage/tables
-service/sources: estimator estimator/calibration estimator/machine estimator/phasors estimator/runs estimator/simulation
-    service/configuration service/export service/wire storage storage/database
+service/sources: estimator estimator/calibration estimator/machine estimator/phasors estimator/runs
+    estimator/simulation service/configuration service/export service/wire storage storage/database
 rotorundown/environment:
 rotorundown/plots: estimator estimator/fit estimator/machine estimator/modes estimator/phasors estimator/statics
     estimator/updated_model rotorundown/environment
@@ -66,8 +67,8 @@ rotorundown: estimator estimator/diagnosis estimator/fit estimator/identificatio
 service/balancing: estimator estimator/calibration estimator/fit estimator/machine estimator/phasors
     estimator/updated_model storage/alerts storage/machines storage/measurements
 service/workers: service/configuration
-service/advice: estimator estimator/diagnosis service/alerts service/configuration service/monitoring service/wording storage
-    storage/alerts storage/tables
+service/advice: estimator estimator/diagnosis service/alerts service/configuration service/monitoring service/wording
+    storage storage/alerts storage/tables
 service/delivery: estimator service/advice service/alerts service/configuration service/replication service/resilience
     service/secrets storage storage/alerts storage/backup storage/database storage/encoding storage/machines
     storage/operation storage/tables
@@ -75,23 +76,23 @@ service/edge: estimator estimator/machine estimator/phasors estimator/signal ser
     service/wire storage
 service/wording: estimator/diagnosis estimator/fit estimator/machine
 service/monitoring: estimator estimator/alignment estimator/diagnosis estimator/fit estimator/machine estimator/rotor
-    estimator/trends estimator/updated_model service/alerts service/configuration service/replication service/resilience
-    service/wording service/workers storage storage/alerts storage/database storage/findings storage/machines
-    storage/measurements storage/tables
+    estimator/trends estimator/updated_model service/alerts service/configuration service/replication
+    service/resilience service/wording service/workers storage storage/alerts storage/database storage/findings
+    storage/machines storage/measurements storage/tables
 service/runs: estimator estimator/machine estimator/runs service/replication service/resilience storage
     storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
 service/security: estimator service/configuration service/http service/resilience storage storage/database
     storage/encoding storage/operation storage/tables
 service/identification: estimator estimator/fit estimator/identification estimator/machine estimator/modes
     estimator/phasors estimator/updated_model service/configuration service/monitoring service/replication
-    service/resilience service/workers storage/database storage/encoding storage/findings storage/machines storage/measurements
-    storage/tables
+    service/resilience service/workers storage/database storage/encoding storage/findings storage/machines
+    storage/measurements storage/tables
 service/journal: estimator estimator/machine service/replication service/resilience service/runs service/wire
     storage/database storage/encoding storage/machines storage/measurements storage/tables
 service/maintenance: service/configuration service/replication service/resilience service/runs storage storage/backup
     storage/database storage/machines storage/measurements storage/operation
-service/api/conventions: estimator estimator/machine service/export service/http service/identification
-    service/secrets service/security storage storage/findings
+service/api/conventions: estimator estimator/machine service/export service/http service/identification service/secrets
+    service/security storage storage/findings
 service/recovery: service/journal service/replication service/resilience service/wire storage/encoding
 service/api/cache: estimator service/api/conventions service/http storage/database
 service/api/measurements: estimator estimator/machine estimator/phasors service/api/conventions service/http
@@ -123,11 +124,12 @@ service/doctor: service/api service/configuration service/delivery service/maint
     service/security service/wire storage/alerts storage/backup storage/database storage/operation
 service/commands: estimator estimator/calibration estimator/fit estimator/identification estimator/machine
     estimator/modes estimator/phasors estimator/simulation estimator/statics estimator/thesis estimator/updated_model
-    rotorundown service/advice service/api service/api/operation service/balancing service/configuration
-    service/delivery service/doctor service/edge service/export service/http service/identification service/ingest
-    service/journal service/maintenance service/messaging service/monitoring service/replication service/resilience
-    service/runs service/secrets service/security service/sources service/wire service/wording service/workers storage
-    storage/backup storage/database storage/encoding storage/machines storage/operation storage/tables
+    rotorundown rotorundown/environment service/advice service/api service/api/operation service/balancing
+    service/configuration service/delivery service/doctor service/edge service/export service/http
+    service/identification service/ingest service/journal service/maintenance service/messaging service/monitoring
+    service/replication service/resilience service/runs service/secrets service/security service/sources service/wire
+    service/wording service/workers storage storage/backup storage/database storage/encoding storage/machines
+    storage/operation storage/tables
 service: estimator/machine service/alerts service/api/alerts service/api/findings service/api/machines
     service/api/measurements service/api/trends service/commands service/http
 """

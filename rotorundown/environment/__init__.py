@@ -1,3 +1,3 @@
-"""The Python that the library runs in: its own packages beside it, optional ones, and the threads of BLAS. It imports no other
-room; the library and its plots ask it.
+"""The Python that the library runs in: its own packages and example machines, optional packages, and the threads of BLAS. It
+imports no other room; the library, its plots and the commands ask it.
 """

@@ -49,7 +49,7 @@ from service.api.openapi import described
 from service.api.operation.audit import router as audit
 from service.api.operation.dashboard import router as dashboard
 from service.api.operation.database_check import DatabaseCheck
-from service.api.operation.documentation import add_documentation
+from service.api.operation.documentation import add_documentation, add_openapi_document
 from service.api.operation.health import Parts
 from service.api.operation.health import router as health
 from service.api.operation.metrics import router as metrics
@@ -83,8 +83,8 @@ from storage.database.engine import Database
 PREFIX = "/api/v1"
 THREADS = 6
 """Threads that serve requests: more of them would slow each other down."""
-DOCUMENTATION = ("/openapi.json", "/docs/static")
-"""Public paths: they are equal in every installation and hold no data."""
+DOCUMENTATION = ("/docs/static",)
+"""Public paths without a route of ours: they are equal in every installation and hold no data."""
 
 
 def application(
@@ -156,6 +156,7 @@ def _bare() -> FastAPI:
         lifespan=_served,
         redirect_slashes=False,  # a redirect would go to the host named in the Host header
     )
+    add_openapi_document(app, path=f"{PREFIX}/openapi.json")
     add_documentation(app, path=f"{PREFIX}/docs", files=f"{PREFIX}/docs/static", openapi=f"{PREFIX}/openapi.json")
     app.router.routes.extend(_routes())
     return app

@@ -14,7 +14,6 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from datetime import datetime
-from importlib import resources
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -23,10 +22,11 @@ import httpx
 import numpy as np
 
 from estimator.machine.parameter_description import describe
+from rotorundown.environment.example_machines import examples_folder
 from service.configuration.document_files import UnreadableFile, read_yaml
 from storage.clock import from_datetime
 
-EXAMPLES = Path(str(resources.files("service"))).parent / "examples"
+EXAMPLES = examples_folder()
 STORIES = {
     "turbine-compressor-generator": "healthy",
     "motor-pump": "misalignment",
@@ -182,7 +182,7 @@ def _create_machines(client: httpx.Client) -> None:
         try:
             answer = client.post("/machines", json=read_yaml(EXAMPLES / f"{name}.yaml"))
         except UnreadableFile as error:
-            raise DemoFailed(f"the demonstration needs the examples of the project's folder: {error}") from error
+            raise DemoFailed(f"the demonstration needs the example machines: {error}") from error
         if answer.status_code != 201:
             raise DemoFailed(f"machine {name} was not created: {answer.text}")
 

@@ -1,6 +1,4 @@
-"""The release of the installed package."""
+"""The release: its one version, which `pyproject.toml` takes from here."""
 
-from importlib.metadata import version
-
-VERSION = version("rundown")
-"""Version of the release, from `pyproject.toml`."""
+VERSION = "0.1.0"
+"""Version of the release; CITATION.cff and CHANGELOG.md name it too, and a test compares them."""

@@ -1,7 +1,7 @@
 """Waveforms in an HDF5 file, a dataset (N,) for each channel, read piece by piece.
 
 Attributes of the file or of the first channel's group may add `sampling_rate` [Hz] and `start_ns` (UTC, since 1970). h5py is
-an optional dependency (`pip install rundown[hdf5]`).
+an optional dependency (`pip install rotorundown[hdf5]`).
 """
 
 from collections.abc import Iterator
@@ -52,7 +52,7 @@ class Hdf5File:
         try:
             import h5py
         except ImportError as error:
-            raise FileTrouble("unreadable_file", "HDF5 needs h5py: pip install 'rundown[hdf5]'") from error
+            raise FileTrouble("unreadable_file", "HDF5 needs h5py: pip install 'rotorundown[hdf5]'") from error
         try:
             return h5py.File(self._path, "r")
         except OSError as error:

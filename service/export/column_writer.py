@@ -16,7 +16,7 @@ Rows = Sequence[Sequence[Any]]
 
 
 class ParquetMissing(RuntimeError):
-    """Parquet needs the extra rundown[parquet]."""
+    """Parquet needs the extra rotorundown[parquet]."""
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ def write(folder: Path, name: str, columns: Sequence[Column], pieces: Iterable[R
         from arro3.core import RecordBatchReader, Schema
         from arro3.io import write_parquet
     except ImportError as error:
-        raise ParquetMissing("Parquet needs the extra rundown[parquet], which is not installed here") from error
+        raise ParquetMissing("Parquet needs the extra rotorundown[parquet], which is not installed here") from error
     count = 0
 
     def batches(writer: CsvWriter) -> Iterator[Any]:

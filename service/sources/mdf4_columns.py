@@ -22,7 +22,7 @@ def mdf4_columns(path: Path) -> MeasuredColumns:
     try:
         from asammdf import MDF
     except ImportError as error:
-        raise BrokenFile("unreadable_file", "MDF4 needs asammdf: pip install 'rundown[mdf4]'") from error
+        raise BrokenFile("unreadable_file", "MDF4 needs asammdf: pip install 'rotorundown[mdf4]'") from error
     with path.open("rb") as opened:
         if opened.read(8) not in MAGIC:
             raise BrokenFile("unreadable_file", "not an MDF file: it does not begin with MDF")

@@ -15,7 +15,7 @@ def tdms_columns(path: Path) -> MeasuredColumns:
     try:
         from nptdms import TdmsFile
     except ImportError as error:
-        raise BrokenFile("unreadable_file", "TDMS needs npTDMS: pip install 'rundown[tdms]'") from error
+        raise BrokenFile("unreadable_file", "TDMS needs npTDMS: pip install 'rotorundown[tdms]'") from error
     try:
         file = TdmsFile.read(path)
         channels = [channel for group in file.groups() for channel in group.channels() if channel.dtype.kind in "fiu"]

@@ -24,7 +24,7 @@ def uff58_columns(path: Path) -> MeasuredColumns:
     try:
         import pyuff
     except ImportError as error:
-        raise BrokenFile("unreadable_file", "UFF58 needs pyuff: pip install 'rundown[uff]'") from error
+        raise BrokenFile("unreadable_file", "UFF58 needs pyuff: pip install 'rotorundown[uff]'") from error
     marks = sum(line.rstrip(b"\r").endswith(MARK) for line in path.read_bytes().split(b"\n"))
     try:
         read = pyuff.UFF(str(path)).read_sets()

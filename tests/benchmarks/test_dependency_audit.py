@@ -4,7 +4,7 @@ from benchmarks.dependency_audit import judged
 
 CLEAN = {"name": "numpy", "version": "2.0", "vulns": []}
 SKIPPED = {"name": "scipy", "skip_reason": "Dependency not found on PyPI and could not be audited: scipy (1.2)"}
-OWN = {"name": "rundown", "skip_reason": "distribution marked as editable"}
+OWN = {"name": "rotorundown", "skip_reason": "distribution marked as editable"}
 VULNERABLE = {"name": "jinja", "version": "1.0", "vulns": [{"id": "CVE-2030-1", "fix_versions": ["1.1"], "aliases": []}]}
 
 

@@ -50,14 +50,14 @@ def csv_bytes(columns: Mapping[str, Column]) -> bytes:
 def parquet_bytes(columns: Mapping[str, Column], *, times: Sequence[str]) -> bytes:
     """Return an Apache Parquet file; the columns named in `times` hold RFC 3339 texts and become timestamps [µs, UTC].
 
-    Raises HTTPException 406 where the extra `rundown[parquet]` is not installed.
+    Raises HTTPException 406 where the extra `rotorundown[parquet]` is not installed.
     """
     try:
         from arro3.core import Array, DataType, Table
         from arro3.io import write_parquet
     except ImportError:
         raise HTTPException(
-            status.HTTP_406_NOT_ACCEPTABLE, "Parquet needs the extra rundown[parquet], which is not installed here"
+            status.HTTP_406_NOT_ACCEPTABLE, "Parquet needs the extra rotorundown[parquet], which is not installed here"
         ) from None
     types = {float: DataType.float64(), int: DataType.int64(), bool: DataType.bool(), str: DataType.utf8()}
     arrays: dict[str, Any] = {}

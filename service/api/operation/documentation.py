@@ -1,16 +1,44 @@
-"""The API's documentation page, from this service's own files. Its one inline script is allowed by its hash."""
+"""The API's OpenAPI document and its documentation page, from this service's own files.
 
+The page's one inline script is allowed by its hash.
+"""
+
+import functools
+import json
 import re
 from base64 import b64encode
 from hashlib import sha256
 
-from fastapi import FastAPI, Request
+from fastapi import FastAPI, Request, Response
+from fastapi.concurrency import run_in_threadpool
 from fastapi.openapi.docs import get_swagger_ui_html
 from fastapi.responses import HTMLResponse
 
+from service.http.compression import compressed, takes_gzip
 from service.security.requirement import ANYBODY
 
 INLINE = re.compile(rb"<script>(.*?)</script>", re.DOTALL)
+
+
+def add_openapi_document(app: FastAPI, *, path: str) -> None:
+    """Add the document in place of the framework's route, which writes it anew for each request (some 20 ms).
+
+    Anybody may ask for it: here it is written and compressed once.
+    """
+    app.router.routes[:] = [route for route in app.router.routes if getattr(route, "path", None) != path]
+
+    @functools.cache
+    def written() -> tuple[bytes, bytes]:
+        plain = json.dumps(app.openapi(), ensure_ascii=False, separators=(",", ":")).encode()
+        return plain, compressed(plain)
+
+    @app.get(path, include_in_schema=False, dependencies=[ANYBODY])
+    async def read_openapi_document(request: Request) -> Response:
+        plain, zipped = await run_in_threadpool(written)
+        headers = {"Vary": "Accept-Encoding"}
+        if takes_gzip(request.headers.get("accept-encoding", "")):
+            return Response(zipped, media_type="application/json", headers={**headers, "Content-Encoding": "gzip"})
+        return Response(plain, media_type="application/json", headers=headers)
 
 
 def add_documentation(app: FastAPI, *, path: str, files: str, openapi: str) -> None:

@@ -3,7 +3,6 @@
 import csv
 import json
 import re
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ import yaml
 
 from estimator.machine.document import parse_machine
 from service.configuration.document_files import read_machine
+from service.configuration.release import VERSION
 from tests.estimator.trains import LATERAL, Complexes, Document, chapter_3_document, dense_response, noisy
 from tests.service.commands.command_line import run
 from tests.service.commands.recorded_run import write_run
@@ -33,7 +33,7 @@ def of(document: Document, seed: int) -> Complexes:
 
 
 def test_the_command_says_which_release_it_is() -> None:
-    assert run("--version") == f"rundown {version('rundown')}\n"
+    assert run("--version") == f"rundown {VERSION}\n"
 
 
 @pytest.fixture

@@ -1,9 +1,12 @@
 """The document of the API: committed, complete, and its patterns in words."""
 
+import gzip
 import json
 import re
 from collections.abc import Iterator
 from typing import Any
+
+import pytest
 
 from service.api.conventions.patterns import WORDS
 from service.commands import openapi
@@ -11,6 +14,7 @@ from tests.api_in_process import PREFIX, Api, problem
 from tests.paths import ROOT
 from tests.plant import KEY
 
+DOCUMENT = f"{PREFIX}/openapi.json"
 OF_ITSELF = ("/health", "/ready", "/alive")
 """What the service says of itself is the answer also where it is not well."""
 
@@ -27,6 +31,21 @@ def test_every_error_is_described_as_a_problem(api: Api) -> None:
                     assert list(response["content"]) == ["application/problem+json"], (method, path, code)
             if method == "post":
                 assert "Idempotency-Key" in {one["name"] for one in operation["parameters"]}
+
+
+def test_the_document_is_written_once(api: Api, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Anybody may ask for it, and to write it takes some 20 ms of the thread that answers everybody."""
+    first, zipped = (api.ask("GET", DOCUMENT, headers={"Accept-Encoding": one}) for one in ("identity", "gzip"))
+    assert (zipped.headers["Content-Encoding"], zipped.headers["Vary"]) == ("gzip", "Accept-Encoding")
+    assert first.json() == zipped.json()
+    monkeypatch.setattr(json, "dumps", _must_not_be_called)
+    monkeypatch.setattr(gzip, "compress", _must_not_be_called)
+    for one in ("identity", "gzip"):
+        assert api.ask("GET", DOCUMENT, headers={"Accept-Encoding": one}).status_code == 200
+
+
+def _must_not_be_called(*_arguments: object, **_named: object) -> bytes:
+    raise AssertionError("the document is written anew")
 
 
 def test_the_committed_document_is_that_of_the_application() -> None:

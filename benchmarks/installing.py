@@ -1,0 +1,102 @@
+"""From a wheel to the demo's summary, and what importing the library takes: asked beside measured.
+
+The wheel is built and all packages are downloaded first; then `pip install` from these files and the demo are timed, in a
+fresh environment. Imports are the best of several fresh interpreters, less one that imports nothing.
+
+    python -m benchmarks.installing [--imports-only] [--tries 5]
+"""
+
+import argparse
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from tests.end_to_end.installed_wheel import build_wheel, make_environment, run
+from tests.paths import ROOT
+
+INSTALL_ASKED_S = 90.0
+IMPORT_ASKED_S = 0.1
+READY_ASKED = 1.3
+"""Bound of the library's import until it can identify, as a multiple of importing numpy, scipy.linalg and pydantic [-]."""
+BASE = {"numpy", "scipy", "pydantic", "PyYAML", "msgspec"}
+NEEDED_BY_THESE = {"pydantic_core", "annotated-types", "typing-extensions", "typing-inspection"}
+UNDERLYING = "import numpy, scipy.linalg, pydantic"
+READY = "import rotorundown as rd; rd.read_machine, rd.read_run, rd.identify, rd.Result"
+
+
+def seconds(code: str, *, tries: int) -> float:
+    """Return the least time of a fresh interpreter that runs code [s]."""
+    found = []
+    for _ in range(tries):
+        began = time.perf_counter()
+        subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True)
+        found.append(time.perf_counter() - began)
+    return min(found)
+
+
+def imports(tries: int) -> bool:
+    """Print what imports take; whether the bounds hold."""
+    nothing = seconds("pass", tries=tries)
+    lazy = seconds("import rotorundown", tries=tries) - nothing
+    underlying = seconds(UNDERLYING, tries=tries) - nothing
+    ready = seconds(READY, tries=tries) - nothing
+    print(f"import of the library: asked {IMPORT_ASKED_S} s, measured {lazy:.3f} s")
+    print(
+        f"until it can identify: asked {READY_ASKED} times {underlying:.2f} s (numpy, scipy.linalg, pydantic), "
+        f"measured {ready / underlying:.2f} times, {ready:.2f} s"
+    )
+    return lazy <= IMPORT_ASKED_S and ready <= READY_ASKED * underlying
+
+
+def install(folder: Path) -> bool:
+    """Print what an installation takes; whether the bounds hold."""
+    wheel = build_wheel(folder)
+    files = folder / "files"
+    base = make_environment(folder / "base")
+    pip = ["-m", "pip", "--disable-pip-version-check"]
+    run([base, *pip, "download", "--quiet", "--dest", files, f"{wheel}[service]"])
+    offline: list[str | Path] = [*pip, "install", "--quiet", "--no-index", "--find-links", files]
+    before = _distributions(base)
+    run([base, *offline, wheel])
+    installed = _distributions(base) - before - {"rotorundown"}
+    unasked = installed - {_normal(one) for one in BASE | NEEDED_BY_THESE}
+    print(f"base install: asked {', '.join(sorted(BASE))} and what these need; beside these: {', '.join(unasked) or 'none'}")
+    began = time.perf_counter()
+    python = make_environment(folder / "service")
+    run([python, *offline, f"{wheel}[service]"])
+    installed_s = time.perf_counter() - began
+    run([python.with_name("rundown"), "demo", "--exit"], folder=folder)
+    whole = time.perf_counter() - began
+    print(
+        f"pip install 'rotorundown[service]' to the demo's summary: asked {INSTALL_ASKED_S:.0f} s, measured {whole:.0f} s "
+        f"({installed_s:.0f} s of them the installation)"
+    )
+    return whole <= INSTALL_ASKED_S and not unasked
+
+
+def _distributions(python: Path) -> set[str]:
+    code = "from importlib.metadata import distributions as all; print(*(one.metadata['Name'] for one in all()))"
+    return {_normal(one) for one in run([python, "-c", code]).split()}
+
+
+def _normal(name: str) -> str:
+    return name.lower().replace("_", "-")
+
+
+def main() -> int:
+    """Measure, and print; status 1 where a bound does not hold."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--imports-only", action="store_true", help="leave out the installation")
+    parser.add_argument("--tries", type=int, default=5, help="fresh interpreters per import")
+    options = parser.parse_args()
+    held = imports(options.tries)
+    if not options.imports_only:
+        with tempfile.TemporaryDirectory(prefix="rundown-install-") as folder:
+            held = install(Path(folder)) and held
+    return 0 if held else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

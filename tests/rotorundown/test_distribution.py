@@ -1,0 +1,55 @@
+"""The distribution: what the base install needs, one version, and a command that says so where the service is missing."""
+
+import re
+import subprocess
+import sys
+import tomllib
+
+import pytest
+import yaml
+
+from rotorundown.environment.example_machines import examples_folder
+from service.configuration.release import VERSION
+from tests.paths import ROOT
+
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+EXTRAS = PROJECT["optional-dependencies"]
+
+
+def names(requirements: list[str]) -> set[str]:
+    """Names of distributions, without versions."""
+    return {re.split(r"[\[<>=;! ]", one)[0] for one in requirements}
+
+
+def test_the_base_install_is_the_library() -> None:
+    assert PROJECT["name"] == "rotorundown"
+    assert names(PROJECT["dependencies"]) == {"numpy", "scipy", "pydantic", "pyyaml", "msgspec"}
+
+
+def test_developers_have_every_extra() -> None:
+    (own,) = [one for one in EXTRAS["dev"] if one.startswith("rotorundown[")]
+    assert set(own.partition("[")[2].rstrip("]").split(",")) == set(EXTRAS) - {"dev"}
+
+
+def test_the_version_is_everywhere_the_same() -> None:
+    assert "version" not in PROJECT
+    assert yaml.safe_load((ROOT / "CITATION.cff").read_text())["version"] == VERSION
+    assert f"## {VERSION}\n" in (ROOT / "CHANGELOG.md").read_text()
+
+
+def test_the_examples_are_found() -> None:
+    assert (examples_folder() / "motor-pump.yaml").is_file()
+
+
+@pytest.mark.parametrize(
+    ("missing", "arguments"), [("typer", ["--help"]), ("pydantic_settings", ["--help"]), ("sqlalchemy", ["serve"])]
+)
+def test_without_the_service_s_packages_the_command_says_so_in_one_line(missing: str, arguments: list[str]) -> None:
+    code = f"import sys; sys.modules[{missing!r}] = None; from service.__main__ import main; main()"
+    done = subprocess.run(
+        [sys.executable, "-c", code, *arguments], cwd=ROOT, capture_output=True, text=True, check=False, timeout=60
+    )
+    assert done.returncode == 1
+    assert done.stderr.startswith(f"rundown: {missing} is not installed.")
+    assert done.stderr.endswith("pip install 'rotorundown[service]'\n")
+    assert len(done.stderr.splitlines()) == 1
