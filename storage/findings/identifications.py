@@ -208,13 +208,20 @@ def newest(
     return session.scalars(query.order_by(*order).limit(limit)).all()
 
 
-def newest_of_single_run(session: Session, machine_id: str) -> IdentificationRow | None:
-    """Return the newest accepted identification of a single run of any kind, see `counting`."""
+def newest_of_single_run(session: Session, machine_id: str, *, last: int | None = None) -> IdentificationRow | None:
+    """Return the newest accepted identification of a single run of any kind, measured up to a time [ns], see `counting`."""
     query = select(IdentificationRow).where(IdentificationRow.machine_id == machine_id, IdentificationRow.accepted)
     query = query.where(IdentificationRow.scope == RUN, IdentificationRow.id.in_(counted_ids(machine_id)))
-    query = query.where(IdentificationRow.measured_at <= now() + TOLERANCE)
+    latest = now() + TOLERANCE if last is None else min(last, now() + TOLERANCE)
+    query = query.where(IdentificationRow.measured_at <= latest)
     order = (IdentificationRow.measured_at.desc(), IdentificationRow.id.desc())
     return session.scalars(query.order_by(*order).limit(1)).one_or_none()
+
+
+def accepted_flags(session: Session, machine_id: str, *, first: int, last: int) -> Sequence[bool]:
+    """Return for each identification of a machine measured between two times [ns] whether it was accepted."""
+    query = select(IdentificationRow.accepted).where(IdentificationRow.machine_id == machine_id)
+    return session.scalars(between(query, IdentificationRow.measured_at, first, last)).all()
 
 
 def is_newest(session: Session, row: IdentificationRow) -> bool:
