@@ -1,4 +1,4 @@
-"""Shaft centreline: where each journal stands in its clearance circle over speed, by the model of the films, before and after."""
+"""Shaft centreline: where each journal stands in its clearance over speed, by the model of the films, before and after."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.statics.journal_states import journal_states
-from estimator.units import METRES, RAD_PER_S
+from estimator.units import METRES
 from estimator.updated_model.film_results import placed_films
 from service.identification.stored_model import Identified
 from service.reports.plot_frame import BEFORE, FITTED, GRID, INK, curve, dots, label, segment, svg

@@ -86,8 +86,8 @@ class PeriodCounts:
 class ReportContents:
     """All that is told of a machine and a period.
 
-    not_to_balance: why no weights are proposed; None where nothing else is wrong. left_out: what there is more of than a report
-    shows, in words.
+    not_to_balance: why no weights are proposed; None where nothing else is wrong. left_out: what there is more of than a
+    report shows, in words.
     """
 
     machine: Machine

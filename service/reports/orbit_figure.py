@@ -17,7 +17,7 @@ def orbit_figure(place: ProbeStation, now: Complexes, before: Complexes | None) 
     step = round_step(max(largest, 1e-9) / 2.0)
     scale = RADIUS / max(largest, step)
     parts = [segment(-RADIUS, 0, RADIUS, 0, GRID), segment(0, -RADIUS, 0, RADIUS, GRID)]
-    parts += [label(RADIUS + 8, 3, "x"), label(0, -RADIUS - 4, "y")]
+    parts += [label(RADIUS - 4, -3, "x"), label(6, -RADIUS + 6, "y")]
     for angle, channel in zip(place.angle, place.channels, strict=True):
         px, py = (RADIUS + 6) * np.cos(angle), -(RADIUS + 6) * np.sin(angle)
         parts.append(segment(0.93 * px, 0.93 * py, px, py, INK, width=2.0))

@@ -15,14 +15,19 @@ h3 { font-size: 11px; margin: 8px 0 2px; break-after: avoid }
 p { margin: 2px 0 } ul { margin: 2px 0; padding-left: 16px } .muted { color: #666 }
 section { break-inside: auto } .panel, figure, tr, li { break-inside: avoid }
 .panel { border: 1px solid #c9ced6; border-left: 4px solid #8aa4c0; padding: 6px 10px; margin: 6px 0 }
-.panel.danger { border-left-color: #b3261e } .panel.alert { border-left-color: #9a5b00 } .panel.calm { border-left-color: #2e7d32 }
+.panel.danger { border-left-color: #b3261e } .panel.alert { border-left-color: #9a5b00 }
+.panel.calm { border-left-color: #2e7d32 } .key { break-after: avoid }
 .lead { font-size: 13px; font-weight: bold } .by { font-size: 11px; font-weight: bold }
 figure { display: inline-block; margin: 2px 4px 6px 0; vertical-align: top } figcaption { font-size: 9px; font-weight: bold }
 figure svg { display: block } table { border-collapse: collapse; width: 100% }
 thead { display: table-header-group } th, td { text-align: left; vertical-align: top; padding: 2px 6px 2px 0; font-size: 9px;
-  border-bottom: 1px solid #e3e6ea; overflow-wrap: anywhere }
+  border-bottom: 1px solid #e3e6ea; white-space: nowrap }
+td.long { white-space: pre-line; overflow-wrap: anywhere }
 .next { break-before: page }
 """
+
+LONG_WORDS = 20
+"""Characters of a cell from which on it may be broken anywhere."""
 
 
 def escaped(words: str) -> str:
@@ -54,8 +59,13 @@ def headed(title: str, texts: Sequence[str]) -> str:
 def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """Return a table whose rows are not torn; its head is repeated on each page."""
     head = "".join(f"<th>{escaped(one)}</th>" for one in heads)
-    body = "".join("<tr>" + "".join(f"<td>{escaped(cell)}</td>" for cell in row) + "</tr>" for row in rows)
+    body = "".join("<tr>" + "".join(_cell(cell) for cell in row) + "</tr>" for row in rows)
     return f"<table><thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+
+
+def _cell(words: str) -> str:
+    long = ' class="long"' if len(words) > LONG_WORDS else ""
+    return f"<td{long}>{escaped(words)}</td>"
 
 
 def captioned(caption: str, drawing: str) -> str:
@@ -71,3 +81,8 @@ def section(title: str, content: str) -> str:
 def muted(words: str) -> str:
     """Return a remark."""
     return f'<p class="muted">{escaped(words)}</p>'
+
+
+def figures(key: str, drawn: str) -> str:
+    """Return drawings below what their colours mean, which stays with the first of them."""
+    return f'<p class="muted key">{escaped(key)}</p><div>{drawn}</div>'

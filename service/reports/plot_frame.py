@@ -5,7 +5,6 @@ Styles are attributes of the elements: what prints the page applies no style she
 
 import html
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
@@ -110,9 +109,9 @@ class PlotFrame:
         """Draw intervals, cut at the frame's ends."""
         few = thinned(len(x))
         low, high = (np.clip(one[few], self.y.low, self.y.high) for one in (lower, upper))
-        for at, begin, end in zip(self.across(x[few]), self.up(low), self.up(high), strict=True):
-            if np.isfinite(begin) and np.isfinite(end):
-                self.parts.append(segment(at, begin, at, end, colour))
+        ends = zip(self.across(x[few]).tolist(), self.up(low).tolist(), self.up(high).tolist(), strict=True)
+        known = (f"M{at:.1f} {begin:.1f}V{end:.1f}" for at, begin, end in ends if math.isfinite(begin + end))
+        self.parts.append(f'<path d="{"".join(known)}" stroke="{colour}" stroke-width="0.6"/>')
 
     def between(self, x: Floats, lower: Floats, upper: Floats, colour: str) -> None:
         """Fill the band between two curves, cut at the frame's ends."""
@@ -162,7 +161,7 @@ def curve(x: Floats, y: Floats, colour: str, *, dashed: bool = False) -> str:
 
 
 def dots(x: Floats, y: Floats, colour: str, *, radius: float = 1.3) -> str:
-    """Return points at places [px]; none where they are not finite."""
+    """Return points at places [px], as one path, which prints much faster than an element each; none where not finite."""
     found = zip(x.tolist(), y.tolist(), strict=True)
-    known: Sequence[tuple[float, float]] = [(px, py) for px, py in found if math.isfinite(px) and math.isfinite(py)]
-    return "".join(f'<circle cx="{px:.1f}" cy="{py:.1f}" r="{radius}" fill="{colour}"/>' for px, py in known)
+    known = "".join(f"M{px:.1f} {py:.1f}h0.01" for px, py in found if math.isfinite(px + py))
+    return f'<path d="{known}" stroke="{colour}" stroke-width="{2.0 * radius}" stroke-linecap="round"/>' if known else ""

@@ -27,7 +27,7 @@ from storage.machines import balancings, machines, timeline
 from storage.measurements import runs
 from storage.tables.findings import IdentificationRow
 
-MOST_ALERTS, MOST_EVENTS, MOST_NOTES, MOST_TRENDS, MOST_BALANCINGS, MOST_COUNTED = 500, 200, 200, 24, 50, 20_000
+MOST_ALERTS, MOST_EVENTS, MOST_NOTES, MOST_BALANCINGS, MOST_COUNTED = 500, 200, 200, 50, 20_000
 """What a report tells at most of each kind; more is said to be left out."""
 MOST_RUNS = 4
 """Runs of an identification that are drawn."""
@@ -44,8 +44,7 @@ def read_contents(
     newest = identifications.newest_of_single_run(session, machine_id, last=period.last)
     open_elements = [one.last.element for one, _ in told if one.is_open]
     names = () if newest is None else told_names(session, newest, open_elements)
-    beyond = ((len(events) - MOST_EVENTS, "events of alerts"), (len(names) - MOST_TRENDS, "trends"))
-    left_out = [f"{count} more {what}" for count, what in beyond if count > 0]
+    left_out = [f"{len(events) - MOST_EVENTS} older events of alerts"] if len(events) > MOST_EVENTS else []
     left_out += ["older notes"] if len(notes) > MOST_NOTES else []
     return ReportContents(
         machine=machines.document(session, machine_id, row.revision),
@@ -57,7 +56,7 @@ def read_contents(
         alerts=tuple(one for one, _ in told),
         events=tuple(events[:MOST_EVENTS]),
         notes=tuple(ReportedNote(to_datetime(one.at), one.kind, one.by, one.text) for one in notes[:MOST_NOTES]),
-        trends=tuple(read_trends(session, machine_id, names[:MOST_TRENDS], period, baseline_runs=baseline_runs)),
+        trends=tuple(read_trends(session, machine_id, names, period, baseline_runs=baseline_runs)),
         balancings=tuple(_balancings(session, machine_id, period)),
         fit=None if newest is None else _fit(session, newest, baseline_runs),
         not_to_balance=_something_else(session, machine_id),

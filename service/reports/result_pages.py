@@ -20,7 +20,7 @@ from service.identification.stored_model import Identified
 from service.reports.centreline_figure import centreline_figure, journal_paths
 from service.reports.contents import ReportContents, ReportedFit
 from service.reports.orbit_figure import orbit_figure
-from service.reports.page_parts import captioned, muted, section, shown_time, table
+from service.reports.page_parts import captioned, figures, muted, section, shown_time, table
 from service.reports.response_curves import measured_points, response_curves
 from service.reports.response_figures import bode_figure, polar_figure
 from service.reports.trend_figure import trend_figure
@@ -60,7 +60,7 @@ def _made(title: str, part: Callable[[ReportContents, ReportedFit], str], conten
 
 def _trends(contents: ReportContents) -> str:
     drawn = "".join(captioned(one.name, trend_figure(one)) for one in contents.trends)
-    return drawn and drawn + muted("Points with 95 % intervals; the band holds 95 % of the baseline's next estimates.")
+    return drawn and figures("Points with 95 % intervals; the band holds 95 % of what the baseline lets expect.", drawn)
 
 
 def _responses(contents: ReportContents, fit: ReportedFit) -> str:
@@ -76,7 +76,7 @@ def _responses(contents: ReportContents, fit: ReportedFit) -> str:
     compared = f", brown points: baseline, identification {fit.baseline[0].id}" if before else ""
     key = f"Grey points: measured, run of {shown_time(fit.measured_at)}; blue: fit with 95 % band{compared}."
     more = f" {len(names) - len(shown)} channels are not shown." if len(names) > len(shown) else ""
-    return muted(key + more) + drawn
+    return figures(key + more, drawn)
 
 
 def _channels(contents: ReportContents, fit: ReportedFit) -> list[int]:
@@ -103,7 +103,7 @@ def _orbits(_contents: ReportContents, fit: ReportedFit) -> str:
     before = response_curves(first, np.array([rpm])).value[0] if first is not None and alike else None
     drawn = "".join(captioned(", ".join(one.channels), orbit_figure(one, now, before)) for one in places)
     key = f"1× at {rpm:.0f} r/min by the fit; dot: keyphasor; bars: probes"
-    return muted(key + ("; brown, dashed: baseline." if before is not None else ".")) + drawn
+    return figures(key + ("; brown, dashed: baseline." if before is not None else "."), drawn)
 
 
 def _running_rpm(fit: ReportedFit) -> float:
@@ -121,7 +121,7 @@ def _centrelines(_contents: ReportContents, fit: ReportedFit) -> str:
     ends = (fit.one.speed_minimum / RAD_PER_S["rpm"], fit.one.speed_maximum / RAD_PER_S["rpm"])
     drawn = "".join(captioned(one.bearing, centreline_figure(one, before.get(one.bearing), ends)) for one in paths)
     key = "Journals in their clearance by the model of the films; numbers: r/min, dot: highest speed"
-    return muted(key + ("; brown, dashed: baseline." if first else ".")) + drawn
+    return figures(key + ("; brown, dashed: baseline." if first else "."), drawn)
 
 
 def _alignment(_contents: ReportContents, fit: ReportedFit) -> str:

@@ -6,7 +6,7 @@ from estimator.machine.document import Machine
 from estimator.machine.train_layout import disc_body, shaft_begins
 from service.reports.plot_frame import INK, MARKED, MEASURED, label, segment, svg
 
-WIDTH, MOST_HEIGHT = 680.0, 150.0
+WIDTH, MOST_HEIGHT = 630.0, 150.0
 """Largest size of the picture of the train itself [px]."""
 SMALLEST_DISC = 0.012
 """Least width of a disc that is drawn, as a part of the train's length [-]."""
@@ -30,7 +30,7 @@ def train_figure(machine: Machine, marked: Iterable[str]) -> str:
     for coupling in machine.couplings:
         at, colour = begins[coupling.driven] * scale, _colour(f"coupling.{coupling.id}", wrong)
         parts.append(segment(at, -half, at, half, colour, width=3.0))
-        parts.append(label(at, half + 12, coupling.id, colour=colour))
+        parts.append(label(at, -half - 4, coupling.id, colour=colour))
     for probe in machine.probes:
         at = (begins[probe.shaft] + probe.station) * scale
         parts.append(segment(at, -half - 2, at, -half + 5, MEASURED, width=1.2))

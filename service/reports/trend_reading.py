@@ -1,4 +1,4 @@
-"""Reads the trends of a report: of what has an alert, then of couplings."""
+"""Reads the trends of a report: of what has an alert, then of couplings, then others."""
 
 from collections.abc import Iterator, Sequence
 
@@ -22,15 +22,20 @@ SHOWN: dict[str, tuple[str, float]] = {
     "N s/m": ("kN s/m", 1e-3),
 }
 """Units that people use, and their number in an SI unit; others are shown as they are."""
+MOST_TRENDS = 16
+"""Trends of a report; the page has all of them."""
 
 
 def told_names(session: Session, newest: IdentificationRow, alerted: Sequence[str]) -> tuple[str, ...]:
-    """Return the names whose trends are told, by what the newest identification has. alerted: elements with an open alert."""
+    """Return the names whose trends are told, by what the newest identification has: of alerts, of couplings, then others.
+
+    alerted: elements with an open alert.
+    """
     known = [one.name for one in derived.of_identification(session, newest.id)]
     known += [one.parameter for one in identifications.estimates(session, newest.id)]
     of_alerts = [name for element in alerted for name in known if name.startswith(f"{element}.")]
     of_couplings = [name for name in known if name.startswith("coupling.")]
-    return tuple(dict.fromkeys([*of_alerts, *of_couplings]))
+    return tuple(dict.fromkeys([*of_alerts, *of_couplings, *known]))[:MOST_TRENDS]
 
 
 def read_trends(
