@@ -91,6 +91,9 @@ service/identification: estimator estimator/calibration estimator/fit estimator/
     estimator/modes estimator/phasors estimator/updated_model service/balancing service/configuration
     service/monitoring service/replication service/resilience service/workers storage storage/database storage/encoding
     storage/findings storage/machines storage/measurements storage/tables
+service/reports: estimator estimator/alignment estimator/machine estimator/phasors estimator/statics
+    estimator/updated_model service/advice service/alerts service/balancing service/identification service/monitoring
+    service/workers storage storage/alerts storage/findings storage/machines storage/measurements storage/tables
 service/journal: estimator estimator/machine service/replication service/resilience service/runs service/wire
     storage/database storage/encoding storage/machines storage/measurements storage/tables
 service/mqtt: estimator/machine service/advice service/alerts service/configuration service/journal service/replication
@@ -116,8 +119,8 @@ service/api/findings: estimator estimator/alignment estimator/diagnosis estimato
     service/wording service/workers storage storage/alerts storage/findings storage/machines storage/tables
 service/api/machines: estimator estimator/calibration estimator/machine estimator/phasors estimator/runs
     estimator/updated_model service/alerts service/api/cache service/api/conventions service/balancing service/http
-    service/identification service/monitoring service/runs service/security storage storage/database storage/encoding
-    storage/findings storage/machines storage/measurements storage/tables
+    service/identification service/monitoring service/reports service/runs service/security storage storage/database
+    storage/encoding storage/findings storage/machines storage/measurements storage/tables
 service/api/trends: estimator estimator/trends estimator/updated_model service/api/cache service/api/conventions
     service/export service/monitoring service/security storage storage/database storage/findings storage/machines
     storage/tables
@@ -126,8 +129,8 @@ service/api/alerts: estimator service/advice service/alerts service/api/cache se
     storage/database storage/machines storage/tables
 service/api: service/advice service/api/alerts service/api/cache service/api/conventions service/api/findings
     service/api/machines service/api/measurements service/api/operation service/api/trends service/configuration
-    service/delivery service/http service/identification service/journal service/resilience service/security
-    storage/database
+    service/delivery service/http service/identification service/journal service/reports service/resilience
+    service/security storage/database
 service/doctor: service/api service/configuration service/delivery service/maintenance service/messaging service/mqtt
     service/security service/wire storage/alerts storage/backup storage/database storage/operation
 service/commands: estimator estimator/calibration estimator/fit estimator/identification estimator/machine

@@ -39,6 +39,7 @@ from service.api.machines.machine_list import MachineList
 from service.api.machines.machine_state import router as machine_state
 from service.api.machines.model_calibrations import router as model_calibrations
 from service.api.machines.overview import Overview
+from service.api.machines.report import router as report
 from service.api.machines.routes import router as machines
 from service.api.machines.slow_roll import router as slow_roll
 from service.api.machines.timeline import router as timeline
@@ -74,6 +75,7 @@ from service.http.idempotency import Idempotency
 from service.http.security_headers import SecurityHeaders
 from service.identification.job_quota import JobQuota
 from service.journal.http_queue import SubmissionSink
+from service.reports.report_process import ReportProcess
 from service.resilience.rate_limit import RateLimit
 from service.security.authentication import Authentication
 from service.security.configuration import Security
@@ -88,6 +90,8 @@ from storage.database.engine import Database
 PREFIX = "/api/v1"
 THREADS = 6
 """Threads that serve requests: more of them would slow each other down."""
+REPORTS = 16
+"""Printed reports that are kept, of some 0.3 MB each."""
 DOCUMENTATION = ("/docs/static",)
 """Public paths without a route of ours: they are equal in every installation and hold no data."""
 
@@ -130,6 +134,8 @@ def application(
     app.state.overview = Overview(database)
     app.state.computed_cache = ComputedCache(another_thread)
     app.state.model_process = ModelProcess()
+    app.state.report_cache = ComputedCache(another_thread, entries=REPORTS)
+    app.state.report_process = ReportProcess()
     app.state.response_cache = ResponseCache(database)
     app.state.run_vectors = KeptVectors()
     app.state.histories = HistoryCache(database, baseline_runs=baseline_runs)
@@ -199,6 +205,7 @@ def _routes() -> list[BaseRoute]:
         run_quality,
         vibration,
         train_drawing,
+        report,
         comparisons,
         identifications,
         model,
@@ -236,13 +243,16 @@ async def _served(app: FastAPI) -> AsyncIterator[None]:
     async with app.state.repeated.regular_writing():
         yield
     app.state.model_process.close()
+    app.state.report_process.close()
 
 
 def end_waiting(app: FastAPI) -> None:
-    """End answers that would keep a server from stopping: event streams, and models that wait or are being computed."""
+    """End answers that would keep a server from stopping: event streams, models and reports that wait or are being made."""
     app.state.broadcaster.end()
     app.state.computed_cache.close()
+    app.state.report_cache.close()
     app.state.model_process.close()
+    app.state.report_process.close()
 
 
 def _guard(app: FastAPI, database: Database, security: Security) -> None:

@@ -208,14 +208,26 @@ def newest(
     return session.scalars(query.order_by(*order).limit(limit)).all()
 
 
-def newest_of_single_run(session: Session, machine_id: str, *, accepted: bool = True) -> IdentificationRow | None:
-    """Return the newest identification of a single run of any kind, see `counting`. accepted: only accepted ones."""
+def newest_of_single_run(
+    session: Session, machine_id: str, *, accepted: bool = True, last: int | None = None
+) -> IdentificationRow | None:
+    """Return the newest identification of a single run of any kind, see `counting`.
+
+    accepted: only accepted ones. last: measured up to this time [ns].
+    """
     query = select(IdentificationRow).where(IdentificationRow.machine_id == machine_id, IdentificationRow.scope == RUN)
-    query = query.where(IdentificationRow.id.in_(counted_ids(machine_id)), IdentificationRow.measured_at <= now() + TOLERANCE)
+    latest = now() + TOLERANCE if last is None else min(last, now() + TOLERANCE)
+    query = query.where(IdentificationRow.id.in_(counted_ids(machine_id)), IdentificationRow.measured_at <= latest)
     if accepted:
         query = query.where(IdentificationRow.accepted)
     order = (IdentificationRow.measured_at.desc(), IdentificationRow.id.desc())
     return session.scalars(query.order_by(*order).limit(1)).one_or_none()
+
+
+def accepted_flags(session: Session, machine_id: str, *, first: int, last: int) -> Sequence[bool]:
+    """Return for each identification of a machine measured between two times [ns] whether it was accepted."""
+    query = select(IdentificationRow.accepted).where(IdentificationRow.machine_id == machine_id)
+    return session.scalars(between(query, IdentificationRow.measured_at, first, last)).all()
 
 
 def is_newest(session: Session, row: IdentificationRow) -> bool:

@@ -21,8 +21,11 @@ class ComputedCache:
     Long and short computations have a queue each, so that short ones do not wait for long ones.
     """
 
-    def __init__(self, aside: Callable[[], AbstractContextManager[None]] = nullcontext) -> None:
-        """Set up without a result. aside: entered by a request's thread while it waits for a computation."""
+    def __init__(
+        self, aside: Callable[[], AbstractContextManager[None]] = nullcontext, *, entries: int = MAXIMUM_ENTRIES
+    ) -> None:
+        """Set up without a result. aside: entered by a request's thread while it waits; entries: results that are kept."""
+        self._largest = entries
         self._entries: OrderedDict[Hashable, object] = OrderedDict()
         self._lock = threading.Lock()
         self._aside = aside
@@ -42,7 +45,7 @@ class ComputedCache:
         found = compute()
         with self._lock:
             self._entries[key] = found
-            while len(self._entries) > MAXIMUM_ENTRIES:
+            while len(self._entries) > self._largest:
                 self._entries.popitem(last=False)
         return found
 

@@ -1,0 +1,66 @@
+"""Serves the report of a machine as PDF, printed in a worker process and kept while nothing changes that it tells."""
+
+from typing import Any, cast
+
+from anyio import from_thread
+from fastapi import APIRouter, Request, Response
+
+from service.api.cache.computed_cache import ComputedCache
+from service.api.conventions.dependencies import MachineId, Period, database, principal
+from service.api.conventions.problems import RESPONSES
+from service.http.problem import Problem
+from service.reports.period import asked_period
+from service.reports.reading import read_contents
+from service.reports.report_process import ReportProcess
+from service.reports.state_stamp import report_stamp
+from service.security.requirement import VIEWER
+from storage.clock import now, to_datetime
+from storage.machines import machines
+
+router = APIRouter(prefix="/machines", tags=["machines"], responses=RESPONSES, dependencies=[VIEWER])
+
+PDF = "application/pdf"
+DAY_NS = 86_400 * 10**9
+"""A report without an end is of the day on which it is asked for [ns]."""
+ANSWERS: dict[int | str, dict[str, Any]] = {
+    200: {"content": {PDF: {"schema": {"type": "string", "format": "binary"}}}, "description": "the report"},
+    503: {
+        "model": Problem,
+        "content": {"application/problem+json": {}},
+        "description": "too many reports wait, this one cannot be printed, or the extra `report` is not installed",
+        "headers": {"Retry-After": {"description": "when to ask again [s]", "schema": {"type": "integer"}}},
+    },
+}
+
+
+@router.get("/{machine_id}/report.pdf", operation_id="read_report", response_class=Response, responses=ANSWERS)
+def read_report(request: Request, machine_id: MachineId, period: Period) -> Response:
+    """Read a report as PDF: findings and what to do, trends, plots, alignment, balance, history.
+
+    Without `to` it ends now, without `from` it begins a year before its end.
+    """
+    moment = now()
+    asked = asked_period(period.first, period.last, moment=moment)
+    with database(request).reading() as session:
+        machines.get(session, machine_id)
+        stamp = report_stamp(session, machine_id)
+    cache: ComputedCache = request.app.state.report_cache
+    process: ReportProcess = request.app.state.report_process
+
+    def work() -> bytes:
+        with database(request).reading() as reading:
+            contents = read_contents(
+                reading,
+                machine_id,
+                asked,
+                texts=request.app.state.texts,
+                baseline_runs=cast(int, request.app.state.baseline_runs),
+            )
+        return process.printed(contents)
+
+    day = moment // DAY_NS if period.last is None else None
+    caller = (principal(request).identity, request.client.host if request.client else None)
+    key = (machine_id, period, day, stamp)
+    pdf = cache.in_turn(key, work, long=True, caller=caller, wanted=lambda: not from_thread.run(request.is_disconnected))
+    name = f"{machine_id}-{to_datetime(asked.last):%Y-%m-%d}.pdf"
+    return Response(pdf, media_type=PDF, headers={"Content-Disposition": f'inline; filename="{name}"'})

@@ -1,0 +1,38 @@
+"""Orbits (1×) at stations whose probes see both axes, as the fit has them, now and in the baseline."""
+
+import numpy as np
+
+from estimator.arrays import Complexes, Floats
+from estimator.phasors.probe_axes import ProbeStation
+from service.reports.plot_frame import BEFORE, FITTED, GRID, INK, curve, dots, label, round_step, segment, svg
+
+SIZE, RADIUS = 215.0, 80.0
+POINTS = 120
+
+
+def orbit_figure(place: ProbeStation, now: Complexes, before: Complexes | None) -> str:
+    """Return a station's orbit with the keyphasor's dot. now, before: phasors (m,) of all channels [µm pp]."""
+    paths = [(colour, _path(place, one)) for colour, one in ((BEFORE, before), (FITTED, now)) if one is not None]
+    largest = max(float(np.abs(one).max()) for _, one in paths)
+    step = round_step(max(largest, 1e-9) / 2.0)
+    scale = RADIUS / max(largest, step)
+    parts = [segment(-RADIUS, 0, RADIUS, 0, GRID), segment(0, -RADIUS, 0, RADIUS, GRID)]
+    parts += [label(RADIUS - 4, -3, "x"), label(6, -RADIUS + 6, "y")]
+    for angle, channel in zip(place.angle, place.channels, strict=True):
+        px, py = (RADIUS + 6) * np.cos(angle), -(RADIUS + 6) * np.sin(angle)
+        parts.append(segment(0.93 * px, 0.93 * py, px, py, INK, width=2.0))
+        parts.append(label(px, py + (10 if py > 0 else -4), channel, size=7))
+    for colour, path in paths:
+        parts.append(curve(path[:, 0] * scale, -path[:, 1] * scale, colour, dashed=colour == BEFORE))
+        parts.append(dots(path[:1, 0] * scale, -path[:1, 1] * scale, colour, radius=2.6))
+    bar = step * scale
+    parts.append(segment(-bar / 2, RADIUS + 14, bar / 2, RADIUS + 14, INK, width=1.2))
+    parts.append(label(bar / 2 + 4, RADIUS + 17, f"{step:.3g} µm", anchor="start"))
+    return svg("".join(parts), SIZE, SIZE, left=-SIZE / 2, top=-SIZE / 2)
+
+
+def _path(place: ProbeStation, phasors: Complexes) -> Floats:
+    """Return the path (POINTS, 2) [µm] from the keyphasor's pulse on: an orbit of 1 µm pp is a circle of that diameter."""
+    axes = np.linalg.lstsq(place.directions, phasors[list(place.columns)], rcond=None)[0]
+    turn = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, POINTS))
+    return np.asarray(np.real(turn[:, None] * axes[None, :]) / 2.0)

@@ -1,0 +1,53 @@
+"""Prints a report as PDF with WeasyPrint, in a worker process: it needs no browser, and loads nothing from anywhere."""
+
+from typing import Any, NoReturn
+
+from estimator.errors import Unavailable
+from service.reports.contents import ReportContents
+from service.reports.first_page import first_page
+from service.reports.history_page import history_page
+from service.reports.page_parts import STYLE, escaped
+from service.reports.result_pages import result_pages
+from service.workers.time_limit import limited
+
+
+class PrinterMissing(Unavailable):
+    """The packages, or system libraries, that print are not installed."""
+
+
+class NothingIsLoaded(ValueError):
+    """A report asked for something outside of itself."""
+
+
+def report_html(contents: ReportContents) -> str:
+    """Return a report as HTML that needs nothing beside it."""
+    title = escaped(f"Report of {contents.machine.name or contents.machine.id}")
+    pages = first_page(contents) + f'<div class="next">{result_pages(contents)}</div>' + history_page(contents)
+    head = f'<meta charset="utf-8"/><title>{title}</title><style>{STYLE}</style>'
+    return f'<!doctype html><html lang="en"><head>{head}</head><body>{pages}</body></html>\n'
+
+
+def report_pdf(contents: ReportContents) -> bytes:
+    """Return a report as PDF. Raises PrinterMissing."""
+    weasyprint = _printer()
+    printed: bytes = weasyprint.HTML(string=report_html(contents), url_fetcher=_refuse).write_pdf()
+    return printed
+
+
+def print_in_time(seconds: float, contents: ReportContents) -> bytes:
+    """Return a report as PDF within a time [s]. Raises OutOfTime, PrinterMissing."""
+    with limited(seconds):
+        return report_pdf(contents)
+
+
+def _printer() -> Any:
+    try:
+        import weasyprint
+    except (ImportError, OSError) as error:  # OSError: without Pango
+        why = "reports as PDF need WeasyPrint and Pango where this service runs: pip install 'rotorundown[report]'"
+        raise PrinterMissing(f"{why} and the system package libpangoft2-1.0-0 ({error})") from None
+    return weasyprint
+
+
+def _refuse(url: str, *_: Any, **__: Any) -> NoReturn:
+    raise NothingIsLoaded(f"a report loads nothing: {url}")

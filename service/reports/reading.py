@@ -1,0 +1,123 @@
+"""Reads what a report tells of a machine and a period."""
+
+from collections.abc import Iterator, Sequence
+
+from sqlalchemy.orm import Session
+
+from service.advice.alert_advice import alert_event
+from service.advice.site_texts import SiteTexts
+from service.alerts.event_message import AlertEvent
+from service.balancing.open_causes import SomethingElseWrong, require_nothing_else
+from service.identification.stored_model import NoModel, identified, used_runs
+from service.monitoring.comparison import compared
+from service.reports.contents import (
+    PeriodCounts,
+    ReportContents,
+    ReportedAlert,
+    ReportedBalancing,
+    ReportedFit,
+    ReportedNote,
+)
+from service.reports.period import ReportPeriod
+from service.reports.trend_reading import read_trends, told_names
+from storage.alerts import alerts
+from storage.clock import now, to_datetime
+from storage.findings import identifications
+from storage.machines import balancings, machines, timeline
+from storage.measurements import runs
+from storage.tables.findings import IdentificationRow
+
+MOST_ALERTS, MOST_EVENTS, MOST_NOTES, MOST_BALANCINGS, MOST_COUNTED = 500, 200, 200, 50, 20_000
+"""What a report tells at most of each kind; more is said to be left out."""
+MOST_RUNS = 4
+"""Runs of an identification that are drawn."""
+
+
+def read_contents(
+    session: Session, machine_id: str, period: ReportPeriod, *, texts: SiteTexts, baseline_runs: int
+) -> ReportContents:
+    """Read a report's contents. Raises MachineUnknown."""
+    row = machines.get(session, machine_id)
+    told = list(_alerts(session, machine_id, period, texts))
+    events = sorted((event for _, own in told for event in own), key=lambda one: (one.at, one.id), reverse=True)
+    notes = timeline.of_machine(session, machine_id, first=period.first, last=period.last, limit=MOST_NOTES + 1)
+    newest = identifications.newest_of_single_run(session, machine_id, last=period.last)
+    open_elements = [one.last.element for one, _ in told if one.is_open]
+    names = () if newest is None else told_names(session, newest, open_elements)
+    left_out = [f"{len(events) - MOST_EVENTS} older events of alerts"] if len(events) > MOST_EVENTS else []
+    left_out += ["older notes"] if len(notes) > MOST_NOTES else []
+    return ReportContents(
+        machine=machines.document(session, machine_id, row.revision),
+        plant=row.plant,
+        first=to_datetime(period.first),
+        last=to_datetime(period.last),
+        made_at=to_datetime(now()),
+        counts=_counts(session, machine_id, period),
+        alerts=tuple(one for one, _ in told),
+        events=tuple(events[:MOST_EVENTS]),
+        notes=tuple(ReportedNote(to_datetime(one.at), one.kind, one.by, one.text) for one in notes[:MOST_NOTES]),
+        trends=tuple(read_trends(session, machine_id, names, period, baseline_runs=baseline_runs)),
+        balancings=tuple(_balancings(session, machine_id, period)),
+        fit=None if newest is None else _fit(session, newest, baseline_runs),
+        not_to_balance=_something_else(session, machine_id),
+        left_out=tuple(left_out),
+    )
+
+
+def _alerts(
+    session: Session, machine_id: str, period: ReportPeriod, texts: SiteTexts
+) -> Iterator[tuple[ReportedAlert, list[AlertEvent]]]:
+    """Yield the alerts that were open at some time of the period, each with its events in the period."""
+    for row in alerts.find(session, machine_id=machine_id, only_open=False, limit=MOST_ALERTS):
+        if row.closed_at is not None and row.closed_at < period.first:
+            continue
+        until = [one for one in alerts.history(session, row.id) if one.at <= period.last]
+        if not until:
+            continue  # it opened later
+        closed_at = None if row.closed_at is None or row.closed_at > period.last else to_datetime(row.closed_at)
+        reported = ReportedAlert(until[-1].severity, alert_event(until[-1], texts), closed_at, is_open=closed_at is None)
+        yield reported, [alert_event(one, texts) for one in until if one.at >= period.first]
+
+
+def _counts(session: Session, machine_id: str, period: ReportPeriod) -> PeriodCounts:
+    own = runs.of_machine(session, machine_id, first=period.first, last=period.last, limit=MOST_COUNTED)
+    newest = own[:1] or runs.of_machine(session, machine_id, last=period.last, limit=1)
+    found = identifications.accepted_flags(session, machine_id, first=period.first, last=period.last)
+    return PeriodCounts(
+        runs=len(own),
+        identifications=len(found),
+        accepted=sum(found),
+        turned_until=to_datetime(newest[0].time_last or newest[0].time_first) if newest else None,
+    )
+
+
+def _balancings(session: Session, machine_id: str, period: ReportPeriod) -> Iterator[ReportedBalancing]:
+    for row in balancings.of_machine(session, machine_id, limit=MOST_BALANCINGS):
+        if period.first <= row.updated_at <= period.last:
+            yield ReportedBalancing(to_datetime(row.updated_at), row.by, row.state, row.comment)
+
+
+def _something_else(session: Session, machine_id: str) -> str | None:
+    try:
+        require_nothing_else(session, machine_id)
+    except SomethingElseWrong as error:
+        return str(error)
+    return None
+
+
+def _fit(session: Session, newest: IdentificationRow, baseline_runs: int) -> ReportedFit | None:
+    """Read an identification with its runs and its baseline; None for one of an older release, which kept no model."""
+    try:
+        one = identified(session, newest.id)
+        found = compared(session, newest, baseline_runs=baseline_runs)
+        rows: Sequence[IdentificationRow] = () if found.missing is not None else found.baseline
+        baseline = tuple(identified(session, row.id) for row in rows)
+    except NoModel:
+        return None
+    return ReportedFit(
+        measured_at=to_datetime(newest.measured_at),
+        one=one,
+        runs=tuple(used_runs(session, one, one.run_ids[-MOST_RUNS:])),
+        baseline=baseline,
+        reference=tuple(used_runs(session, baseline[0], baseline[0].run_ids[-1:])) if baseline else (),
+    )

@@ -1,0 +1,65 @@
+"""Curves that an identification's fit predicts for all channels over speed, with bands, and its runs, in µm pp and r/min."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from estimator.arrays import Complexes, Floats
+from estimator.units import METRES, PEAK, RAD_PER_S
+from estimator.updated_model.fitted_response import fitted_response
+from service.identification.stored_model import Identified, UsedRun
+
+MICROMETRES_PP = METRES["um"] * PEAK["peak-to-peak"]
+"""Metres 0-to-peak of a micrometre peak-to-peak."""
+SPEEDS = 200
+
+
+@dataclass(frozen=True)
+class ResponseCurves:
+    """Fitted 1× over speed (S,) [r/min]: phasors (S, m) [µm pp], phase lead, with the amplitudes' 95 % band."""
+
+    speed: Floats
+    value: Complexes
+    lower: Floats
+    upper: Floats
+
+    @property
+    def lag(self) -> Floats:
+        """Return the phase lag (S, m), 0 to 360 [°], with gaps where it passes from one end to the other."""
+        found = lag_deg(self.value)
+        found[1:][np.abs(np.diff(found, axis=0)) > 180.0] = np.nan
+        return found
+
+
+@dataclass(frozen=True)
+class MeasuredPoints:
+    """Measured 1× of a run that the fit used, over speed (S,) [r/min]: phasors (S, m) [µm pp], NaN where left out."""
+
+    speed: Floats
+    value: Complexes
+
+
+def response_curves(one: Identified, speed_rpm: Floats | None = None) -> ResponseCurves:
+    """Return the fitted curves, over the speeds of the fit by default."""
+    ends = np.array([one.speed_minimum, one.speed_maximum]) / RAD_PER_S["rpm"]
+    speed = np.linspace(ends[0], ends[1], SPEEDS) if speed_rpm is None else speed_rpm
+    band = fitted_response(
+        one.machine,
+        one.coordinates,
+        one.point,
+        one.covariance,
+        speed=speed * RAD_PER_S["rpm"],
+        direction=np.full(speed.size, float(one.direction)),
+    )
+    return ResponseCurves(speed, *(each / MICROMETRES_PP for each in (band.value, band.lower, band.upper)))
+
+
+def measured_points(run: UsedRun) -> MeasuredPoints:
+    """Return a run's points."""
+    phasor = np.where(run.left_out, np.nan, run.measurement.phasor) / MICROMETRES_PP
+    return MeasuredPoints(run.measurement.speed / RAD_PER_S["rpm"], phasor)
+
+
+def lag_deg(value: Complexes) -> Floats:
+    """Return phase lags, 0 to 360 [°]."""
+    return np.asarray(-np.degrees(np.angle(value)) % 360.0)

@@ -1,0 +1,79 @@
+"""Bode and polar plots of one channel: measured and fitted 1×, with the baseline's run where there is one."""
+
+import numpy as np
+
+from estimator.arrays import Complexes, Floats
+from service.reports.plot_frame import (
+    BEFORE,
+    FITTED,
+    GRID,
+    INK,
+    MEASURED,
+    PlotAxis,
+    PlotFrame,
+    axis_over,
+    curve,
+    dots,
+    label,
+    round_step,
+    segment,
+    svg,
+    thinned,
+)
+from service.reports.response_curves import MeasuredPoints, ResponseCurves, lag_deg
+
+WIDTH, AMPLITUDE_HEIGHT, PHASE_HEIGHT = 335.0, 130.0, 95.0
+SIZE, RADIUS = 215.0, 82.0
+LAGS = PlotAxis(0.0, 360.0, tuple((float(one), f"{one}°") for one in range(0, 361, 90)), "phase lag")
+SPEED_LABELS = 4
+
+
+def bode_figure(number: int, curves: ResponseCurves, runs: list[MeasuredPoints], before: list[MeasuredPoints]) -> str:
+    """Return amplitude above phase lag over speed of a channel."""
+    shown = [abs(curves.value[:, number]), *(abs(one.value[:, number]) for one in (*runs, *before))]
+    speeds = axis_over(np.concatenate([curves.speed, *(one.speed for one in (*runs, *before))]), "")
+    above = PlotFrame(
+        speeds, axis_over(np.concatenate(shown), "1× [µm pp]", from_zero=True), width=WIDTH, height=AMPLITUDE_HEIGHT
+    )
+    below = PlotFrame(PlotAxis(speeds.low, speeds.high, speeds.ticks, "r/min"), LAGS, width=WIDTH, height=PHASE_HEIGHT)
+    above.between(curves.speed, curves.lower[:, number], curves.upper[:, number], FITTED)
+    for colour, drawn in ((BEFORE, before), (MEASURED, runs)):
+        for one in drawn:
+            above.points(one.speed, np.abs(one.value[:, number]), colour)
+            below.points(one.speed, lag_deg(one.value[:, number]), colour)
+    above.line(curves.speed, np.abs(curves.value[:, number]), FITTED)
+    below.line(curves.speed, curves.lag[:, number], FITTED)
+    return above.drawing() + below.drawing()
+
+
+def polar_figure(number: int, curves: ResponseCurves, runs: list[MeasuredPoints], before: list[MeasuredPoints]) -> str:
+    """Return the 1× vectors of a channel; lag grows clockwise from the right, as on the page."""
+    fitted = curves.value[:, number]
+    sizes = np.abs(np.concatenate([fitted, *(one.value[:, number] for one in (*runs, *before))]))
+    largest = float(np.nanmax(sizes)) if np.isfinite(sizes).any() else 1.0
+    step = round_step(max(largest, 1e-9) / 3.0)
+    rings = max(1, int(np.ceil(largest / step)))
+    scale = RADIUS / (rings * step)
+    parts = [_ring((ring + 1) * step * scale) for ring in range(rings)]
+    parts += [segment(-RADIUS, 0.0, RADIUS, 0.0, GRID), segment(0.0, -RADIUS, 0.0, RADIUS, GRID)]
+    parts += [label(RADIUS + 12, 3, "0°"), label(0, RADIUS + 11, "90°"), label(-RADIUS - 13, 3, "180°")]
+    parts.append(label(0, -RADIUS - 5, f"270°   rings {step:.3g} µm pp"))
+    for colour, drawn in ((BEFORE, before), (MEASURED, runs)):
+        parts += [dots(*_place(one.value[thinned(one.speed.size), number], scale), colour) for one in drawn]
+    parts.append(curve(*_place(fitted, scale), FITTED))
+    for at in np.linspace(0, fitted.size - 1, SPEED_LABELS).astype(int):
+        px, py = _place(fitted[at : at + 1], scale)
+        parts.append(
+            dots(px, py, FITTED, radius=2.0) + label(px[0] + 4, py[0] - 3, f"{curves.speed[at]:.0f}", anchor="start", size=7)
+        )
+    return svg("".join(parts), SIZE, SIZE, left=-SIZE / 2, top=-SIZE / 2)
+
+
+def _place(value: Complexes, scale: float) -> tuple[Floats, Floats]:
+    """Return places [px] with lag clockwise: the screen's y points down, as lags grow."""
+    return value.real * scale, -value.imag * scale
+
+
+def _ring(radius: float) -> str:
+    colour = INK if radius >= RADIUS - 0.1 else GRID
+    return f'<circle r="{radius:.1f}" cx="0" cy="0" fill="none" stroke="{colour}" stroke-width="0.6"/>'

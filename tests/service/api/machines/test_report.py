@@ -1,0 +1,96 @@
+"""A machine's report as PDF: what it says, of whom it is kept, and what is answered where it cannot be printed."""
+
+import io
+import re
+from collections.abc import Iterator
+from datetime import UTC, datetime
+
+import pypdf
+import pytest
+
+from service.reports.report_process import NotPrinted, ReportProcess
+from storage.database.engine import Database
+from storage.machines import timeline
+from tests.api_in_process import Api, refused
+from tests.plant import KEY, SECOND, START
+from tests.service.monitoring.test_assessment import BASELINE, STIFFER, WEEK, Weeks
+
+PATH = f"/machines/{KEY.machine}/report.pdf"
+YEAR = {"from": datetime.fromtimestamp(START / SECOND, UTC).isoformat()}
+
+
+@pytest.fixture
+def stiffer(plant: Database) -> Iterator[Api]:
+    """Over a machine whose coupling became stiffer over four weeks: one open alert, with a comment and a note."""
+    with plant.transaction() as session:
+        weeks = Weeks(session)
+        weeks.file(times=BASELINE)
+        for week in range(4):
+            weeks.file({name: 1.0 + (factor - 1.0) * (0.7 + 0.1 * week) for name, factor in STIFFER.items()})
+        timeline.add(session, KEY.machine, at=START + 3 * WEEK, kind="maintenance", text="<b>hot</b> check & foot", by="anna")
+    api = Api(plant)
+    yield api
+    api.app.state.report_process.close()
+    api.app.state.model_process.close()
+
+
+def pages(pdf: bytes) -> list[str]:
+    """Text of each page, with single spaces."""
+    return [re.sub(r"\s+", " ", page.extract_text()) for page in pypdf.PdfReader(io.BytesIO(pdf)).pages]
+
+
+def test_the_first_page_tells_the_finding_and_what_to_do(stiffer: Api) -> None:
+    (alert,) = stiffer.value("/alerts?open=true")
+    stiffer("POST", f"/alerts/{alert['id']}/comments", 200, json={"by": "bea", "comment": "crew told: laser on Friday"})
+    answer = stiffer.get(PATH, **YEAR)
+    assert answer.status_code == 200, answer.text
+    assert answer.headers["content-type"] == "application/pdf"
+    first, *others = pages(answer.content)
+    assert alert["message"] in first
+    assert all(one["text"] in first for one in alert["advice"]["actions"])
+    assert alert["advice"]["how_urgent"]["words"] in first
+    later = " ".join(others)
+    assert "coupling.C1.kxx" in later
+    assert "crew told: laser on Friday" in later
+    assert "<b>hot</b> check & foot" in later
+
+
+def test_a_report_is_kept_until_something_changes_that_it_tells(stiffer: Api, plant: Database) -> None:
+    once = stiffer.get(PATH, **YEAR).content
+    stiffer.app.state.report_process.close()
+    stiffer.app.state.report_process = _Never()
+    assert stiffer.get(PATH, **YEAR).content == once
+    with plant.transaction() as session:
+        timeline.add(session, KEY.machine, at=START + WEEK, kind="note", text="heard a knock", by="anna")
+    assert "ended" in refused(stiffer.get(PATH, **YEAR), 503)
+
+
+class _Never:
+    """A worker that dies with each report."""
+
+    def printed(self, _: object) -> bytes:
+        """No report."""
+        raise NotPrinted("the process that prints reports ended")
+
+    def close(self) -> None:
+        """Nothing."""
+
+
+def test_an_empty_machine_is_not_called_well(api: Api) -> None:
+    text = " ".join(pages(api.get(PATH).content))
+    api.app.state.report_process.close()
+    assert "Nothing has been measured of this machine yet: it cannot be judged." in text
+    assert "No alert is open" not in text
+
+
+def test_a_report_that_takes_too_long_says_so(stiffer: Api) -> None:
+    stiffer.app.state.report_process.close()
+    stiffer.app.state.report_process = ReportProcess(time_s=0.001)
+    answer = stiffer.get(PATH, **YEAR)
+    assert "ask for a shorter period" in refused(answer, 503)
+    assert answer.headers["retry-after"] == "5"
+
+
+def test_no_machine_and_no_period(api: Api) -> None:
+    refused(api.get("/machines/none/report.pdf"), 404)
+    assert "ends before it begins" in refused(api.get(PATH, **{"from": "2200-01-01T00:00:00Z"}), 422)
