@@ -54,4 +54,6 @@ def simulate(
     measurement = Measurement.of(speed=speed, phasor=phasor, direction=machine.direction)
     if place is not None:
         measurement = replace(measurement, gaps=MeasuredGaps(place, time, np.zeros(time.size, np.intp)))
-    return MachineRun(f"simulated {story}", machine.channels, recorded, measurement, units="simulated, SI", truth=of_run.parameters)
+    return MachineRun(
+        f"simulated {story}", machine.channels, recorded, measurement, units="simulated, SI", truth=of_run.parameters
+    )
