@@ -13,7 +13,7 @@ export function Scroll({ label, children }: { label: string; children: Component
     return () => observer.disconnect();
   }, []);
   return (
-    <div class="scroll" ref={box} {...(wide ? { tabIndex: 0, role: "region", "aria-label": `${label}, scrolls sideways` } : {})}>
+    <div class="scroll" ref={box} {...(wide ? { tabIndex: 0, role: "group", "aria-label": `${label}, scrolls sideways` } : {})}>
       {children}
     </div>
   );
