@@ -22,6 +22,7 @@ from service.commands.first_steps import check, init
 from service.commands.help_panels import PanelledGroup
 from service.commands.keys import audit_app, key_app
 from service.commands.retention import retention_app
+from service.commands.report import report
 from service.commands.storage import backup, export, move, restore
 from service.commands.terminal import say, say_lines
 from service.configuration.log_format import log_to_terminal
@@ -38,7 +39,7 @@ app.add_typer(audit_app, name="audit")
 app.add_typer(retention_app, name="retention")
 
 Connect = Annotated[list[str], typer.Option(help="zenoh endpoint of the service or of a router; may be given again")]
-for command in (backup, restore, move, export):
+for command in (backup, restore, move, export, report):
     app.command()(command)
 
 LINGER_S = 5.0

@@ -22,7 +22,7 @@ def backup(
     from storage.database.claim import DatabaseUnusable
 
     try:
-        made = backups.back_up(_url(database), file)
+        made = backups.back_up(database_url(database), file)
     except (BackupUnusable, DatabaseUnusable) as error:
         fail(str(error))
     say(f"{file}: {sum(made.rows.values())} rows of {made.made_at}, {made.size / 1e6:.1f} MB, SHA-256 {made.sha256}")
@@ -42,7 +42,7 @@ def restore(
     from storage.database.claim import DatabaseUnusable
 
     try:
-        restored = backups.restore(_url(database), file, overwrite=overwrite, without_keys=without_keys)
+        restored = backups.restore(database_url(database), file, overwrite=overwrite, without_keys=without_keys)
     except (BackupUnusable, DatabaseUnusable) as error:
         fail(str(error))
     found, access = restored.backup, restored.access
@@ -104,7 +104,7 @@ def export(
     from storage.machines.machines import MachineUnknown
 
     try:
-        url = _url(database)
+        url = database_url(database)
         require_file(url)
         opened = Database(url)
     except DatabaseUnusable as error:
@@ -120,7 +120,8 @@ def export(
         opened.close()
 
 
-def _url(given: str | None) -> str:
+def database_url(given: str | None) -> str:
+    """Return the URL that is given, else that of the settings."""
     try:
         return given or settings_of().database
     except SettingsWrong as error:

@@ -104,7 +104,8 @@ def test_without_a_mail_server_it_is_tried_again(plant: Database) -> None:
     assert to_datetime(until) < datetime.now(UTC)
 
 
-def test_only_mail_brings_reports(api: Api) -> None:
+def test_only_mail_brings_reports(plant: Database) -> None:
+    api = Api(plant)
     said = {"kind": "zenoh", "name": "plant", "reports": "weekly"}
     refusal = api.ask("POST", "/api/v1/subscriptions", json=said)
     assert "sent by email only" in str(fields(refusal)) + refusal.text
