@@ -21,8 +21,8 @@ from service.commands.exit import fail
 from service.commands.first_steps import check, init
 from service.commands.help_panels import PanelledGroup
 from service.commands.keys import audit_app, key_app
-from service.commands.retention import retention_app
 from service.commands.report import report
+from service.commands.retention import retention_app
 from service.commands.storage import backup, export, move, restore
 from service.commands.terminal import say, say_lines
 from service.configuration.log_format import log_to_terminal
