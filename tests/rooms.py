@@ -92,8 +92,9 @@ service/identification: estimator estimator/calibration estimator/fit estimator/
     service/monitoring service/replication service/resilience service/workers storage storage/database storage/encoding
     storage/findings storage/machines storage/measurements storage/tables
 service/reports: estimator estimator/alignment estimator/machine estimator/phasors estimator/statics
-    estimator/updated_model service/advice service/alerts service/balancing service/identification service/monitoring
-    service/workers storage storage/alerts storage/findings storage/machines storage/measurements storage/tables
+    estimator/updated_model service/advice service/alerts service/balancing service/configuration service/delivery
+    service/identification service/monitoring service/replication service/resilience service/workers storage
+    storage/alerts storage/database storage/findings storage/machines storage/measurements storage/tables
 service/journal: estimator estimator/machine service/replication service/resilience service/runs service/wire
     storage/database storage/encoding storage/machines storage/measurements storage/tables
 service/mqtt: estimator/machine service/advice service/alerts service/configuration service/journal service/replication
@@ -125,8 +126,8 @@ service/api/trends: estimator estimator/trends estimator/updated_model service/a
     service/export service/monitoring service/security storage storage/database storage/findings storage/machines
     storage/tables
 service/api/alerts: estimator service/advice service/alerts service/api/cache service/api/conventions
-    service/api/findings service/delivery service/resilience service/secrets service/security storage storage/alerts
-    storage/database storage/machines storage/tables
+    service/api/findings service/delivery service/reports service/resilience service/secrets service/security storage
+    storage/alerts storage/database storage/machines storage/tables
 service/api: service/advice service/api/alerts service/api/cache service/api/conventions service/api/findings
     service/api/machines service/api/measurements service/api/operation service/api/trends service/configuration
     service/delivery service/http service/identification service/journal service/reports service/resilience
@@ -138,9 +139,9 @@ service/commands: estimator estimator/calibration estimator/fit estimator/identi
     rotorundown rotorundown/environment service/advice service/api service/api/operation service/balancing
     service/configuration service/delivery service/doctor service/edge service/export service/http
     service/identification service/ingest service/journal service/maintenance service/messaging service/monitoring
-    service/mqtt service/opcua service/replication service/resilience service/runs service/secrets service/security
-    service/sources service/wire service/wording service/workers storage storage/backup storage/database
-    storage/encoding storage/machines storage/operation storage/tables
+    service/mqtt service/opcua service/replication service/reports service/resilience service/runs service/secrets
+    service/security service/sources service/wire service/wording service/workers storage storage/backup
+    storage/database storage/encoding storage/machines storage/operation storage/tables
 service: estimator/machine service/alerts service/api/alerts service/api/findings service/api/machines
     service/api/measurements service/api/trends service/commands service/http
 """

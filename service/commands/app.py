@@ -23,6 +23,7 @@ from service.commands.first_steps import check, init
 from service.commands.help_panels import PanelledGroup
 from service.commands.json_output import JsonWanted, say_json
 from service.commands.keys import audit_app, key_app
+from service.commands.report import report
 from service.commands.retention import retention_app
 from service.commands.storage import backup, export, move, restore
 from service.commands.terminal import say, say_lines
@@ -41,7 +42,7 @@ app.add_typer(audit_app, name="audit")
 app.add_typer(retention_app, name="retention")
 
 Connect = Annotated[list[str], typer.Option(help="zenoh endpoint of the service or of a router; may be given again")]
-for command in (backup, restore, move, export):
+for command in (backup, restore, move, export, report):
     app.command()(command)
 
 LINGER_S = 5.0

@@ -9,7 +9,7 @@ PANELS: dict[str, tuple[str, ...]] = {
     "Analyse recorded runs": ("identify", "model", "compare", "calibrate", "balance", "slow-roll"),
     "Run the service": ("serve", "doctor", "key", "audit"),
     "Connect machines": ("edge", "replay", "simulate", "router"),
-    "Keep the data": ("backup", "restore", "move", "export", "retention"),
+    "Keep the data": ("backup", "restore", "move", "export", "retention", "report"),
     "Grow": ("worker",),
 }
 """Commands by panel; a command that is in none would not be shown where people look, and a test says so."""
@@ -36,6 +36,7 @@ EXAMPLES: dict[str, str] = {
     "restore": "rundown restore /backup/monday",
     "move": "rundown move sqlite:///rundown.db postgresql+psycopg://rundown@db/rundown",
     "export": "rundown export motor-pump /export/motor-pump",
+    "report": "rundown report motor-pump --output motor-pump.pdf",
     "worker": "rundown worker tcp://10.0.0.5:8786 --processes 4",
 }
 """An example of each command that has no commands of its own."""

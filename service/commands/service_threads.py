@@ -21,6 +21,7 @@ from service.maintenance.housekeeping import Housekeeping
 from service.maintenance.store_check import StoreWatch
 from service.opcua.serving import OpcUaServing
 from service.replication.lease_keeper import Leasing
+from service.reports.mailing import ReportMailing
 from service.runs.closing import Closing
 from service.runs.collector import Collector
 from service.security.audit_watch import AuditWatch
@@ -84,11 +85,14 @@ class ServiceThreads:
         self._audit_watch = AuditWatch(database)
         serves_opcua = settings.opcua_listen and settings.role in ("all", "opcua")
         self._opcua = OpcUaServing(database, settings, self.texts) if serves_opcua else None
+        self._report_mailing = ReportMailing(database, settings, self.texts, self.leasing)
         self._parts = dict(self._parts_of_role())
 
     def start(self, closing: ExitStack) -> None:
         """Start the threads of the role; `closing` stops them in the reverse order."""
-        watches = self._backup_watch, self._audit_watch
+        watches: list[ServiceThread] = [self._backup_watch, self._audit_watch]
+        if self._settings.role in ("all", "identify"):
+            watches.append(self._report_mailing)
         for thread in (self._store_watch, *self._parts.values(), self._housekeeping, *watches):
             thread.start()
             closing.callback(thread.stop)
@@ -129,6 +133,7 @@ class ServiceThreads:
             *self.dispatcher.watch.warnings,
             *self._audit_watch.warnings,
             *self._store_watch.warnings,
+            *self._report_mailing.warnings,
         ]
 
     def gauges(self) -> Mapping[str, float]:

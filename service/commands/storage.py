@@ -25,7 +25,7 @@ def backup(
 
     try:
         with working("copying the database"):
-            made = backups.back_up(_url(database), file)
+            made = backups.back_up(database_url(database), file)
     except (BackupUnusable, DatabaseUnusable) as error:
         fail(str(error))
     if as_json:
@@ -49,7 +49,7 @@ def restore(
 
     try:
         with working("restoring the database"):
-            restored = backups.restore(_url(database), file, overwrite=overwrite, without_keys=without_keys)
+            restored = backups.restore(database_url(database), file, overwrite=overwrite, without_keys=without_keys)
     except (BackupUnusable, DatabaseUnusable) as error:
         fail(str(error))
     found, access = restored.backup, restored.access
@@ -117,7 +117,7 @@ def export(
     from storage.machines.machines import MachineUnknown
 
     try:
-        url = _url(database)
+        url = database_url(database)
         require_file(url)
         opened = Database(url)
     except DatabaseUnusable as error:
@@ -138,7 +138,8 @@ def export(
         opened.close()
 
 
-def _url(given: str | None) -> str:
+def database_url(given: str | None) -> str:
+    """Return the URL that is given, else that of the settings."""
     try:
         return given or settings_of().database
     except SettingsWrong as error:

@@ -49,7 +49,7 @@ class ChannelKind:
     of the target in a few words; None where there is no target. open: makes the channel of a subscription; may raise
     SecretUnusable. check_target: raises ValueError for a target of another form. url_target: whether the target is a URL,
     whose address is checked before delivery. signed: whether messages are signed with a secret of the subscription. reminded:
-    whether its channels are RemindingChannels.
+    whether its channels are RemindingChannels. reporting: whether reports of machines can be sent by it.
     """
 
     kind: str
@@ -61,6 +61,7 @@ class ChannelKind:
     url_target: bool = False
     signed: bool = False
     reminded: bool = False
+    reporting: bool = False
 
     def __post_init__(self) -> None:
         if self.address is None and (self.url_target or self.check_target is not _accept):

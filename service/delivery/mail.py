@@ -36,26 +36,27 @@ class Mail:
         """Send a mail."""
         try:
             mail = letter(self.settings, self.target, message)
-            await asyncio.get_running_loop().run_in_executor(MAILING, self._send, mail)
+            await asyncio.get_running_loop().run_in_executor(MAILING, post, self.settings, mail)
         except (OSError, smtplib.SMTPException, NoMailServer) as error:
             return DeliveryOutcome("failed", f"{type(error).__name__}: {error}")
         return DeliveryOutcome("delivered", f"taken by {self.settings.smtp_host}:{self.settings.smtp_port}")
 
-    def _send(self, mail: EmailMessage) -> None:
-        settings = self.settings
-        if not settings.smtp_host:
-            raise NoMailServer("no mail server is set: RUNDOWN_SMTP_HOST")
-        where = (settings.smtp_host, settings.smtp_port)
-        context = ssl.create_default_context()
-        tls = settings.smtp_security == "tls"
-        with (
-            smtplib.SMTP_SSL(*where, timeout=TIMEOUT_S, context=context) if tls else smtplib.SMTP(*where, timeout=TIMEOUT_S)
-        ) as server:
-            if settings.smtp_security == "starttls":
-                server.starttls(context=context)
-            if settings.smtp_user:
-                server.login(settings.smtp_user, settings.smtp_password.get_secret_value())
-            server.send_message(mail)
+
+def post(settings: Settings, mail: EmailMessage) -> None:
+    """Hand a mail to the server. Raises NoMailServer, OSError, SMTPException."""
+    if not settings.smtp_host:
+        raise NoMailServer("no mail server is set: RUNDOWN_SMTP_HOST")
+    where = (settings.smtp_host, settings.smtp_port)
+    context = ssl.create_default_context()
+    tls = settings.smtp_security == "tls"
+    with (
+        smtplib.SMTP_SSL(*where, timeout=TIMEOUT_S, context=context) if tls else smtplib.SMTP(*where, timeout=TIMEOUT_S)
+    ) as server:
+        if settings.smtp_security == "starttls":
+            server.starttls(context=context)
+        if settings.smtp_user:
+            server.login(settings.smtp_user, settings.smtp_password.get_secret_value())
+        server.send_message(mail)
 
 
 def letter(settings: Settings, target: str, message: EventMessage) -> EmailMessage:
@@ -105,4 +106,5 @@ EMAIL = ChannelKind(
     address="e-mail addresses with commas between",
     open=_open,
     check_target=_check_target,
+    reporting=True,
 )

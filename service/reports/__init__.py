@@ -1,3 +1,3 @@
-"""Reports of machines as PDF: what is told is read from the store, then laid out, drawn as SVG and printed in a worker
-process, and sent by mail at the end of each week or month. It needs neither a browser nor a network.
+"""Reports of machines as PDF: read from the store, printed in a worker process, sent by mail. It imports `advice`, `balancing`,
+`identification` and `monitoring` for what is told, `workers` to print and `delivery` to send.
 """

@@ -27,24 +27,24 @@ def first_page(contents: ReportContents) -> str:
     return head + leading + picture + others + more + muted(_counted(contents.counts))
 
 
-def _calm(contents: ReportContents) -> str:
-    """Return what is told without an open alert: only a machine that was measured can be said to be well."""
+def calm_words(contents: ReportContents) -> str:
+    """Return what is told without an open alert: only of a machine that was measured can it be said that there is none."""
     fit, turned = contents.fit, contents.counts.turned_until
-    if turned is None:
-        words = "Nothing has been measured of this machine yet: it cannot be judged."
-    elif fit is None:
-        words = (
+    if fit is None and turned is None:
+        return "Nothing has been measured of this machine yet: it cannot be judged."
+    if fit is None:
+        return (
             f"No run of this machine was identified and accepted yet: it cannot be judged. It last ran {shown_time(turned)}."
         )
-    elif not fit.baseline:
+    if not fit.baseline:
         day = shown_time(fit.measured_at)
-        words = (
-            f"No alert is open, but the newest accepted run, of {day}, was compared with no baseline: no change could show."
-        )
-    else:
-        words = f"No alert is open. The newest accepted run was that of {shown_time(fit.measured_at)}."
-    judged = fit is not None and bool(fit.baseline)
-    return f'<div class="panel{" calm" if judged else ""}"><p class="lead">{escaped(words)}</p></div>'
+        return f"No alert is open, but the newest accepted run, of {day}, was compared with no baseline: no change could show."
+    return f"No alert is open. The newest accepted run was that of {shown_time(fit.measured_at)}."
+
+
+def _calm(contents: ReportContents) -> str:
+    judged = contents.fit is not None and bool(contents.fit.baseline)
+    return f'<div class="panel{" calm" if judged else ""}"><p class="lead">{escaped(calm_words(contents))}</p></div>'
 
 
 def _finding(one: ReportedAlert) -> str:

@@ -51,12 +51,14 @@ def response_curves(one: Identified, speed_rpm: Floats | None = None) -> Respons
         speed=speed * RAD_PER_S["rpm"],
         direction=np.full(speed.size, float(one.direction)),
     )
-    return ResponseCurves(speed, *(each / MICROMETRES_PP for each in (band.value, band.lower, band.upper)))
+    size = MICROMETRES_PP
+    return ResponseCurves(speed, value=band.value / size, lower=band.lower / size, upper=band.upper / size)
 
 
 def measured_points(run: UsedRun) -> MeasuredPoints:
     """Return a run's points."""
-    phasor = np.where(run.left_out, np.nan, run.measurement.phasor) / MICROMETRES_PP
+    phasor = run.measurement.phasor / MICROMETRES_PP
+    phasor[run.left_out] = np.nan
     return MeasuredPoints(run.measurement.speed / RAD_PER_S["rpm"], phasor)
 
 

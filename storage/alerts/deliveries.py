@@ -38,13 +38,22 @@ class DeliveryUnknown(Missing):
 
 
 def subscribe(
-    session: Session, *, kind: str, name: str, target: str, secret: str | None, plants: Collection[str] | None = None
+    session: Session,
+    *,
+    kind: str,
+    name: str,
+    target: str,
+    secret: str | None,
+    plants: Collection[str] | None = None,
+    reports: str | None = None,
 ) -> SubscriptionRow:
     """Add an active subscription to the events of some plants (None: all plants); raise SubscriptionExists when the name is
-    taken."""
+    taken. reports: how often it gets reports, from now on."""
     if by_name(session, name) is not None:
         raise SubscriptionExists(f"subscription '{name}' exists already")
-    row = SubscriptionRow(kind=kind, name=name, target=target, secret=secret, state=ACTIVE, reason=None, created_at=now())
+    moment = now()
+    row = SubscriptionRow(kind=kind, name=name, target=target, secret=secret, state=ACTIVE, reason=None, created_at=moment)
+    row.reports, row.reported_until = reports, None if reports is None else moment
     row.told_of = [SubscriptionPlantRow(plant=plant) for plant in sorted(set(plants or ()))]
     session.add(row)
     session.flush()
@@ -85,6 +94,12 @@ def list_subscriptions_with_secret(session: Session) -> Sequence[SubscriptionRow
     """Return all subscriptions that have a secret, visible to the caller or not, by id."""
     query = select(SubscriptionRow).where(SubscriptionRow.secret.is_not(None)).order_by(SubscriptionRow.id)
     return session.scalars(query.execution_options(**EVERY_PLANT)).all()
+
+
+def list_reported(session: Session) -> Sequence[SubscriptionRow]:
+    """Return the active subscriptions that get reports, by id."""
+    query = select(SubscriptionRow).where(SubscriptionRow.reports.is_not(None), SubscriptionRow.state == ACTIVE)
+    return session.scalars(query.order_by(SubscriptionRow.id)).all()
 
 
 def disable(session: Session, row: SubscriptionRow, reason: str) -> None:

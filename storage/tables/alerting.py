@@ -99,7 +99,11 @@ class SuppressionRow(Base):
 
 
 class SubscriptionRow(Base):
-    """A recipient of alert events: a webhook, an Alertmanager, a mailbox, the zenoh network."""
+    """A recipient of alert events: a webhook, an Alertmanager, a mailbox, the zenoh network.
+
+    reports: how often it also gets reports of its machines; null: never. reported_until: end of the newest period of which it
+    has them all.
+    """
 
     __tablename__ = "subscriptions"
 
@@ -111,6 +115,8 @@ class SubscriptionRow(Base):
     state: Mapped[str] = mapped_column(Name(16))
     reason: Mapped[str | None] = mapped_column(Text)
     created_at: Mapped[int]
+    reports: Mapped[str | None] = mapped_column(Name(16))
+    reported_until: Mapped[int | None]
     told_of: Mapped[list["SubscriptionPlantRow"]] = relationship(lazy="selectin")
 
 

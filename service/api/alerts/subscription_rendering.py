@@ -21,6 +21,7 @@ def subscription(row: SubscriptionRow, secrets: SigningSecrets) -> schemas.Subsc
         secret_kept=where_kept(row.secret),
         trouble=secrets.trouble(row),
         plants=deliveries.subscribed_plants(row),
+        reports=row.reports,
         created_at=to_datetime(row.created_at),
     )
 

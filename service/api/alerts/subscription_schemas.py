@@ -8,12 +8,14 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from estimator.strict_model import StrictModel
 from service.api.conventions.fields import Name
 from service.delivery.channels import CHANNEL_KINDS, channel_kind
+from service.reports.period import ReportInterval
 from service.secrets.references import FILE_NAME, VARIABLE
 
 if TYPE_CHECKING:
     ChannelName = str
 else:
     ChannelName = Literal[tuple(one.kind for one in CHANNEL_KINDS)]
+REPORTING_CHANNELS = " or ".join(one.kind for one in CHANNEL_KINDS if one.reporting)
 SIGNED_CHANNELS = " or ".join(one.kind for one in CHANNEL_KINDS if one.signed)
 
 
@@ -39,6 +41,17 @@ class SubscriptionIn(StrictModel):
     secret_env: Annotated[str, Field(pattern=VARIABLE)] | None = Field(
         default=None, description="variable of the service's environment that holds it"
     )
+    reports: ReportInterval | None = Field(
+        default=None,
+        description="how often the reports of its machines (PDF) are sent as well, from the next whole week or month on; "
+        f"by {REPORTING_CHANNELS} only",
+    )
+
+    @model_validator(mode="after")
+    def _reports(self) -> "SubscriptionIn":
+        if self.reports is not None and not channel_kind(self.kind).reporting:
+            raise ValueError(f"reports: sent by {REPORTING_CHANNELS} only")
+        return self
 
     @model_validator(mode="after")
     def _target(self) -> "SubscriptionIn":
@@ -73,6 +86,7 @@ class SubscriptionOut(BaseModel):
     secret_kept: str | None = Field(description="where a webhook's secret is: sealed, file NAME, env NAME, or plain")
     trouble: str | None = Field(description="why nothing can be sent: the secret cannot be had")
     plants: list[str] | None = Field(description="of whose events it tells; null for all")
+    reports: str | None = Field(description="how often it gets the reports of its machines: weekly or monthly; null: never")
     created_at: datetime
 
 

@@ -52,7 +52,15 @@ def subscribe(request: Request, said: schemas.SubscriptionIn) -> schemas.Subscri
     kept, secrets = _reference(request, said), _secrets(request)
     secret = new_secret() if declared.signed and kept is None else None
     with database(request).transaction() as session:
-        row = deliveries.subscribe(session, kind=said.kind, name=said.name, target=said.target, secret=kept, plants=plants)
+        row = deliveries.subscribe(
+            session,
+            kind=said.kind,
+            name=said.name,
+            target=said.target,
+            secret=kept,
+            plants=plants,
+            reports=said.reports,
+        )
         if secret is not None:
             row.secret = secrets.sealed(secret, row.id)
             request.state.sealing = secrets.sealing  # encrypts this answer if it is stored under an Idempotency-Key

@@ -1,0 +1,52 @@
+"""The command `rundown report`: a machine's report as PDF, from the database, while the service runs or not."""
+
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from service.commands.exit import fail
+from service.commands.storage import DatabaseUrl, database_url
+from service.commands.terminal import say
+
+
+def report(
+    machine: Annotated[str, typer.Argument(help="id of the machine")],
+    output: Annotated[Path, typer.Option(help="PDF file to write")] = Path("report.pdf"),
+    begin: Annotated[datetime | None, typer.Option("--from", help="UTC; by default a year before the end")] = None,
+    end: Annotated[datetime | None, typer.Option("--to", help="UTC; by default now")] = None,
+    database: DatabaseUrl = None,
+) -> None:
+    """Write a machine's report as PDF: findings and what to do, trends, plots, alignment, balance, history."""
+    from service.advice.site_texts import read_texts
+    from service.configuration.settings import SettingsWrong, settings_of
+    from service.reports.period import PeriodEmpty, asked_period
+    from service.reports.printing import PrinterMissing, report_pdf
+    from service.reports.reading import read_contents
+    from service.wording.finding_texts import TextsWrong
+    from storage.clock import from_datetime, now
+    from storage.database.claim import DatabaseUnusable
+    from storage.database.engine import Database, require_file
+    from storage.machines.machines import MachineUnknown
+
+    first, last = (None if one is None else from_datetime(one.replace(tzinfo=UTC)) for one in (begin, end))
+    try:
+        url = database_url(database)
+        settings = settings_of()
+        texts, period = read_texts(settings.finding_texts), asked_period(first, last, moment=now())
+        require_file(url)
+        opened = Database(url)
+    except (DatabaseUnusable, PeriodEmpty, SettingsWrong, TextsWrong) as error:
+        fail(str(error))
+    try:
+        with opened.reading() as session:
+            contents = read_contents(session, machine, period, texts=texts, baseline_runs=settings.baseline_runs)
+        output.write_bytes(report_pdf(contents))
+    except MachineUnknown:
+        fail(f"no machine '{machine}' is known")
+    except (PrinterMissing, OSError) as error:
+        fail(str(error))
+    finally:
+        opened.close()
+    say(f"{output}: {len(contents.open_alerts)} open alerts, {output.stat().st_size / 1e3:.0f} kB")
