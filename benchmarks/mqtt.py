@@ -110,7 +110,7 @@ def sources(service: Service, epoch: int) -> list[dict[str, Any]]:
 
 def settled(service: Service, epoch: int, published: int) -> bool:
     """Return whether the last number of every source is known."""
-    return sum(one["next_sequence"] for one in sources(service, epoch)) >= published
+    return sum(int(one["next_sequence"]) for one in sources(service, epoch)) >= published
 
 
 def samples_in(folder: Path, options: argparse.Namespace) -> bool:

@@ -6,7 +6,8 @@ export const CHANNELS = [
   { kind: "alertmanager", title: "Prometheus Alertmanager" },
   { kind: "email", title: "e-mail" },
   { kind: "zenoh", title: "the plant's own network (zenoh)" },
+  { kind: "mqtt", title: "the plant's broker (MQTT)" },
 ] as const;
 
 /** Forms of their addresses, in words. */
-export const ADDRESS_FORMS = "a URL, or e-mail addresses with commas between; none for zenoh";
+export const ADDRESS_FORMS = "a URL, or e-mail addresses with commas between; none for zenoh, mqtt";

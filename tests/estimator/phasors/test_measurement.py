@@ -1,5 +1,7 @@
 """Measurements: shapes are checked, unusable values marked, and the error model is sqrt((r|X|)² + floor²) or the scatter."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -14,7 +16,7 @@ SPEED = np.array([10.0, 20.0, 30.0])
 PHASOR = np.array([[1e-6 + 1e-6j, 2e-6], [3e-6j, np.nan], [complex(np.nan, np.inf), 5e-6]])
 
 
-def parts(**changed: np.ndarray) -> dict[str, np.ndarray]:
+def parts(**changed: np.ndarray) -> dict[str, Any]:
     """The fields of a good measurement, some of them changed."""
     return {
         "speed": SPEED,
