@@ -106,7 +106,6 @@ def fill(file: Path, *, seed: int) -> None:
                 f"m{1 + number % (MACHINES - 2):04d}",
                 rule="misalignment",
                 element=f"coupling.C{number // (MACHINES - 2)}",
-                message="Coupling C1 is going out of alignment: stiffness +12 % (6.1 σ) at the coupling",
                 evidence={"coupling": "C1", "shift": 0.12, "names": list(PARAMETERS)},
                 identification_id=row.id,
                 measured_at=START,

@@ -108,7 +108,7 @@ def listen(url: str, times: Times, wanted: int) -> None:
                     return
 
 
-def transition(session: Session, rng: random.Random, identification_id: int, number: int) -> str | None:
+def transition(session: Session, rng: random.Random, identification_id: int) -> str | None:
     """Apply a random transition to one of forty elements; return the event's id."""
     element = f"coupling.C{rng.randrange(40)}"
     row = alerts.open_alert(session, "pump-7", rule="misalignment", element=element)
@@ -155,7 +155,7 @@ def run(folder: Path, transitions: int, seed: int) -> str:
         memory: list[float] = []
         for count in range(transitions):
             with database.transaction() as session:
-                event = transition(session, rng, number, count)
+                event = transition(session, rng, number)
             if event is not None:
                 times.committed[event] = time.monotonic()
             if count % (transitions // 8) == 0:

@@ -19,6 +19,8 @@ LINEAR = 1e-6
 """The same of alignments, which the API computes anew."""
 PLAIN = {"µm": "um", "g·mm": "g mm", "mrad": "urad"}
 """Units of figures as evidence has them."""
+DIRECT = re.compile(r"\.(kxx|kyy|cxx|cyy|k_phix|k_phiy|clearance|viscosity)$")
+"""Names of parameters that are positive by nature, of which deviations are factors."""
 SCALES = {"m": ("um", 1e6), "rad": ("urad", 1e6)}
 
 
@@ -127,14 +129,15 @@ def _trend_claims(get: Get, machine: str, number: int) -> Iterator[Claim]:
         for part in cause["parts"]
         if part["before"] is not None
     ]
-    for name in [*real, *loads]:
-        (series,) = get(f"/machines/{machine}/trends?parameter={name.replace('@', '%40')}")["series"]
-        value = dict(zip(series["identification"], series["value"], strict=True))
+    direct = [] if found["adjusted_for"] else [name for name in real if DIRECT.search(name)]
+    asked = "&".join(f"parameter={name}" for name in [*direct, *loads])
+    for series in get(f"/machines/{machine}/trends?{asked}")["series"] if asked else ():
+        name, value = series["parameter"], dict(zip(series["identification"], series["value"], strict=True))
         if number not in value:  # a store without estimates has no trends
             continue
         if name in loads:
             yield Claim("trends", (name, "itself", number, 1), value[number])
-        elif re.search(r"\.(kxx|kyy|cxx|cyy|k_phix|k_phiy|clearance|viscosity)$", name) and not found["adjusted_for"]:
+        else:
             before = [math.log(value[one]) for one in found["baseline"]["identifications"]]
             change = 100.0 * math.expm1(math.log(value[number]) - sum(before) / len(before))
             yield Claim("trends", (name, "per_cent", number, 1), change)

@@ -67,18 +67,18 @@ rotorundown: estimator estimator/diagnosis estimator/fit estimator/identificatio
 service/balancing: estimator estimator/calibration estimator/fit estimator/machine estimator/phasors
     estimator/updated_model storage/alerts storage/machines storage/measurements
 service/workers: service/configuration
-service/advice: estimator estimator/diagnosis service/alerts service/configuration service/monitoring service/wording
-    storage storage/alerts storage/tables
-service/delivery: estimator service/advice service/alerts service/configuration service/replication service/resilience
-    service/secrets storage storage/alerts storage/backup storage/database storage/encoding storage/machines
-    storage/operation storage/tables
 service/edge: estimator estimator/machine estimator/phasors estimator/signal service/configuration service/sources
     service/wire storage
 service/wording: estimator/diagnosis estimator/fit estimator/machine
 service/monitoring: estimator estimator/alignment estimator/diagnosis estimator/fit estimator/machine estimator/rotor
-    estimator/trends estimator/updated_model service/alerts service/configuration service/replication
-    service/resilience service/wording service/workers storage storage/alerts storage/database storage/findings
-    storage/machines storage/measurements storage/tables
+    estimator/trends estimator/updated_model service/alerts service/configuration service/replication service/resilience
+    service/wording service/workers storage storage/alerts storage/database storage/findings storage/machines
+    storage/measurements storage/tables
+service/advice: estimator estimator/diagnosis service/alerts service/configuration service/monitoring service/wording storage
+    storage/alerts storage/tables
+service/delivery: estimator service/advice service/alerts service/configuration service/replication service/resilience
+    service/secrets storage storage/alerts storage/backup storage/database storage/encoding storage/machines
+    storage/operation storage/tables
 service/runs: estimator estimator/machine estimator/runs service/replication service/resilience storage
     storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
 service/security: estimator service/configuration service/http service/resilience storage storage/database

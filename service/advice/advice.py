@@ -1,4 +1,4 @@
-"""What is told of a finding: its texts with its numbers in them, the same wherever it is told."""
+"""Advice on a finding: its texts with its numbers in them, the same wherever it is told."""
 
 import logging
 from collections.abc import Iterator, Mapping

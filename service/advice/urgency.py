@@ -1,4 +1,4 @@
-"""How urgent a finding is: whether its danger limit is reached, else the weeks until it is, by the rate since it began."""
+"""Urgency of a finding: whether its danger limit is reached, else the weeks until it is, by the rate since it began."""
 
 from collections.abc import Mapping
 from datetime import datetime, timedelta

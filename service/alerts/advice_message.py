@@ -6,7 +6,7 @@ from pydantic import BaseModel, Field
 
 
 class Figure(BaseModel):
-    """How far something has changed against the baseline, with its 95 % interval."""
+    """A figure of how far something has changed against the baseline, with its 95 % interval."""
 
     of: str = Field(description="what has changed, such as bearing.B2.clearance; coupling.C1.coefficients: all together")
     words: str
@@ -22,7 +22,7 @@ class Figure(BaseModel):
 
 
 class Certainty(BaseModel):
-    """How sure a finding is."""
+    """Certainty of a finding."""
 
     words: str
     sigma: float | None
@@ -32,7 +32,7 @@ class Certainty(BaseModel):
 
 
 class Urgency(BaseModel):
-    """How long there is until the danger limit, at the rate since the change began; null: no time can be given."""
+    """Time until the danger limit, at the rate since the change began; null: no time can be given."""
 
     words: str
     unit: str | None = Field(description="of the rate and the limit")
@@ -48,14 +48,14 @@ class Urgency(BaseModel):
 
 
 class Action(BaseModel):
-    """What to do, and at which opportunity."""
+    """An action, and the opportunity for it."""
 
     opportunity: str = Field(description="now, in operation, or at the next stop")
     text: str
 
 
 class Advice(BaseModel):
-    """What is told of a finding. Texts are the service's or the site's own."""
+    """Advice on a finding. Texts are the service's or the site's own."""
 
     what: str = Field(description="what it is")
     how_far: list[Figure] = Field(description="the figure that matters most first; empty where it has no size")

@@ -1,3 +1,3 @@
-"""Assessment of a filed identification against its baseline: changes, limits, and the text of findings. It imports `alerts`,
-`workers`, `configuration`, `replication` and `resilience`; a finding that reaches a limit becomes an alert.
+"""Assessment of a filed identification against its baseline: changes, limits, and the texts of findings. It imports `alerts`,
+`wording`, `workers`, `configuration`, `replication` and `resilience`; a finding that reaches a limit becomes an alert.
 """

@@ -463,7 +463,7 @@ RATE_RULE = FindingRule(
     rate_words,
     places=("parameter",),
 )
-"""What is said of drifts."""
+"""Declaration of how drifts are reported."""
 
 
 def require_complete(declared: Sequence[FindingRule], kinds: Iterable[str]) -> Mapping[str, FindingRule]:

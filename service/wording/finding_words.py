@@ -1,4 +1,4 @@
-"""What stands in the places of findings' texts: how far something has changed, in words, and what is left open."""
+"""Words for the places of findings' texts: how far something has changed, in words, and what is left open."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence

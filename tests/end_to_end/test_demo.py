@@ -16,6 +16,7 @@ from typer.testing import CliRunner
 
 from service.commands import demo
 from service.commands.app import app
+from tests.contradictions import contradictions
 from tests.end_to_end.processes import until
 
 
@@ -56,6 +57,11 @@ def test_story_comes_out_right_and_ctrl_c_leaves_nothing(tmp_path: Path) -> None
         assert lines["turbine-compressor-generator"].endswith("none")
         for url in re.findall(r"^  (http\S+)$", summary, flags=re.MULTILINE):
             assert httpx.get(url).status_code == 200
+        base = re.findall(r"^  (http\S+/api/v1)/machines$", summary, flags=re.MULTILINE)[0]
+        for machine in demo.STORIES:
+            wrong, compared = contradictions(lambda path: httpx.get(base + path, timeout=30.0).json(), machine)
+            assert wrong == []
+            assert compared > 20 or demo.STORIES[machine] == "healthy"
         assert interrupted(process) == []
 
 

@@ -14,6 +14,10 @@ AGE = frozenset({"age_s", "silent_s"})
 """Fields that say how long ago something was."""
 
 
+WORDED = frozenset({"message", "moved"})
+"""Fields that are made of stored numbers anew, and in per cent."""
+
+
 def without_age(value: Any) -> Any:
     """Return an answer without what depends on when it is asked for."""
     if isinstance(value, dict):
@@ -38,6 +42,15 @@ def known_before(now: dict[str, Any], then: dict[str, Any]) -> dict[str, Any]:
     }
 
 
+def told_alike(now: Any, then: Any) -> Any:
+    """Return an answer as that release gave it: without fields that have come since, and what is put into words anew."""
+    if isinstance(now, list) and isinstance(then, list) and len(now) == len(then):
+        return [told_alike(one, other) for one, other in zip(now, then, strict=True)]
+    if isinstance(now, dict) and isinstance(then, dict):
+        return {name: told_alike(now.get(name), one) if name not in WORDED else one for name, one in then.items()}
+    return now
+
+
 def test_it_is_answered_as_before_and_gone_on_with(tmp_path: Path) -> None:
     (tmp_path / "rundown.db").write_bytes(gzip.decompress((DATA / "store-before-rooms.db.gz").read_bytes()))
     before: dict[str, Any] = json.loads(gzip.decompress((DATA / "store-before-rooms.json.gz").read_bytes()))
@@ -51,6 +64,7 @@ def test_it_is_answered_as_before_and_gone_on_with(tmp_path: Path) -> None:
             if path.endswith("/limits"):  # kinds of findings and measures of limits have come since
                 now["limits"] = known_before(now["limits"], answer["limits"])
             if path not in ("/machines", f"/machines/{MACHINE}", f"/machines/{MACHINE}/deviations"):
+                now = told_alike(now, answer)
                 assert without_age(now) == nearly(without_age(answer)), path
         # What comes now is numbered, collected and identified behind what was there.
         truth = tmp_path / "truth.jsonl"

@@ -217,5 +217,5 @@ def test_the_example_prints_the_fleet(url: str) -> None:
     )
     assert ran.returncode == 0, ran.stderr
     assert "pump-7: unknown" in ran.stdout
-    assert "alert: Coupling C1 is going out of alignment" in ran.stdout
+    assert "alert: Misalignment of coupling C1" in ran.stdout
     assert "coupling.C1.kxx: 2.4e+06 N/m, +20.0 % in 3 runs" in ran.stdout

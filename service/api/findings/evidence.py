@@ -87,7 +87,7 @@ class AheadLimit(BaseModel):
     latest: float | None
 
 
-class Progress(BaseModel):
+class CauseProgress(BaseModel):
     """A cause since it began, in per cent of the baseline, on oil films of what is allowed."""
 
     runs: int = Field(description="since it began, of those that tell of it")
@@ -116,7 +116,7 @@ class CauseOut(BaseModel):
     runs: int | None = Field(default=None, description="newest runs that were looked at together; null: of an older release")
     tolerance_per_cent: float | None = Field(default=None, description="on oil films: of what is allowed")
     parts: list[SizeOut] = Field(default_factory=list, description="figures of its size, the one that matters most first")
-    progress: Progress | None = Field(default=None, description="null: of an older release")
+    progress: CauseProgress | None = Field(default=None, description="null: of an older release")
     moved: list[Moved] = Field(
         description="parameters of its elements that the newest run determines, the surest first; at most four of each element"
     )

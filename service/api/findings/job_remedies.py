@@ -11,7 +11,7 @@ REMEDIES: Mapping[str, str] = {
     "its result cannot be stored": "look at disk and database (`rundown doctor`), then ask again",
     "SamplesReleased": "the run's samples are not kept any more: only newer runs can be identified (RUNDOWN_RUN_DAYS)",
 }
-"""What can be done, by how the error begins, after what it was given up."""
+"""Remedies by how the error begins, behind what it was given up after."""
 ANY_OTHER = "ask again from the run; where it fails again, send the error and the service's log to whoever looks after it"
 GIVEN_UP = " attempts: "
 

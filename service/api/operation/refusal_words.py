@@ -26,7 +26,7 @@ _MEANINGS: dict[Reason | InternalErrorReason, str] = {
     "damaged_block": "the disk has damaged what was stored: restore a backup",
 }
 MEANINGS: Mapping[str, str] = {str(reason): words for reason, words in _MEANINGS.items()}
-"""What each reason means and what to do."""
+"""Meaning of each reason, and what to do."""
 OF_AN_OLDER_RELEASE = "an older release refused it: its detail says why"
 
 

@@ -12,7 +12,7 @@ branch_labels = None
 depends_on = None
 
 TELLABLE = frozenset({"since", "quantities"})
-"""What evidence has of which words can be made; a rate has the other."""
+"""Fields of evidence of which words can be made; that of a rate has the other."""
 RATE = "per_week_per_cent"
 BLANK = sa.text("UPDATE alerts SET message = '' WHERE id = :id")
 NAMED = "UPDATE {} SET message = rule || ' of ' || element WHERE message = ''"

@@ -438,7 +438,7 @@ def test_a_mail_says_what_happened(plant: Database, found: IdentificationRow, ne
     assert "Subject: [alert] pump-7 coupling.C1: misalignment unacknowledged" in said
     assert f"Message-ID: <alert-{alert}-1@localhost>" in said
     assert f"http://rundown:8080/api/v1/alerts/{alert}" in said
-    assert "Coupling C1 is going out of alignment" in said
+    assert "Misalignment of coupling C1" in said
 
 
 @pytest.mark.parametrize(

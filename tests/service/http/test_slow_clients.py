@@ -35,7 +35,6 @@ def opened(database: Database) -> tuple[int, int]:
             KEY.machine,
             rule="misalignment",
             element="coupling.C1",
-            message="it moves",
             evidence={},
             identification_id=found,
             measured_at=START,

@@ -14,7 +14,6 @@ def add(session: Session, identification_id: int, element: str, *, opened_at: in
         KEY.machine,
         rule="misalignment",
         element=element,
-        message="out",
         evidence={"runs": 3},
         identification_id=identification_id,
         measured_at=START,
