@@ -43,7 +43,7 @@ class Mail:
 
 
 def post(settings: Settings, mail: EmailMessage) -> None:
-    """Hand a mail to the server. Raises NoMailServer, OSError, SMTPException."""
+    """Send a mail through the server. Raises NoMailServer, OSError, SMTPException."""
     if not settings.smtp_host:
         raise NoMailServer("no mail server is set: RUNDOWN_SMTP_HOST")
     where = (settings.smtp_host, settings.smtp_port)

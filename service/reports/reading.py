@@ -28,7 +28,7 @@ from storage.measurements import runs
 from storage.tables.findings import IdentificationRow
 
 MOST_ALERTS, MOST_EVENTS, MOST_NOTES, MOST_BALANCINGS, MOST_COUNTED = 500, 200, 200, 50, 20_000
-"""What a report tells at most of each kind; more is said to be left out."""
+"""Most that a report tells of each kind; more is said to be left out."""
 MOST_RUNS = 4
 """Runs of an identification that are drawn."""
 
