@@ -134,7 +134,9 @@ service/api: service/advice service/api/alerts service/api/cache service/api/con
     service/security storage/database
 service/doctor: service/api service/configuration service/delivery service/maintenance service/messaging service/mqtt
     service/security service/wire storage/alerts storage/backup storage/database storage/operation
-service/commands: estimator estimator/calibration estimator/fit estimator/identification estimator/machine
+service/commands/results: estimator estimator/calibration estimator/fit estimator/identification estimator/machine
+    estimator/modes estimator/phasors estimator/statics estimator/thesis estimator/updated_model rotorundown
+service/commands: service/commands/results estimator estimator/calibration estimator/fit estimator/identification estimator/machine
     estimator/modes estimator/phasors estimator/simulation estimator/statics estimator/thesis estimator/updated_model
     rotorundown rotorundown/environment service/advice service/api service/api/operation service/balancing
     service/configuration service/delivery service/doctor service/edge service/export service/http

@@ -1,4 +1,4 @@
-"""How the metrics of an edge node that speaks Sparkplug B are named for this machine, and in what units they come."""
+"""Names and units of the metrics that an edge node speaking Sparkplug B sends for a machine."""
 
 from typing import Annotated, Literal
 
@@ -18,7 +18,7 @@ class SparkplugChannel(Part):
 
 
 class Sparkplug(Part):
-    """Where the machine's metrics come from, `spBv1.0/<group>/…/<node>/<device>`, and what each is."""
+    """Sources of the machine's metrics, `spBv1.0/<group>/…/<node>/<device>`, and what each is."""
 
     group: Level
     node: Level

@@ -50,7 +50,7 @@ def identify_offline(
 
     Ends with status 1 when the fit is not accepted.
     """
-    from service.commands.identification_report import advice_text, quality_text
+    from service.commands.results.identification_report import advice_text, quality_text
 
     if method == "regression" and advice:
         fail("--advice goes with the likelihood: the regression has no information to read it from")
@@ -85,8 +85,8 @@ def _print(machine: "Machine", result: "Identification", file: Path, sidecar: Pa
     from estimator.calibration.unbalance_since import unbalance_since
     from estimator.updated_model.derived_quantities import alignment_quantities
     from estimator.updated_model.model import updated_model
-    from service.commands.alignment_report import alignment_text
-    from service.commands.identification_report import identification_text, since_text
+    from service.commands.results.alignment_report import alignment_text
+    from service.commands.results.identification_report import identification_text, since_text
     from service.sources.recording import read_circumstances
 
     say_lines(identification_text(result))
@@ -103,7 +103,7 @@ def _print_json(machine: "Machine", result: "Identification", names: list[str], 
     from estimator.calibration.unbalance_since import unbalance_since
     from estimator.updated_model.derived_quantities import alignment_quantities
     from estimator.updated_model.model import updated_model
-    from service.commands.result_content import identification_content, quality_content, since_content
+    from service.commands.results.result_content import identification_content, quality_content, since_content
 
     since = unbalance_since(machine, result)
     alignment = alignment_quantities(updated_model(machine, result)) if result.accepted else ()
@@ -135,8 +135,8 @@ def model(
 
     from estimator.updated_model.model import updated_model
     from rotorundown.machine_model import Model
-    from service.commands.model_report import model_text
-    from service.commands.result_content import model_content
+    from service.commands.results.model_report import model_text
+    from service.commands.results.result_content import model_content
 
     if as_json and not files:
         fail("--json needs a run: the static state on oil films is printed as text only")
@@ -166,7 +166,7 @@ def model(
 
 def _print_films(machine: Path, service_rpm: float | None, *, needed: bool) -> None:
     """Print the static state on oil films of a document that describes them; needed: fail for one that does not."""
-    from service.commands.film_report import film_text, has_films
+    from service.commands.results.film_report import film_text, has_films
     from service.configuration.document_files import UnreadableFile, read_machine
 
     try:
@@ -191,8 +191,8 @@ def compare(
     import threadpoolctl
 
     from estimator.identification.model_comparison import compare_misalignment
-    from service.commands.identification_report import comparison_text
-    from service.commands.result_content import comparison_content
+    from service.commands.results.identification_report import comparison_text
+    from service.commands.results.result_content import comparison_content
     from service.configuration.document_files import UnreadableFile
     from service.sources.recorded_runs import read_measurement
     from service.wire import Rejected
@@ -223,8 +223,8 @@ def show_slow_roll(
 ) -> None:
     """Print the slow-roll vectors of a recorded run. Ends with status 1 when no channel shows one."""
     from estimator.phasors.measurement import joined
-    from service.commands.identification_report import slow_roll_text
-    from service.commands.result_content import slow_roll_content
+    from service.commands.results.identification_report import slow_roll_text
+    from service.commands.results.result_content import slow_roll_content
     from service.configuration.document_files import UnreadableFile
     from service.sources.recorded_runs import captured
     from service.wire import Rejected
@@ -247,8 +247,8 @@ def _regress(
 
     from estimator.phasors.measurement import joined
     from estimator.thesis.machine_regression import regress
-    from service.commands.identification_report import EXPLAINED, regression_text
-    from service.commands.result_content import regression_content
+    from service.commands.results.identification_report import EXPLAINED, regression_text
+    from service.commands.results.result_content import regression_content
     from service.configuration.document_files import UnreadableFile
     from service.wire import Rejected
 
@@ -273,7 +273,7 @@ def _runs(
 ) -> "tuple[Machine, list[tuple[RecordedRun, Measurement]]]":
     """Read a document and its recorded runs, without the slow roll of a band where one is given."""
     from service.commands.document_warnings import say_warnings
-    from service.commands.identification_report import slow_roll_text
+    from service.commands.results.identification_report import slow_roll_text
     from service.configuration.document_files import read_machine
     from service.sources.recorded_runs import read_runs, without_slow_roll
 

@@ -9,8 +9,8 @@ import yaml
 from typer.testing import CliRunner
 
 from estimator.updated_model.derived_quantities import Derived
-from service.commands.alignment_report import alignment_text
 from service.commands.app import app
+from service.commands.results.alignment_report import alignment_text
 from tests.film_plant.documents import film_document, measured
 from tests.film_plant.misalignment import moved
 from tests.film_plant.plants import Priors, motor_compressor_plant
