@@ -136,14 +136,14 @@ service/doctor: service/api service/configuration service/delivery service/maint
     service/security service/wire storage/alerts storage/backup storage/database storage/operation
 service/commands/results: estimator estimator/calibration estimator/fit estimator/identification estimator/machine
     estimator/modes estimator/phasors estimator/statics estimator/thesis estimator/updated_model rotorundown
-service/commands: service/commands/results estimator estimator/calibration estimator/fit estimator/identification estimator/machine
-    estimator/modes estimator/phasors estimator/simulation estimator/statics estimator/thesis estimator/updated_model
-    rotorundown rotorundown/environment service/advice service/api service/api/operation service/balancing
-    service/configuration service/delivery service/doctor service/edge service/export service/http
-    service/identification service/ingest service/journal service/maintenance service/messaging service/monitoring
-    service/mqtt service/opcua service/replication service/reports service/resilience service/runs service/secrets
-    service/security service/sources service/wire service/wording service/workers storage storage/backup
-    storage/database storage/encoding storage/machines storage/operation storage/tables
+service/commands: estimator estimator/calibration estimator/fit estimator/identification estimator/machine
+    estimator/phasors estimator/simulation estimator/thesis estimator/updated_model rotorundown rotorundown/environment
+    service/advice service/api service/api/operation service/balancing service/commands/results service/configuration
+    service/delivery service/doctor service/edge service/export service/http service/identification service/ingest
+    service/journal service/maintenance service/messaging service/monitoring service/mqtt service/opcua
+    service/replication service/reports service/resilience service/runs service/secrets service/security
+    service/sources service/wire service/wording service/workers storage storage/backup storage/database
+    storage/encoding storage/machines storage/operation storage/tables
 service: estimator/machine service/alerts service/api/alerts service/api/findings service/api/machines
     service/api/measurements service/api/trends service/commands service/http
 """
