@@ -1,6 +1,7 @@
 """Parts of a report's pages as HTML: headings, tables, lists, figures, and the style sheet that they share."""
 
 import html
+import unicodedata
 from collections.abc import Iterable, Sequence
 from datetime import datetime
 
@@ -33,7 +34,7 @@ LONG_WORDS = 20
 
 def escaped(words: str) -> str:
     """Return words as text of HTML. Characters that no document may hold are left out."""
-    return html.escape("".join(one for one in words if one.isprintable() or one in "\n\t"))
+    return html.escape("".join(one for one in words if unicodedata.category(one)[0] != "C" or one in "\n\t"))
 
 
 def shown_time(at: datetime | None) -> str:

@@ -21,7 +21,7 @@ MOST_POINTS = 300
 MARGIN = 0.05
 """Space beside the data, as a part of their extent [-]."""
 TIME_MARGIN = 0.02
-"""The same beside times [-]."""
+"""Space beside times, likewise [-]."""
 DAY_NS = 86_400 * 10**9
 
 
