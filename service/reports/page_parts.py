@@ -1,6 +1,7 @@
 """Parts of a report's pages as HTML: headings, tables, lists, figures, and the style sheet that they share."""
 
 import html
+import unicodedata
 from collections.abc import Iterable, Sequence
 from datetime import datetime
 
@@ -17,6 +18,7 @@ section { break-inside: auto } .panel, figure, tr, li { break-inside: avoid }
 .panel { border: 1px solid #c9ced6; border-left: 4px solid #8aa4c0; padding: 6px 10px; margin: 6px 0 }
 .panel.danger { border-left-color: #b3261e } .panel.alert { border-left-color: #9a5b00 }
 .panel.calm { border-left-color: #2e7d32 } .key { break-after: avoid }
+.figures { orphans: 1; widows: 1 }
 .lead { font-size: 13px; font-weight: bold } .by { font-size: 11px; font-weight: bold }
 figure { display: inline-block; margin: 2px 4px 6px 0; vertical-align: top } figcaption { font-size: 9px; font-weight: bold }
 figure svg { display: block } table { border-collapse: collapse; width: 100% }
@@ -32,7 +34,7 @@ LONG_WORDS = 20
 
 def escaped(words: str) -> str:
     """Return words as text of HTML. Characters that no document may hold are left out."""
-    return html.escape("".join(one for one in words if one.isprintable() or one in "\n\t"))
+    return html.escape("".join(one for one in words if unicodedata.category(one)[0] != "C" or one in "\n\t"))
 
 
 def shown_time(at: datetime | None) -> str:
@@ -85,4 +87,4 @@ def muted(words: str) -> str:
 
 def figures(key: str, drawn: str) -> str:
     """Return drawings below what their colours mean, which stays with the first of them."""
-    return f'<p class="muted key">{escaped(key)}</p><div>{drawn}</div>'
+    return f'<p class="muted key">{escaped(key)}</p><div class="figures">{drawn}</div>'

@@ -20,6 +20,8 @@ MOST_POINTS = 300
 """Points of one curve or cloud that are drawn: more would cover each other."""
 MARGIN = 0.05
 """Space beside the data, as a part of their extent [-]."""
+TIME_MARGIN = 0.02
+"""Space beside times, likewise [-]."""
 DAY_NS = 86_400 * 10**9
 
 
@@ -50,6 +52,7 @@ def axis_over(values: Floats, title: str, *, from_zero: bool = False) -> PlotAxi
 def time_axis(first: float, last: float) -> PlotAxis:
     """Return an axis over times [ns since 1970], with days as ticks."""
     span = max(last - first, float(DAY_NS))
+    first, span = first - TIME_MARGIN * span, (1.0 + 2.0 * TIME_MARGIN) * span
     days = max(1, math.ceil(span / DAY_NS / 5.0))
     begin = math.ceil(first / DAY_NS)
     ticks = [DAY_NS * number for number in range(begin, int((first + span) // DAY_NS) + 1, days)]

@@ -29,6 +29,8 @@ from storage.tables.findings import IdentificationRow
 
 MOST_ALERTS, MOST_EVENTS, MOST_NOTES, MOST_BALANCINGS, MOST_COUNTED = 500, 200, 200, 50, 20_000
 """Most that a report tells of each kind; more is said to be left out."""
+MOST_OPEN = 10_000
+"""Open alerts that are read; there is one of each rule and element at most."""
 MOST_RUNS = 4
 """Runs of an identification that are drawn."""
 
@@ -45,6 +47,7 @@ def read_contents(
     open_elements = [one.last.element for one, _ in told if one.is_open]
     names = () if newest is None else told_names(session, newest, open_elements)
     left_out = [f"{len(events) - MOST_EVENTS} older events of alerts"] if len(events) > MOST_EVENTS else []
+    left_out += [f"alerts before the newest {MOST_ALERTS} that are closed"] if len(told) >= MOST_ALERTS else []
     left_out += ["older notes"] if len(notes) > MOST_NOTES else []
     return ReportContents(
         machine=machines.document(session, machine_id, row.revision),
@@ -68,7 +71,9 @@ def _alerts(
     session: Session, machine_id: str, period: ReportPeriod, texts: SiteTexts
 ) -> Iterator[tuple[ReportedAlert, list[AlertEvent]]]:
     """Yield the alerts that were open at some time of the period, each with its events in the period."""
-    for row in alerts.find(session, machine_id=machine_id, only_open=False, limit=MOST_ALERTS):
+    newest = alerts.find(session, machine_id=machine_id, only_open=False, limit=MOST_ALERTS)
+    still_open = alerts.find(session, machine_id=machine_id, only_open=True, limit=MOST_OPEN)
+    for row in {one.id: one for one in (*newest, *still_open)}.values():
         if row.closed_at is not None and row.closed_at < period.first:
             continue
         until = [one for one in alerts.history(session, row.id) if one.at <= period.last]

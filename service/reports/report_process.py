@@ -45,7 +45,7 @@ class ReportProcess:
         except (WorkerStuck, BrokenProcessPool) as error:
             raise NotPrinted(f"the process that prints reports ended, or did not answer within {limits}: ask again") from error
         except Interrupted as error:
-            raise NotPrinted("the service stops") from error
+            raise NotPrinted(f"{error}: ask again") from error
 
     def close(self) -> None:
         """Kill the process and give up what it prints."""

@@ -1,5 +1,7 @@
 """Bode and polar plots of one channel: measured and fitted 1×, with the baseline's run where there is one."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
@@ -25,7 +27,8 @@ from service.reports.response_curves import MeasuredPoints, ResponseCurves, lag_
 WIDTH, AMPLITUDE_HEIGHT, PHASE_HEIGHT = 335.0, 130.0, 95.0
 SIZE, RADIUS = 215.0, 82.0
 LAGS = PlotAxis(0.0, 360.0, tuple((float(one), f"{one}°") for one in range(0, 361, 90)), "phase lag")
-SPEED_LABELS = 4
+SPEED_LABELS, WORDS_APART = 4, 18.0
+"""Speeds that are written beside a curve, where they lie so far apart [px]."""
 
 
 def bode_figure(number: int, curves: ResponseCurves, runs: list[MeasuredPoints], before: list[MeasuredPoints]) -> str:
@@ -61,12 +64,20 @@ def polar_figure(number: int, curves: ResponseCurves, runs: list[MeasuredPoints]
     for colour, drawn in ((BEFORE, before), (MEASURED, runs)):
         parts += [dots(*_place(one.value[thinned(one.speed.size), number], scale), colour) for one in drawn]
     parts.append(curve(*_place(fitted, scale), FITTED))
+    parts += _speeds(fitted, curves.speed, scale)
+    return svg("".join(parts), SIZE, SIZE, left=-SIZE / 2, top=-SIZE / 2)
+
+
+def _speeds(fitted: Complexes, speed: Floats, scale: float) -> Iterator[str]:
+    """Yield dots with their speeds [r/min] on a curve; no words over others."""
+    said: list[complex] = []
     for at in np.linspace(0, fitted.size - 1, SPEED_LABELS).astype(int):
         px, py = _place(fitted[at : at + 1], scale)
-        parts.append(
-            dots(px, py, FITTED, radius=2.0) + label(px[0] + 4, py[0] - 3, f"{curves.speed[at]:.0f}", anchor="start", size=7)
-        )
-    return svg("".join(parts), SIZE, SIZE, left=-SIZE / 2, top=-SIZE / 2)
+        yield dots(px, py, FITTED, radius=2.0)
+        place = complex(px[0], py[0])
+        if all(abs(place - other) > WORDS_APART for other in said):
+            said.append(place)
+            yield label(px[0] + 4, py[0] - 3, f"{speed[at]:.0f}", anchor="start", size=7)
 
 
 def _place(value: Complexes, scale: float) -> tuple[Floats, Floats]:

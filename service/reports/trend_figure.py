@@ -14,7 +14,7 @@ def trend_figure(one: ReportedTrend) -> str:
     band = () if one.band is None else one.band
     frame = PlotFrame(
         time_axis(float(time.min()), float(time.max())),
-        axis_over(np.array([*one.value, *band]), f"[{one.unit}]" if one.unit else ""),
+        axis_over(np.array([*one.value, *band]), f"[{one.unit}]" if one.unit not in ("", "1") else ""),
         width=WIDTH,
         height=HEIGHT,
     )

@@ -30,7 +30,8 @@ class ReportMailbox:
 
     async def handle_DATA(self, _server: SMTP, _session: Session, envelope: Envelope) -> str:
         """Keep it."""
-        found = message_from_bytes(envelope.original_content or b"", policy=policy.default)
+        assert isinstance(envelope.content, bytes)
+        found = message_from_bytes(envelope.content, policy=policy.default)
         assert isinstance(found, EmailMessage)
         self.mails.append(found)
         return "250 OK"

@@ -51,9 +51,8 @@ def ask() -> Iterator[Asked]:
     asked.cache.close()
 
 
-def test_an_answer_is_computed_once_and_only_so_many_are_kept(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("service.api.cache.computed_cache.MAXIMUM_ENTRIES", 2)
-    cache, made = ComputedCache(), []
+def test_an_answer_is_computed_once_and_only_so_many_are_kept() -> None:
+    cache, made = ComputedCache(entries=2), []
 
     def ask(name: str) -> str:
         return cache.quick(name, lambda: made.append(name) or name)  # type: ignore[func-returns-value]

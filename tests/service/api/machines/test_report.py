@@ -2,9 +2,11 @@
 
 import io
 import re
+import threading
 from collections.abc import Iterator
 from datetime import UTC, datetime
 
+import psutil
 import pypdf
 import pytest
 
@@ -12,7 +14,7 @@ from service.reports.report_process import NotPrinted, ReportProcess
 from storage.database.engine import Database
 from storage.machines import timeline
 from tests.api_in_process import Api, refused
-from tests.plant import KEY, SECOND, START
+from tests.plant import KEY, SECOND, START, wait_until
 from tests.service.monitoring.test_assessment import BASELINE, STIFFER, WEEK, Weeks
 
 PATH = f"/machines/{KEY.machine}/report.pdf"
@@ -89,6 +91,29 @@ def test_a_report_that_takes_too_long_says_so(stiffer: Api) -> None:
     answer = stiffer.get(PATH, **YEAR)
     assert "ask for a shorter period" in refused(answer, 503)
     assert answer.headers["retry-after"] == "5"
+
+
+def test_a_worker_that_dies_is_said_and_replaced(stiffer: Api) -> None:
+    killed: list[int] = []
+
+    def kill() -> None:
+        wait_until(lambda: bool(workers()))
+        for one in workers():
+            killed.append(one.pid)
+            one.kill()
+
+    killing = threading.Thread(target=kill)
+    killing.start()
+    said = refused(stiffer.get(PATH, **YEAR), 503)
+    killing.join()
+    assert killed
+    assert "ask again" in said
+    assert stiffer.get(PATH, **YEAR).status_code == 200
+
+
+def workers() -> list[psutil.Process]:
+    """Worker processes of this one."""
+    return [one for one in psutil.Process().children() if "spawn_main" in " ".join(one.cmdline())]
 
 
 def test_no_machine_and_no_period(api: Api) -> None:

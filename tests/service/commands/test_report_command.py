@@ -1,0 +1,23 @@
+"""`rundown report`, run as a command on a database."""
+
+from pathlib import Path
+
+from storage.database.engine import Database
+from tests.plant import KEY
+from tests.service.commands.command_line import run
+
+
+def test_a_report_is_written_as_pdf(plant: Database, tmp_path: Path) -> None:
+    written = tmp_path / "pump.pdf"
+    url = plant.url
+    said = run("report", KEY.machine, "--output", str(written), "--database", url)
+    assert "0 open alerts" in said
+    assert written.read_bytes().startswith(b"%PDF-")
+
+
+def test_what_is_wrong_is_one_line(plant: Database, tmp_path: Path) -> None:
+    url, written = plant.url, str(tmp_path / "none.pdf")
+    assert "no machine 'none' is known" in run("report", "none", "--output", written, "--database", url, status=1)
+    late = run("report", KEY.machine, "--from", "2200-01-01", "--output", written, "--database", url, status=1)
+    assert "ends before it begins" in late
+    assert not Path(written).exists()

@@ -1,0 +1,102 @@
+"""Pages of a report: every part of a train on films, few elements, and nothing that people wrote is taken for HTML."""
+
+import io
+import re
+import socket
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pypdf
+import pytest
+
+from estimator.phasors.measurement import Measurement
+from service.advice.site_texts import SiteTexts
+from service.identification.stored_model import UsedRun
+from service.reports.contents import ReportContents, ReportedNote, ReportedTrend
+from service.reports.period import asked_period
+from service.reports.printing import printed_html, report_html
+from service.reports.reading import read_contents
+from storage.clock import now
+from storage.database.engine import Database
+from tests.estimator.alignment.drawn_runs import MODEL
+from tests.plant import START
+from tests.service.monitoring.test_alignment_alerts import Weeks as FilmWeeks
+from tests.service.monitoring.test_alignment_alerts import sunk
+from tests.service.monitoring.test_assessment import BASELINE
+
+MANY = 10_000
+
+
+@pytest.fixture
+def sunken(plant: Database) -> ReportContents:
+    """A train on films one of whose bearings has sunk by 120 µm."""
+    weeks = FilmWeeks(plant)
+    weeks.file({}, times=BASELINE + 2)
+    weeks.file(sunk(120e-6), times=3)
+    with plant.reading() as session:
+        period = asked_period(START, None, moment=now())
+        return read_contents(session, MODEL.machine.id, period, texts=SiteTexts(), baseline_runs=BASELINE)
+
+
+def test_every_part_is_told_with_the_same_figures_as_the_alert(sunken: ReportContents) -> None:
+    page = report_html(sunken)
+    heads = re.findall(r"<h2>(.*?)</h2>", page)
+    assert heads == [
+        "Trends",
+        "Vibration over speed (1×)",
+        "Orbits",
+        "Shaft centreline",
+        "Alignment",
+        "Balance",
+        "History",
+    ]
+    (alert,) = sunken.open_alerts
+    assert alert.last.advice is not None
+    assert all(one.words in page for one in alert.last.advice.how_far)
+    assert "cannot be computed" not in page
+    assert "No correction is proposed: mend C1 first" in page
+
+
+def test_a_plot_of_10_000_points_stays_small(sunken: ReportContents) -> None:
+    fit = sunken.fit
+    assert fit is not None
+    machine = fit.one.machine
+    phasor = np.full((MANY, len(machine.channels)), 1e-5 + 0j)
+    speed = np.linspace(fit.one.speed_minimum, fit.one.speed_maximum, MANY)
+    run = UsedRun(1, machine, Measurement.of(speed=speed, phasor=phasor), np.zeros(phasor.shape, bool), np.arange(MANY))
+    time, value = np.arange(MANY) * 10**12, np.ones(MANY)
+    trend = ReportedTrend("coupling.C1.kxx", "MN/m", time, value, value - 0.1, value + 0.1, None)
+    more = replace(sunken, fit=replace(fit, runs=(run,)), trends=(trend,) * 16)
+    assert len(report_html(more)) < 3 * len(report_html(sunken))
+
+
+def test_an_open_alert_is_told_however_many_came_later(plant: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    weeks = FilmWeeks(plant)
+    weeks.file({}, times=BASELINE + 2)
+    weeks.file(sunk(120e-6), times=3)
+    monkeypatch.setattr("service.reports.reading.MOST_ALERTS", 0)
+    with plant.reading() as session:
+        period = asked_period(START, None, moment=now())
+        found = read_contents(session, MODEL.machine.id, period, texts=SiteTexts(), baseline_runs=BASELINE)
+    assert [one.last.element for one in found.open_alerts] == ["coupling.C1"]
+
+
+def test_what_people_write_is_text(sunken: ReportContents) -> None:
+    note = ReportedNote(sunken.last, "note", "<i>eve</i>", '<img src="http://elsewhere/"/>\x00')
+    page = report_html(replace(sunken, notes=(note,)))
+    assert "&lt;img src=&quot;http://elsewhere/&quot;/&gt;<" in page
+    assert "<i>eve" not in page
+
+
+def test_nothing_is_loaded(tmp_path: Path) -> None:
+    picture = tmp_path / "picture.svg"
+    picture.write_text('<svg xmlns="http://www.w3.org/2000/svg"><text>private</text></svg>')
+    with socket.create_server(("127.0.0.1", 0)) as listening:
+        listening.settimeout(0.1)
+        port = listening.getsockname()[1]
+        page = f'<img src="http://127.0.0.1:{port}/a.png"/><img src="{picture.as_uri()}"/><p>told</p>'
+        (text,) = [one.extract_text() for one in pypdf.PdfReader(io.BytesIO(printed_html(page))).pages]
+        with pytest.raises(TimeoutError):
+            listening.accept()
+    assert text.strip() == "told"
