@@ -18,7 +18,7 @@ from estimator.fit.gap_checks import with_gaps
 from estimator.fit.goodness_of_fit import Verdict, VerdictRemark, judge, remark
 from estimator.fit.identifiability import Reasons, reasons_for
 from estimator.fit.maximum_likelihood import STAGE_MISFITS
-from estimator.fit.multistart import BestFit, best_fit
+from estimator.fit.multistart import BestFit, FitFailed, best_fit
 from estimator.fit.nuisance_parameters import counted_by_effect, excessive_deviations
 from estimator.fit.omitted_warming import viscosity_trend
 from estimator.fit.physical_limits import Limits, limits_for, without_growing_modes
@@ -288,7 +288,12 @@ def identify_train(
             twice=measurement.speed.size <= FEW_SAMPLES and begin is None and not problem.coordinates.calibrated_places,
         )
 
-    best = best_of(options.starts if begin is None else 1)
+    try:
+        best = best_of(options.starts if begin is None else 1)
+    except FitFailed:
+        if begin is None or options.starts == 1:
+            raise
+        best = best_of(options.starts)
     other = None
     if not judge(problem, best.fit).accepted:
         other = fit_with_run_outs(problem, best.fit.theta if begin is None else begin, near=begin is not None)

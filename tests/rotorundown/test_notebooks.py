@@ -20,7 +20,7 @@ from tests.plant import SECOND, START, store_identification
 
 NOTEBOOKS = sorted((EXAMPLES / "notebooks").glob("*.py"))
 SHOWN = {
-    "alignment_over_a_year": ("coupling.C1.kxx: ", "alert: coupling.C1: Coupling C1 is going out of alignment"),
+    "alignment_over_a_year": ("coupling.C1.kxx: ", "alert: coupling.C1: Misalignment of coupling C1"),
     "first_rotor": ("motor-pump: accepted", "speed_rpm,B1L_um_pp"),
     "fluid_film_train": ("motor-compressor: accepted", "clearance"),
     "how_wrong_can_it_be": ("intervals hold the truth", "standard errors"),

@@ -58,7 +58,7 @@ def test_what_is_there_is_read_as_rows(service: rd.Service) -> None:
     assert estimates["coupling.C1.kxx"].value == pytest.approx(2.4e6)
     (alert,) = service.alerts(only_open=True)
     assert (alert.element, alert.severity) == ("coupling.C1", "alert")
-    assert "going out of alignment" in repr(service.alerts(KEY.machine))
+    assert "Misalignment of coupling C1" in repr(service.alerts(KEY.machine))
 
 
 def test_trends_are_points_and_frames(service: rd.Service) -> None:

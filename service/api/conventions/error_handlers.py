@@ -29,6 +29,7 @@ LISTED: Mapping[str, str] = {
     "parameter": "",
     "run": f": {OF_MACHINE}/runs lists those of a machine",
     "balancing": f": {OF_MACHINE}/balancings lists those of a machine",
+    "calibration": f": {OF_MACHINE}/model-calibrations lists those of a machine",
     "identification": f": {OF_MACHINE}/identifications lists them",
     "slow-roll vectors": f"; {OF_MACHINE}/slow-roll lists the versions",
     "job": f": {OF_MACHINE}/jobs lists those of a machine",

@@ -12,6 +12,7 @@ WORDS: Mapping[str, str] = {
     r"^[!-~]+$": "a header's value has visible ASCII characters only",
     r"^([0-9a-f]{64})?$": "it is a SHA-256 sum of 64 digits from 0 to 9 and a to f, or blank",
     r"^(none|in_force|[0-9]{1,9})$": "it is 'none', 'in_force' or the number of a version",
+    r"^[^/+#]+$": "it is one level of a topic: no '/', '+' or '#'",
     r"^\w+\.\S{1,200}$": "it is a kind, a dot and a name, such as bearing.B1 or bearing.B1.kxx",
     r"^\w+\.\S+$": "a parameter is a kind, a dot and a name, such as bearing.B1.kxx or critical_speed.1",
     FILE_NAME: "it is the name of a file: letters, digits, '.', '_' and '-', at most 100, not a '.' first",

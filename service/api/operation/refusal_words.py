@@ -22,6 +22,9 @@ _MEANINGS: dict[Reason | InternalErrorReason, str] = {
     "sequence_out_of_range": "the numbers of the samples jump: restart the source, which then begins anew",
     "time_out_of_range": "the time is wrong: set the source's clock, and send nanoseconds since 1970",
     "time_out_of_order": "times go back: look at the source's clock",
+    "gap_out_of_range": "the gap lies beyond what a probe can see, and is left out: look at its unit and sign",
+    "gap_undescribed": "the document does not say which way the probe's gap grows, so it is left out: add `gap_grows`",
+    "retained": "the broker kept the message, and its age is unknown: publish samples without the retain flag",
     "unexpected_error": "the service failed at it: its log says why",
     "damaged_block": "the disk has damaged what was stored: restore a backup",
 }

@@ -356,7 +356,9 @@ def test_a_subscription_of_an_unknown_kind_is_an_error_and_holds_up_no_other(
         assert asyncio.run(one.try_out(unknown)).result == "failed"
     (row,) = rows(plant, unknown)
     assert row.state == "pending"
-    assert row.answer == "'telex' is no kind of subscription that this release knows: webhook, alertmanager, email, zenoh"
+    assert (
+        row.answer == "'telex' is no kind of subscription that this release knows: webhook, alertmanager, email, zenoh, mqtt"
+    )
     assert http.at("/ok/unknown") == []
 
 

@@ -123,7 +123,7 @@ def test_over_http_numbers_stay_free(plant: Database, live: Live, off: list[int]
     assert "365.0 days later" in answer.json()["detail"]
     assert live.is_doubted
     off[0] = 0
-    assert live.post(5).json() == {"received": 5, "duplicates": 0, "missing_before": 0, "faults": []}
+    assert live.post(5).json() == {"received": 5, "duplicates": 0, "missing_before": 0, "faults": [], "ignored": []}
     assert (counts(plant), rejected(plant)) == ((10, 10, 0), {})
     assert not live.is_doubted
 

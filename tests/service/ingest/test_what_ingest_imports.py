@@ -27,6 +27,8 @@ STATES_AND_COUNTS = {
     "machine.part_coefficients",
     "machine.parts",
     "machine.rules",
+    "machine.sparkplug",
+    "machine.unfinished_document",
     "phasors.channel_status",
     "phasors.measurement",
     "phasors.recorded_run",
