@@ -278,30 +278,37 @@ def identify_train(
     problem = _problem(train, measurement, noise, robust=options.robust)
     begin = None if beginning is None else problem.coordinates.theta(beginning)
 
-    def best_of(starts: int) -> BestFit:
-        return best_fit(
-            problem,
-            starts=starts,
-            seed=options.seed,
-            good=lambda found: judge(problem, found).accepted,
-            beginning=begin,
-            twice=measurement.speed.size <= FEW_SAMPLES and begin is None and not problem.coordinates.calibrated_places,
-        )
-
-    try:
-        best = best_of(options.starts if begin is None else 1)
-    except FitFailed:
-        if begin is None or options.starts == 1:
-            raise
-        best = best_of(options.starts)
+    best = _best_first(problem, begin, options)
     other = None
     if not judge(problem, best.fit).accepted:
         other = fit_with_run_outs(problem, best.fit.theta if begin is None else begin, near=begin is not None)
         if other is None and begin is not None and options.starts > 1:
-            best = best_of(options.starts)
+            best = _best_of(problem, begin, options, starts=options.starts)
     joined = with_gaps(problem, best.fit)
     found = _result(joined.problem, replace(best, fit=joined.found), joined.remarks, reasons, limits)
     return found if other is None or found.accepted else _explained_by_run_outs(problem, found, other)
+
+
+def _best_first(problem: FitProblem, begin: Floats | None, options: Options) -> BestFit:
+    """Return the best fit of all starts, or of a beginning alone where it leads anywhere. Raises FitFailed."""
+    if begin is None or options.starts == 1:
+        return _best_of(problem, begin, options, starts=options.starts)
+    try:
+        return _best_of(problem, begin, options, starts=1)
+    except FitFailed:
+        return _best_of(problem, begin, options, starts=options.starts)
+
+
+def _best_of(problem: FitProblem, begin: Floats | None, options: Options, *, starts: int) -> BestFit:
+    few = problem.measurement.speed.size <= FEW_SAMPLES
+    return best_fit(
+        problem,
+        starts=starts,
+        seed=options.seed,
+        good=lambda found: judge(problem, found).accepted,
+        beginning=begin,
+        twice=few and begin is None and not problem.coordinates.calibrated_places,
+    )
 
 
 def _require_more_than(free: int, measurement: Measurement) -> None:
