@@ -58,7 +58,7 @@ class MqttSettings(BaseSettings):
         if not self.mqtt_encrypted and not is_loopback(host) and self.mqtt_password.get_secret_value():
             raise ValueError("mqtt_url: a password goes over mqtts:// only, or to loopback: others could read it on its way")
         if find_spec("aiomqtt") is None:
-            raise ValueError("mqtt_url needs the extra rundown[mqtt], which is not installed here")
+            raise ValueError("mqtt_url needs the extra rotorundown[mqtt], which is not installed here")
 
     @property
     def mqtt_encrypted(self) -> bool:

@@ -63,6 +63,8 @@ def exposed_endpoints(settings: Settings) -> list[ExposedEndpoint]:
         _api(settings, list(every_operation())),
         *(_endpoint(settings, one) for one in settings.zenoh_listen),
         *(_router(one) for one in settings.zenoh_connect),
+        *_opc_ua(settings),
+        *_mqtt_broker(settings),
         *_database(settings),
         *_scheduler(settings),
         *(_inner_network(one) for one in settings.delivery_networks),
@@ -180,6 +182,45 @@ def _router(endpoint: str) -> ExposedEndpoint:
     )
 
 
+def _opc_ua(settings: Settings) -> Iterator[ExposedEndpoint]:
+    if not settings.opcua_listen:
+        return
+    inside = is_loopback(settings.opcua_address[0])
+    asked, told = credentials_asked(settings)
+    clear = settings.opcua_allow_unencrypted
+    reached: Level = "open" if not asked else "weak" if clear else "guarded"
+    level: Level = "local" if inside else reached
+    channel = "a trusted certificate" if settings.opcua_certificate else ""
+    channel += " or none at all" if channel and clear else "no certificate" if clear else ""
+    yield ExposedEndpoint(
+        level,
+        "OPC UA server",
+        settings.opcua_listen,
+        MACHINE if inside else NETWORK,
+        f"{'an API key as name and password' if asked else NOBODY}; {channel}",
+        "nothing" if asked else "read all values and act on all alerts",
+        f"opcua_listen={settings.opcua_listen}, opcua_allow_unencrypted={clear}; {told}{_twice(settings, level)}",
+    )
+
+
+def _mqtt_broker(settings: Settings) -> Iterator[ExposedEndpoint]:
+    """Yield the plant's broker, to which the service connects."""
+    if not settings.mqtt_url:
+        return
+    inside, encrypted = is_loopback(settings.mqtt_broker[0]), settings.mqtt_encrypted
+    level: Level = "local" if inside else "guarded" if encrypted else "weak"
+    samples = "publish samples for any machine, where its rules let them" if settings.mqtt_samples == "taken" else "nothing"
+    yield ExposedEndpoint(
+        level,
+        "MQTT broker",
+        settings.mqtt_url,
+        MACHINE if inside else NETWORK,
+        "what its own users and access rules say: look there as well",
+        samples if inside or encrypted else f"{samples}; read and change messages on their way, who sits between",
+        f"mqtt_url={settings.mqtt_url}, mqtt_samples={settings.mqtt_samples}",
+    )
+
+
 def _database(settings: Settings) -> Iterator[ExposedEndpoint]:
     url = make_url(settings.database)
     if url.get_dialect().name != "postgresql":
@@ -240,6 +281,9 @@ def _files(settings: Settings) -> Iterator[ExposedEndpoint]:
     named = (
         settings.tls_key,
         settings.zenoh_tls_key,
+        settings.opcua_key,
+        settings.mqtt_tls_key,
+        settings.mqtt_password_file,
         settings.database_file,
         settings.smtp_password_file,
         settings.oidc_client_secret_file,

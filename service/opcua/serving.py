@@ -83,7 +83,7 @@ class OpcUaServing(SupervisedThread):
             from service.opcua.client_trust import CertificateUnusable
             from service.opcua.server import PlantServer
         except ModuleNotFoundError as error:
-            raise OpcUaUnusable(f"the OPC UA server needs {error.name}: pip install 'rundown[opcua]'") from None
+            raise OpcUaUnusable(f"the OPC UA server needs {error.name}: pip install 'rotorundown[opcua]'") from None
         _bound_log()
         server = PlantServer(self._database, self._settings, self._texts)
         endpoint = self._settings.opcua_listen

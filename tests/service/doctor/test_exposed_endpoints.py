@@ -23,6 +23,7 @@ from tests.plant import sqlite_url
 from tests.ports import free_port
 
 TWICE: dict[str, Any] = {"allow_no_authentication": True, "everybody_may_change_everything": True}
+OPEN_OPC_UA: dict[str, Any] = {"opcua_listen": "opc.tcp://0.0.0.0:4840", "opcua_allow_unencrypted": True}
 API = "REST API, page and metrics"
 
 
@@ -93,6 +94,12 @@ def test_what_anybody_may_ask_is_that_of_the_table_of_operations(tmp_path: Path)
         ("zenoh, for sources", {"zenoh_listen": ["udp/[::]:7447"]}, "open", "no zenoh_access"),
         ("zenoh router", {"zenoh_connect": ["tcp/10.0.0.5:7447"]}, "weak", "zenoh_connect"),
         ("zenoh router", {"zenoh_connect": ["tls/10.0.0.5:7447"]}, "guarded", "zenoh_connect"),
+        ("OPC UA server", OPEN_OPC_UA | {"opcua_listen": "opc.tcp://127.0.0.1:4840"}, "local", "opcua_listen"),
+        ("OPC UA server", OPEN_OPC_UA, "open", "there is no store yet"),
+        ("OPC UA server", OPEN_OPC_UA | {"authentication": "required"}, "weak", "opcua_allow_unencrypted=True"),
+        ("MQTT broker", {"mqtt_url": "mqtt://127.0.0.1:1883"}, "local", "mqtt_url"),
+        ("MQTT broker", {"mqtt_url": "mqtt://broker.plant:1883"}, "weak", "mqtt_samples=taken"),
+        ("MQTT broker", {"mqtt_url": "mqtts://broker.plant:8883"}, "guarded", "mqtt_url"),
         ("Dask scheduler", {"dask_scheduler": "tcp://10.0.0.5:8786"}, "open", "dask_scheduler"),
         ("Dask scheduler", {"dask_scheduler": "tls://10.0.0.5:8786"}, "guarded", "dask_scheduler"),
         ("Dask scheduler", {"dask_scheduler": "tcp://127.0.0.1:8786"}, "local", "dask_scheduler"),
