@@ -62,7 +62,7 @@ def judged_on_one_page(seen: Seen, service: Service) -> None:
     """What a judgement needs is there without a click: evidence, train, trends, the response beside the coupling."""
     page = seen.page
     expect(page.locator("h1")).to_have_text("Misalignment of coupling C1")
-    expect(page.locator(".alert-row .facts")).to_contain_text("Largest changes")
+    expect(page.locator(".alert-row .facts:not(.advice)")).to_contain_text("Largest changes")
     expect(page.locator(".element.danger, .element.alert")).to_have_count(1)
     expect(page.get_by_role("group", name=re.compile("coupling.C1.* over time")).first).to_be_visible()
     bode = page.get_by_role("group", name=re.compile("^Amplitude of"))

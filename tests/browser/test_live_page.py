@@ -23,11 +23,11 @@ def test_an_older_run_is_shown_and_one_that_is_not_there_is_not_replaced(seen: S
     seen.page.route(re.compile(r"/runs\?limit="), newest_only)
     oldest = runs[-1]["id"]
     seen.open(f"machines/{MACHINE}/response?run={oldest}")
-    expect(seen.page.locator("select").first).to_have_value(str(oldest))
+    expect(seen.page.locator("main select").first).to_have_value(str(oldest))
     wait_drawn(seen.page, 3)
     seen.open(f"machines/{MACHINE}/response?run=999999")
     expect(seen.page.get_by_role("alert")).to_contain_text("no run 999999")
-    expect(seen.page.locator("select").first).to_have_value("")
+    expect(seen.page.locator("main select").first).to_have_value("")
     expect(seen.page.locator(".plot canvas")).to_have_count(0)
 
 
@@ -37,7 +37,7 @@ def test_an_identification_that_is_not_listed_is_the_one_that_the_choice_shows(s
     other = {**service.get(f"/identifications/{oldest}"), "machine": "another"}
     seen.page.route(re.compile(r"/identifications\?limit="), lambda route: route.fulfill(json=listed[:2]))
     seen.open(f"machines/{MACHINE}/identified?identification={oldest}&against={oldest}")
-    choices = seen.page.locator("select")
+    choices = seen.page.locator("main select")
     expect(choices.first).to_have_value(str(oldest))
     expect(choices.nth(1)).to_have_value(str(oldest))
     seen.page.route(re.compile(rf"/identifications/{oldest}$"), lambda route: route.fulfill(json=other))

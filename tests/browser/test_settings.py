@@ -116,7 +116,7 @@ def test_two_identifications_are_compared(seen: Seen, service: Service) -> None:
     rows = seen.page.locator("table.comparison tbody tr")
     expect(rows).to_have_count(len(expected["changes"]))
     strongest = max(expected["changes"], key=lambda one: abs(one["sigma"] or 0))
-    expect(rows.first).to_contain_text(strongest["parameter"])
+    expect(rows.first).to_contain_text(strongest["parameter"].replace(".", " "))
     assert seen.errors == []
 
 
