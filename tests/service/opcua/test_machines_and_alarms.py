@@ -170,8 +170,9 @@ def test_what_has_become_worse_is_not_acknowledged_by_an_old_event(
             finding = AlertFinding({}, served.harbour.identification_id, now(), severity)
             transitions.raise_alert(session, KEY.machine, rule="misalignment", element="coupling.C1", finding=finding)
 
+    first = read(operator, f"{ALERT}/EventId")["value"]
     found(Severity.ALERT)
-    wait_until(lambda: read(operator, f"{ALERT}/Message")["value"] == "moves again")
+    wait_until(lambda: read(operator, f"{ALERT}/EventId")["value"] != first)
     before = read(operator, f"{ALERT}/EventId")["value"]
     found(Severity.DANGER)
     wait_until(lambda: read(operator, f"{ALERT}/Severity")["value"] == 900)
