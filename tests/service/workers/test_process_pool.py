@@ -134,18 +134,25 @@ def test_work_that_does_not_keep_to_its_time_is_ended_and_the_other_process_work
         hanging.result(SOON_S)
 
 
+def pool_threads() -> set[threading.Thread]:
+    """Threads of process pools, those of tests before among them."""
+    return {one for one in threading.enumerate() if one.name == "worker process"}
+
+
 def test_a_process_that_a_shutdown_kills_while_it_starts_is_no_error(caplog: pytest.LogCaptureFixture) -> None:
+    others, begun = pool_threads(), len(multiprocessing.active_children())
     made = ProcessPool(1, memory_bytes=MEMORY)
     waiting = made.submit(10.0, os.getpid)
-    wait_until(lambda: bool(multiprocessing.active_children()))
+    wait_until(lambda: len(multiprocessing.active_children()) > begun)
     made.shutdown()
     with pytest.raises(Interrupted, match="was shut down"):
         waiting.result(SOON_S)
-    wait_until(lambda: not [one for one in threading.enumerate() if one.name == "worker process"])
+    wait_until(lambda: pool_threads() <= others)
     assert [one.getMessage() for one in caplog.records if one.levelname == "ERROR"] == []
 
 
 def test_a_shutdown_waits_for_nobody_and_leaves_nothing() -> None:
+    others = pool_threads()
     made = ProcessPool(1, memory_bytes=MEMORY)
     pid = made.submit(10.0, os.getpid).result(SOON_S)
     os.kill(pid, signal.SIGSTOP)
@@ -162,4 +169,4 @@ def test_a_shutdown_waits_for_nobody_and_leaves_nothing() -> None:
         made.submit(1.0, os.getpid)
     with contextlib.suppress(psutil.NoSuchProcess):
         psutil.Process(pid).wait(5.0)
-    wait_until(lambda: not [one for one in threading.enumerate() if one.name == "worker process"])
+    wait_until(lambda: pool_threads() <= others)
