@@ -3,13 +3,13 @@
 `FINDING_RULES` has one declaration for each of the estimator's `FINDING_KINDS`; otherwise the import of this module fails.
 """
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from estimator.diagnosis.finding_kinds import FINDING_KINDS, finding_kind
-from service.monitoring.limit_rule import Level, Quantity, Rule
-from service.wording.finding_texts import LISTS, FindingTexts
+from service.monitoring.finding_rule import AlertRule, FindingRule
+from service.monitoring.limit_rule import Level, Rule
+from service.wording.finding_texts import FindingTexts
 from service.wording.finding_words import (
     alignment_questions,
     bearing_words,
@@ -17,7 +17,6 @@ from service.wording.finding_words import (
     element_questions,
     element_words,
     misalignment_words,
-    no_questions,
     oil_words,
     rate_words,
     run_out_words,
@@ -27,83 +26,9 @@ from service.wording.finding_words import (
     unbalance_words,
     wear_size,
 )
-from service.wording.told_finding import ToldFinding
 
 if TYPE_CHECKING:
     from estimator.diagnosis.finding_kind import ElementKind
-
-
-@dataclass(frozen=True)
-class AlertRule:
-    """Rule by which alerts are raised. Raises ValueError when its parts contradict each other.
-
-    limits: the defaults; None when the finding has no size: it is then always an alert, never a danger. quantities: those that
-    its levels may name. deviations: kinds of elements whose deviations of single parameters are also measured by it. elements:
-    kinds of elements that it concerns besides those of its findings.
-    """
-
-    name: str
-    limits: Rule | None = None
-    quantities: tuple[Quantity, ...] = ()
-    deviations: tuple["ElementKind", ...] = ()
-    elements: tuple["ElementKind", ...] = ()
-
-    def __post_init__(self) -> None:
-        if (self.limits is None) != (not self.quantities):
-            raise ValueError(f"alert rule '{self.name}' needs both limits and quantities that they may name, or neither")
-        if self.limits is not None:
-            self.require_quantities(self.limits)
-
-    def require_quantities(self, rule: Rule) -> None:
-        """Raise ValueError for a level that names a quantity which this rule does not have."""
-        for level_name, level in (("alert", rule.alert), ("danger", rule.danger)):
-            for quantity in level.named if level is not None else ():
-                if quantity not in self.quantities:
-                    raise ValueError(
-                        f"{level_name}.{quantity} is no limit of {self.name}: it has {', '.join(self.quantities)}"
-                    )
-
-
-Words = Callable[[ToldFinding], Mapping[str, str]]
-"""Function that returns what stands in the places of a finding's own texts, by name; `size` is one of them."""
-
-
-@dataclass(frozen=True)
-class FindingRule:
-    """Declaration of how one kind of finding is reported. Raises ValueError when a part is missing or wrong.
-
-    texts: what is said of it, which a site may replace. words: what stands in its places. places: those beside `PLACES`.
-    force: the derived value of the element that is its force [N], such as `misalignment_force`; required when the rule's
-    levels may name a force. open_questions: what the numbers of a finding leave open, beside what its texts say.
-    """
-
-    kind: str
-    rule: AlertRule
-    texts: FindingTexts
-    words: Words = size_words
-    places: tuple[str, ...] = ()
-    force: str | None = None
-    open_questions: Callable[[ToldFinding], Sequence[str]] = no_questions
-
-    def __post_init__(self) -> None:
-        if "force" in self.rule.quantities and self.force is None:
-            raise ValueError(f"finding '{self.kind}' can have a limit for a force, and does not say which value that is")
-        for field, message in self.problems(self.texts):
-            raise ValueError(f"finding '{self.kind}': {field} {message}")
-        missing = [name for name in LISTS if not getattr(self.texts, name) and (name != "if_danger" or self.can_be_danger)]
-        if missing:
-            raise ValueError(f"finding '{self.kind}' has no texts of {', '.join(missing)}")
-
-    @property
-    def can_be_danger(self) -> bool:
-        """Return whether it has a danger limit unless a site sets others."""
-        return self.rule.limits is not None and self.rule.limits.danger is not None
-
-    def problems(self, texts: FindingTexts) -> list[tuple[str, str]]:
-        """Return what is wrong with texts of it, as (field, message)."""
-        needed = [one for one in ("id", "size", *self.places) if f"{{{one}}}" in self.texts.what]
-        return list(texts.problems(self.places, needed))
-
 
 # --- alert rules, with the sources of their limits ---------------------------------------------------------------------------
 

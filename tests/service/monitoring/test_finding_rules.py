@@ -5,7 +5,8 @@ import re
 import pytest
 
 from estimator.diagnosis.finding_kinds import FINDING_KINDS
-from service.monitoring.finding_rules import FINDING_RULES, LIMITED_RULES, AlertRule, FindingRule, require_complete
+from service.monitoring.finding_rule import AlertRule, FindingRule
+from service.monitoring.finding_rules import FINDING_RULES, LIMITED_RULES, require_complete
 from service.monitoring.limit_rule import Level, Rule
 from service.wording.finding_texts import FindingTexts
 from tests.paths import ROOT
