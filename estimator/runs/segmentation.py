@@ -7,6 +7,7 @@ noise by hysteresis that grows with the noise of the speed readings (`estimator.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, Literal
 
 import msgspec
@@ -70,6 +71,11 @@ class SweepLimits:
             hold=round(1e9 * given.longest_hold_s),
             gap=round(1e9 * given.longest_pause_s),
         )
+
+    @cached_property
+    def least_changes(self) -> tuple[float, float, float]:
+        """Return the least changes of speed that begin a run, turn it back, and do not count as standing still [rad/s]."""
+        return self.span(START_SPAN), self.span(REVERSAL_SPAN), self.span(PLATEAU_SPAN)
 
     def span(self, part: float) -> float:
         """Return a part of the speed range.
@@ -232,11 +238,8 @@ def thresholds(state: SweepState, limits: SweepLimits) -> tuple[float, float, fl
         The three changes [rad/s].
     """
     noise = state.readings.noise
-    return (
-        max(limits.span(START_SPAN), START_NOISE * noise),
-        max(limits.span(REVERSAL_SPAN), REVERSAL_NOISE * noise),
-        max(limits.span(PLATEAU_SPAN), PLATEAU_NOISE * noise),
-    )
+    start, reversal, still = limits.least_changes
+    return max(start, START_NOISE * noise), max(reversal, REVERSAL_NOISE * noise), max(still, PLATEAU_NOISE * noise)
 
 
 def _ended(state: SweepState, time: int, reason: str) -> RunEnded:

@@ -9,6 +9,7 @@ import math
 import time
 from collections import defaultdict
 from collections.abc import Set
+from typing import Any
 
 import numpy as np
 from sqlalchemy.orm import Session
@@ -152,7 +153,6 @@ class Journal:
             pending.outcomes.append(self._numbering.add(session, pending, one, documents[machine_id][1]))
             self.pacing.pause()
         added = self._add_blocks(session, pending, documents)
-        session.flush()
         self._collect(session, added, documents)
         if pending.rejections:
             quarantine.add(session, pending.rejections)
@@ -162,16 +162,18 @@ class Journal:
     def _add_blocks(self, session: Session, pending: Pending, documents: Documents) -> dict[str, list[Samples]]:
         """Add a block for each source and count its late samples; return the samples of each machine."""
         added: dict[str, list[Samples]] = defaultdict(list)
+        blocks: list[dict[str, Any]] = []
         for source, parts in pending.parts.items():
             revision, machine = documents[source.machine_id]
             joined = join(parts, channels=len(machine.probes))
-            samples.add_block(
-                session,
-                source,
-                revision=revision,
-                first_sequence=pending.first[source],
-                samples=joined,
-                received_at=pending.received_at[source],
+            blocks.append(
+                samples.block_row(
+                    source,
+                    revision=revision,
+                    first_sequence=pending.first[source],
+                    samples=joined,
+                    received_at=pending.received_at[source],
+                )
             )
             self.pacing.pause()
             added[source.machine_id].append(joined)
@@ -179,6 +181,8 @@ class Journal:
             if late:
                 samples.source(session, source).late += late
                 logger.warning("%s: %d samples are older than what is known; they are sorted in", source.machine_id, late)
+        session.flush()
+        samples.add_blocks(session, blocks)
         return added
 
     def _collect(self, session: Session, added: dict[str, list[Samples]], documents: Documents) -> None:
@@ -186,7 +190,8 @@ class Journal:
         for machine_id, parts in added.items():
             revision, machine = documents[machine_id]
             joined = join(parts, channels=len(machine.probes))
-            in_time = joined.pick(np.argsort(joined.time, kind="stable"))
+            ascends = bool(np.all(joined.time[1:] >= joined.time[:-1]))
+            in_time = joined if ascends else joined.pick(np.argsort(joined.time, kind="stable"))
             self._collector.feed(session, machine, revision, in_time)
             self.pacing.pause()
 

@@ -75,8 +75,7 @@ class Collector:
         if late.any():
             self.late.note(session, machine.id, now, new.time[late])
         fresh = new.pick(~late)
-        _, first = np.unique(fresh.time, return_index=True)
-        fresh = fresh.pick(first)
+        fresh = fresh.pick(np.concatenate([[True], fresh.time[1:] > fresh.time[:-1]])[: len(fresh)])
         for moment, speed, direction in zip(fresh.time.tolist(), fresh.speed.tolist(), fresh.direction.tolist(), strict=True):
             now.seen, now.direction = moment, direction
             now.operating, events = advance(now.operating, limits, time=moment, speed=speed, direction=direction)

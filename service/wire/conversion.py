@@ -46,7 +46,7 @@ def to_samples(batch: SampleBatch, machine: Machine, *, received_at: int) -> tup
     second = np.full(shape, _NO_PHASOR)
     scatter = np.full(shape, np.nan)
     status = np.full(shape, ChannelStatus.NOT_AVAILABLE, dtype=np.uint8)
-    columns = [machine.channels.index(channel) for channel in batch.channels]
+    columns = _columns(batch, machine)
     with np.errstate(invalid="ignore", over="ignore"):
         speed = np.array(batch.speed, dtype=float) * _factor(batch, "speed_unit", RAD_PER_S)
         size, phase = _table(batch.amplitude) * factors, _table(batch.phase)
@@ -75,8 +75,11 @@ def to_samples(batch: SampleBatch, machine: Machine, *, received_at: int) -> tup
         conditions[index, column] = np.nan
     gap, of_gap = to_gap(batch, machine)
     faults += of_gap
-    phasor, second = (on_grid(one.view(np.float64)).view(np.complex128) for one in (phasor, second))
-    return Samples(time, speed, direction, phasor, status, on_grid(scatter), second, conditions, on_grid(gap)), taken, faults
+    phasor = on_grid(phasor.view(np.float64)).view(np.complex128)
+    # What is not sent is missing throughout, and needs no rounding.
+    second = second if batch.amplitude_2x is None else on_grid(second.view(np.float64)).view(np.complex128)
+    scatter = scatter if batch.scatter is None else on_grid(scatter)
+    return Samples(time, speed, direction, phasor, status, scatter, second, conditions, gap), taken, faults
 
 
 def _is_amplitude(size: NDArray[np.float64]) -> NDArray[np.bool_]:
@@ -103,14 +106,21 @@ def _conditions(batch: SampleBatch, machine: Machine) -> NDArray[np.float64]:
 
 
 def _check_names(batch: SampleBatch, machine: Machine) -> None:
-    unknown = [channel[:64] for channel in batch.channels if channel not in machine.channels]
+    channels = machine.channels
+    unknown = [channel[:64] for channel in batch.channels if channel not in channels]
     if unknown:
-        known = ", ".join(machine.channels)
+        known = ", ".join(channels)
         raise Rejected("unknown_channel", f"machine '{machine.id}' has no channel {', '.join(unknown)}; it has {known}")
     unknown = [name[:64] for name in batch.conditions or () if name not in machine.condition_names]
     if unknown:
         known = f"it has {', '.join(machine.condition_names)}" if machine.conditions else "its document names none"
         raise Rejected("unknown_condition", f"machine '{machine.id}' has no condition {', '.join(unknown)}; {known}")
+
+
+def _columns(batch: SampleBatch, machine: Machine) -> list[int]:
+    """Return the place of each channel of a batch in the document's order."""
+    places = {channel: column for column, channel in enumerate(machine.channels)}
+    return [places[channel] for channel in batch.channels]
 
 
 def _metres(batch: SampleBatch, machine: Machine) -> NDArray[np.float64]:

@@ -12,6 +12,7 @@ from estimator.machine.document import Machine
 from estimator.units import METRES
 from service.wire.rejection import Fault, Rejected
 from service.wire.schema import SampleBatch
+from storage.encoding.packing import on_grid
 
 LARGEST_GAP = 0.02
 """No probe looks at a shaft from farther away [m]."""
@@ -29,7 +30,8 @@ def to_gap(batch: SampleBatch, machine: Machine) -> tuple[Floats, list[Fault]]:
         return places, []
     if batch.gap_unit != "V" and batch.gap_unit not in METRES:
         raise Rejected("wrong_unit", f"gap_unit '{batch.gap_unit[:40]}' is not one of {', '.join((*METRES, 'V'))}")
-    columns = [machine.channels.index(channel) for channel in batch.channels]
+    channels = machine.channels
+    columns = [channels.index(channel) for channel in batch.channels]
     probes = [machine.probes[column] for column in columns]
     signs = np.array([np.nan if one.gap_grows is None else TOWARDS[one.gap_grows] for one in probes])
     factors = np.array([_metres(batch.gap_unit, one.sensitivity) for one in probes])
@@ -43,7 +45,7 @@ def to_gap(batch: SampleBatch, machine: Machine) -> tuple[Floats, list[Fault]]:
         faults.append(Fault(index, "gap_out_of_range", f"{detail}, at most {LARGEST_GAP} m: is its unit right?"))
     with np.errstate(invalid="ignore"):
         places[:, columns] = np.where(size <= LARGEST_GAP, sent * factors * signs, np.nan)
-    return places, faults
+    return on_grid(places), faults
 
 
 def as_sent(places: Floats, machine: Machine) -> Floats:

@@ -67,6 +67,8 @@ def unshuffled(body: memoryview, at: int, size: int, kind: str) -> NDArray[np.ge
 def _as_multiples(table: Floats) -> tuple[NDArray[np.bool_], NDArray[np.int64]] | None:
     """Return where values are NaN, and the others as multiples of the quantum; None unless that reproduces them to the bit."""
     missing = np.isnan(table)
+    if missing.all() and table.tobytes() == np.full(table.shape, np.nan).tobytes():
+        return missing, np.zeros(table.shape, np.int64)
     with np.errstate(over="ignore"):
         scaled = np.where(missing, 0.0, table) / QUANTUM
     if not np.all(np.abs(scaled) <= _LARGEST):

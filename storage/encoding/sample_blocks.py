@@ -61,6 +61,8 @@ class Samples:
 
     def pick(self, which: NDArray[np.bool_] | NDArray[np.intp] | slice) -> "Samples":
         """Return some of the samples."""
+        if isinstance(which, np.ndarray) and which.dtype == np.bool_ and which.all():
+            return self
         return Samples(*(getattr(self, name)[which] for name in _FIELDS))
 
     def between(self, first: int, last: int) -> "Samples":
@@ -96,6 +98,8 @@ def join(parts: Sequence[Samples], *, channels: int) -> Samples:
             np.empty((0, channels)),
             np.empty((0, channels), complex),
         )
+    if len(parts) == 1:
+        return parts[0]
     width = max(part.conditions.shape[1] for part in parts)
     conditions = np.concatenate([_wider(part.conditions, width) for part in parts])
     rest = {name: np.concatenate([getattr(part, name) for part in parts]) for name in _FIELDS if name != "conditions"}

@@ -1,11 +1,12 @@
 """Repository of sample blocks and of the reception state of each source."""
 
 import logging
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from sqlalchemy import case, func, select, tuple_
+from sqlalchemy import case, func, insert, select, tuple_
 from sqlalchemy.orm import Session
 
 from storage.clock import latest as latest_time
@@ -41,25 +42,38 @@ def add_block(
     samples: Samples,
     received_at: int | None = None,
 ) -> None:
-    """Store samples of one source.
+    """Store samples of one source; the arguments are those of `block_row`."""
+    add_blocks(
+        session, [block_row(key, revision=revision, first_sequence=first_sequence, samples=samples, received_at=received_at)]
+    )
+
+
+def block_row(
+    key: SourceKey, *, revision: int, first_sequence: int, samples: Samples, received_at: int | None = None
+) -> dict[str, Any]:
+    """Return the row of a block of samples of one source.
 
     first_sequence: number of one of them, which no other block holds; received_at: when the last of them came, by this
     machine's clock [ns].
     """
-    session.add(
-        SampleBlockRow(
-            machine_id=key.machine_id,
-            revision=revision,
-            source=key.source,
-            epoch=key.epoch,
-            first_sequence=first_sequence,
-            count=len(samples),
-            time_first=int(samples.time.min()),
-            time_last=int(samples.time.max()),
-            received_at=received_at,
-            data=encode(samples),
-        )
-    )
+    return {
+        "machine_id": key.machine_id,
+        "revision": revision,
+        "source": key.source,
+        "epoch": key.epoch,
+        "first_sequence": first_sequence,
+        "count": len(samples),
+        "time_first": int(samples.time.min()),
+        "time_last": int(samples.time.max()),
+        "received_at": received_at,
+        "data": encode(samples),
+    }
+
+
+def add_blocks(session: Session, blocks: Sequence[Mapping[str, Any]]) -> None:
+    """Store blocks in one statement, without an object and a returned id for each."""
+    if blocks:
+        session.execute(insert(SampleBlockRow), blocks)
 
 
 def between(
