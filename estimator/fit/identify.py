@@ -9,10 +9,8 @@ from numpy.typing import NDArray
 from estimator.arrays import Complexes, Floats
 from estimator.fit.calibrated_scatter import with_calibrated_scatter
 from estimator.fit.channel_sensitivity import ChannelEffects, channel_effects
-from estimator.fit.coordinates import Coordinates
 from estimator.fit.coupling_run_outs import RunOutFit, fit_with_run_outs
 from estimator.fit.estimates import Estimate, determined, estimates
-from estimator.fit.fit_problem import FitProblem, FitResult, best_excitations
 from estimator.fit.form_discrepancy import FormVerdict, judge_form, needs_form
 from estimator.fit.gap_checks import with_gaps
 from estimator.fit.goodness_of_fit import Verdict, VerdictRemark, judge, remark
@@ -22,6 +20,8 @@ from estimator.fit.multistart import BestFit, FitFailed, best_fit
 from estimator.fit.nuisance_parameters import counted_by_effect, excessive_deviations
 from estimator.fit.omitted_warming import viscosity_trend
 from estimator.fit.physical_limits import Limits, limits_for, without_growing_modes
+from estimator.fit.problem.coordinates import Coordinates
+from estimator.fit.problem.fit_problem import FitProblem, FitResult, best_excitations
 from estimator.fit.profile_likelihood import flat_coordinates
 from estimator.machine.bearings_on_films import bearings_on_films
 from estimator.machine.document import Machine

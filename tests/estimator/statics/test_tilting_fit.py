@@ -3,8 +3,8 @@
 import numpy as np
 import yaml
 
-from estimator.fit.coordinates import Coordinates
 from estimator.fit.identify import Options, identify
+from estimator.fit.problem.coordinates import Coordinates
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.condensation import condense

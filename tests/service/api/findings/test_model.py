@@ -15,7 +15,7 @@ import pytest
 from anyio.to_thread import current_default_thread_limiter
 
 from benchmarks.serving import serving
-from estimator.fit.coordinates import Coordinates
+from estimator.fit.problem.coordinates import Coordinates
 from estimator.machine.rules import Noise
 from estimator.modes.critical_speed import critical_speed_table
 from estimator.phasors.channel_status import ChannelStatus
