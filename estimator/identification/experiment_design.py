@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.fit.identify import Identification
+from estimator.fit.identification import Identification
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.phasor_jacobian import phasor_jacobian
 from estimator.machine.document import Machine

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.fit.estimates import CONFIDENCE_95
-from estimator.fit.identify import Identification
+from estimator.fit.identification import Identification
 from estimator.fit.physical_limits import PhysicalLimits
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.machine.document import Machine

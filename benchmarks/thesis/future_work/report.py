@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from benchmarks.thesis.future_work.trains import FEATURES, INTERNAL_DAMPING, NOMINAL_ERROR, RMS, Feature, plain, true_point
 from benchmarks.thesis.tables import paragraphs, percent, prose, table
-from estimator.fit.identify import Identification, Options, identify
+from estimator.fit.identification import Identification, Options
+from estimator.fit.identify import identify
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.phasor_jacobian import phasor_jacobian
 from estimator.machine.document import Machine

@@ -3,7 +3,8 @@
 import numpy as np
 import yaml
 
-from estimator.fit.identify import Options, identify
+from estimator.fit.identification import Options
+from estimator.fit.identify import identify
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.measurement import Measurement
