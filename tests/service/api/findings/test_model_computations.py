@@ -3,6 +3,7 @@
 import asyncio
 import socket
 import threading
+from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -99,33 +100,34 @@ def test_computations_whose_clients_have_gone_are_given_up(modelled: Api, monkey
         one.close()
 
 
+@pytest.fixture(scope="module")
+def beside(modelled: Api) -> Iterator[Api]:
+    """Over the same store, with the process of its own that it starts for the first long train."""
+    one = Api(modelled.database)
+    yield one
+    one.app.state.model_process.close()
+
+
 @pytest.mark.parametrize("what", [*(f"model/{one}" for one in MODEL), "bode"])
-def test_a_process_of_its_own_answers_the_same(modelled: Api, what: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_process_of_its_own_answers_the_same(modelled: Api, beside: Api, what: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """As for a long train."""
     expected = modelled.value(f"/identifications/1/{what}")
     monkeypatch.setattr("service.api.findings.model_process.LONG_ELEMENTS", 0)
-    other, computed = Api(modelled.database), []
-    compute = other.app.state.model_process.compute
+    computed = []
+    compute = beside.app.state.model_process.compute
 
     def counted(work: Any, *arguments: Any) -> Any:
         computed.append(work)
         return compute(work, *arguments)
 
-    monkeypatch.setattr(other.app.state.model_process, "compute", counted)
-    try:
-        assert other.value(f"/identifications/1/{what}") == expected
-        assert len(computed) == 1
-        assert other.value(f"/identifications/1/{what}") == expected
-        assert len(computed) == 1
-    finally:
-        other.app.state.model_process.close()
+    monkeypatch.setattr(beside.app.state.model_process, "compute", counted)
+    assert beside.value(f"/identifications/1/{what}") == expected
+    assert len(computed) == 1
+    assert beside.value(f"/identifications/1/{what}") == expected
+    assert len(computed) == 1
 
 
-def test_what_does_not_suit_is_told_by_a_process_of_its_own_as_well(modelled: Api, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_does_not_suit_is_told_by_a_process_of_its_own_as_well(beside: Api, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("service.api.findings.model_process.LONG_ELEMENTS", 0)
-    other = Api(modelled.database)
-    try:
-        answer = other.get("/identifications/1/model/balancing", plane=["nowhere"])
-        assert "nowhere" in problem(answer, 422)["detail"]
-    finally:
-        other.app.state.model_process.close()
+    answer = beside.get("/identifications/1/model/balancing", plane=["nowhere"])
+    assert "nowhere" in problem(answer, 422)["detail"]
