@@ -28,7 +28,7 @@ thousands."""
 def conclude(
     problem: FitProblem, best: BestFit, of_gaps: tuple[str, ...], reasons: Reasons | None, limits: Limits | None
 ) -> Identification:
-    """Conclude from a fit: its verdict, estimates with intervals, or the reasons why there are none.
+    """Judge a fit: its verdict, estimates with intervals, or the reasons why there are none.
 
     Intervals are those of the Gaussian approximation at the maximum (Rasmussen and Williams, Gaussian Processes for Machine
     Learning, 2006, sec. 3.4), as wide as the form over speed and the residuals ask for.

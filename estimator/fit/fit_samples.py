@@ -23,7 +23,7 @@ class NotEnoughData(ValueError):
 
 
 def without_empty_samples(measurement: Measurement) -> Measurement:
-    """Leave out the samples of which no phasor is usable.
+    """Pick the samples of which a phasor is usable.
 
     Args:
         measurement: Measured phasors.

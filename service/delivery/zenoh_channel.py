@@ -31,7 +31,7 @@ def alert_key(plant: str, event: AlertEvent) -> str:
 
 def _open(_row: SubscriptionRow, connections: Connections) -> PlantChannel:
     async def publish(message: EventMessage) -> str:
-        """Nobody confirms it: readers that must not miss one query the last state, or the events over REST."""
+        # Nobody confirms it: readers that must not miss one query the last state, or the events over REST.
         key, body = alert_key(message.plant, message.event), message.event.model_dump_json().encode()
         try:
             await asyncio.to_thread(connections.session.put, key, body, encoding=ENCODING)
