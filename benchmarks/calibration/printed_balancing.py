@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.calibration.influence_correction import Criterion, correct
+from estimator.calibration.criterion import Criterion
+from estimator.calibration.influence_correction import correct
 from estimator.calibration.measured_influence import MeasuredInfluence, measure_influence
 from estimator.calibration.trial_runs import TrialRuns, total_weights
 

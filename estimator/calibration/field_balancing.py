@@ -11,8 +11,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
+from estimator.calibration.criterion import Criterion
 from estimator.calibration.influence_choice import ChosenInfluence, InfluenceMethod, choose_influence
-from estimator.calibration.influence_correction import Criterion, InfluenceCorrection, correct
+from estimator.calibration.influence_correction import InfluenceCorrection, correct
 from estimator.calibration.measured_influence import MeasuredInfluence
 from estimator.calibration.plane_separation import PlaneSeparation, separate_planes
 from estimator.calibration.trial_runs import TrialRuns, TrialsUnusable, require_plausible_weights, turning, weak_trials

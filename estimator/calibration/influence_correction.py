@@ -6,19 +6,16 @@ the initial vibration and of the run itself are in it (first order, JCGM 100:200
 """
 
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
+from estimator.calibration.criterion import Criterion
 from estimator.calibration.least_largest import least_largest
 from estimator.calibration.measured_influence import MeasuredInfluence
 from estimator.errors import Invalid
 from estimator.updated_model.balancing import least_squares_within
 from estimator.updated_model.uncertainty import PhasorBand
-
-Criterion = Literal["least-squares", "min-max"]
-"""Quantity that a correction minimises: the squares of the vibration, or its largest amplitude."""
 
 LEAST_ALONE = 0.02
 """Least variance of a point that no other shares, as a part of its own [-]: no points err in perfect unison."""

@@ -8,7 +8,7 @@ Allaire and Gunter (Min-max optimum flexible rotor balancing compared to weighte
 """
 
 import numpy as np
-import scipy.optimize
+import scipy
 
 from estimator.arrays import Complexes, Floats
 from estimator.updated_model.balancing import BalancingFailed

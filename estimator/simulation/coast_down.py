@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.interpolate
+import scipy
 
 from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-import scipy.optimize
+import scipy
 import scipy.special
 
 from estimator.arrays import Floats

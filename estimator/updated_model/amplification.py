@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import scipy.interpolate
+import scipy
 
 from estimator.arrays import Complexes, Floats
 from estimator.machine.parts import Probe

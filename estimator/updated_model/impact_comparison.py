@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-import scipy.optimize
+import scipy
 
 from estimator.arrays import Floats
 from estimator.machine.rules import ImpactTest

@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.interpolate
-import scipy.optimize
+import scipy
 
 from estimator.arrays import Floats
 
@@ -25,7 +24,7 @@ class TurningCurve:
         tops: Places (T,) of its maxima [unit of the places].
     """
 
-    spline: scipy.interpolate.CubicSpline
+    spline: "scipy.interpolate.CubicSpline"
     cuts: Floats
     heights: Floats
     tops: Floats
@@ -69,7 +68,7 @@ class TurningCurve:
         return float(crossing)
 
 
-def _turns(spline: scipy.interpolate.CubicSpline) -> Floats:
+def _turns(spline: "scipy.interpolate.CubicSpline") -> Floats:
     """Find where a spline's slope is zero, ascending."""
     cubic, square, slope, _ = spline.c
     length = np.diff(spline.x)

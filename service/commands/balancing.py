@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from estimator.calibration.influence_correction import Criterion
+from estimator.calibration.criterion import Criterion
 from service.commands.exit import fail
 from service.commands.json_output import JsonWanted, say_json
 from service.commands.terminal import say, say_lines, working

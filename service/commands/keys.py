@@ -13,7 +13,7 @@ from estimator.field_types import Identifier
 from service.commands.exit import fail
 from service.commands.json_output import JsonWanted, say_json
 from service.commands.terminal import say
-from service.security.principal import Role
+from service.security.role import Role
 
 if TYPE_CHECKING:
     from storage.database.engine import Database

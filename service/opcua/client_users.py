@@ -10,7 +10,8 @@ from typing import Any
 from asyncua.crypto.permission_rules import User, UserRole
 
 from service.security.authentication import Authentication, Unauthenticated
-from service.security.principal import MAXIMUM_CHARACTERS, OPEN, Principal, Role
+from service.security.principal import MAXIMUM_CHARACTERS, OPEN, Principal
+from service.security.role import Role
 
 SOMEBODY = "OPC UA client"
 

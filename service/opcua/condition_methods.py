@@ -22,8 +22,9 @@ from service.opcua.alert_conditions import AlertConditions
 from service.opcua.alert_reading import AlertReading
 from service.opcua.client_session import current
 from service.opcua.condition_state import LONGEST_SHELVING_MS, alert_and_event
-from service.security.principal import Principal, Role
+from service.security.principal import Principal
 from service.security.repeated_entries import RepeatedEntries
+from service.security.role import Role
 from service.security.store import AuditedTransactions
 from storage.alerts import alerts
 from storage.alerts.alerts import AlertUnknown

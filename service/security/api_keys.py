@@ -11,7 +11,8 @@ from collections.abc import Sequence
 
 from sqlalchemy.orm import Session
 
-from service.security.principal import Principal, Role
+from service.security.principal import Principal
+from service.security.role import Role
 from storage.clock import now
 from storage.operation import api_keys, audit
 from storage.operation.audit import AuditedOperation

@@ -13,7 +13,8 @@ from sqlalchemy.exc import DBAPIError
 
 from service.security import api_keys
 from service.security.key_set import KeysUnavailable
-from service.security.principal import ANONYMOUS, OPEN, Principal, Role
+from service.security.principal import ANONYMOUS, OPEN, Principal
+from service.security.role import Role
 from service.security.tokens import TokenRefused, Tokens
 from storage.clock import now
 from storage.database.engine import Database

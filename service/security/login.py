@@ -17,9 +17,10 @@ from service.security.authentication import SAFE_COOKIE, Authentication, Unauthe
 from service.security.configuration import Security
 from service.security.key_set import KeysUnavailable
 from service.security.open_id import CALLBACK, LoginFailed
-from service.security.principal import Principal, Role
+from service.security.principal import Principal
 from service.security.repeated_entries import RepeatedEntries
 from service.security.requirement import ANYBODY
+from service.security.role import Role
 from service.security.tokens import TokenRefused
 from storage.clock import now
 from storage.database.engine import Database

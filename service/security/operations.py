@@ -9,8 +9,8 @@ from fastapi import FastAPI
 from fastapi.routing import iter_route_contexts
 
 from service.security.browser_origin import SAFE_METHODS
-from service.security.principal import Role
 from service.security.requirement import Requirement, strictest
+from service.security.role import Role
 
 
 class Undeclared(RuntimeError):

@@ -2,36 +2,12 @@
 
 from contextvars import ContextVar
 from dataclasses import dataclass
-from enum import IntEnum
 from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, StringConstraints
 
+from service.security.role import Role
 from storage.database.plant_scope import Plants
-
-
-class Role(IntEnum):
-    """Roles in ascending order; each includes the rights of those before it. A source only sends samples."""
-
-    SOURCE = 0
-    VIEWER = 1
-    ANALYST = 2
-    OPERATOR = 3
-    ADMIN = 4
-
-    @property
-    def label(self) -> str:
-        """Return the role's name as in keys, tokens and answers."""
-        return self.name.lower()
-
-    @classmethod
-    def of(cls, label: str) -> "Role":
-        """Return the role of a label. Raises ValueError."""
-        try:
-            return cls[label.upper()]
-        except KeyError:
-            raise ValueError(f"'{label}' is no role; there are {', '.join(role.label for role in cls)}") from None
-
 
 Kind = Literal["open", "anonymous", "key", "token", "session"]
 

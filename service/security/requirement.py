@@ -7,7 +7,8 @@ from typing import Any
 from fastapi import Depends, HTTPException, Request, status
 from fastapi.params import Depends as Dependency
 
-from service.security.principal import Principal, Role
+from service.security.principal import Principal
+from service.security.role import Role
 
 
 @dataclass(frozen=True)

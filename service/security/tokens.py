@@ -8,7 +8,8 @@ from typing import Any
 import jwt
 
 from service.security.key_set import KeySet
-from service.security.principal import MAXIMUM_CHARACTERS, Principal, Role
+from service.security.principal import MAXIMUM_CHARACTERS, Principal
+from service.security.role import Role
 from storage.encoding.text import plain_text
 
 LEEWAY_S = 30.0

@@ -13,7 +13,7 @@ from service.security import api_keys
 from service.security.configuration import Security
 from service.security.key_set import KeySet
 from service.security.open_id import OpenId
-from service.security.principal import Role
+from service.security.role import Role
 from service.security.tokens import Claims, Tokens
 from storage.database.engine import Database
 from storage.operation import audit

@@ -20,6 +20,8 @@ from tests.ports import free_port
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
 DATA = ROOT / "tests" / "data"
+START_TIMEOUT_S = 90.0
+"""Longest time of a start [s], on a machine that is busy with other tests."""
 STOP_TIMEOUT_S = 60.0
 """Longest time of a stop [s]: what deploy/systemd grants it, as a machine may be busy while what has come is stored."""
 
@@ -99,7 +101,7 @@ class Service:
     def running(self) -> Iterator[subprocess.Popen[bytes]]:
         """The service, ready."""
         with probing_if_asked(f"http://127.0.0.1:{self.port}/api/v1"), self.started() as started:
-            until(lambda: self._ready(started), within_s=30, what="the service is ready")
+            until(lambda: self._ready(started), within_s=START_TIMEOUT_S, what="the service is ready")
             yield started
 
     def _ready(self, started: subprocess.Popen[bytes]) -> bool:

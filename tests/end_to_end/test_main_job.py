@@ -4,16 +4,29 @@ import json
 import signal
 import subprocess
 import time
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
 import pytest
 
+from tests.databases import Databases
 from tests.end_to_end.processes import EXAMPLES, Service, process, until
 
-CYCLES = 9
+CYCLES, BASELINE_RUNS = 5, 3
+"""So few that the baseline of each kind of run is complete and two more runs agree on an alert."""
 SAMPLES = 120
 DRIFTING, HEALTHY = "thesis-chapter-3", "motor-pump"
+
+
+@pytest.fixture
+def service(tmp_path: Path, databases: Databases) -> Iterator[Service]:
+    """A place for a service that has its baseline soon, on the kind of database that is asked for."""
+    url = databases.new(tmp_path / "rundown.db")
+    place = Service(tmp_path, database=url, RUNDOWN_BASELINE_RUNS=str(BASELINE_RUNS))
+    yield place
+    place.client.close()
+    databases.drop(url)
 
 
 def simulation(service: Service, truth: Path, *machines: str, rate: float) -> list[str]:
@@ -66,7 +79,7 @@ def check_alerts(service: Service) -> None:
     evidence = alerts[0]["evidence"]
     assert (evidence["kind"], evidence["sigma"] > 3.0, evidence["per_cent"] > 3.0) == ("misalignment", True, True)
     assert {one["parameter"].rsplit(".", 1)[0] for one in evidence["moved"]} == {"coupling.C1", "bearing.B2", "bearing.B3"}
-    assert len(evidence["baseline"]) == 5
+    assert len(evidence["baseline"]) == BASELINE_RUNS
     assert service.get(f"/identifications/{alerts[0]['identification']}")["machine"] == DRIFTING
 
 
@@ -95,7 +108,7 @@ def test_service_killed_twice_resumes_with_nothing_lost_and_nothing_twice(servic
             kill(serving)
         time.sleep(2)
         with service.running() as serving:
-            until(lambda: len(service.get(f"/machines/{DRIFTING}/runs")) >= 9, within_s=150, what="nine runs")
+            until(lambda: len(service.get(f"/machines/{DRIFTING}/runs")) >= 6, within_s=150, what="six runs")
             kill(serving)
         with service.running():
             assert simulator.wait(60) == 0

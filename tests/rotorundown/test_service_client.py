@@ -17,7 +17,7 @@ from service.api.findings.schemas import EstimateOut, IdentificationSummary
 from service.api.machines.schemas import MachineSummary
 from service.api.measurements.schemas import Run
 from service.security import api_keys
-from service.security.principal import Role
+from service.security.role import Role
 from service.sources.recording import read_recording
 from service.wire import to_samples
 from storage.clock import now

@@ -14,7 +14,7 @@ from service.alerts import transitions
 from service.alerts.transitions import AlertFinding, Person
 from service.client import ChangedMeanwhile, Refused, Rundown
 from service.security import api_keys
-from service.security.principal import Role
+from service.security.role import Role
 from storage.alerts import alerts
 from storage.database.engine import Database
 from tests.api_in_process import Api

@@ -5,7 +5,7 @@ from typer.testing import CliRunner
 
 from service.commands.app import app
 from service.security import api_keys
-from service.security.principal import Role
+from service.security.role import Role
 from storage.database.engine import Database
 from storage.operation import api_keys as keys
 

@@ -8,7 +8,7 @@ import pytest
 from service.commands.terminal import say, say_lines
 from service.configuration.log_format import TextLines
 from service.security import api_keys
-from service.security.principal import Role
+from service.security.role import Role
 from storage.database.engine import Database
 from tests.end_to_end.processes import ROOT, rundown
 

@@ -17,7 +17,7 @@ from service.api.application import every_operation
 from service.configuration.settings import Settings
 from service.doctor.endpoint_probes import probe_endpoints
 from service.doctor.exposed_endpoints import ExposedEndpoint, exposed_endpoints
-from service.security.principal import Role
+from service.security.role import Role
 from tests.end_to_end.processes import ROOT, Service, rundown, until
 from tests.plant import sqlite_url
 from tests.ports import free_port

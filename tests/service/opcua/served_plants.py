@@ -10,7 +10,7 @@ from typing import Any
 from service.configuration.settings import Settings
 from service.opcua.serving import OpcUaServing
 from service.security import api_keys
-from service.security.principal import Role
+from service.security.role import Role
 from storage.database.engine import Database
 from tests.plant import KEY, wait_until
 from tests.ports import free_port

@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from service.security import api_keys
-from service.security.principal import Role
+from service.security.role import Role
 from storage.database.engine import Database
 from storage.operation import audit
 from tests.plant import KEY, wait_until

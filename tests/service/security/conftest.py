@@ -12,7 +12,7 @@ from fastapi import FastAPI
 from service.security import api_keys
 from service.security.configuration import Security
 from service.security.key_set import KeySet
-from service.security.principal import Role
+from service.security.role import Role
 from service.security.tokens import Claims, Tokens
 from storage.database.engine import Database
 from tests.api_in_process import Api, InProcess

@@ -17,7 +17,8 @@ from service.security import api_keys
 from service.security.authentication import COOKIE, IDENTITY_CACHE_S, Authentication, Credentials, Unauthenticated
 from service.security.configuration import Security
 from service.security.key_set import KEPT_S, RETRY_S, STALE_S, KeySet, KeysUnavailable, _parsed
-from service.security.principal import Author, Role
+from service.security.principal import Author
+from service.security.role import Role
 from service.security.tokens import Claims, TokenRefused, Tokens
 from storage.clock import now
 from storage.database.engine import Database

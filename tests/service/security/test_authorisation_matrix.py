@@ -8,8 +8,8 @@ import pytest
 from fastapi import APIRouter, FastAPI
 
 from service.security.operations import ApiOperation, Operations, Undeclared
-from service.security.principal import Role
 from service.security.requirement import ANYBODY, VIEWER, Requirement
+from service.security.role import Role
 from service.security.scope import FREE, ROWS
 from tests.api_in_process import Api, InProcess, problem
 from tests.service.security.conftest import Filled, bearer

@@ -10,7 +10,8 @@ from sqlalchemy import func, select, text
 from service.alerts.transitions import AlertFinding, raise_alert
 from service.api.alerts.event_stream import stream
 from service.delivery.signing import new_secret
-from service.security.principal import Principal, Role
+from service.security.principal import Principal
+from service.security.role import Role
 from storage.alerts import deliveries
 from storage.database.engine import Database
 from storage.database.plant_scope import PlantScope, UnscopedStatement

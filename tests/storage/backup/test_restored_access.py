@@ -8,7 +8,7 @@ import alembic.config
 import pytest
 
 from service.security import api_keys
-from service.security.principal import Role
+from service.security.role import Role
 from storage.backup import backup
 from storage.backup.restored_access import RestoredAccess
 from storage.clock import now
