@@ -184,7 +184,7 @@ def gap_rows(
         gaps: The gaps.
         rules: What the document expects of them.
         speed: Spin speeds (S,), without sign [rad/s].
-        places: Places of the films' numbers among the coordinates.
+        places: Places (P,) of the films' numbers among the coordinates.
         fitted: The films' fitted numbers at which deviations are looked at (...) [-].
 
     Returns:

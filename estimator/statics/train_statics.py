@@ -124,7 +124,7 @@ def lateral_places(rotor: Rotor, shaft: str, station: float) -> NDArray[np.intp]
         station: Distance from its driver-side end [m].
 
     Returns:
-        The two places.
+        The places (2,).
     """
     first = NODE_DOFS * rotor.node(shaft, station)
     return np.array([first, first + 1], dtype=np.intp)
