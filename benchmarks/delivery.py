@@ -20,24 +20,21 @@ from typing import Any
 import httpx
 import psutil
 import zenoh
-from sqlalchemy.orm import Session
 
+from benchmarks.alert_changes import alerting_machine, change_alert
 from benchmarks.serving import served
-from service.alerts import transitions as alerting
-from service.alerts.transitions import AlertFinding, Person
 from service.configuration.settings import Settings
 from service.delivery.dispatcher import Dispatcher
 from service.messaging.session import open_session
-from storage.alerts import alerts, deliveries
-from storage.database.engine import Database
-from storage.machines import machines
-from tests.plant import START, identification, machine, store_identification
+from storage.alerts import deliveries
 
 KINDS = {"hang": 30, "error": 30, "gone": 10, "ok": 30}
 """Number of the hundred receivers with each behaviour."""
 TRANSITIONS = 400
 RATE = 4.0
 """Transitions in a second."""
+ELEMENTS = 40
+"""Couplings whose alerts change at random."""
 ASKED_STREAM, ASKED_WEBHOOK = 0.200, 1.000
 
 
@@ -108,20 +105,6 @@ def listen(url: str, times: Times, wanted: int) -> None:
                     return
 
 
-def transition(session: Session, rng: random.Random, identification_id: int) -> str | None:
-    """Apply a random transition to one of forty elements; return the event's id."""
-    element = f"coupling.C{rng.randrange(40)}"
-    row = alerts.open_alert(session, "pump-7", rule="misalignment", element=element)
-    if row is None:
-        finding = AlertFinding({}, identification_id, START)
-        row = alerting.raise_alert(session, "pump-7", rule="misalignment", element=element, finding=finding)
-    elif row.state == "unacknowledged":
-        alerting.acknowledge(session, row, Person("anna"))
-    else:
-        alerting.clear_alert(session, row)
-    return f"alert-{row.id}-{row.event_count}"
-
-
 def quantiles(values: Sequence[float]) -> tuple[float, float, float]:
     """Return median, 99th percentile and largest value."""
     ordered = sorted(values)
@@ -132,10 +115,7 @@ def run(folder: Path, transitions: int, seed: int) -> str:
     """Run the benchmark once; return its result as text."""
     logging.disable(logging.WARNING)
     rng, times = random.Random(seed), Times()
-    database = Database(f"sqlite:///{folder}/alerts.db")
-    with database.transaction() as session:
-        machines.create(session, machine())
-        number = store_identification(session, identification(), run_id=1, measured_at=START).id
+    database, number = alerting_machine(folder)
     process = psutil.Process()
     with ExitStack() as stack:
         port = stack.enter_context(receivers(times))
@@ -155,9 +135,9 @@ def run(folder: Path, transitions: int, seed: int) -> str:
         memory: list[float] = []
         for count in range(transitions):
             with database.transaction() as session:
-                event = transition(session, rng, number)
-            if event is not None:
-                times.committed[event] = time.monotonic()
+                alert = change_alert(session, f"coupling.C{rng.randrange(ELEMENTS)}", number)
+                event = f"alert-{alert.id}-{alert.event_count}"
+            times.committed[event] = time.monotonic()
             if count % (transitions // 8) == 0:
                 memory.append(process.memory_info().rss / 1e6)
             time.sleep(1.0 / RATE)

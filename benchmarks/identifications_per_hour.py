@@ -15,7 +15,7 @@ import numpy as np
 import psutil
 
 from benchmarks.chain import Usage, create_machines, publishing, received
-from estimator.fit.identify import Options
+from estimator.fit.identification import Options
 from estimator.identification.quality_gate import identify_gated
 from estimator.updated_model.derived_quantities import derived_quantities
 from service.configuration.settings import Settings

@@ -24,10 +24,9 @@ from typing import Any
 import numpy as np
 import paho.mqtt.client as paho
 
+from benchmarks.alert_changes import alerting_machine, change_alert
 from benchmarks.chain import PLANT, StoredSamples, create_machines
 from benchmarks.throughput import template
-from service.alerts import transitions as alerting
-from service.alerts.transitions import AlertFinding, Person
 from service.configuration.settings import Settings
 from service.delivery.dispatcher import Dispatcher
 from service.messaging.session import session as zenoh_session
@@ -36,10 +35,8 @@ from service.replication.work_share import WholeShare
 from service.wire import JSON, MESSAGEPACK, encode_body
 from storage.alerts import alerts, deliveries
 from storage.database.engine import Database
-from storage.machines import machines
 from tests.end_to_end.processes import Service, until
 from tests.mosquitto import Mosquitto, broker
-from tests.plant import START, identification, machine, store_identification
 
 MACHINES, CHANNELS, SIZE = 10, 16, 50
 RATE_ASKED = 5_000.0
@@ -171,10 +168,8 @@ def with_kills(service: Service, mosquitto: Mosquitto, client: paho.Client, name
 def alerts_out(folder: Path) -> bool:
     """Measure alerts out; return whether all is as asked."""
     logging.disable(logging.WARNING)
-    database = Database(f"sqlite:///{folder}/alerts.db")
+    database, number = alerting_machine(folder)
     with database.transaction() as session:
-        machines.create(session, machine())
-        number = store_identification(session, identification(), run_id=1, measured_at=START).id
         deliveries.subscribe(session, kind="mqtt", name="broker", target="", secret=None)
     with broker(folder / "out") as mosquitto, zenoh_session(listen=["tcp/127.0.0.1:0"], connect=[]) as network:
         told = {name.removeprefix("RUNDOWN_").lower(): value for name, value in mosquitto.environment.items()}
@@ -201,16 +196,7 @@ def alerts_out(folder: Path) -> bool:
 def change(database: Database, identified: int, number: int) -> tuple[int, int]:
     """Raise, acknowledge or clear the alert of one of ten elements; return the event's alert and number."""
     with database.transaction() as session:
-        element = f"coupling.C{number % 10}"
-        row = alerts.open_alert(session, "pump-7", rule="misalignment", element=element)
-        if row is None:
-            finding = AlertFinding({}, identified, START)
-            row = alerting.raise_alert(session, "pump-7", rule="misalignment", element=element, finding=finding)
-        elif row.state == "unacknowledged":
-            alerting.acknowledge(session, row, Person("anna"))
-        else:
-            alerting.clear_alert(session, row)
-        assert row is not None
+        row = change_alert(session, f"coupling.C{number % 10}", identified)
         return row.id, row.event_count
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from estimator.close_matches import did_you_mean
 from estimator.fit.estimates import Estimate
-from estimator.fit.identify import Identification
+from estimator.fit.identification import Identification
 from estimator.identification.experiment_design import HelpfulProbe, HelpfulSpeed, helpful_probes, helpful_speeds
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import joined

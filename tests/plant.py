@@ -14,7 +14,7 @@ from sqlalchemy.orm import Session
 
 from estimator.fit.channel_sensitivity import ChannelEffects
 from estimator.fit.estimates import Estimate
-from estimator.fit.identify import Identification
+from estimator.fit.identification import Identification
 from estimator.machine.document import Machine, parse_machine
 from estimator.machine.parameter_description import is_direct
 from estimator.machine.rules import Noise

@@ -16,22 +16,23 @@ estimator/trends: estimator estimator/machine
 estimator/modes: estimator estimator/machine estimator/rotor
 estimator/phasors: estimator estimator/machine estimator/modes estimator/rotor
 estimator/statics: estimator estimator/bearings estimator/films estimator/machine estimator/modes estimator/rotor
-estimator/fit: estimator estimator/bearings estimator/machine estimator/modes estimator/phasors estimator/rotor
-    estimator/statics
+estimator/fit/problem: estimator estimator/bearings estimator/machine estimator/phasors estimator/rotor estimator/statics
+estimator/fit: estimator estimator/bearings estimator/fit/problem estimator/machine estimator/modes estimator/phasors
+    estimator/rotor estimator/statics
 estimator/runs: estimator estimator/machine estimator/phasors
 estimator/thesis: estimator estimator/bearings estimator/machine estimator/modes estimator/phasors estimator/rotor
 estimator/simulation: estimator estimator/bearings estimator/machine estimator/phasors estimator/rotor estimator/runs
     estimator/statics estimator/trends
-estimator/updated_model: estimator estimator/bearings estimator/fit estimator/machine estimator/modes estimator/phasors
-    estimator/rotor estimator/statics
-estimator/calibration: estimator estimator/fit estimator/machine estimator/phasors estimator/rotor
-    estimator/updated_model
-estimator/alignment: estimator estimator/bearings estimator/fit estimator/machine estimator/statics
-    estimator/updated_model
-estimator/diagnosis: estimator estimator/alignment estimator/fit estimator/machine estimator/rotor estimator/statics
-    estimator/trends estimator/updated_model
-estimator/identification: estimator estimator/fit estimator/machine estimator/modes estimator/phasors estimator/rotor
-    estimator/updated_model
+estimator/updated_model: estimator estimator/bearings estimator/fit estimator/fit/problem estimator/machine
+    estimator/modes estimator/phasors estimator/rotor estimator/statics
+estimator/calibration: estimator estimator/fit estimator/fit/problem estimator/machine estimator/phasors
+    estimator/rotor estimator/updated_model
+estimator/alignment: estimator estimator/bearings estimator/fit estimator/fit/problem estimator/machine
+    estimator/statics estimator/updated_model
+estimator/diagnosis: estimator estimator/alignment estimator/fit estimator/fit/problem estimator/machine
+    estimator/rotor estimator/statics estimator/trends estimator/updated_model
+estimator/identification: estimator estimator/fit estimator/fit/problem estimator/machine estimator/modes
+    estimator/phasors estimator/rotor estimator/updated_model
 storage:
 storage/tables:
 storage/encoding: estimator estimator/fit estimator/phasors

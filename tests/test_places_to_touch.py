@@ -208,7 +208,7 @@ class Softening(FormDefaults, Part):
     )
     return """
 import numpy as np
-from estimator.fit.train_models import train_models
+from estimator.fit.problem.train_models import train_models
 from estimator.machine.document import parse_machine
 from estimator.rotor.condensation import condense
 from estimator.rotor.parameter_names import parameter_units

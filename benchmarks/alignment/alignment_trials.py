@@ -8,7 +8,8 @@ import numpy as np
 from benchmarks.fluid_film.film_trials import OPTIONS
 from estimator.alignment.alignment_change import alignment_changes
 from estimator.fit.estimates import CONFIDENCE_95
-from estimator.fit.identify import Identification, identify
+from estimator.fit.identification import Identification
+from estimator.fit.identify import identify
 from estimator.machine.document import Machine, parse_machine
 from estimator.machine.film_speeds import reported_rpm
 from estimator.updated_model.derived_quantities import Derived, derived_quantities

@@ -10,7 +10,7 @@ import numpy as np
 
 from benchmarks.alignment.film_histories import FilmHistory
 from estimator.diagnosis.observation import ObservedFit
-from estimator.fit.identify import Identification, Options
+from estimator.fit.identification import Identification, Options
 from estimator.identification.quality_gate import identify_gated
 from estimator.machine.under_conditions import under_conditions
 from estimator.phasors.channel_status import ChannelStatus

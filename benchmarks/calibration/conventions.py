@@ -21,7 +21,8 @@ import yaml
 from benchmarks.calibration.kept_outcomes import KeptOutcomes
 from benchmarks.fluid_film.report_line import ReportLine
 from estimator.arrays import Complexes
-from estimator.fit.identify import Options, identify
+from estimator.fit.identification import Options
+from estimator.fit.identify import identify
 from estimator.identification.convention_trials import ConventionVerdict, with_named_conventions
 from estimator.identification.quality_gate import GatedIdentification
 from estimator.identification.wrong_conventions import WrongConvention, swapped_probes, wrong_conventions

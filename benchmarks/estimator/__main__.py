@@ -31,7 +31,8 @@ from benchmarks.estimator.trains import (
     two_shafts,
     values,
 )
-from estimator.fit.identify import Identification, identify
+from estimator.fit.identification import Identification
+from estimator.fit.identify import identify
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.assembly import assemble_rotor

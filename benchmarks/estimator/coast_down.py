@@ -25,7 +25,8 @@ from threadpoolctl import threadpool_limits
 from benchmarks.estimator.trains import EXAMPLES
 from estimator.arrays import Complexes, Floats
 from estimator.bearings.terms import TERMS
-from estimator.fit.identify import Identification, Options, identify
+from estimator.fit.identification import Identification, Options
+from estimator.fit.identify import identify
 from estimator.identification.quality_gate import GatedIdentification, identify_gated
 from estimator.identification.sweep_correction import sweep_transient
 from estimator.machine.document import Machine, parse_machine

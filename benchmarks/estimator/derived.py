@@ -15,7 +15,8 @@ from pathlib import Path
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from estimator.fit.identify import Identification, identify
+from estimator.fit.identification import Identification
+from estimator.fit.identify import identify
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
 from estimator.simulation.simulated_plant import Truth, draw_truth, measured_phasors, speed_law

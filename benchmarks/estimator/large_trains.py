@@ -18,7 +18,8 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from estimator.bearings.terms import TERMS
-from estimator.fit.identify import Identification, identify
+from estimator.fit.identification import Identification
+from estimator.fit.identify import identify
 from estimator.machine.document import Machine
 from estimator.machine.document_size import accepted_machine, document_size
 from estimator.modes.campbell import campbell

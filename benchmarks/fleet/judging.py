@@ -8,7 +8,7 @@ from estimator.diagnosis.healthy_variation import typical_amplitude
 from estimator.diagnosis.observation import Observation, observation_of
 from estimator.diagnosis.run_windows import RunWindows
 from estimator.diagnosis.severity_measures import change_size
-from estimator.fit.identify import Identification
+from estimator.fit.identification import Identification
 from service.alerts.lifecycle import Severity
 from service.monitoring.assessment_context import LOOKED_BACK
 from service.monitoring.diagnosis_rules import cause_severity, delays

@@ -16,7 +16,8 @@ from benchmarks.fleet.amount import example
 from benchmarks.fleet.histories import WEEKS_A_YEAR, History, Seasonality, State
 from benchmarks.fleet.scenarios import SAMPLES, SCENARIOS
 from estimator.arrays import Complexes, Floats
-from estimator.fit.identify import Identification, identify
+from estimator.fit.identification import Identification
+from estimator.fit.identify import identify
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
 from estimator.simulation.simulated_plant import noise, speed_law, true_phasors

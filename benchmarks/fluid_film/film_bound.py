@@ -8,8 +8,8 @@ less than what documents allow for.
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.fit.coordinates import Coordinates
-from estimator.fit.fit_problem import FitProblem
+from estimator.fit.problem.coordinates import Coordinates
+from estimator.fit.problem.fit_problem import FitProblem
 from estimator.machine.document import parse_machine
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.condensation import condense

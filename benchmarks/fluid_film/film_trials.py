@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from benchmarks.fluid_film.film_bound import film_bound
-from estimator.fit.identify import Identification, Options, identify
+from estimator.fit.identification import Identification, Options
+from estimator.fit.identify import identify
 from estimator.machine.document import parse_machine
 from estimator.machine.film_speeds import reported_rpm
 from estimator.machine.parameter_description import describe

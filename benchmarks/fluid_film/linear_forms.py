@@ -6,7 +6,8 @@ from typing import Literal
 import numpy as np
 
 from benchmarks.fluid_film.report_line import ReportLine
-from estimator.fit.identify import Identification, Options, identify
+from estimator.fit.identification import Identification, Options
+from estimator.fit.identify import identify
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
 from tests.film_plant.documents import Form, linear_machine, measured

@@ -5,7 +5,7 @@ import time
 import numpy as np
 
 from benchmarks.fluid_film.report_line import ReportLine
-from estimator.fit.coordinates import Coordinates
+from estimator.fit.problem.coordinates import Coordinates
 from estimator.identification.sweep_correction import sweep_transient
 from estimator.machine.document import Machine
 from estimator.rotor.condensation import condense

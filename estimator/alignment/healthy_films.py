@@ -15,7 +15,7 @@ import numpy as np
 from estimator.alignment.run_likelihood import run_likelihood
 from estimator.arrays import Floats
 from estimator.bearings.terms import TERMS
-from estimator.fit.coordinates import Coordinates
+from estimator.fit.problem.coordinates import Coordinates
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.document import Machine
 from estimator.machine.parameter_description import ParameterDescription, describe

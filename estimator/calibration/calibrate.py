@@ -13,10 +13,10 @@ from estimator.calibration.chain_start import best_chains
 from estimator.calibration.mounted_problem import MountedProblem
 from estimator.calibration.undetermined import distinct_speeds, freed
 from estimator.calibration.variance_components import ScatterModel, ScatterSizes
-from estimator.fit.coordinates import Coordinates
 from estimator.fit.goodness_of_fit import LARGEST_ESTIMATED_NOISE
 from estimator.fit.maximum_likelihood import descend
 from estimator.fit.multistart import best_fit
+from estimator.fit.problem.coordinates import Coordinates
 from estimator.machine.calibration import Calibration, CalibrationRunRecord, ChannelScatter, MountingSpread
 from estimator.machine.document import Machine
 from estimator.machine.rules import Noise

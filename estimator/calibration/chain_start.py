@@ -11,7 +11,7 @@ from dataclasses import replace
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.fit.fit_problem import FitProblem, best_excitations
+from estimator.fit.problem.fit_problem import FitProblem, best_excitations
 from estimator.rotor.response import excitation_responses
 
 SMALLEST, LARGEST = 0.02, 50.0

@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
-from estimator.fit.fit_problem import FitProblem
-from estimator.fit.phasor_jacobian import phasor_jacobian
+from estimator.fit.problem.fit_problem import FitProblem
+from estimator.fit.problem.phasor_jacobian import phasor_jacobian
 from estimator.rotor.condensation import CondensedTrain
 from estimator.rotor.response import Sensitivity, sensitivity
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from estimator.arrays import Complexes, Floats
 from estimator.fit.estimates import CONFIDENCE_95
-from estimator.fit.identify import Identification
+from estimator.fit.identification import Identification
 from estimator.machine.document import Machine
 
 

@@ -7,7 +7,7 @@ hundredth gives the same ones again. So the terms are held where there are fewer
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.fit.coordinates import Coordinates
+from estimator.fit.problem.coordinates import Coordinates
 from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe
 from estimator.machine.rules import ParameterRule

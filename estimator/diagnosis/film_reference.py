@@ -19,7 +19,7 @@ from estimator.diagnosis.bayes_factors import UNKNOWN_PRECISION, Reference, chan
 from estimator.diagnosis.healthy_variation import SCALE_FACTOR, channel_variation, slow_variation, typical_amplitude
 from estimator.diagnosis.hypotheses import hypotheses
 from estimator.diagnosis.observation import Observation, ObservedFit, fit_observation, names_in_common
-from estimator.fit.coordinates import Coordinates
+from estimator.fit.problem.coordinates import Coordinates
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.document import Machine
 from estimator.machine.parameter_description import SCALE_FACTORS, describe

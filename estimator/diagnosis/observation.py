@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from estimator.alignment.film_loads import FilmLoad
-    from estimator.fit.identify import Identification
+    from estimator.fit.identification import Identification
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""One maximum-likelihood fit: coordinates, optimiser, multistart, goodness of fit, estimates. It imports `rotor`, `machine`,
+"""One maximum-likelihood fit: optimiser, multistart, goodness of fit, estimates. It imports its `problem`, `rotor`, `machine`,
 `bearings`, `phasors`, `modes` for limits of damping and `statics` for oil films; its result, an `Identification`, is what
 everything above works on.
 """

@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 
 from estimator.arrays import Floats
 from estimator.fit.channel_sensitivity import ChannelEffects, channel_effects, with_run_outs
-from estimator.fit.coordinates import Coordinates
-from estimator.fit.fit_problem import FitProblem, FitResult, best_excitations
 from estimator.fit.goodness_of_fit import judge
 from estimator.fit.maximum_likelihood import STAGE_MISFITS, fit
+from estimator.fit.problem.coordinates import Coordinates
+from estimator.fit.problem.fit_problem import FitProblem, FitResult, best_excitations
 from estimator.machine.parameter_description import COMPONENTS, ROTATING_ERRORS, describe
 from estimator.rotor.condensation import condense
 

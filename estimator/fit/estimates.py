@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from estimator.arrays import Floats
 from estimator.bearings.model import ModelParameter
-from estimator.fit.coordinates import Coordinates
+from estimator.fit.problem.coordinates import Coordinates
 from estimator.machine.parameter_description import describe
 from estimator.quantities import UNITS, Quantity
 from estimator.rotor.condensation import CondensedTrain

@@ -16,8 +16,8 @@ import scipy
 
 from estimator.arrays import Floats
 from estimator.bearings.deviation_shapes import DeviationShapes
-from estimator.fit.fit_problem import FitProblem, FitResult
 from estimator.fit.goodness_of_fit import Verdict
+from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.reweighting import with_fitted_noise
 
 SIGNIFICANT = 4.0

@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.fit.fit_problem import FitProblem, FitResult
-from estimator.fit.gap_rows import ChannelGaps, GapRows, gap_rows, seen_noise
 from estimator.fit.goodness_of_fit import accepted, judge
 from estimator.fit.maximum_likelihood import fit
+from estimator.fit.problem.fit_problem import FitProblem, FitResult
+from estimator.fit.problem.gap_rows import ChannelGaps, GapRows, gap_rows, seen_noise
 from estimator.fit.reweighting import with_fitted_noise
 from estimator.statics.film_model import FilmModel
 from estimator.statics.shaft_centreline import ShaftCentreline, probe_views

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
-from estimator.fit.fit_problem import FitProblem, FitResult
 from estimator.fit.nuisance_parameters import counted_by_effect, effective_count
+from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.reweighting import with_fitted_noise
 
 CHI_SQUARE_LIMIT = 5.0

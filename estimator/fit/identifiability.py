@@ -7,8 +7,8 @@ from functools import cached_property
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.fit.coordinates import Coordinates
-from estimator.fit.fit_problem import FitProblem, FitResult
+from estimator.fit.problem.coordinates import Coordinates
+from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe
 from estimator.rotor.assembly import assemble_rotor

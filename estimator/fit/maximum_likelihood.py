@@ -17,8 +17,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.fit.fit_problem import FitProblem, FitResult, best_excitations
-from estimator.fit.gap_rows import gap_cost
+from estimator.fit.problem.fit_problem import FitProblem, FitResult, best_excitations
+from estimator.fit.problem.gap_rows import gap_cost
 from estimator.fit.reweighting import is_unchanged, with_estimated_noise, without_outliers
 from estimator.phasors.noise import outlier_limit
 from estimator.rotor.elimination import SingularCondensation

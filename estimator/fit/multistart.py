@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.fit.coordinates import Coordinates
-from estimator.fit.fit_problem import FitProblem, FitResult, best_excitations
 from estimator.fit.maximum_likelihood import FINAL_PASSES, STAGE_MISFITS, fit
+from estimator.fit.problem.coordinates import Coordinates
+from estimator.fit.problem.fit_problem import FitProblem, FitResult, best_excitations
 
 START_SPREAD_LOG = 0.35
 """Standard deviation of the logarithm of a direct term in a random start [-]."""

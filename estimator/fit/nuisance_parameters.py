@@ -10,8 +10,8 @@ import scipy
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
-from estimator.fit.coordinates import Coordinates
-from estimator.fit.fit_problem import FitProblem, FitResult
+from estimator.fit.problem.coordinates import Coordinates
+from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.machine.parameter_description import describe
 
 DETERMINED = 0.1

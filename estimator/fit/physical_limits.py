@@ -12,9 +12,9 @@ import scipy
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
-from estimator.fit.coordinates import Coordinates
-from estimator.fit.fit_problem import FitProblem, FitResult
 from estimator.fit.maximum_likelihood import CURVED, bent, descend
+from estimator.fit.problem.coordinates import Coordinates
+from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.reweighting import with_fitted_noise
 from estimator.machine.document import Machine
 from estimator.machine.scaled_materials import with_scaled_materials

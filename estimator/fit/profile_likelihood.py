@@ -12,7 +12,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.fit.fit_problem import FitProblem, FitResult
+from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.reweighting import with_fitted_noise
 from estimator.rotor.elimination import SingularCondensation
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.fit.fit_problem import FitProblem, FitResult
+from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.phasors.noise import channel_noise, error_size, estimated_noise, outliers
 
 SAME_NOISE = 0.01

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.fit.coordinates import Coordinates
-from estimator.fit.identify import Identification
-from estimator.fit.phasor_jacobian import phasor_jacobian
+from estimator.fit.identification import Identification
+from estimator.fit.problem.coordinates import Coordinates
+from estimator.fit.problem.phasor_jacobian import phasor_jacobian
 from estimator.machine.document import Machine
 from estimator.machine.mesh import node_stations
 from estimator.machine.parts import Probe

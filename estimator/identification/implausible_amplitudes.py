@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.fit.identify import Identification
+from estimator.fit.identification import Identification
 from estimator.identification.wrong_conventions import WrongConvention, amplitude_scales
 from estimator.machine.document import Machine
 from estimator.units import rpm_to_rad_per_s

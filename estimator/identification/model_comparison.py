@@ -12,7 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from estimator.fit.identify import Identification, Options, identify
+from estimator.fit.identification import Identification, Options
+from estimator.fit.identify import identify
 from estimator.machine.coupling_neighbours import neighbouring_bearings
 from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe, is_direct

@@ -15,7 +15,7 @@ import scipy.special
 
 from estimator.arrays import Floats
 from estimator.fit.estimates import Estimate
-from estimator.fit.identify import Identification
+from estimator.fit.identification import Identification
 from estimator.machine.parameter_description import is_direct
 
 

@@ -15,7 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
-from estimator.fit.identify import Identification, NotEnoughData, Options, expected_phasors, expected_point, identify
+from estimator.fit.fit_samples import NotEnoughData
+from estimator.fit.identification import Identification, Options
+from estimator.fit.identify import identify
+from estimator.fit.problem_setup import expected_phasors, expected_point
 from estimator.identification.sweep_correction import SweepTransient, sweep_transient
 from estimator.machine.document import Machine
 from estimator.machine.rules import QualityRules

@@ -17,7 +17,7 @@ from estimator.fit.estimates import (
     prior_alone,
     prior_alone_reason,
 )
-from estimator.fit.identify import Identification
+from estimator.fit.identification import Identification
 from estimator.machine.document import Machine
 from estimator.phasors.harmonic_ratio import FEWEST, NEAR, Orders, measures_second, second_order, second_over_first
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s

@@ -11,7 +11,7 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.bearings.terms import LATERAL
-from estimator.fit.coordinates import Coordinates, PlacedModel
+from estimator.fit.problem.coordinates import Coordinates, PlacedModel
 from estimator.machine.film_speeds import reported_rpm
 from estimator.quantities import UNITS
 from estimator.statics.film_model import FilmModel

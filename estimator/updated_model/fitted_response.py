@@ -3,8 +3,8 @@
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.fit.coordinates import Coordinates
-from estimator.fit.phasor_jacobian import phasor_jacobian
+from estimator.fit.problem.coordinates import Coordinates
+from estimator.fit.problem.phasor_jacobian import phasor_jacobian
 from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe
 from estimator.rotor.condensation import condense

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.fit.coordinates import Coordinates
+from estimator.fit.problem.coordinates import Coordinates
 from estimator.rotor.condensation import condense
 from estimator.rotor.response import sensitivity
 from estimator.updated_model.model import UpdatedModel

@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.fit.coordinates import Coordinates
-from estimator.fit.identify import Identification
+from estimator.fit.identification import Identification
+from estimator.fit.problem.coordinates import Coordinates
 from estimator.machine.document import Machine
 from estimator.machine.scaled_materials import with_scaled_materials
 from estimator.rotor.condensation import CondensedTrain, condense

@@ -5,7 +5,7 @@ from typing import Protocol
 
 from estimator.arrays import Floats
 from estimator.fit.estimates import Estimate
-from estimator.fit.identify import Identification
+from estimator.fit.identification import Identification
 from estimator.machine.document import Machine
 
 

@@ -16,7 +16,7 @@ from service.commands.json_output import JsonWanted, say_json
 from service.commands.terminal import say, say_lines, working
 
 if TYPE_CHECKING:
-    from estimator.fit.identify import Identification
+    from estimator.fit.identification import Identification
     from estimator.identification.quality_gate import GatedIdentification
     from estimator.machine.document import Machine
     from estimator.phasors.measurement import Measurement

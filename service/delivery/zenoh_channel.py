@@ -3,15 +3,15 @@
 import asyncio
 import logging
 import threading
-from dataclasses import dataclass
 
 import zenoh
 
 from service.advice.alert_advice import alert_event
 from service.advice.site_texts import SiteTexts
 from service.alerts.event_message import AlertEvent
-from service.delivery.channel import DeliveryOutcome, EventMessage
+from service.delivery.channel import EventMessage
 from service.delivery.channel_kind import ChannelKind, Connections
+from service.delivery.plant_channel import PlantChannel
 from service.replication.work_share import DELIVERY, Share, WholeShare
 from storage.alerts import alerts
 from storage.database.engine import Database
@@ -29,27 +29,17 @@ def alert_key(plant: str, event: AlertEvent) -> str:
     return f"rundown/v1/{plant}/{event.machine}/alerts/{event.alert}"
 
 
-@dataclass(frozen=True)
-class PlantNetwork:
-    """Channel to the plant's own zenoh network."""
-
-    session: zenoh.Session
-
-    async def send(self, message: EventMessage) -> DeliveryOutcome:
-        """Publish an event.
-
-        Nobody confirms it: readers that must not miss one query the last state, or the events over REST.
-        """
-        key = alert_key(message.plant, message.event)
+def _open(_row: SubscriptionRow, connections: Connections) -> PlantChannel:
+    async def publish(message: EventMessage) -> str:
+        # Nobody confirms it: readers that must not miss one query the last state, or the events over REST.
+        key, body = alert_key(message.plant, message.event), message.event.model_dump_json().encode()
         try:
-            await asyncio.to_thread(self.session.put, key, message.event.model_dump_json().encode(), encoding=ENCODING)
+            await asyncio.to_thread(connections.session.put, key, body, encoding=ENCODING)
         except zenoh.ZError as error:
-            return DeliveryOutcome("failed", str(error))
-        return DeliveryOutcome("delivered", f"published on {key}")
+            raise ConnectionError(str(error)) from error
+        return key
 
-
-def _open(_row: SubscriptionRow, connections: Connections) -> PlantNetwork:
-    return PlantNetwork(connections.session)
+    return PlantChannel(publish)
 
 
 ZENOH = ChannelKind(

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from estimator.fit.identify import Identification
+from estimator.fit.identification import Identification
 from estimator.identification.convention_trials import ConventionVerdict, with_named_conventions
 from estimator.identification.pooling import combine
 from estimator.identification.quality_gate import GatedIdentification, identify_gated

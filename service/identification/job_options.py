@@ -11,7 +11,7 @@ from typing import Any, Literal
 from sqlalchemy.orm import Session
 
 from estimator.errors import Conflict
-from estimator.fit.identify import Options
+from estimator.fit.identification import Options
 from estimator.machine.rules import QualityRules
 from service.identification.job_quota import LONGEST_IDENTITY, JobQuota
 from storage.findings import jobs

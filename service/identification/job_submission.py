@@ -3,7 +3,7 @@
 import logging
 from collections.abc import Callable
 
-from estimator.fit.identify import Options
+from estimator.fit.identification import Options
 from service.identification import computation, job_options
 from service.identification.calibration_computation import compute_calibration
 from service.identification.calibration_jobs import calibration_task

@@ -10,7 +10,7 @@ from dataclasses import replace
 from sqlalchemy.exc import DataError, IntegrityError
 from sqlalchemy.orm import Session
 
-from estimator.fit.identify import Options
+from estimator.fit.identification import Options
 from service.identification.calibration_jobs import file_calibration
 from service.identification.calibration_task import CalibrationOutcome
 from service.identification.computing_jobs import ComputingJobs, JobFuture, TakenJob

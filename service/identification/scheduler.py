@@ -4,7 +4,7 @@ import logging
 import threading
 import time
 
-from estimator.fit.identify import Options
+from estimator.fit.identification import Options
 from service.configuration.settings import Settings
 from service.identification.computing_jobs import ComputingJobs
 from service.identification.job_submission import JobSubmission

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from estimator.fit.identify import Identification, Options
+from estimator.fit.identification import Identification, Options
 from estimator.machine.rules import QualityRules
 from estimator.phasors.quality import Quality
 from estimator.phasors.slow_roll import SlowRoll

@@ -5,7 +5,7 @@ from dataclasses import asdict
 
 from sqlalchemy.orm import Session
 
-from estimator.fit.identify import Options
+from estimator.fit.identification import Options
 from estimator.machine.document import parse_machine
 from service.configuration.release import VERSION
 from service.identification import job_options

@@ -12,7 +12,7 @@ from typing import TypedDict
 from service.configuration.release import VERSION
 from service.workers.process_pool import ProcessPool, failed
 
-TASK_FORM = 4
+TASK_FORM = 5
 """Version of the tasks and their results within a release, including their modules' names: they travel pickled."""
 RELEASE = f"{VERSION}, tasks of form {TASK_FORM}"
 """Release of the code that creates and unpickles tasks."""

@@ -11,7 +11,7 @@ from sqlalchemy.orm import Session, undefer
 
 from estimator.diagnosis.observation import ObservedFit
 from estimator.errors import Missing
-from estimator.fit.identify import Identification
+from estimator.fit.identification import Identification
 from estimator.machine.parameter_description import is_direct
 from estimator.trends.parameter_vector import Point
 from storage.clock import TOLERANCE, now

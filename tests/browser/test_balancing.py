@@ -1,6 +1,5 @@
 """Field balancing in a real browser: begun with a run, tried, computed, checked, drawn; refused while an alert is open."""
 
-from datetime import datetime
 from typing import Any
 
 import numpy as np
@@ -9,12 +8,12 @@ from playwright.sync_api import Locator, expect
 
 from estimator.machine.document import parse_machine
 from tests.browser.conftest import Seen
-from tests.browser.story import MACHINE, closed
-from tests.end_to_end.processes import Service, example, until
+from tests.browser.copied_machine import CopiedRuns, create_copy, first_runs, send
+from tests.browser.story import MACHINE
+from tests.end_to_end.processes import Service, example
 from tests.estimator.trains import dense_response
 
 COPY = "to-be-balanced"
-RUNS = 3
 TRIAL_G_MM = 5000.0
 
 
@@ -22,44 +21,16 @@ TRIAL_G_MM = 5000.0
 def place(place: Service) -> Service:
     """The same service, with a copy of its machine, of whose three runs the second had a trial weight on D1."""
     with place.running():
-        document = example(MACHINE) | {"id": COPY, "name": "Train to be balanced"}
-        assert place.client.post("/machines", json=document).status_code == 201
-        answer = place.client.post(f"/machines/{COPY}/samples", json=_with_trial_weight(place))
-        assert answer.status_code == 200, answer.text
-        until(lambda: closed(place, COPY) >= RUNS, within_s=30, what="the runs of the copy are closed")
+        create_copy(place, COPY, "Train to be balanced")
+        send(place, _with_trial_weight(first_runs(place)))
     return place
 
 
-def _with_trial_weight(service: Service) -> dict[str, Any]:
+def _with_trial_weight(runs: CopiedRuns) -> dict[str, Any]:
     """The samples of the machine's first runs as a source would send them, the second with a weight on D1 at 0°."""
-    begins = sorted(run["started_at"] for run in service.get(f"/machines/{MACHINE}/runs"))
-    read = service.get(f"/machines/{MACHINE}/samples", to=begins[RUNS + 1], include="scatter")
-    phasor = np.array(read["amplitude_um_pp"], dtype=float) * np.exp(
-        -1j * np.radians(np.array(read["phase_lag_deg"], dtype=float))
-    )
-    speed = np.array(read["speed_rpm"]) * np.pi / 30
-    moments = [datetime.fromisoformat(time) for time in read["time"]]
-    loaded = np.array([datetime.fromisoformat(begins[1]) <= one < datetime.fromisoformat(begins[2]) for one in moments])
-    phasor = phasor.T + np.where(loaded[:, None], 2e6 * 1e-6 * TRIAL_G_MM * _influence(speed), 0.0)
-    return {
-        "schema": 1,
-        "plant": example(MACHINE)["plant"],
-        "machine": COPY,
-        "source": "copy",
-        "epoch": 1,
-        "sequence": 0,
-        "channels": read["channels"],
-        "speed_unit": "rpm",
-        "amplitude_unit": "um",
-        "amplitude_kind": "peak-to-peak",
-        "phase_convention": "lag",
-        "phase_unit": "deg",
-        "direction": "positive",
-        "time_ns": [int(one.timestamp() * 1e6) * 1000 for one in moments],
-        "speed": read["speed_rpm"],
-        "amplitude": np.abs(phasor).tolist(),
-        "phase": (-np.degrees(np.angle(phasor))).tolist(),
-    }
+    loaded = np.array([runs.begins[1] <= one < runs.begins[2] for one in runs.times])
+    added = 2e6 * 1e-6 * TRIAL_G_MM * _influence(runs.speed_rpm * np.pi / 30)
+    return runs.sent(COPY, runs.phasor + np.where(loaded[:, None], added, 0.0))
 
 
 def _influence(speed: Any) -> Any:

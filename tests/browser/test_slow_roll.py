@@ -1,7 +1,6 @@
 """A machine whose shaft has a run-out under one probe, with slow-roll vectors: what is measured is shown as the curve is."""
 
 import re
-from datetime import datetime
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
@@ -10,12 +9,12 @@ import pytest
 from playwright.sync_api import Response, Route, expect
 
 from tests.browser.conftest import Seen
-from tests.browser.story import MACHINE, closed
-from tests.end_to_end.processes import Service, example, until
+from tests.browser.copied_machine import CopiedRuns, create_copy, first_runs, phasors, send
+from tests.browser.story import MACHINE
+from tests.end_to_end.processes import Service, until
 
 COPY = "with-run-out"
 RUN_OUT_UM_PP, RUN_OUT_LAG_DEG = 60.0, 40.0
-RUNS = 3
 SMALL_UM_PP = 5 * RUN_OUT_UM_PP
 """Up to here the run-out stands out from what a source's noise, and another run, have to themselves."""
 
@@ -27,13 +26,9 @@ def place(place: Service) -> Service:
     Version 2, of another size, is put in force after its runs were identified.
     """
     with place.running():
-        document = example(MACHINE) | {"id": COPY, "name": "Train with run-out"}
-        assert place.client.post("/machines", json=document).status_code == 201
-        channel = document["probes"][0]["id"]
+        channel = create_copy(place, COPY, "Train with run-out")["probes"][0]["id"]
         _put_in_force(place, channel, RUN_OUT_UM_PP)
-        answer = place.client.post(f"/machines/{COPY}/samples", json=_with_run_out(place, channel))
-        assert answer.status_code == 200, answer.text
-        until(lambda: closed(place, COPY) >= RUNS, within_s=30, what="the runs of the copy are closed")
+        send(place, _with_run_out(first_runs(place), channel))
         until(place.idle, within_s=90, what="they are identified")
         _put_in_force(place, channel, RUN_OUT_UM_PP / 2)
     return place
@@ -47,35 +42,11 @@ def _put_in_force(service: Service, channel: str, amplitude_um_pp: float) -> Non
     assert answer.status_code == 200, answer.text
 
 
-def _phasor(amplitude: Any, lag_deg: Any) -> Any:
-    return np.array(amplitude, dtype=float) * np.exp(-1j * np.radians(np.array(lag_deg, dtype=float)))
-
-
-def _with_run_out(service: Service, channel: str) -> dict[str, Any]:
+def _with_run_out(runs: CopiedRuns, channel: str) -> dict[str, Any]:
     """The samples of the machine's first runs as a source would send them, with the run-out in one channel."""
-    end = sorted(run["started_at"] for run in service.get(f"/machines/{MACHINE}/runs"))[RUNS + 1]
-    read = service.get(f"/machines/{MACHINE}/samples", to=end, include="scatter")
-    phasor = _phasor(read["amplitude_um_pp"], read["phase_lag_deg"]).T
-    phasor[:, read["channels"].index(channel)] += _phasor(RUN_OUT_UM_PP, RUN_OUT_LAG_DEG)
-    return {
-        "schema": 1,
-        "plant": example(MACHINE)["plant"],
-        "machine": COPY,
-        "source": "copy",
-        "epoch": 1,
-        "sequence": 0,
-        "channels": read["channels"],
-        "speed_unit": "rpm",
-        "amplitude_unit": "um",
-        "amplitude_kind": "peak-to-peak",
-        "phase_convention": "lag",
-        "phase_unit": "deg",
-        "direction": "positive",
-        "time_ns": [int(datetime.fromisoformat(time).timestamp() * 1e6) * 1000 for time in read["time"]],
-        "speed": read["speed_rpm"],
-        "amplitude": np.abs(phasor).tolist(),
-        "phase": (-np.degrees(np.angle(phasor))).tolist(),
-    }
+    phasor = runs.phasor.copy()
+    phasor[:, runs.channels.index(channel)] += phasors(RUN_OUT_UM_PP, RUN_OUT_LAG_DEG)
+    return runs.sent(COPY, phasor)
 
 
 class Asked:
@@ -112,15 +83,15 @@ def test_points_are_shown_without_the_slow_roll_of_the_curve(seen: Seen, service
         )
     expect(seen.page.locator(".polar .faint .dots").first).to_be_attached()
     ((_, bode),) = asked.of("/bode").values()
-    phasors = asked.of("/phasors")
-    assert phasors.keys() == {f"/api/v1/runs/{one}/phasors" for one in (run, reference)}
+    shown = asked.of("/phasors")
+    assert shown.keys() == {f"/api/v1/runs/{one}/phasors" for one in (run, reference)}
     fitted = bode["fitted"]["channels"][0]
-    curve = _phasor(fitted["amplitude"], fitted["phase"])
-    for without, measured in phasors.values():
+    curve = phasors(fitted["amplitude"], fitted["phase"])
+    for without, measured in shown.values():
         assert without == ["1"]
         assert measured["channels"][0] == fitted["channel"]
         near = np.interp(measured["speed_rpm"], bode["fitted"]["speed"], curve)
-        away = np.abs(_phasor(measured["amplitude_um_pp"][0], measured["phase_lag_deg"][0]) - near)
+        away = np.abs(phasors(measured["amplitude_um_pp"][0], measured["phase_lag_deg"][0]) - near)
         small = np.abs(near) < SMALL_UM_PP
         assert np.sum(small) > 5
         assert np.max(away[small]) < RUN_OUT_UM_PP / 3

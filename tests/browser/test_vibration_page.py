@@ -2,7 +2,6 @@
 
 import csv
 import re
-from datetime import datetime
 from pathlib import Path
 from typing import Any
 
@@ -11,12 +10,12 @@ import pytest
 from playwright.sync_api import expect
 
 from tests.browser.conftest import Seen
+from tests.browser.copied_machine import CopiedRuns, create_copy, first_runs, lag_deg, send
 from tests.browser.drawing import wait_drawn
-from tests.browser.story import MACHINE, closed
-from tests.end_to_end.processes import Service, example, until
+from tests.browser.story import MACHINE
+from tests.end_to_end.processes import Service, until
 
 COPY = "with-second-order"
-RUNS = 3
 SECOND_PART = 0.25
 """Of the 1×, in the same direction."""
 
@@ -25,43 +24,21 @@ SECOND_PART = 0.25
 def place(place: Service) -> Service:
     """The same service, with a copy of its machine whose source sends a 2× and, in a batch of its own, times in ms."""
     with place.running():
-        document = example(MACHINE) | {"id": COPY, "name": "Train with second order"}
-        document["operation"] = {"vibration_alert": 2e-4, "vibration_danger": 2e-3}
-        assert place.client.post("/machines", json=document).status_code == 201
-        sent = _with_second_order(place)
-        assert place.client.post(f"/machines/{COPY}/samples", json=sent).status_code == 200
+        create_copy(place, COPY, "Train with second order", operation={"vibration_alert": 2e-4, "vibration_danger": 2e-3})
+        sent = _with_second_order(first_runs(place))
+        send(place, sent)
         wrong = sent | {"epoch": 2, "time_ns": [time // 1_000_000 for time in sent["time_ns"]]}
         assert place.client.post(f"/machines/{COPY}/samples", json=wrong).status_code == 422
-        until(lambda: closed(place, COPY) >= RUNS, within_s=30, what="the runs of the copy are closed")
         until(place.idle, within_s=90, what="they are identified")
     return place
 
 
-def _with_second_order(service: Service) -> dict[str, Any]:
-    end = sorted(run["started_at"] for run in service.get(f"/machines/{MACHINE}/runs"))[RUNS + 1]
-    read = service.get(f"/machines/{MACHINE}/samples", to=end, limit=10_000)
-    amplitude, phase = (np.array(read[name], float).T for name in ("amplitude_um_pp", "phase_lag_deg"))
-    return {
-        "schema": 1,
-        "plant": example(MACHINE)["plant"],
-        "machine": COPY,
-        "source": "copy",
-        "epoch": 1,
-        "sequence": 0,
-        "channels": read["channels"],
-        "speed_unit": "rpm",
-        "amplitude_unit": "um",
-        "amplitude_kind": "peak-to-peak",
-        "phase_convention": "lag",
-        "phase_unit": "deg",
-        "direction": "positive",
-        "time_ns": [int(datetime.fromisoformat(time).timestamp() * 1e6) * 1000 for time in read["time"]],
-        "speed": read["speed_rpm"],
-        "amplitude": amplitude.tolist(),
-        "phase": phase.tolist(),
-        "amplitude_2x": (SECOND_PART * amplitude).tolist(),
-        "phase_2x": np.mod(2 * phase, 360.0).tolist(),
+def _with_second_order(runs: CopiedRuns) -> dict[str, Any]:
+    second = {
+        "amplitude_2x": (SECOND_PART * np.abs(runs.phasor)).tolist(),
+        "phase_2x": np.mod(2 * lag_deg(runs.phasor), 360.0).tolist(),
     }
+    return runs.sent(COPY, runs.phasor) | second
 
 
 def test_bars_stand_beside_the_train_with_the_limits(seen: Seen, service: Service) -> None:

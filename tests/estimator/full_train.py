@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.fit.identify import Identification
+from estimator.fit.identification import Identification
 from estimator.machine.document import Machine
 from estimator.machine.parts import Bearing, Coupling, Disc, Half, Seal
 from estimator.rotor.assembly import assemble_rotor

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.fit.coordinates import Coordinates
+from estimator.fit.problem.coordinates import Coordinates
 from estimator.machine.document import Machine, parse_machine
 from estimator.rotor.condensation import condense
 from estimator.updated_model.model import UpdatedModel, with_exact_probes

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estimator.fit.identify import NotEnoughData, identify
+from estimator.fit.fit_samples import NotEnoughData
+from estimator.fit.identify import identify
 from estimator.machine.document import DocumentError, Machine, parse_machine
 from estimator.modes.critical_speed import critical_speeds
 from estimator.phasors.measurement import Measurement

@@ -14,7 +14,8 @@ import pytest
 import yaml
 
 from estimator.fit.estimates import Estimate
-from estimator.fit.identify import Identification, identify
+from estimator.fit.identification import Identification
+from estimator.fit.identify import identify
 from estimator.machine.document import Machine, parse_machine
 from estimator.modes.critical_speed import critical_speeds
 from estimator.modes.eigenmodes import eigenvalues, natural_frequencies

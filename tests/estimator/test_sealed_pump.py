@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 import yaml
 
-from estimator.fit.identify import Identification, identify
+from estimator.fit.identification import Identification
+from estimator.fit.identify import identify
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.condensation import condense

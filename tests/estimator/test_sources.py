@@ -37,7 +37,7 @@ OWN = {
     "diagnosis/observation.py": "a second-order expansion of the likelihood, in the module's docstring",
     "calibration/calibration_runs.py": "counts and compares what runs state",
     "films/pad_table.py": "coordinates of an interpolation, in the module's docstring",
-    "fit/fit_problem.py": "χ² and its derivatives, which the fit's method minimises",
+    "fit/problem/fit_problem.py": "χ² and its derivatives, which the fit's method minimises",
     "fit/identifiability.py": "reads a covariance whose source is the fit's",
     "identification/sweep_correction.py": "derived in the module's docstring",
     "machine/calibration.py": "a document's part; the method is in calibration/",

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from estimator.fit.estimates import Estimate
-from estimator.fit.identify import Options
+from estimator.fit.identification import Options
 from estimator.machine.document import Machine
 from estimator.runs.segmentation import RunKind
 from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law

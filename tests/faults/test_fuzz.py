@@ -11,7 +11,7 @@ import pytest
 import zenoh
 
 from benchmarks.chain import patiently
-from estimator.fit.identify import Identification, Options
+from estimator.fit.identification import Identification, Options
 from estimator.phasors.quality import Quality
 from service.identification.computation import compute
 from service.identification.task import IdentificationTask

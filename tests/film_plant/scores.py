@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.fit.coordinates import Coordinates
 from estimator.fit.estimates import CONFIDENCE_95
-from estimator.fit.identify import Identification
+from estimator.fit.identification import Identification
 from estimator.fit.physical_limits import PhysicalLimits
+from estimator.fit.problem.coordinates import Coordinates
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.condensation import CondensedTrain, condense

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from estimator.alignment.alignment_change import alignment_changes
-from estimator.fit.identify import Identification, Options, identify
+from estimator.fit.identification import Identification, Options
+from estimator.fit.identify import identify
 from estimator.machine.document import Machine, parse_machine
 from estimator.statics.alignment import coupling_alignments
 from estimator.updated_model.derived_quantities import Derived, derived_quantities

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from estimator.diagnosis.observation import ObservedFit
-from estimator.fit.identify import Identification, Options
+from estimator.fit.identification import Identification, Options
 from estimator.identification.quality_gate import identify_gated
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.channel_status import ChannelStatus

@@ -6,7 +6,8 @@ from functools import cache
 import numpy as np
 import pytest
 
-from estimator.fit.identify import Identification, Options, identify
+from estimator.fit.identification import Identification, Options
+from estimator.fit.identify import identify
 from estimator.identification.pooling import combine
 from estimator.identification.sweep_correction import sweep_transient
 from estimator.machine.document import parse_machine

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estimator.fit.identify import Options, identify
+from estimator.fit.identification import Options
+from estimator.fit.identify import identify
 from estimator.machine.document import parse_machine
 from estimator.rotor.condensation import condense
 from estimator.rotor.response import response

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from estimator.fit.identify import Options, identify
+from estimator.fit.identification import Options
+from estimator.fit.identify import identify
 from estimator.machine.document import parse_machine
 from tests.film_plant.discrepancy import DiscrepancySize
 from tests.film_plant.documents import film_document, measured

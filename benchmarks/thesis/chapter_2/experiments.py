@@ -7,7 +7,8 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.fit.identify import Identification, identify_train
+from estimator.fit.identification import Identification
+from estimator.fit.identify import identify_train
 from estimator.machine.rules import Noise
 from estimator.phasors.measurement import Measurement, joined
 from estimator.rotor.condensation import CondensedTrain

@@ -29,7 +29,7 @@ from benchmarks.thesis.chapter_5.rig import (
 )
 from benchmarks.thesis.plots import PlottedCurve, chart, save
 from benchmarks.thesis.tables import percent, power, table
-from estimator.fit.identify import Identification
+from estimator.fit.identification import Identification
 from estimator.thesis.flexible_train import parts
 from estimator.thesis.regression import solve
 

@@ -13,7 +13,7 @@ from estimator.diagnosis.finding_kind import Cause
 from estimator.diagnosis.observation import observation_of
 from estimator.diagnosis.run_windows import RunWindows
 from estimator.diagnosis.severity_measures import change_size
-from estimator.fit.identify import Identification
+from estimator.fit.identification import Identification
 from estimator.machine.coupling_neighbours import neighbouring_bearings
 from estimator.thesis.flexible_train import flexible_train
 from estimator.thesis.rig import ALIGNED_HZ, CASES, BearingGrowth, MisalignmentCase, printed_growth, shaft_factors

@@ -11,7 +11,8 @@ import numpy as np
 import yaml
 from numpy.typing import NDArray
 
-from estimator.fit.identify import Identification, Options, identify
+from estimator.fit.identification import Identification, Options
+from estimator.fit.identify import identify
 from estimator.machine.document import Machine, parse_machine
 from estimator.machine.parameter_description import is_direct
 from estimator.phasors.measurement import Measurement

@@ -12,7 +12,8 @@ import yaml
 from numpy.typing import NDArray
 
 from benchmarks.thesis.tables import percent, short_name, table, worst_of_seeds
-from estimator.fit.identify import Identification, identify, identify_train
+from estimator.fit.identification import Identification
+from estimator.fit.identify import identify, identify_train
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.condensation import CondensedTrain, condense

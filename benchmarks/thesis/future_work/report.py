@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 
 from benchmarks.thesis.future_work.trains import FEATURES, INTERNAL_DAMPING, NOMINAL_ERROR, RMS, Feature, plain, true_point
 from benchmarks.thesis.tables import paragraphs, percent, prose, table
-from estimator.fit.coordinates import Coordinates
-from estimator.fit.identify import Identification, Options, identify
-from estimator.fit.phasor_jacobian import phasor_jacobian
+from estimator.fit.identification import Identification, Options
+from estimator.fit.identify import identify
+from estimator.fit.problem.coordinates import Coordinates
+from estimator.fit.problem.phasor_jacobian import phasor_jacobian
 from estimator.machine.document import Machine
 from estimator.machine.parameter_description import is_direct
 from estimator.phasors.measurement import Measurement

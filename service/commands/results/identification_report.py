@@ -8,7 +8,7 @@ import numpy as np
 
 from estimator.calibration.unbalance_since import UnbalanceSince
 from estimator.fit.estimates import CONFIDENCE_95, Estimate
-from estimator.fit.identify import Identification
+from estimator.fit.identification import Identification
 from estimator.identification.experiment_design import helpful_probes, helpful_speeds
 from estimator.identification.model_comparison import ModelComparison
 from estimator.machine.disc_scale import DiscScale

@@ -7,7 +7,7 @@ import numpy as np
 
 from estimator.calibration.unbalance_since import UnbalanceSince
 from estimator.fit.estimates import Estimate
-from estimator.fit.identify import Identification
+from estimator.fit.identification import Identification
 from estimator.identification.model_comparison import ModelComparison
 from estimator.machine.document import Machine
 from estimator.phasors.quality import Quality

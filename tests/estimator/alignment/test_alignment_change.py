@@ -7,7 +7,7 @@ import pytest
 
 from estimator.alignment.alignment_change import alignment_changes
 from estimator.arrays import Floats
-from estimator.fit.coordinates import Coordinates
+from estimator.fit.problem.coordinates import Coordinates
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.parameter_description import describe
 from estimator.updated_model.alignment_results import alignment_results

@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from estimator.bearings.knots import piecewise_weights, polynomial_weights
-from estimator.fit.identify import Identification, Options, identify
+from estimator.fit.identification import Identification, Options
+from estimator.fit.identify import identify
 from estimator.machine.document import DocumentError, Machine, parse_machine
 from estimator.machine.parameter_description import is_direct
 from estimator.phasors.measurement import Measurement

@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 
 from estimator.bearings.model import ModelParameter
 from estimator.bearings.table import Table
-from estimator.fit.identify import Identification, Options, identify
+from estimator.fit.identification import Identification, Options
+from estimator.fit.identify import identify
 from estimator.machine.document import DocumentError, Machine, parse_machine
 from estimator.machine.document_size import document_size
 from estimator.machine.document_warnings import document_warnings

@@ -11,7 +11,8 @@ from estimator.calibration.calibrate import Calibrated, calibrate
 from estimator.calibration.calibration_runs import CalibrationImpossible, CalibrationRun, check_runs
 from estimator.calibration.unbalance_since import unbalance_since
 from estimator.calibration.undetermined import distinct_speeds
-from estimator.fit.identify import NotEnoughData, identify
+from estimator.fit.fit_samples import NotEnoughData
+from estimator.fit.identify import identify
 from estimator.machine.document import parse_machine
 
 RUNS = 8

@@ -7,8 +7,8 @@ import pytest
 
 from estimator.arrays import Complexes
 from estimator.calibration.chain_start import best_chains
-from estimator.fit.coordinates import Coordinates
-from estimator.fit.fit_problem import FitProblem
+from estimator.fit.problem.coordinates import Coordinates
+from estimator.fit.problem.fit_problem import FitProblem
 from estimator.machine.document import Machine, parse_machine
 from estimator.machine.rules import Noise
 from estimator.phasors.measurement import Measurement

@@ -4,8 +4,8 @@ import numpy as np
 
 from benchmarks.calibration.rotor_kit import kit
 from estimator.calibration.mounted_problem import MountedProblem
-from estimator.fit.coordinates import Coordinates
-from estimator.fit.fit_problem import FitProblem
+from estimator.fit.problem.coordinates import Coordinates
+from estimator.fit.problem.fit_problem import FitProblem
 from estimator.machine.rules import Noise
 from estimator.phasors.noise import error_size
 from estimator.rotor.condensation import condense

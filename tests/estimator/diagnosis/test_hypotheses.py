@@ -8,7 +8,7 @@ import numpy as np
 import yaml
 
 from estimator.diagnosis.hypotheses import Hypothesis, hypotheses
-from estimator.fit.coordinates import Coordinates
+from estimator.fit.problem.coordinates import Coordinates
 from estimator.machine.document import Machine, parse_machine
 from estimator.rotor.condensation import condense
 from tests.estimator.trains import ROOT

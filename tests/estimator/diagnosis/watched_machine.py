@@ -11,7 +11,8 @@ import yaml
 from estimator.arrays import Complexes
 from estimator.diagnosis.observation import Observation, observation_of
 from estimator.diagnosis.run_windows import RunWindows
-from estimator.fit.identify import Identification, Options, identify
+from estimator.fit.identification import Identification, Options
+from estimator.fit.identify import identify
 from estimator.machine.coupling_neighbours import neighbouring_bearings
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.measurement import Measurement

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from estimator.bearings.deviation_shapes import DeviationShapes
-from estimator.fit.identify import Options, identify
+from estimator.fit.identification import Options
+from estimator.fit.identify import identify
 from estimator.machine.document import Machine
 from tests.film_plant.documents import Form, linear_machine, measured
 from tests.film_plant.plant import RPM, Plant

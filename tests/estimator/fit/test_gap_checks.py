@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 from estimator.arrays import Floats
-from estimator.fit.fit_problem import FitProblem, FitResult
 from estimator.fit.gap_checks import GapVerdict, with_gaps
-from estimator.fit.identify import Options, fit_problem, identify
+from estimator.fit.identification import Options
+from estimator.fit.identify import identify
 from estimator.fit.maximum_likelihood import fit
 from estimator.fit.multistart import chosen_start
+from estimator.fit.problem.fit_problem import FitProblem, FitResult
+from estimator.fit.problem_setup import fit_problem
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.measurement import MeasuredGaps, Measurement, joined
 from tests.film_plant.documents import film_document, measured, measured_gaps

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estimator.fit.identify import Identification, Options, identify
+from estimator.fit.identification import Identification, Options
+from estimator.fit.identify import identify
 from estimator.phasors.measurement import Measurement, joined
 from tests.estimator.full_train import deviations, full_response, true_values, unbalance_force
 from tests.estimator.trains import Complexes, Floats, chapter_3, chapter_3_document, noisy, truth

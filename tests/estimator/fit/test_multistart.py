@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from estimator.fit import fit_problem as fit_module
-from estimator.fit.identify import Options, identify
+from estimator.fit.identification import Options
+from estimator.fit.identify import identify
+from estimator.fit.problem import fit_problem as fit_module
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.elimination import SingularCondensation

@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from estimator.fit.identify import Identification, Options, identify
+from estimator.fit.identification import Identification, Options
+from estimator.fit.identify import identify
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.measurement import Measurement
 from estimator.phasors.noise import outlier_limit

@@ -11,7 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from estimator.fit.identify import Identification, Options, identify
+from estimator.fit.identification import Identification, Options
+from estimator.fit.identify import identify
 from estimator.machine.document import DocumentError, Machine, parse_machine
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.condensation import condense

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from estimator.fit.coordinates import Coordinates
 from estimator.fit.identify import identify
 from estimator.fit.physical_limits import LeastDampedMode, PhysicalLimits
+from estimator.fit.problem.coordinates import Coordinates
 from estimator.machine.document import Machine, parse_machine
 from estimator.modes.eigenmodes import eigenvalues
 from estimator.phasors.measurement import Measurement

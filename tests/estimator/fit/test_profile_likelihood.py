@@ -10,7 +10,9 @@ import math
 import numpy as np
 import pytest
 
-from estimator.fit.identify import LARGEST_CONDITION, Identification, identify
+from estimator.fit.conclusion import LARGEST_CONDITION
+from estimator.fit.identification import Identification
+from estimator.fit.identify import identify
 from estimator.machine.document import parse_machine
 from estimator.machine.parameter_description import is_direct
 from estimator.phasors.measurement import Measurement

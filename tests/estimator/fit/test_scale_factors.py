@@ -6,7 +6,8 @@ import itertools
 import numpy as np
 import pytest
 
-from estimator.fit.identify import Options, identify
+from estimator.fit.identification import Options
+from estimator.fit.identify import identify
 from estimator.machine.document import parse_machine
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.condensation import condense

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from estimator.fit.identify import Identification, Options, identify
+from estimator.fit.identification import Identification, Options
+from estimator.fit.identify import identify
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.measurement import Measurement, joined
 from estimator.rotor.assembly import assemble_rotor

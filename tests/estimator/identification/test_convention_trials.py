@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from estimator.fit.identify import Options
+from estimator.fit.identification import Options
 from estimator.identification.convention_trials import ConventionVerdict, with_named_conventions
 from estimator.identification.quality_gate import identify_gated
 from estimator.identification.wrong_conventions import WrongConvention

@@ -9,7 +9,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estimator.fit.identify import Identification, identify
+from estimator.fit.identification import Identification
+from estimator.fit.identify import identify
 from estimator.identification.experiment_design import helpful_probes, helpful_speeds
 from estimator.machine.document import parse_machine
 from estimator.phasors.measurement import Measurement, joined

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from estimator.fit.coordinates import Coordinates
-from estimator.fit.identify import Options
+from estimator.fit.identification import Options
+from estimator.fit.problem.coordinates import Coordinates
 from estimator.identification.quality_gate import identify_gated
 from estimator.identification.sweep_correction import sweep_transient
 from estimator.rotor.condensation import condense

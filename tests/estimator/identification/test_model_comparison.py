@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from estimator.fit.identify import Identification, identify
+from estimator.fit.identification import Identification
+from estimator.fit.identify import identify
 from estimator.identification.model_comparison import ModelComparison, compare_misalignment, with_identified_values
 from estimator.machine.document import parse_machine
 from estimator.phasors.measurement import Measurement

@@ -5,7 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from estimator.fit.identify import Identification, identify
+from estimator.fit.identification import Identification
+from estimator.fit.identify import identify
 from estimator.identification.pooling import combine
 from estimator.machine.document import parse_machine
 from estimator.phasors.measurement import Measurement

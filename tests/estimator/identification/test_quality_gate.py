@@ -5,7 +5,8 @@ from functools import cache
 
 import numpy as np
 
-from estimator.fit.identify import Identification, Options, identify
+from estimator.fit.identification import Identification, Options
+from estimator.fit.identify import identify
 from estimator.identification.quality_gate import identify_gated
 from estimator.machine.document import Machine, parse_machine
 from estimator.machine.rules import QualityRules

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from estimator.fit.coordinates import Coordinates
+from estimator.fit.problem.coordinates import Coordinates
 from estimator.identification.sweep_correction import sweep_transient
 from estimator.machine.document import Machine
 from estimator.phasors.speed_law import SpeedLaw

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from benchmarks.estimator.large_trains import large_train
-from estimator.fit.identify import LARGEST_SAMPLE_COUNT, most_samples
+from estimator.fit.fit_samples import LARGEST_SAMPLE_COUNT, most_samples
 from estimator.machine.document import DocumentError, parse_machine
 from estimator.machine.document_size import (
     FEWEST_SAMPLES,

@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from estimator.fit.identify import Identification, Options, identify
+from estimator.fit.identification import Identification, Options
+from estimator.fit.identify import identify
 from estimator.machine.document import parse_machine
 from estimator.phasors.measurement import Measurement, joined
 from estimator.phasors.slow_roll import NotSlowRoll, SlowRoll, capture, corrected, subtracted

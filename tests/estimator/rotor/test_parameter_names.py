@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from estimator.fit.coordinates import Coordinates
 from estimator.fit.estimates import estimates
+from estimator.fit.problem.coordinates import Coordinates
 from estimator.machine.document import parse_machine
 from estimator.rotor.condensation import condense
 from estimator.rotor.parameter_names import (

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import yaml
 
-from estimator.fit.identify import Options, identify
+from estimator.fit.identification import Options
+from estimator.fit.identify import identify
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.measurement import Measurement
 from estimator.simulation.simulated_films import SETTLEMENT, VISCOSITY_SCATTER

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from estimator.arrays import Floats
-from estimator.fit.coordinates import Coordinates
-from estimator.fit.linear_phasors import linear_phasors
+from estimator.fit.problem.coordinates import Coordinates
+from estimator.fit.problem.linear_phasors import linear_phasors
 from estimator.machine.document import Machine, parse_machine
 from estimator.rotor.condensation import condense
 from estimator.rotor.response import response

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from estimator.fit.identify import Options, identify
+from estimator.fit.identification import Options
+from estimator.fit.identify import identify
 from estimator.machine.document import parse_machine
 from estimator.rotor.parameter_names import parameter_units
 from estimator.statics.coupling_balance import coupling_balances

@@ -3,8 +3,9 @@
 import numpy as np
 import yaml
 
-from estimator.fit.coordinates import Coordinates
-from estimator.fit.identify import Options, identify
+from estimator.fit.identification import Options
+from estimator.fit.identify import identify
+from estimator.fit.problem.coordinates import Coordinates
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.condensation import condense

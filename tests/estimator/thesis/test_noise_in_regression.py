@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from estimator.arrays import Floats
-from estimator.fit.identify import Identification, identify
+from estimator.fit.identification import Identification
+from estimator.fit.identify import identify
 from estimator.machine.document import parse_machine
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.condensation import CondensedTrain, condense

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from estimator.fit.estimates import CONFIDENCE_95
-from estimator.fit.identify import Identification
+from estimator.fit.identification import Identification
 from estimator.machine.document import Machine
 from estimator.machine.rules import Noise, Operation
 from estimator.phasors.harmonic_ratio import Orders

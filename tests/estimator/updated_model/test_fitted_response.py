@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from estimator.fit.coordinates import Coordinates
-from estimator.fit.fit_problem import FitProblem
+from estimator.fit.problem.coordinates import Coordinates
+from estimator.fit.problem.fit_problem import FitProblem
 from estimator.machine.document import Machine
 from estimator.machine.rules import Noise
 from estimator.phasors.measurement import Measurement

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import yaml
 
-from estimator.fit.identify import Options
+from estimator.fit.identification import Options
 from estimator.machine.document import Machine, parse_machine
 from estimator.machine.under_conditions import ConditionImpossible, under_conditions
 from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from estimator.fit.identify import Options
+from estimator.fit.identification import Options
 from estimator.machine.document import Machine
 from estimator.machine.rules import Noise
 from estimator.phasors.slow_roll import SlowRoll

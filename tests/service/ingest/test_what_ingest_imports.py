@@ -68,11 +68,11 @@ def test_storing_and_closing_need_no_model_of_the_machine(module: str) -> None:
         ("service.monitoring.assessment_queue", set[str]()),
         ("service.alerts.transitions", set[str]()),
         ("service.monitoring.finding_text", {"estimator.machine.parameter_description"}),
-        ("service.identification.scheduler", {"estimator.fit.identify"}),
-        ("service.identification.job_submission", {"estimator.fit.identify"}),
-        ("service.identification.result_filing", {"estimator.fit.identify"}),
-        ("service.identification.task_builder", {"estimator.fit.identify", "estimator.machine.document"}),
-        ("service.identification.job_options", {"estimator.fit.identify", "estimator.machine.rules"}),
+        ("service.identification.scheduler", {"estimator.fit.identification"}),
+        ("service.identification.job_submission", {"estimator.fit.identification"}),
+        ("service.identification.result_filing", {"estimator.fit.identification"}),
+        ("service.identification.task_builder", {"estimator.fit.identification", "estimator.machine.document"}),
+        ("service.identification.job_options", {"estimator.fit.identification", "estimator.machine.rules"}),
     ],
 )
 def test_what_works_within_transactions_asks_workers_and_computes_nothing_itself(module: str, known: set[str]) -> None:

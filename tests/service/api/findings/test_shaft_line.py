@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import yaml
 
-from estimator.fit.coordinates import Coordinates
+from estimator.fit.problem.coordinates import Coordinates
 from estimator.machine.document import parse_machine
 from estimator.phasors.channel_status import ChannelStatus
 from estimator.rotor.condensation import condense

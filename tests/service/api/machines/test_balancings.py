@@ -16,7 +16,7 @@ from storage.operation import audit
 from tests.api_in_process import Api
 from tests.estimator.trains import dense_response, noisy
 from tests.plant import KEY, SECOND, START, document, identification, samples, store_identification
-from tests.service.api.findings.test_model import outcome
+from tests.service.api.findings.modelled import outcome
 
 PATH = f"/machines/{KEY.machine}/balancings"
 POINTS = 40

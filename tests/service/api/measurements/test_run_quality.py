@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from sqlalchemy.orm import Session
 
-from estimator.fit.identify import Options
+from estimator.fit.identification import Options
 from estimator.machine.document import Machine
 from estimator.machine.rules import QualityRules
 from estimator.phasors.channel_status import ChannelStatus

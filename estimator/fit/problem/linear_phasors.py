@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.fit.coordinates import Coordinates
-from estimator.fit.phasor_jacobian import phasor_jacobian
+from estimator.fit.problem.coordinates import Coordinates
+from estimator.fit.problem.phasor_jacobian import phasor_jacobian
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.condensation import CondensedTrain
 from estimator.rotor.response import Sensitivity, sensitivity

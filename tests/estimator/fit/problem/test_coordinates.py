@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from estimator.fit.coordinates import UNBALANCE_SPREAD, Coordinates
+from estimator.fit.problem.coordinates import UNBALANCE_SPREAD, Coordinates
 from estimator.machine.document import Machine, parse_machine
 from estimator.rotor.coefficient_models import CROSS_SPREAD, KNOWN_SPREAD, UNKNOWN_SPREAD
 from estimator.rotor.condensation import condense

@@ -3,7 +3,7 @@
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.fit.gap_rows import ChannelGaps, seen_noise
+from estimator.fit.problem.gap_rows import ChannelGaps, seen_noise
 from tests.estimator.fit.test_gap_checks import Fitted, fitted
 
 __all__ = ["fitted"]

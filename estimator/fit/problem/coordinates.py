@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
 from estimator.bearings.model import ChainedCurves, CoefficientCurves, CoefficientModel, ModelParameter, ReadingModel
-from estimator.fit.channel_coordinates import ChannelCoordinates
-from estimator.fit.prior import Prior, calibrated_prior
-from estimator.fit.train_models import train_models
+from estimator.fit.problem.channel_coordinates import ChannelCoordinates
+from estimator.fit.problem.prior import Prior, calibrated_prior
+from estimator.fit.problem.train_models import train_models
 from estimator.machine.calibration import Calibration
 from estimator.quantities import Quantity
 from estimator.rotor.coefficient_models import expects_a_law

@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from estimator.fit.channel_sensitivity import with_every_channel
-from estimator.fit.coordinates import Coordinates
-from estimator.fit.fit_problem import FitProblem, best_excitations
-from estimator.fit.linear_phasors import PhasorMemory
 from estimator.fit.maximum_likelihood import bend
+from estimator.fit.problem.coordinates import Coordinates
+from estimator.fit.problem.fit_problem import FitProblem, best_excitations
+from estimator.fit.problem.linear_phasors import PhasorMemory
 from estimator.machine.rules import Noise
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.condensation import condense

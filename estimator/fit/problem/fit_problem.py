@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
-from estimator.fit.coordinates import Coordinates
-from estimator.fit.gap_rows import GapRows, gap_cost, linearised_gaps
-from estimator.fit.linear_phasors import LinearPhasors, PhasorMemory, Sources, linear_phasors
+from estimator.fit.problem.coordinates import Coordinates
+from estimator.fit.problem.gap_rows import GapRows, gap_cost, linearised_gaps
+from estimator.fit.problem.linear_phasors import LinearPhasors, PhasorMemory, Sources, linear_phasors
 from estimator.machine.rules import Noise
 from estimator.phasors.measurement import Measurement
 from estimator.phasors.noise import error_size

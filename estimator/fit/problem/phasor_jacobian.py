@@ -3,7 +3,7 @@
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.fit.coordinates import Coordinates
+from estimator.fit.problem.coordinates import Coordinates
 from estimator.rotor.response import Sensitivity
 
 

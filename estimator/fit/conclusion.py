@@ -1,0 +1,137 @@
+"""Conclusions from a fit: whether it may be believed, its estimates with intervals, or why there are none."""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.arrays import Floats
+from estimator.fit.channel_sensitivity import channel_effects
+from estimator.fit.estimates import determined, estimates
+from estimator.fit.form_discrepancy import FormVerdict, judge_form, needs_form
+from estimator.fit.goodness_of_fit import Verdict, VerdictRemark, judge, remark
+from estimator.fit.identifiability import Reasons
+from estimator.fit.identification import Identification
+from estimator.fit.multistart import BestFit
+from estimator.fit.nuisance_parameters import excessive_deviations
+from estimator.fit.omitted_warming import viscosity_trend
+from estimator.fit.physical_limits import Limits, without_growing_modes
+from estimator.fit.problem.coordinates import Coordinates
+from estimator.fit.problem.fit_problem import FitProblem, FitResult
+from estimator.fit.profile_likelihood import flat_coordinates
+
+LARGEST_CONDITION = 1e5
+"""Condition number above which intervals are checked against the likelihood's profile [-]; full run-downs have some
+thousands."""
+
+
+def conclude(
+    problem: FitProblem, best: BestFit, of_gaps: tuple[str, ...], reasons: Reasons | None, limits: Limits | None
+) -> Identification:
+    """Judge a fit: its verdict, estimates with intervals, or the reasons why there are none.
+
+    Intervals are those of the Gaussian approximation at the maximum (Rasmussen and Williams, Gaussian Processes for Machine
+    Learning, 2006, sec. 3.4), as wide as the form over speed and the residuals ask for.
+
+    Args:
+        problem: The problem.
+        best: The best fit of its starts.
+        of_gaps: What is said of the gaps, in words.
+        reasons: Function that says in words why a parameter is not estimable.
+        limits: Function that looks for what no machine can have; None to accept it.
+
+    Returns:
+        The identification.
+    """
+    coordinates, found = problem.coordinates, best.fit
+    information = found.information + coordinates.prior.precision
+    covariance = np.linalg.inv(information)
+    covariance = (covariance + covariance.T) / 2
+    size = np.sqrt(np.diag(information))
+    condition = float(np.linalg.cond(information / np.outer(size, size)))
+    verdict = judge(problem, found)
+    beside = VerdictRemark()
+    doubtful, form_alone = frozenset[int](), frozenset[int]()
+    if verdict.accepted:
+        found_form = _form_verdict(problem, found, covariance, condition)
+        found, verdict = _possible(problem, found, found_form.applied(verdict), limits)
+        form_alone = _determined(coordinates, covariance) - _determined(coordinates, found_form.covariance)
+        covariance = found_form.covariance
+        beside = remark(problem, found)
+        covariance = covariance * beside.inflation
+        if verdict.accepted and condition > LARGEST_CONDITION and not coordinates.models:
+            doubtful = flat_coordinates(problem, found, covariance, sorted(_determined(coordinates, covariance)))
+    speed = problem.measurement.speed
+    error = np.sqrt(np.diag(covariance))
+    why = None if reasons is None else reasons(problem, found, covariance)
+    if why is not None and form_alone:
+        why = _with_form_alone(why, frozenset(coordinates.names[place] for place in form_alone))
+    return Identification(
+        estimates=estimates(problem.train, coordinates, found.theta, error, why, doubtful),
+        coordinates=coordinates.names,
+        covariance=covariance * np.outer(coordinates.unit, coordinates.unit),
+        point=coordinates.point(found.theta),
+        chi_square=found.chi_square,
+        degrees_of_freedom=verdict.degrees_of_freedom,
+        accepted=verdict.accepted,
+        verdict="; ".join((verdict.words + beside.words, *best.remarks, *of_gaps)),
+        condition_number=condition,
+        starts=best.starts,
+        iterations=best.iterations,
+        samples=int(speed.size),
+        speed_minimum=float(speed.min()),
+        speed_maximum=float(speed.max()),
+        noise=found.noise,
+        outliers=outliers_by_channel(problem, found.outlier),
+        channel_effects=channel_effects(problem, found, inflation=beside.inflation),
+    )
+
+
+def outliers_by_channel(problem: FitProblem, outlier: NDArray[np.bool_]) -> dict[str, int]:
+    """Count the phasors left out by channel.
+
+    Args:
+        problem: The problem of a fit.
+        outlier: True for phasors left out (S, m).
+
+    Returns:
+        Their number by the channel's name, where there is any.
+    """
+    counts = np.count_nonzero(outlier, axis=0)
+    return {channel: int(count) for channel, count in zip(problem.train.channels, counts, strict=True) if count}
+
+
+def _form_verdict(problem: FitProblem, found: FitResult, covariance: Floats, condition: float) -> FormVerdict:
+    """Return the verdict on how coefficients follow the speed: by assumed forms, and by films with their deviations."""
+    excess = excessive_deviations(problem, found, covariance)
+    trend = None if excess else viscosity_trend(problem, found, covariance)
+    if trend is not None:
+        excess = trend.words
+    if excess or not needs_form(problem):
+        return FormVerdict(covariance, excess)
+    return judge_form(problem, found, covariance, condition)
+
+
+def _determined(coordinates: Coordinates, covariance: Floats) -> frozenset[int]:
+    return frozenset(determined(coordinates, np.sqrt(np.diag(covariance))))
+
+
+def _with_form_alone(why: Callable[[str], str], names: frozenset[str]) -> Callable[[str], str]:
+    """Return the function that says why a coordinate is left open, with those that the form over speed alone determines."""
+
+    def reason(name: str) -> str:
+        if name in names:
+            return "only the form over speed that the document assumes determines it, and no data show whether that is true"
+        return why(name)
+
+    return reason
+
+
+def _possible(problem: FitProblem, found: FitResult, verdict: Verdict, limits: Limits | None) -> tuple[FitResult, Verdict]:
+    """Return an accepted fit without growing modes, or the verdict that it has one."""
+    if limits is None or not verdict.accepted:
+        return found, verdict
+    moved, growing = without_growing_modes(limits(problem), problem, found)
+    if growing is None:
+        return moved, verdict
+    return found, verdict.refused(growing.words)
