@@ -54,7 +54,8 @@ def other_train(rng: np.random.Generator) -> tuple[Train, CouplingKind, float]:
     ]
     top = rng.uniform(1.15, 2.0) * min(one.critical for one in parts)
     largest = max(one.diameter for part in parts for one in part.bearings)
-    fastest = float(np.clip(min(top, 2 * FASTEST_SURFACE / largest), *(np.pi / 30 * speed for speed in SPEEDS_RPM)))
+    low, high = (np.pi / 30 * speed for speed in SPEEDS_RPM)
+    fastest = float(max(low, min(top, 2 * FASTEST_SURFACE / largest, high)))
     bearings = tuple(one for part in parts for one in part.bearings)
     if rng.random() < ON_PEDESTALS:
         bearings = tuple(standing(one, fastest, rng) for one in bearings)

@@ -119,7 +119,7 @@ def test_phasors_follow_the_stiffness_by_way_of_the_loads_too() -> None:
 
 
 def test_stiffness_that_is_fixed_or_follows_another_is_not_read_twice() -> None:
-    rules = [
+    rules: list[dict[str, Any]] = [
         {"names": "coupling.C1.*", "fixed": True},
         {"names": "pedestal.P2.*", "spread": 0.2},
         {"names": "pedestal.P3.*", "tied_to": "pedestal.P2"},
