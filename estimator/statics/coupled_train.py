@@ -194,7 +194,7 @@ def coupled_train(machine: Machine) -> CoupledTrain:
     rotor = assemble_rotor(machine)
     held = np.concatenate([lateral_places(rotor, bearing.shaft, bearing.station) for bearing in machine.bearings])
     load, units = train_load(machine, rotor), _unit_loads(machine, rotor)
-    given = static_stiffness(machine, couplings=True)
+    given = static_stiffness(machine, couplings=[one.id for one in machine.couplings])
     stiffness = (given + given.T) / 2
     identified = _identified(unknowns(machine, rotor).coefficients)
     leaders = list(dict.fromkeys(leader.name for _, leader in identified))

@@ -6,6 +6,7 @@ Pedestals with compliances D give way: u = p - D (f - f₀) for bearings at p, w
 aligned. So S becomes (1 + S D)⁻¹ S.
 """
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +16,8 @@ from numpy.typing import NDArray
 from estimator.arrays import Floats
 from estimator.errors import Invalid
 from estimator.machine.document import Machine
-from estimator.machine.parts import Coupling
+from estimator.machine.parts import STATION_TOLERANCE
+from estimator.machine.train_layout import shaft_begins
 from estimator.rotor.assembly import Rotor, assemble_rotor, plane_columns
 from estimator.rotor.parameters import unknowns
 from estimator.rotor.shaft_element import NODE_DOFS, PLANE_DOFS
@@ -81,19 +83,19 @@ class TrainStatics:
         return np.asarray((self.stiffness @ position.reshape(-1) - self.weight).reshape(-1, 2))
 
 
-def static_stiffness(machine: Machine, *, couplings: bool) -> Floats:
-    """Assemble the stiffness of shafts and pedestals, with or without couplings, without bearings and seals.
+def static_stiffness(machine: Machine, *, couplings: Collection[str]) -> Floats:
+    """Assemble the stiffness of shafts and pedestals and of some couplings, without bearings and seals.
 
     Args:
         machine: The machine.
-        couplings: Whether couplings act, with the stiffness that is expected of them.
+        couplings: Ids of the couplings that act, with the stiffness that is expected of them.
 
     Returns:
         Stiffness (N, N) [N/m, N, N m].
     """
     listed = unknowns(machine, assemble_rotor(machine)).coefficients
-    acting = ("coupling.", "pedestal.") if couplings else ("pedestal.",)
-    values = [one.expected if one.element.startswith(acting) else 0.0 for one in listed]
+    acting = {f"coupling.{one}" for one in couplings}
+    values = [one.expected if one.element in acting or one.element.startswith("pedestal.") else 0.0 for one in listed]
     return system_matrices(machine, coefficients=np.array(values)).stiffness
 
 
@@ -161,7 +163,8 @@ def free_motion(stiffness: Floats, loads: Floats, held: NDArray[np.intp]) -> tup
 def aligned_places(machine: Machine, rotor: Rotor, load: Floats, held: NDArray[np.intp]) -> Floats:
     """Derive where bearings stand when each shaft, sagging in its own bearings, is moved until couplings fit.
 
-    The first shaft of a train stays; the others are moved as rigid bodies.
+    A shaft that does not lie on two bearings of its own is one with its neighbours: couplings at its ends carry what they must
+    with all bearings of these shafts in a line. The first shafts of a train stay; the others are moved as rigid bodies.
 
     Args:
         machine: The machine.
@@ -175,28 +178,40 @@ def aligned_places(machine: Machine, rotor: Rotor, load: Floats, held: NDArray[n
     Raises:
         UnsupportedShaft: Something would fall although all journals are held.
     """
-    sag = free_motion(static_stiffness(machine, couplings=False), load[:, None], held)[0][:, 0]
-    moved = np.zeros(rotor.size)
-    settled = {machine.shafts[0].id}
+    carrying = [one for one in machine.couplings if not {one.driver, one.driven} <= _on_own_bearings(machine)]
+    sag = free_motion(static_stiffness(machine, couplings=[one.id for one in carrying]), load[:, None], held)[0][:, 0]
+    bodies = {shaft.id: frozenset({shaft.id}) for shaft in machine.shafts}
+    for one in carrying:
+        whole = bodies[one.driver] | bodies[one.driven]
+        bodies |= dict.fromkeys(whole, whole)
+    moved, begins = np.zeros(rotor.size), shaft_begins(machine)
+    settled = set(bodies[machine.shafts[0].id])
     waiting = list(machine.couplings)
     while waiting:
         coupling = next((one for one in waiting if settled & {one.driver, one.driven}), None)
         if coupling is None:
             break  # another train beside the first: its own first shaft stays
         waiting.remove(coupling)
-        _fit(rotor, coupling, sag, moved, settled)
+        if settled >= {coupling.driver, coupling.driven}:
+            continue  # within a body, or the second of two couplings between the same
+        still, other = (coupling.driver, coupling.driven) if coupling.driver in settled else (coupling.driven, coupling.driver)
+        ends = {coupling.driver: rotor.end_node(coupling.driver), coupling.driven: rotor.first_node[coupling.driven]}
+        here, there = (slice(NODE_DOFS * ends[one], NODE_DOFS * (ends[one] + 1)) for one in (still, other))
+        for shaft in bodies[other]:
+            away = begins[shaft] - begins[coupling.driven] + rotor.stations[shaft]
+            _move(moved, rotor.first_node[shaft], away, (sag + moved)[here] - sag[there])
+        settled |= bodies[other]
     return np.asarray(moved[held].reshape(-1, 2))
 
 
-def _fit(rotor: Rotor, coupling: Coupling, sag: Floats, moved: Floats, settled: set[str]) -> None:
-    """Move the shaft at one end of a coupling, as a rigid body, until its end fits the other's."""
-    ends = {coupling.driver: rotor.end_node(coupling.driver), coupling.driven: rotor.first_node[coupling.driven]}
-    still, other = (coupling.driver, coupling.driven) if coupling.driver in settled else (coupling.driven, coupling.driver)
-    settled.add(other)
-    here, there = (slice(NODE_DOFS * ends[one], NODE_DOFS * (ends[one] + 1)) for one in (still, other))
-    gap = (sag + moved)[here] - sag[there]
-    stations = rotor.stations[other]
-    away = stations - (0.0 if other == coupling.driven else stations[-1])
-    for node, distance in enumerate(away, start=rotor.first_node[other]):
-        x, y, about_x, about_y = gap
+def _on_own_bearings(machine: Machine) -> set[str]:
+    """Return the shafts that lie on two bearings of their own at least."""
+    stations = {shaft.id: [one.station for one in machine.bearings if one.shaft == shaft.id] for shaft in machine.shafts}
+    return {shaft for shaft, own in stations.items() if own and max(own) - min(own) > STATION_TOLERANCE}
+
+
+def _move(moved: Floats, first: int, away: Floats, motion: Floats) -> None:
+    """Move a shaft's nodes at some distances from a coupling as a rigid body that moves there by displacement and slopes."""
+    x, y, about_x, about_y = motion
+    for node, distance in enumerate(away, start=first):
         moved[NODE_DOFS * node : NODE_DOFS * (node + 1)] = (x + about_y * distance, y - about_x * distance, about_x, about_y)

@@ -145,3 +145,25 @@ def test_a_load_is_as_uncertain_as_the_stiffness_that_it_follows_from() -> None:
     load = told["bearing.B2.load_vertical"]
     assert load.error == pytest.approx(0.1 * abs(moved["bearing.B2.load_vertical"] - load.value) / 1e-3, rel=1e-2)
     assert load.error > 0.5
+
+
+def test_a_shaft_on_one_bearing_hangs_in_its_coupling() -> None:
+    """Three bearings in a line and a rigid coupling: loads are those of one shaft of all sections."""
+    three = said()
+    del three["pedestals"], three["static_loads"]
+    three["probes"] = three["probes"][:4]
+    three["couplings"][0] |= {"kxx": 1e12, "kyy": 1e12, "k_phix": 1e11, "k_phiy": 1e11}
+    three["bearings"] = [one for one in three["bearings"] if one["id"] != "B3"]
+    first, second = three["shafts"]
+    length = sum(one["length"] for one in first["sections"])
+    whole = three | {"couplings": [], "shafts": [{"id": "S1", "sections": [*first["sections"], *second["sections"]]}]}
+    for part in ("bearings", "discs"):
+        whole[part] = [
+            one if one["shaft"] == "S1" else one | {"shaft": "S1", "station": one["station"] + length} for one in three[part]
+        ]
+    half = {"shaft": "S1", "station": length, "mass": 11.0, "diametral_inertia": 0.024, "polar_inertia": 0.04}
+    whole["discs"] = [*whole["discs"], {"id": "halves", **half}]
+    found, due = train_statics(parse_machine(three)), train_statics(parse_machine(whole))
+    np.testing.assert_allclose(found.aligned, 0.0, atol=1e-12)
+    np.testing.assert_allclose(found.weight, due.weight, rtol=1e-4, atol=1e-2)
+    np.testing.assert_allclose(found.stiffness, due.stiffness, atol=1e-3 * np.abs(due.stiffness).max())
