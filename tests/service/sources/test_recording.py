@@ -267,7 +267,7 @@ def test_a_recording_does_not_take_the_place_of_a_machine_document(tmp_path: Pat
     document.write_text("id: pump\nname: Pump\n", encoding="utf-8")
     pump = machine()
     speed, phasor = np.array([900.0, 800.0]), np.full((2, len(pump.channels)), 1e-5 + 0j)
-    with pytest.raises(UnreadableFile, match="pump.yaml is no sidecar of a recording.*give the CSV another name"):
+    with pytest.raises(UnreadableFile, match=r"pump\.yaml is no sidecar of a recording.*give the CSV another name"):
         write_recording(tmp_path / "pump.csv", pump, speed_rpm=speed, phasor=phasor, interval_s=1.0)
     assert document.read_text(encoding="utf-8").startswith("id: pump")
     assert not (tmp_path / "pump.csv").exists()
