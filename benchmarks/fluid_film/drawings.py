@@ -62,9 +62,9 @@ def _with_errors(model: UpdatedModel, speed: Floats) -> tuple[dict[str, Floats],
     """Return the drawn film's coefficients (S,) [SI] by term, and their standard errors."""
     coordinates = model.coordinates_at(speed)
     placed = next(one for one in coordinates.models if isinstance(one.model, FilmModel))
-    theta, unit = coordinates.theta(model.values), coordinates.unit[placed.first : placed.places.stop]
-    block = slice(placed.first, placed.places.stop)
-    errors = standard_errors(placed.derivatives(theta, slice(None)), model.covariance[block, block] / np.outer(unit, unit))
+    theta, unit = coordinates.theta(model.values), coordinates.unit[placed.numbers]
+    block = np.ix_(placed.numbers, placed.numbers)
+    errors = standard_errors(placed.derivatives(theta, slice(None)), model.covariance[block] / np.outer(unit, unit))
     values, names = placed.values(theta), list(placed.model.coefficients)
     column = {one.name: names.index(f"bearing.{model.machine.bearings[BEARING].id}.{one.name}") for one in LATERAL}
     return ({term: values[:, c] for term, c in column.items()}, {term: errors[:, c] for term, c in column.items()})

@@ -54,8 +54,8 @@ def film_loads(model: UpdatedModel) -> tuple[FilmLoad, ...]:
     if states is None:
         return ()
     slope = states.force_slope[-1, :, 1]
-    own = slice(placed.first, placed.first + slope.shape[-1])
-    covariance = model.covariance[own, own] / np.outer(coordinates.unit[own], coordinates.unit[own])
+    own = placed.numbers[: slope.shape[-1]]
+    covariance = model.covariance[np.ix_(own, own)] / np.outer(coordinates.unit[own], coordinates.unit[own])
     return tuple(
         FilmLoad(
             bearing=bearing.id,

@@ -199,6 +199,18 @@ class CoefficientModel(Protocol):
         """
 
 
+@runtime_checkable
+class ReadingModel(CoefficientModel, Protocol):
+    """Model whose coefficients depend on parameters of other models too, as loads on films do on a coupling's stiffness.
+
+    Its curves take the fitted numbers of these parameters before those of its own.
+    """
+
+    @property
+    def read(self) -> tuple[str, ...]:
+        """Return the names of these parameters of other models."""
+
+
 class BearingForm(Protocol):
     """Part of a machine document that chooses the model of an element's coefficients."""
 

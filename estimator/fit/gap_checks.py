@@ -17,7 +17,7 @@ from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.problem.gap_rows import ChannelGaps, GapRows, gap_rows, seen_noise
 from estimator.fit.reweighting import with_fitted_noise
 from estimator.statics.film_model import FilmModel
-from estimator.statics.shaft_centreline import ShaftCentreline, probe_lines
+from estimator.statics.shaft_centreline import ShaftCentreline, probe_views
 from estimator.units import METRES, rad_per_s_to_rpm
 
 LARGEST_JUMP = 1e-5
@@ -61,14 +61,14 @@ def with_gaps(problem: FitProblem, found: FitResult) -> GapVerdict:
         return GapVerdict(problem, found)
     model = placed.model
     assert isinstance(model, FilmModel)
-    centreline = ShaftCentreline(model.films, probe_lines(machine), problem.measurement.speed)
+    centreline = ShaftCentreline(model.films, probe_views(machine), problem.measurement.speed)
     rows = gap_rows(
         model,
         centreline,
         gaps,
         rules=machine.centreline,
         speed=problem.measurement.speed,
-        first=placed.first,
+        places=placed.numbers,
         fitted=placed.own(found.theta),
     )
     doubts = [(one, _doubt(problem, found, rows, one)) for one in rows.channels]
@@ -132,7 +132,7 @@ def _ratio(problem: FitProblem, found: FitResult, rows: GapRows, one: ChannelGap
     Returns the ratio, its standard error, and χ² of the gap against the expectation, whose own error is reckoned with.
     """
     own = found.theta[rows.places]
-    covariance = np.linalg.inv(found.information + problem.coordinates.prior.precision)[rows.places, rows.places]
+    covariance = np.linalg.inv(found.information + problem.coordinates.prior.precision)[np.ix_(rows.places, rows.places)]
     expected = one.whitened(rows.centreline.values(own)[:, one.channel])
     slopes = one.whitened(rows.centreline.derivatives(own)[:, one.channel])
     whole = np.eye(expected.size) + slopes @ covariance @ slopes.T

@@ -207,9 +207,7 @@ class PhysicalLimits:
         free = at.place >= 0
         np.add.at(found, at.place[free], (by_coefficient * np.where(at.logarithmic, base, at.scale))[free])
         for one in at.models:
-            found[one.first : one.places.stop] += (
-                by_coefficient[list(one.coefficients)] @ one.derivatives(theta, slice(0, 1))[0]
-            )
+            found[one.numbers] += by_coefficient[list(one.coefficients)] @ one.derivatives(theta, slice(0, 1))[0]
         return found
 
     def _shapes(self, machine: Machine, at: Coordinates, theta: Floats, base: Floats, mode: LeastDampedMode) -> Modes:

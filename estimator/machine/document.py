@@ -28,6 +28,8 @@ from estimator.machine.rules import (
 from estimator.machine.sparkplug import Sparkplug
 from estimator.machine.unfinished_document import further_problems, retold
 
+TINY = 1e-20
+"""Bound that stands for zero [m, or any unit]."""
 MOST_WITH_FURTHER = 100
 """Most wrong fields beside which contradictions are looked for."""
 
@@ -248,7 +250,15 @@ def problems_of(errors: Sequence[Any]) -> list[tuple[str, str]]:
         place = tuple(item["loc"])
         return item["type"] == "too_short" and any(len(p) > len(place) and p[: len(place)] == place for p in places)
 
-    return [(field_path(place_of(item)), item["msg"]) for item in errors if not follows(item)]
+    return [(field_path(place_of(item)), _words(item)) for item in errors if not follows(item)]
+
+
+def _words(item: Any) -> str:
+    """Return what pydantic says of an error, in plain words."""
+    least = item.get("ctx", {}).get("gt")
+    if item["type"] == "greater_than" and isinstance(least, float) and 0.0 < least <= TINY:
+        return "Input should be greater than 0"
+    return str(item["msg"]).removeprefix("Value error, ")
 
 
 def field_path(location: tuple[int | str, ...]) -> str:

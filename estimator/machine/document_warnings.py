@@ -4,7 +4,20 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from estimator.machine.document import Machine
+from estimator.machine.films import JournalFilm
 from estimator.machine.part_coefficients import ELEMENTS
+from estimator.machine.parts import STATION_TOLERANCE, Bearing, Shaft
+
+LEAST_DENSITY = 500.0
+"""Density of a shaft below which it is asked whether g/cm³ was meant [kg/m³]."""
+USUAL_CLEARANCE = (0.0005, 0.005)
+"""Radial clearance over the journal's radius within which nothing is said [-]."""
+USUAL_SLENDERNESS = (0.2, 1.5)
+"""Length over diameter of a journal bearing within which nothing is said [-]."""
+USUAL_JOURNAL = (0.8, 1.25)
+"""Diameter of a journal over that of its shaft there within which nothing is said [-]."""
+LEAST_LATERAL, LEAST_ANGULAR = 1e3, 10.0
+"""Lateral and angular stiffness of a coupling below which it is asked whether the unit is right [N/m, N m/rad]."""
 
 
 @dataclass(frozen=True)
@@ -41,7 +54,7 @@ def document_warnings(machine: Machine) -> tuple[DocumentWarning, ...]:
         if part.speed_dependence is not None
         for field, words in part.speed_dependence.warnings(speeds.minimum_rpm, speeds.maximum_rpm)
     )
-    return (*of_laws, *_far_elevations(machine))
+    return (*_light_materials(machine), *of_laws, *_odd_films(machine), *_far_elevations(machine), *_soft_couplings(machine))
 
 
 def _far_elevations(machine: Machine) -> Iterator[DocumentWarning]:
@@ -58,3 +71,61 @@ def _far_elevations(machine: Machine) -> Iterator[DocumentWarning]:
                     f"{1e6 * elevation:.4g} µm is more than the radial clearance, {1e6 * clearance:.4g} µm: "
                     "usual are some 10 µm; elevations are in m, over the place at which couplings carry nothing",
                 )
+
+
+def _light_materials(machine: Machine) -> Iterator[DocumentWarning]:
+    for name, material in machine.materials.items():
+        if material.density < LEAST_DENSITY:
+            yield DocumentWarning(
+                f"materials.{name}.density",
+                f"{material.density:g} kg/m³: steel has 7850 kg/m³; was {material.density:g} g/cm³ meant?",
+            )
+
+
+def _odd_films(machine: Machine) -> Iterator[DocumentWarning]:
+    """Yield proportions of films that no maker builds, and journals that are not as thick as their shaft."""
+    for number, bearing in enumerate(machine.bearings):
+        if bearing.film is not None:
+            shaft = _diameters(machine.shaft(bearing.shaft), bearing.station)
+            for name, words in _odd_film(bearing, bearing.film, shaft):
+                yield DocumentWarning(f"bearings[{number}].film.{name}", words)
+
+
+def _odd_film(bearing: Bearing, film: JournalFilm, shaft: tuple[float, ...]) -> Iterator[tuple[str, str]]:
+    """Yield fields of a film, on a shaft of these diameters [m], with what is odd about them."""
+    radius = film.diameter / 2
+    part = film.radial_clearance / radius
+    if not USUAL_CLEARANCE[0] <= part <= USUAL_CLEARANCE[1]:
+        words = f"{1e6 * film.radial_clearance:.4g} µm is {part:.2g} of the radius, {radius:g} m"
+        yield "radial_clearance", f"{words}: usual is 0.001 to 0.002 of it, half the difference of the diameters"
+    slender = film.length / film.diameter
+    if not USUAL_SLENDERNESS[0] <= slender <= USUAL_SLENDERNESS[1]:
+        words = f"{film.length:g} m is {slender:.2g} times the diameter, {film.diameter:g} m"
+        yield "length", f"{words}: usual is 0.3 to 1.2 times"
+    if not any(USUAL_JOURNAL[0] <= film.diameter / one <= USUAL_JOURNAL[1] for one in shaft):
+        thick = " or ".join(f"{one:g}" for one in shaft)
+        words = f"{film.diameter:g} m, but shaft '{bearing.shaft}' is {thick} m thick at station {bearing.station:g} m"
+        yield "diameter", f"{words}: the journal is that part of the shaft"
+
+
+def _diameters(shaft: Shaft, station: float) -> tuple[float, ...]:
+    """Return the outer diameters of a shaft at a station: two where two sections meet [m]."""
+    begins, found = 0.0, []
+    for section in shaft.sections:
+        if begins - STATION_TOLERANCE <= station <= begins + section.length + STATION_TOLERANCE:
+            found.append(section.outer_diameter)
+        begins += section.length
+    return tuple(dict.fromkeys(found))
+
+
+def _soft_couplings(machine: Machine) -> Iterator[DocumentWarning]:
+    for number, coupling in enumerate(machine.couplings):
+        for terms, least, unit, usual, meant in (
+            (("kxx", "kyy"), LEAST_LATERAL, "N/m", "1e+5 to 1e+10 N/m", "N/µm"),
+            (("k_phix", "k_phiy"), LEAST_ANGULAR, "N m/rad", "1e+3 to 1e+8 N m/rad", "MN m/rad"),
+        ):
+            for term in terms:
+                value = getattr(coupling, term)
+                if value is not None and value < least:
+                    words = f"{value:g} {unit}: usual is {usual}; was {value:g} {meant} meant?"
+                    yield DocumentWarning(f"couplings[{number}].{term}", words)

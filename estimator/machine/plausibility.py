@@ -3,13 +3,18 @@
 from collections.abc import Iterator
 
 from estimator.machine.document import Machine
+from estimator.machine.films import JournalFilm
 
 SMALLEST_YOUNG_MODULUS = 1e8
 """Smallest Young's modulus of a shaft [N/m²]: that of a hard rubber."""
 LARGEST_DIAMETER = 5.0
 """Largest diameter of a shaft [m]."""
 SMALLEST_STIFFNESS = 1e3
-"""Smallest direct stiffness of a bearing [N/m]: one that sinks by a millimetre under 0.1 kg."""
+"""Smallest direct stiffness of a bearing or pedestal [N/m]: one that sinks by a millimetre under 0.1 kg."""
+LARGEST_VISCOSITY = 2.0
+"""Largest viscosity of an oil film [Pa s]: three times that of the thickest grade at 40 °C."""
+SLENDERNESS = (0.05, 20.0)
+"""Least and largest length over diameter of a journal bearing [-]."""
 
 
 def implausible_values(machine: Machine) -> Iterator[tuple[str, str]]:
@@ -30,9 +35,27 @@ def implausible_values(machine: Machine) -> Iterator[tuple[str, str]]:
             if section.outer_diameter > LARGEST_DIAMETER:
                 message = f"{section.outer_diameter:g} m: usual is 0.01 to 2 m; was {section.outer_diameter:g} mm meant?"
                 yield f"shafts[{i}].sections[{j}].outer_diameter", message
+    for place in ("bearings", "pedestals"):
+        for i, part in enumerate(getattr(machine, place)):
+            for term in ("kxx", "kyy"):
+                value = getattr(part, term)
+                if value is not None and value < SMALLEST_STIFFNESS:
+                    message = f"{value:g} N/m: usual is 1e+6 to 1e+10 N/m; was {value:g} N/µm meant?"
+                    yield f"{place}[{i}].{term}", message
     for i, bearing in enumerate(machine.bearings):
-        for term in ("kxx", "kyy"):
-            value = getattr(bearing, term)
-            if value is not None and value < SMALLEST_STIFFNESS:
-                message = f"{value:g} N/m: usual is 1e+6 to 1e+10 N/m; was {value:g} N/µm meant?"
-                yield f"bearings[{i}].{term}", message
+        if bearing.film is not None:
+            yield from ((f"bearings[{i}].film.{field}", message) for field, message in _of_film(bearing.film))
+
+
+def _of_film(film: JournalFilm) -> Iterator[tuple[str, str]]:
+    for name, value in (("diameter", film.diameter), ("length", film.length)):
+        if value > LARGEST_DIAMETER:
+            yield name, f"{value:g} m: usual is 0.02 to 1 m; was {value:g} mm meant?"
+            return
+    least, largest = SLENDERNESS
+    if not least <= film.length / film.diameter <= largest:
+        slender = f"{film.length:g} m is {film.length / film.diameter:.3g} times the diameter, {film.diameter:g} m"
+        yield "length", f"{slender}: usual is 0.3 to 1.2 times, possible {least:g} to {largest:g}"
+    viscosity = film.oil.viscosity
+    if viscosity is not None and viscosity > LARGEST_VISCOSITY:
+        yield "oil.viscosity", f"{viscosity:g} Pa s: usual is 0.005 to 0.1 Pa s; was {viscosity:g} mPa s (cP) meant?"

@@ -63,7 +63,7 @@ class SimulatedFilms:
     @property
     def parameters(self) -> Mapping[str, float]:
         """Return the true values of what an identification determines, by name [SI]."""
-        found = zip(self.model.parameters, self.fitted, strict=True)
+        found = zip(self.model.numbers, self.fitted, strict=True)
         return {one.name: float(one.value(number)) for one, number in found if not one.nuisance}
 
     def of_run(self, rng: np.random.Generator) -> "SimulatedFilms":
@@ -78,6 +78,19 @@ class SimulatedFilms:
         elevations = self._places("elevation")
         moved = ELEVATION_SCATTER * rng.standard_normal(len(elevations)) / self._scale[elevations]
         return self._with(VISCOSITY_SCATTER * rng.standard_normal(), elevations, moved)
+
+    def with_stiffness(self, stiffness: Mapping[str, float]) -> "SimulatedFilms":
+        """Return the films of a train with couplings and pedestals of some stiffness.
+
+        Args:
+            stiffness: Their coefficients by name [SI].
+
+        Returns:
+            The films.
+        """
+        fitted = self.fitted.copy()
+        fitted[: len(self.model.read)] = [one.fitted(stiffness[one.name]) for one in self.model.own.read]
+        return replace(self, fitted=fitted)
 
     def under_conditions(self, change: float) -> "SimulatedFilms":
         """Return the films with thinner oil.
@@ -103,7 +116,7 @@ class SimulatedFilms:
         """
         behind = shafts_behind(machine, coupling)
         lower = [f"bearing.{one.id}.elevation_y" for one in machine.bearings if one.shaft in behind]
-        places = [place for place, one in enumerate(self.model.parameters) if one.name in lower]
+        places = [place for place, one in enumerate(self.model.numbers) if one.name in lower]
         beside = neighbouring_bearings(machine, coupling)
         clearance = min(one.film.radial_clearance for one in machine.bearings if one.film is not None and one.id in beside)
         return self._with(0.0, places, -progress * SETTLEMENT * clearance / self._scale[places])
@@ -117,18 +130,19 @@ class SimulatedFilms:
     def _places(self, quantity: str) -> list[int]:
         """Return the places of the numbers of a quantity; of the viscosity, its factors too."""
         wanted = ("viscosity", "viscosity_factor") if quantity == "viscosity" else (f"{quantity}_x", f"{quantity}_y")
-        return [k for k, one in enumerate(self.model.parameters) if one.name.rpartition(".")[2] in wanted]
+        return [k for k, one in enumerate(self.model.numbers) if one.name.rpartition(".")[2] in wanted]
 
     @cached_property
     def _scale(self) -> Floats:
-        return np.array([one.step for one in self.model.parameters])
+        return np.array([one.step for one in self.model.numbers])
 
 
-def draw_films(machine: Machine, rng: np.random.Generator) -> SimulatedFilms | None:
+def draw_films(machine: Machine, stiffness: Mapping[str, float], rng: np.random.Generator) -> SimulatedFilms | None:
     """Draw the films of a machine near its document.
 
     Args:
         machine: The machine.
+        stiffness: True coefficients of couplings and pedestals by name, which loads follow from [SI].
         rng: Random generator.
 
     Returns:
@@ -142,8 +156,10 @@ def draw_films(machine: Machine, rng: np.random.Generator) -> SimulatedFilms | N
     model = film_model(machine)
     centre, spread = (np.array([getattr(one, what) for one in model.parameters]) for what in ("centre", "spread"))
     part = np.array([_drawn_part(one) for one in model.parameters])
+    given = np.zeros(len(model.read))
     for _ in range(MOST_DRAWS):
-        found = SimulatedFilms(model, centre + part * spread * rng.standard_normal(centre.size))
+        drawn = centre + part * spread * rng.standard_normal(centre.size)
+        found = SimulatedFilms(model, np.concatenate([given, drawn])).with_stiffness(stiffness)
         if _runs(machine, found):
             return found
     raise ValueError(f"to simulate '{machine.id}': of {MOST_DRAWS} draws of its films none runs without whirling")

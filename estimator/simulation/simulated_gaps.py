@@ -5,7 +5,7 @@ import numpy as np
 from estimator.arrays import Floats
 from estimator.machine.document import Machine
 from estimator.simulation.simulated_plant import Truth
-from estimator.statics.shaft_centreline import ShaftCentreline, probe_lines
+from estimator.statics.shaft_centreline import ShaftCentreline, probe_views
 
 DISTANCE = 1e-3
 """Distance from which a probe looks at the bearing's centre: the middle of its range [m]."""
@@ -28,7 +28,7 @@ def simulated_gaps(machine: Machine, truth: Truth, *, time: Floats, speed: Float
     told = np.array([one.gap_grows is not None for one in machine.probes])
     if truth.films is None or not told.any():
         return None
-    line = ShaftCentreline(truth.films.model.films, probe_lines(machine), speed).values(truth.films.fitted)
+    line = ShaftCentreline(truth.films.model.films, probe_views(machine), speed).values(truth.films.fitted)
     elapsed = (time - time.min()) / (float(np.ptp(time)) or 1.0)
     drift = machine.centreline.drift * rng.standard_normal(told.size) * elapsed[:, None]
     noise = machine.centreline.noise * rng.standard_normal(line.shape)

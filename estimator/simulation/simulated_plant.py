@@ -101,7 +101,8 @@ def draw_truth(machine: Machine, rng: np.random.Generator) -> Truth:
     for where, off in _factors_of_laws(unknown, rng, lambda one: one.spread):
         factor[where] = off
     factors = dict(zip(train.scale_names, drawn, strict=True))
-    return Truth(unknown, expected * factor, turned, factors, draw_films(machine, rng))
+    stiffness = _by_name(unknown, expected * factor)
+    return Truth(unknown, expected * factor, turned, factors, draw_films(machine, stiffness, rng))
 
 
 def truth_at_progress(truth: Truth, machine: Machine, story: Story, progress: float) -> Truth:
@@ -159,8 +160,13 @@ def truth_of_run(truth: Truth, rng: np.random.Generator) -> Truth:
     for where, off in _factors_of_laws(truth.unknowns, rng, lambda one: scatter[describe(one.name).coefficient]):
         factor[where] = off
     unbalances = truth.unbalances * (1 + RUN_SCATTER["unbalance"] * turn)
-    films = None if truth.films is None else truth.films.of_run(rng)
-    return replace(truth, coefficients=truth.coefficients * factor, unbalances=unbalances, films=films)
+    coefficients = truth.coefficients * factor
+    films = None if truth.films is None else truth.films.of_run(rng).with_stiffness(_by_name(truth.unknowns, coefficients))
+    return replace(truth, coefficients=coefficients, unbalances=unbalances, films=films)
+
+
+def _by_name(unknown: Unknowns, coefficients: Floats) -> dict[str, float]:
+    return dict(zip((one.name for one in unknown.coefficients), coefficients.tolist(), strict=True))
 
 
 def _factors_of_laws(

@@ -84,6 +84,5 @@ def _bent(rotor: Rotor, shaft: str, bearings: list[Bearing], *, at_driven_side: 
     own = slice(PLANE_DOFS * first, PLANE_DOFS * (last + 1))
     held = np.array([PLANE_DOFS * (rotor.node(shaft, one.station) - first) for one in bearings], dtype=np.intp)
     stiffness = whole[own, own]
-    _, moved = free_motion(stiffness, np.zeros(len(stiffness)), held)
-    moved[held] = np.eye(held.size)
+    _, moved = free_motion(stiffness, np.zeros((len(stiffness), 0)), held)
     return np.asarray(moved[-PLANE_DOFS:] if at_driven_side else moved[:PLANE_DOFS])

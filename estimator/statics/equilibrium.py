@@ -13,8 +13,9 @@ from estimator.arrays import Floats
 from estimator.films.film import FilmCoefficients
 from estimator.machine.document import Machine
 from estimator.machine.film_speeds import reported_rpm, slowest_rpm
+from estimator.statics.coupled_train import train_statics
 from estimator.statics.journal_bearing import JournalBearing, journal_bearing
-from estimator.statics.train_statics import MissingFilm, TrainStatics, train_statics
+from estimator.statics.train_statics import MissingFilm, TrainStatics
 from estimator.units import rpm_to_rad_per_s
 
 LARGEST_STEP = 0.2

@@ -19,6 +19,7 @@ from estimator.machine.bearings_on_films import bearings_on_films
 from estimator.machine.document import Machine
 from estimator.machine.film_speeds import slowest_rpm
 from estimator.rotor.identity_cache import cached_by_identity
+from estimator.statics.coupled_train import coupled_train
 from estimator.statics.equilibrium import film_train
 from estimator.statics.film_curves import FilmCurves
 from estimator.statics.film_deviations import TERMS, FilmDeviations
@@ -32,7 +33,7 @@ class FilmModel(NeverLevel):
     """The 8n coefficients of n films as functions of their own parameters and of their deviations.
 
     Attributes:
-        own: Clearance, viscosity and elevation of each film.
+        own: Clearance, viscosity and elevation of each film, and what they read.
         deviations: The films' deviations.
         nominal: The films as the document gives them.
         constant: False.
@@ -53,6 +54,16 @@ class FilmModel(NeverLevel):
     @cached_property
     def parameters(self) -> tuple[ModelParameter, ...]:
         """Return the parameters: clearance, viscosity and elevation of each film, then the deviations of each."""
+        return self.numbers[len(self.read) :]
+
+    @cached_property
+    def read(self) -> tuple[str, ...]:
+        """Return the names of the stiffnesses of couplings and pedestals that loads follow from, which other models have."""
+        return tuple(one.name for one in self.own.read)
+
+    @cached_property
+    def numbers(self) -> tuple[ModelParameter, ...]:
+        """Return the numbers that the curves are functions of: what is read, then the parameters."""
         return (*self.own.parameters, *self.deviations.parameters)
 
     @cached_property
@@ -104,7 +115,7 @@ def _untouched(machine: Machine) -> FilmModel:
     slowest, fastest = rpm_to_rad_per_s(slowest_rpm(machine)), rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
     names = tuple(one.name for one in train.bearings)
     return FilmModel(
-        FilmParameters(train, forms, machine.static_loads),
+        FilmParameters(train, forms, coupled_train(machine), machine.static_loads),
         FilmDeviations(names, forms, slowest, fastest),
         NominalFilms(train, slowest, fastest),
     )

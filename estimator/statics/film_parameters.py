@@ -1,7 +1,8 @@
 """Clearance, viscosity and elevation of each film, and static loads, as parameters of a fit, and the train that they make.
 
 Each film has a few numbers of its own; a parameter of the fit is one of them, or one that several films share, as those do
-whose oil comes from one supply.
+whose oil comes from one supply. The stiffness of couplings and pedestals, which is identified beside the films, is read: the
+loads follow from it.
 """
 
 from collections.abc import Iterator
@@ -18,6 +19,7 @@ from estimator.machine.film_parameter_names import film_parameter_names, unknown
 from estimator.machine.films import StaticLoad
 from estimator.machine.parameter_description import describe
 from estimator.quantities import UNITS
+from estimator.statics.coupled_train import CoupledTrain
 from estimator.statics.equilibrium import FilmTrain
 from estimator.statics.film_sensitivity import PARAMETERS
 from estimator.statics.journal_bearing import JournalBearing
@@ -30,35 +32,43 @@ HELD = 1e-6
 
 @dataclass(frozen=True)
 class FilmParameters:
-    """The P own parameters of n films.
+    """The P numbers that n films follow from: C stiffnesses that are read, then their own parameters.
 
     Attributes:
         train: The train on its films as the document gives them.
         forms: Form of each bearing, which states how far its parameters may be off.
+        coupled: The train at rest, whose couplings and pedestals may be of other stiffness.
         loads: The m static loads of the document, which state how far they may be off.
     """
 
     train: FilmTrain
     forms: tuple[JournalForm, ...]
+    coupled: CoupledTrain
     loads: tuple[StaticLoad, ...] = ()
 
     @property
     def count(self) -> int:
-        """Return the number of parameters P."""
+        """Return the number of numbers P."""
         return len(self.parameters)
+
+    @property
+    def read(self) -> tuple[ModelParameter, ...]:
+        """Return the stiffnesses of couplings and pedestals that are identified, whose coordinates the films read."""
+        return self.coupled.parameters
 
     @cached_property
     def parameters(self) -> tuple[ModelParameter, ...]:
-        """Return the parameters, film by film; one that films share stands with the first of them."""
+        """Return what is read, then the own ones film by film; one that films share stands with the first of them."""
         return tuple(one for one, _ in self._acting)
 
     @cached_property
     def mixing(self) -> Floats:
-        """Return the films' numbers and the static loads (5n + 2m, P) per unit of each fitted number.
+        """Return the films' numbers, static loads and stiffnesses (5n + 2m + C, P) per unit of each fitted number.
 
-        The numbers are in the order of `NUMBERS` [1 of logarithms, m], the loads along x and y of each [N].
+        The numbers are in the order of `NUMBERS` [1 of logarithms, m], the loads along x and y of each [N], the stiffnesses as
+        logarithms [-].
         """
-        found = np.zeros((self._of_films + 2 * len(self.loads), self.count))
+        found = np.zeros((self._of_films + 2 * len(self.loads) + len(self.read), self.count))
         for column, (one, places) in enumerate(self._acting):
             found[list(places), column] = one.step
         return found
@@ -66,7 +76,8 @@ class FilmParameters:
     @cached_property
     def _acting(self) -> tuple[tuple[ModelParameter, tuple[int, ...]], ...]:
         """Return each parameter with the places of the numbers that it gives."""
-        found: dict[str, tuple[ModelParameter, tuple[int, ...]]] = {}
+        behind = self._of_films + 2 * len(self.loads)
+        found = {one.name: (one, (behind + place,)) for place, one in enumerate(self.read)}
         for number, (bearing, form) in enumerate(zip(self.train.bearings, self.forms, strict=True)):
             for what, one in _of_film(bearing, form):
                 place = len(NUMBERS) * number + NUMBERS.index(what)
@@ -83,19 +94,30 @@ class FilmParameters:
     @property
     def by_load(self) -> Floats:
         """Return the static loads (2m, P) per unit of each fitted number, along x and y of each [N]."""
-        return self.mixing[self._of_films :]
+        return self.mixing[self._of_films : self._of_films + 2 * len(self.loads)]
 
     def load_changes(self, fitted: Floats) -> Floats:
         """Return by how much static loads differ from those of the document.
 
         Args:
-            fitted: Fitted numbers, the own ones first (...) [-].
+            fitted: Fitted numbers, those of the films first (...) [-].
 
         Returns:
             Forces (2m,), along x and y of each load [N].
         """
         centre = np.array([one.centre for one in self.parameters])
         return np.asarray(self.by_load @ (self.of(fitted) - centre))
+
+    def factors(self, fitted: Floats) -> Floats:
+        """Return how many times as stiff as the document says couplings and pedestals are.
+
+        Args:
+            fitted: Fitted numbers, those of the films first (...) [-].
+
+        Returns:
+            Factors (C,) [-].
+        """
+        return np.asarray(np.exp(fitted[: len(self.read)]))
 
     def place(self, number: int, what: str) -> int:
         """Return the place of the parameter that gives a number of a film.
@@ -111,10 +133,10 @@ class FilmParameters:
         return next(place for place, (_, places) in enumerate(self._acting) if wanted in places)
 
     def of(self, fitted: Floats) -> Floats:
-        """Return the films' own fitted numbers among all of a model.
+        """Return what the films follow from among all numbers of a model.
 
         Args:
-            fitted: Fitted numbers, the own ones first (...) [-].
+            fitted: Fitted numbers, those of the films first (...) [-].
 
         Returns:
             Fitted numbers (P,) [-].
@@ -122,10 +144,10 @@ class FilmParameters:
         return fitted[: self.count]
 
     def changed(self, fitted: Floats) -> FilmTrain:
-        """Return the train with other films.
+        """Return the train with other films, couplings and pedestals.
 
         Args:
-            fitted: Fitted numbers, the own ones first (...) [-].
+            fitted: Fitted numbers, those of the films first (...) [-].
 
         Returns:
             The train.
@@ -135,28 +157,30 @@ class FilmParameters:
             _changed(one, *row) for one, row in zip(self.train.bearings, numbers[:, [0, 1, 4]].tolist(), strict=True)
         )
         said = np.array([(one.said.elevation_x, one.said.elevation_y) for one in self.train.bearings])
-        statics = self.train.statics
+        statics = self.coupled.at(self.factors(fitted)) if self.read else self.train.statics
         if self.loads:
-            statics = replace(statics, weight=statics.weight + statics.by_load @ self.load_changes(fitted))
+            pushed, slopes = self.load_changes(fitted), statics.slopes
+            slopes = replace(slopes, weight=slopes.weight + slopes.by_load @ pushed)
+            statics = replace(statics, weight=statics.weight + statics.by_load @ pushed, slopes=slopes)
         return FilmTrain(statics, bearings, self.train.elevation - said + numbers[:, 2:4])
 
     def by_fitted(self, slopes: Floats, *, speed: Floats) -> Floats:
-        """Convert derivatives by `film_sensitivity.PARAMETERS` to those by the own fitted numbers.
+        """Convert derivatives by the parameters of `film_sensitivity` to those by the fitted numbers.
 
         Args:
-            slopes: Derivatives (G, ..., 4n + 2m) at some speeds [any unit, per 1, m or N].
+            slopes: Derivatives (G, ..., 4n + 2m + C) at some speeds [any unit, per 1, m or N].
             speed: The spin speeds (G,) [rad/s].
 
         Returns:
             Derivatives (G, ..., P) [any unit].
         """
-        of_films, of_loads = np.split(slopes, [len(PARAMETERS) * len(self.forms)], axis=-1)
+        of_films, others = np.split(slopes, [len(PARAMETERS) * len(self.forms)], axis=-1)
         each = of_films.reshape(*slopes.shape[:-1], -1, len(PARAMETERS))
         fall = np.stack([one.oil.by_slope(speed) for one in self.train.bearings], axis=-1)
         along = fall.reshape(speed.size, *(1 for _ in slopes.shape[1:-1]), -1)
         by_slope = each[..., PARAMETERS.index("viscosity")] * along
         whole = np.concatenate([each, by_slope[..., None]], axis=-1)
-        return np.asarray(np.concatenate([whole.reshape(*slopes.shape[:-1], -1), of_loads], axis=-1) @ self.mixing)
+        return np.asarray(np.concatenate([whole.reshape(*slopes.shape[:-1], -1), others], axis=-1) @ self.mixing)
 
 
 def _of_film(bearing: JournalBearing, form: JournalForm) -> Iterator[tuple[str, ModelParameter]]:

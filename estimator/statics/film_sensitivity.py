@@ -1,8 +1,9 @@
-"""Derivatives of a train's equilibrium on films by clearances, viscosities and elevations.
+"""Derivatives of a train's equilibrium on films by clearances, viscosities, elevations, loads and stiffnesses.
 
 The journals rest where S (e + p) = w + f(p), with elevations e, positions p and film forces f. So a change of anything moves
-them by dp = (S + K)⁻¹ (∂f + ∂w - S de), K = -∂f/∂p being the films' stiffness against slow motions (implicit function). A
-film's force is a function of p/c times μ/c², its coefficients are ones times μ/c³ (Lund, J. Tribol. 109 (1987) 37).
+them by dp = (S + K)⁻¹ (∂f + ∂w - S de - dS (e + p)), K = -∂f/∂p being the films' stiffness against slow motions (implicit
+function). A film's force is a function of p/c times μ/c², its coefficients are ones times μ/c³ (Lund, J. Tribol. 109 (1987)
+37).
 """
 
 from collections.abc import Sequence
@@ -21,7 +22,8 @@ FORCE_POWER, COEFFICIENT_POWER = -2, -3
 
 @dataclass(frozen=True)
 class FilmSensitivity:
-    """Derivatives at S speeds by P = 4n + 2m parameters: those of `PARAMETERS` of each bearing, then static loads in x and y.
+    """Derivatives at S speeds by P = 4n + 2m + C parameters: those of `PARAMETERS` of each bearing, then static loads in x and
+    y, then logarithms of the stiffnesses of couplings and pedestals.
 
     Attributes:
         position: Of the journals' positions (S, P, n, 2) [m, or m/m].
@@ -58,9 +60,12 @@ def film_sensitivity(train: FilmTrain, found: Sequence[FilmEquilibrium]) -> Film
         np.stack([COEFFICIENT_POWER * one - np.einsum("snijk,snk->snij", slope, place), one], axis=2)
         for one, slope in ((stiffness, stiffness_slope), (damping, damping_slope))
     )
-    by_load = train.statics.by_load
-    driving = np.zeros((speeds, len(PARAMETERS) * count + by_load.shape[1], 2 * count))
-    driving[:, len(PARAMETERS) * count :] = by_load.T
+    by_load, slopes = train.statics.by_load, train.statics.slopes
+    absolute = (place + train.elevation).reshape(speeds, -1)
+    by_stiffness = slopes.weight - np.einsum("cij,sj->sci", slopes.stiffness, absolute)
+    of_films = np.zeros((speeds, len(PARAMETERS) * count, 2 * count))
+    loads = np.broadcast_to(by_load.T, (speeds, *by_load.T.shape))
+    driving = np.concatenate([of_films, loads, by_stiffness], axis=1)
     whole = np.repeat(train.statics.stiffness[None], speeds, axis=0)
     for number in range(count):
         block, first = slice(2 * number, 2 * number + 2), len(PARAMETERS) * number

@@ -16,10 +16,10 @@ from estimator.arrays import Floats
 from estimator.machine.document import Machine
 from estimator.rotor.assembly import assemble_rotor
 from estimator.rotor.condensation import probe_rows
+from estimator.statics.coupled_train import CoupledTrain, coupled_train
 from estimator.statics.equilibrium import FilmEquilibrium
 from estimator.statics.film_sensitivity import PARAMETERS
 from estimator.statics.solved_films import SolvedFilms
-from estimator.statics.train_statics import pedestal_compliance, shaft_motion
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,55 @@ class ProbeLines:
         return np.asarray(own + np.einsum("mni,...ni->...m", self.by_force, force))
 
 
-def probe_lines(machine: Machine) -> ProbeLines:
+@dataclass(frozen=True)
+class ProbeViews:
+    """Views of m probes on n journals over couplings and pedestals of any stiffness.
+
+    Attributes:
+        coupled: The train at rest.
+        rows: What of all degrees of freedom each probe sees (m, N) [-].
+        standing: Direction of the probe along x and y of the bearing on whose pedestal it stands, else 0 (m, 2n) [-].
+    """
+
+    coupled: CoupledTrain
+    rows: Floats
+    standing: Floats
+
+    def at(self, factors: Floats) -> ProbeLines:
+        """Compute the views (module's docstring).
+
+        Args:
+            factors: Factors (C,) on the expected stiffnesses of couplings and pedestals [-].
+
+        Returns:
+            The views.
+        """
+        motion, _ = self.coupled.motion(self.rows, factors)
+        return self._lines(motion, (self.standing - motion) * self.coupled.compliances(factors))
+
+    def slopes(self, factors: Floats) -> tuple[ProbeLines, ...]:
+        """Compute the derivatives of the views by the logarithm of each factor.
+
+        Args:
+            factors: Factors (C,) on the expected stiffnesses of couplings and pedestals [-].
+
+        Returns:
+            C derivatives.
+        """
+        motion, by_factor = self.coupled.motion(self.rows, factors)
+        compliance = self.coupled.compliances(factors)
+        softer = [np.where(self.coupled.under == number, -compliance, 0.0) for number in range(factors.size)]
+        return tuple(
+            self._lines(moved, -moved * compliance + (self.standing - motion) * own)
+            for moved, own in zip(by_factor, softer, strict=True)
+        )
+
+    def _lines(self, by_position: Floats, by_force: Floats) -> ProbeLines:
+        shape = len(self.rows), len(self.coupled.bearings), 2
+        return ProbeLines(by_position.reshape(shape), by_force.reshape(shape))
+
+
+def probe_views(machine: Machine) -> ProbeViews:
     """Derive what the probes of a machine see of its journals at rest (module's docstring).
 
     Args:
@@ -60,35 +108,35 @@ def probe_lines(machine: Machine) -> ProbeLines:
     Raises:
         UnsupportedShaft: Something would fall although all journals are held.
     """
-    rows, compliance = probe_rows(machine, assemble_rotor(machine)), pedestal_compliance(machine)
-    by_position = rows @ shaft_motion(machine)
-    by_force = -by_position * compliance
-    for row, probe in zip(by_force, machine.probes, strict=True):
+    standing = np.zeros((len(machine.probes), len(machine.bearings), 2))
+    for row, probe in zip(standing, machine.probes, strict=True):
         pedestal = machine.pedestal_under(probe)
-        if pedestal is None:
-            continue
-        first = 2 * next(number for number, one in enumerate(machine.bearings) if one.id == pedestal.bearing)
-        angle = np.deg2rad(probe.angle_deg)
-        row[first : first + 2] += compliance[first : first + 2] * (np.cos(angle), np.sin(angle))
-    shape = len(machine.probes), len(machine.bearings), 2
-    return ProbeLines(by_position.reshape(shape), by_force.reshape(shape))
+        if pedestal is not None:
+            angle = np.deg2rad(probe.angle_deg)
+            row[next(number for number, one in enumerate(machine.bearings) if one.id == pedestal.bearing)] = (
+                np.cos(angle),
+                np.sin(angle),
+            )
+    return ProbeViews(
+        coupled_train(machine), probe_rows(machine, assemble_rotor(machine)), standing.reshape(len(standing), -1)
+    )
 
 
 class ShaftCentreline:
-    """Places of the shaft at m probes and S speeds as functions of the films' own P parameters."""
+    """Places of the shaft at m probes and S speeds as functions of the P numbers that films follow from."""
 
-    def __init__(self, films: SolvedFilms, lines: ProbeLines, speed: Floats) -> None:
+    def __init__(self, films: SolvedFilms, views: ProbeViews, speed: Floats) -> None:
         """Prepare the interpolation between the speeds at which equilibria are solved.
 
         Args:
             films: The films at these.
-            lines: The probes' views.
+            views: The probes' views.
             speed: Spin speeds (S,), without sign; beyond the films' range it is level [rad/s].
         """
         inside = np.clip(speed, films.nominal.slowest, films.nominal.fastest)
         self._weight = np.asarray(films.nominal.spline(np.log(inside)))
         self._films = films
-        self._lines = lines
+        self._views = views
 
     def values(self, fitted: Floats) -> Floats:
         """Compute the places, from a zero of each probe's own.
@@ -101,8 +149,9 @@ class ShaftCentreline:
         """
         found = self._films.equilibria(fitted)
         if found is None:
-            return np.full((len(self._weight), len(self._lines.by_position)), np.nan)
-        return np.asarray(self._weight @ self._lines.seen(_positions(found), np.stack([one.force for one in found])))
+            return np.full((len(self._weight), len(self._views.rows)), np.nan)
+        lines = self._views.at(self._films.factors(fitted))
+        return np.asarray(self._weight @ lines.seen(*_rest(found)))
 
     def derivatives(self, fitted: Floats) -> Floats:
         """Compute the derivatives of the places by the films' own fitted numbers.
@@ -113,8 +162,12 @@ class ShaftCentreline:
         Returns:
             Derivatives (S, m, P) [m].
         """
-        position, force = self._films.motions(fitted)
-        seen = self._lines.seen(np.moveaxis(position, -1, 1), np.moveaxis(force, -1, 1))
+        (position, force), found = self._films.motions(fitted), self._films.equilibria(fitted)
+        factors = self._films.factors(fitted)
+        seen = self._views.at(factors).seen(np.moveaxis(position, -1, 1), np.moveaxis(force, -1, 1))
+        if found is not None:
+            for place, slope in enumerate(self._views.slopes(factors)):
+                seen[:, place] += slope.seen(*_rest(found))
         return np.asarray(np.tensordot(self._weight, np.moveaxis(seen, 1, -1), 1))
 
     def by_viscosities(self, fitted: Floats) -> Floats:
@@ -126,13 +179,15 @@ class ShaftCentreline:
         Returns:
             Derivatives (S, m, n) [m]; NaN where a film is too thin.
         """
-        found, count = self._films.sensitivity(fitted), self._lines.by_position.shape[1]
+        found, count = self._films.sensitivity(fitted), len(self._views.coupled.bearings)
         if found is None:
-            return np.full((len(self._weight), len(self._lines.by_position), count), np.nan)
+            return np.full((len(self._weight), len(self._views.rows), count), np.nan)
         which = slice(PARAMETERS.index("viscosity"), len(PARAMETERS) * count, len(PARAMETERS))
-        seen = self._lines.seen(found.position[:, which], found.force[:, which])
+        lines = self._views.at(self._films.factors(fitted))
+        seen = lines.seen(found.position[:, which], found.force[:, which])
         return np.asarray(np.tensordot(self._weight, np.moveaxis(seen, 1, -1), 1))
 
 
-def _positions(found: Sequence[FilmEquilibrium]) -> Floats:
-    return np.stack([one.position for one in found])
+def _rest(found: Sequence[FilmEquilibrium]) -> tuple[Floats, Floats]:
+    """Return positions and forces (G, n, 2) of equilibria."""
+    return np.stack([one.position for one in found]), np.stack([one.force for one in found])

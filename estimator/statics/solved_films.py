@@ -151,6 +151,17 @@ class SolvedFilms:
         self._solved: tuple[bytes, tuple[FilmEquilibrium, ...] | None] = (b"", None)
         self._slopes: tuple[bytes, _Slopes] = (b"", _Slopes(np.zeros(0), np.zeros(0), np.zeros(0)))
 
+    def factors(self, fitted: Floats) -> Floats:
+        """Return how many times as stiff as the document says couplings and pedestals are.
+
+        Args:
+            fitted: Fitted numbers, those of the films first (...) [-].
+
+        Returns:
+            Factors (C,) [-].
+        """
+        return self._own.factors(fitted)
+
     @property
     def viscosities(self) -> list[int]:
         """Return the places of the own parameters that are viscosities, or factors of several."""

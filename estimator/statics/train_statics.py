@@ -6,6 +6,7 @@ Pedestals with compliances D give way: u = p - D (f - f₀) for bearings at p, w
 aligned. So S becomes (1 + S D)⁻¹ S.
 """
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +16,8 @@ from numpy.typing import NDArray
 from estimator.arrays import Floats
 from estimator.errors import Invalid
 from estimator.machine.document import Machine
-from estimator.machine.parts import Coupling
+from estimator.machine.parts import STATION_TOLERANCE
+from estimator.machine.train_layout import shaft_begins
 from estimator.rotor.assembly import Rotor, assemble_rotor, plane_columns
 from estimator.rotor.parameters import unknowns
 from estimator.rotor.shaft_element import NODE_DOFS, PLANE_DOFS
@@ -34,6 +36,21 @@ class UnsupportedShaft(Invalid):
 
 
 @dataclass(frozen=True)
+class StaticSlopes:
+    """Derivatives of a train at rest by the logarithms of C stiffnesses.
+
+    Attributes:
+        stiffness: Of the stiffness S (C, 2n, 2n) [N/m].
+        weight: Of the forces w (C, 2n) [N].
+        by_load: Of the change of w per unit of each static load (C, 2n, 2m) [-].
+    """
+
+    stiffness: Floats
+    weight: Floats
+    by_load: Floats
+
+
+@dataclass(frozen=True)
 class TrainStatics:
     """A train at rest over the x and y of its n journals, bearing by bearing.
 
@@ -44,6 +61,7 @@ class TrainStatics:
         aligned: Positions (n, 2) of the bearings' centres at which no coupling carries shear or moment with the journals in
             them [m].
         by_load: Change of w per unit of the m static loads of the document, along x and along y of each (2n, 2m) [-].
+        slopes: Derivatives by the logarithms of the stiffnesses of couplings and pedestals that are identified.
     """
 
     bearings: tuple[str, ...]
@@ -51,6 +69,7 @@ class TrainStatics:
     weight: Floats
     aligned: Floats
     by_load: Floats
+    slopes: StaticSlopes
 
     def film_force(self, position: Floats) -> Floats:
         """Compute the forces that films must exert for the journals to rest somewhere.
@@ -64,69 +83,19 @@ class TrainStatics:
         return np.asarray((self.stiffness @ position.reshape(-1) - self.weight).reshape(-1, 2))
 
 
-def train_statics(machine: Machine) -> TrainStatics:
-    """Condense a train under its weight and static loads to its journals (Guyan, AIAA J. 3 (1965) 380, exact in statics).
-
-    Args:
-        machine: The machine; stiffness of its couplings and pedestals as expected.
-
-    Returns:
-        The train at rest.
-
-    Raises:
-        UnsupportedShaft: Something would fall although all journals are held.
-    """
-    rotor = assemble_rotor(machine)
-    held = np.concatenate([_journal(rotor, bearing.shaft, bearing.station) for bearing in machine.bearings])
-    load = train_load(machine, rotor)
-    stiffness, weight, by_load = _condensed(_stiffness(machine, couplings=True), load, held, _unit_loads(machine, rotor))
-    aligned = _aligned(machine, rotor, load, held)
-    compliance = pedestal_compliance(machine)
-    if compliance.any():
-        at_rest = stiffness @ aligned.reshape(-1) - weight
-        given = np.linalg.inv(np.eye(weight.size) + stiffness * compliance)
-        stiffness, weight = given @ stiffness, given @ (weight - stiffness @ (compliance * at_rest))
-        stiffness, by_load = (stiffness + stiffness.T) / 2, given @ by_load
-    return TrainStatics(tuple(one.id for one in machine.bearings), stiffness, weight, aligned, by_load)
-
-
-def shaft_motion(machine: Machine) -> Floats:
-    """Derive how the whole train moves with its journals, at rest (Guyan, AIAA J. 3 (1965) 380, exact in statics).
-
-    Args:
-        machine: The machine; stiffness of its couplings as expected.
-
-    Returns:
-        Motions (N, 2n) of all degrees of freedom per unit of each journal's x and y [-, 1/m]; pedestals do not move.
-
-    Raises:
-        UnsupportedShaft: Something would fall although all journals are held.
-    """
-    rotor = assemble_rotor(machine)
-    held = np.concatenate([_journal(rotor, bearing.shaft, bearing.station) for bearing in machine.bearings])
-    _, moved = free_motion(_stiffness(machine, couplings=True), np.zeros(rotor.size), held)
-    moved[held] = np.eye(held.size)
-    return moved
-
-
-def pedestal_compliance(machine: Machine) -> Floats:
-    """Return by how much the pedestal under each bearing gives way along x and along y, 0 without one.
+def static_stiffness(machine: Machine, *, couplings: Collection[str]) -> Floats:
+    """Assemble the stiffness of shafts and pedestals and of some couplings, without bearings and seals.
 
     Args:
         machine: The machine.
+        couplings: Ids of the couplings that act, with the stiffness that is expected of them.
 
     Returns:
-        Compliances (2n,) [m/N].
+        Stiffness (N, N) [N/m, N, N m].
     """
-    under = {one.bearing: (1.0 / one.kxx, 1.0 / one.kyy) for one in machine.pedestals}
-    return np.array([under.get(one.id, (0.0, 0.0)) for one in machine.bearings]).reshape(-1)
-
-
-def _stiffness(machine: Machine, *, couplings: bool) -> Floats:
-    """Return the stiffness (N, N) of shafts, with or without couplings, without bearings and seals [N/m, N, N m]."""
     listed = unknowns(machine, assemble_rotor(machine)).coefficients
-    acting = ("coupling.", "pedestal.") if couplings else ("pedestal.",)
-    values = [one.expected if one.element.startswith(acting) else 0.0 for one in listed]
+    acting = {f"coupling.{one}" for one in couplings}
+    values = [one.expected if one.element in acting or one.element.startswith("pedestal.") else 0.0 for one in listed]
     return system_matrices(machine, coefficients=np.array(values)).stiffness
 
 
@@ -144,83 +113,105 @@ def train_load(machine: Machine, rotor: Rotor) -> Floats:
     upwards = y_plane @ np.tile([1.0, 0.0], rotor.plane_size // PLANE_DOFS)
     load = np.asarray(-GRAVITY * (rotor.mass @ upwards))
     for one in machine.static_loads:
-        load[_journal(rotor, one.shaft, one.station)] += (one.force_x, one.force_y)
+        load[lateral_places(rotor, one.shaft, one.station)] += (one.force_x, one.force_y)
     return load
 
 
-def _journal(rotor: Rotor, shaft: str, station: float) -> NDArray[np.intp]:
-    """Return the places of x and y at a station."""
+def lateral_places(rotor: Rotor, shaft: str, station: float) -> NDArray[np.intp]:
+    """Return the places of x and y at a station among the degrees of freedom.
+
+    Args:
+        rotor: The shafts and discs.
+        shaft: Id of the shaft.
+        station: Distance from its driver-side end [m].
+
+    Returns:
+        The places (2,).
+    """
     first = NODE_DOFS * rotor.node(shaft, station)
     return np.array([first, first + 1], dtype=np.intp)
 
 
-def _unit_loads(machine: Machine, rotor: Rotor) -> Floats:
-    """Return a unit of each static load along x and along y (N, 2m)."""
-    places = [_journal(rotor, one.shaft, one.station) for one in machine.static_loads]
-    return np.eye(rotor.size)[:, np.concatenate([*places, np.zeros(0, dtype=np.intp)])]
-
-
-def _condensed(stiffness: Floats, load: Floats, held: NDArray[np.intp], units: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return stiffness, load and unit loads seen at some degrees of freedom, the others in equilibrium."""
-    deflected, moved = free_motion(stiffness, load, held)
-    seen = stiffness[np.ix_(held, held)] + stiffness[held] @ moved
-    return (seen + seen.T) / 2, load[held] - stiffness[held] @ deflected, units[held] + moved.T @ units
-
-
-def free_motion(stiffness: Floats, load: Floats, held: NDArray[np.intp]) -> tuple[Floats, Floats]:
+def free_motion(stiffness: Floats, loads: Floats, held: NDArray[np.intp]) -> tuple[Floats, Floats]:
     """Compute the motion of all degrees of freedom while some are held (Guyan, AIAA J. 3 (1965) 380).
 
     Args:
         stiffness: Stiffness (N, N) [N/m, N, N m].
-        load: Loads (N,) [N, N m].
+        loads: Loads (N, l) of l cases [N, N m].
         held: Places (k,) of those that are held.
 
     Returns:
-        Motion (N,) under the load [m, rad], and motions (N, k) per unit of each that is held; the load moves none of these.
+        Motions (N, l) under the loads [m, rad], which move none that is held, and motions (N, k) per unit of each of these.
 
     Raises:
         UnsupportedShaft: Something would fall although they are held.
     """
-    free = np.setdiff1d(np.arange(load.size), held)
+    free = np.setdiff1d(np.arange(len(stiffness)), held)
     block = stiffness[np.ix_(free, free)]
     size = np.sqrt(np.abs(np.diag(block)))
     scaled = block / np.outer(size, size)
     if np.linalg.cond(scaled) > 1e14:
         raise UnsupportedShaft("a shaft is held neither by two bearings nor by a coupling: nothing carries its weight")
-    right = np.column_stack([load[free], -stiffness[np.ix_(free, held)]]) / size[:, None]
+    right = np.column_stack([loads[free], -stiffness[np.ix_(free, held)]]) / size[:, None]
     solved = scipy.linalg.solve(scaled, right) / size[:, None]
-    whole = np.zeros((load.size, 1 + held.size))
-    whole[free] = solved
-    return whole[:, 0], whole[:, 1:]
+    deflected, moved = np.zeros(loads.shape), np.zeros((len(stiffness), held.size))
+    deflected[free], moved[free] = np.split(solved, [loads.shape[1]], axis=1)
+    moved[held] = np.eye(held.size)
+    return deflected, moved
 
 
-def _aligned(machine: Machine, rotor: Rotor, load: Floats, held: NDArray[np.intp]) -> Floats:
-    """Return the bearings' places (n, 2) when each shaft, sagging in its own bearings, is moved until couplings fit [m].
+def aligned_places(machine: Machine, rotor: Rotor, load: Floats, held: NDArray[np.intp]) -> Floats:
+    """Derive where bearings stand when each shaft, sagging in its own bearings, is moved until couplings fit.
 
-    The first shaft of a train stays; the others are moved as rigid bodies.
+    A shaft that does not lie on two bearings of its own is one with its neighbours: couplings at its ends carry what they must
+    with all bearings of these shafts in a line. The first shafts of a train stay; the others are moved as rigid bodies.
+
+    Args:
+        machine: The machine.
+        rotor: Its shafts and discs.
+        load: Loads (N,) at rest [N, N m].
+        held: Places (2n,) of x and y of its n journals.
+
+    Returns:
+        Places (n, 2) of the bearings' centres [m].
+
+    Raises:
+        UnsupportedShaft: Something would fall although all journals are held.
     """
-    sag, _ = free_motion(_stiffness(machine, couplings=False), load, held)
-    moved = np.zeros(rotor.size)
-    settled = {machine.shafts[0].id}
+    carrying = [one for one in machine.couplings if not {one.driver, one.driven} <= _on_own_bearings(machine)]
+    sag = free_motion(static_stiffness(machine, couplings=[one.id for one in carrying]), load[:, None], held)[0][:, 0]
+    bodies = {shaft.id: frozenset({shaft.id}) for shaft in machine.shafts}
+    for one in carrying:
+        whole = bodies[one.driver] | bodies[one.driven]
+        bodies |= dict.fromkeys(whole, whole)
+    moved, begins = np.zeros(rotor.size), shaft_begins(machine)
+    settled = set(bodies[machine.shafts[0].id])
     waiting = list(machine.couplings)
     while waiting:
         coupling = next((one for one in waiting if settled & {one.driver, one.driven}), None)
         if coupling is None:
             break  # another train beside the first: its own first shaft stays
         waiting.remove(coupling)
-        _fit(rotor, coupling, sag, moved, settled)
+        if settled >= {coupling.driver, coupling.driven}:
+            continue  # within a body, or the second of two couplings between the same
+        still, other = (coupling.driver, coupling.driven) if coupling.driver in settled else (coupling.driven, coupling.driver)
+        ends = {coupling.driver: rotor.end_node(coupling.driver), coupling.driven: rotor.first_node[coupling.driven]}
+        here, there = (slice(NODE_DOFS * ends[one], NODE_DOFS * (ends[one] + 1)) for one in (still, other))
+        for shaft in bodies[other]:
+            away = begins[shaft] - begins[coupling.driven] + rotor.stations[shaft]
+            _move(moved, rotor.first_node[shaft], away, (sag + moved)[here] - sag[there])
+        settled |= bodies[other]
     return np.asarray(moved[held].reshape(-1, 2))
 
 
-def _fit(rotor: Rotor, coupling: Coupling, sag: Floats, moved: Floats, settled: set[str]) -> None:
-    """Move the shaft at one end of a coupling, as a rigid body, until its end fits the other's."""
-    ends = {coupling.driver: rotor.end_node(coupling.driver), coupling.driven: rotor.first_node[coupling.driven]}
-    still, other = (coupling.driver, coupling.driven) if coupling.driver in settled else (coupling.driven, coupling.driver)
-    settled.add(other)
-    here, there = (slice(NODE_DOFS * ends[one], NODE_DOFS * (ends[one] + 1)) for one in (still, other))
-    gap = (sag + moved)[here] - sag[there]
-    stations = rotor.stations[other]
-    away = stations - (0.0 if other == coupling.driven else stations[-1])
-    for node, distance in enumerate(away, start=rotor.first_node[other]):
-        x, y, about_x, about_y = gap
+def _on_own_bearings(machine: Machine) -> set[str]:
+    """Return the shafts that lie on two bearings of their own at least."""
+    stations = {shaft.id: [one.station for one in machine.bearings if one.shaft == shaft.id] for shaft in machine.shafts}
+    return {shaft for shaft, own in stations.items() if own and max(own) - min(own) > STATION_TOLERANCE}
+
+
+def _move(moved: Floats, first: int, away: Floats, motion: Floats) -> None:
+    """Move a shaft's nodes at some distances from a coupling as a rigid body that moves there by displacement and slopes."""
+    x, y, about_x, about_y = motion
+    for node, distance in enumerate(away, start=first):
         moved[NODE_DOFS * node : NODE_DOFS * (node + 1)] = (x + about_y * distance, y - about_x * distance, about_x, about_y)

@@ -58,7 +58,7 @@ def alignment_results(model: UpdatedModel) -> tuple[AlignmentResult, ...]:
         return ()
     placed, films = found
     fitted = placed.own(coordinates.theta(model.values))[: films.own.count]
-    own = slice(placed.first, placed.first + films.own.count)
+    own = placed.numbers[: films.own.count]
     spread = coordinates.spread[own]
     results = []
     for one in coupling_alignments(model.machine):

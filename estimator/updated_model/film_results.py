@@ -61,8 +61,8 @@ def film_results(model: UpdatedModel) -> tuple[FilmResult, ...]:
     states = journal_states(films, placed.own(theta), speed=speed[-1:])
     if states is None:
         return ()
-    unit = coordinates.unit[placed.first : placed.places.stop]
-    covariance = model.covariance[placed.first : placed.places.stop, placed.first : placed.places.stop] / np.outer(unit, unit)
+    unit = coordinates.unit[placed.numbers]
+    covariance = model.covariance[np.ix_(placed.numbers, placed.numbers)] / np.outer(unit, unit)
     coefficients = list(_coefficients(model, placed, theta, covariance))
     own = covariance[: states.force_slope.shape[-1], : states.force_slope.shape[-1]]
     each = len(coefficients) // len(model.machine.bearings)

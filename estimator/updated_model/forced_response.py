@@ -97,7 +97,7 @@ def coefficient_slopes(coordinates: Coordinates, theta: Floats, coefficients: Fl
         if coordinates.place[k] >= 0:
             slopes[k] = {int(coordinates.place[k]): coefficients[:, k] if logarithmic else np.ones(len(coefficients))}
     for one in coordinates.models:
-        by_coordinate = one.derivatives(theta, slice(None)) / coordinates.unit[one.first : one.places.stop]
+        by_coordinate = one.derivatives(theta, slice(None)) / coordinates.unit[one.numbers]
         for c, k in enumerate(one.coefficients):
-            slopes[k] = {place: by_coordinate[:, c, p] for p, place in enumerate(one.places)}
+            slopes[k] = {place: by_coordinate[:, c, p] for p, place in enumerate(one.numbers.tolist())}
     return slopes

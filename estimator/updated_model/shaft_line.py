@@ -15,7 +15,7 @@ from estimator.machine.document import Machine
 from estimator.machine.parts import Bearing
 from estimator.phasors.measurement import Measurement
 from estimator.statics.journal_states import journal_states
-from estimator.statics.shaft_centreline import ShaftCentreline, probe_lines
+from estimator.statics.shaft_centreline import ShaftCentreline, probe_views
 from estimator.updated_model.film_results import placed_films
 from estimator.updated_model.model import UpdatedModel
 
@@ -72,7 +72,7 @@ def measured_lines(model: UpdatedModel, measurement: Measurement) -> Floats | No
         return None
     placed, films = found
     machine, own = model.machine, placed.own(coordinates.theta(model.values))
-    expected = ShaftCentreline(films.films, probe_lines(machine), measurement.speed).values(own)
+    expected = ShaftCentreline(films.films, probe_views(machine), measurement.speed).values(own)
     states = journal_states(films, own, speed=measurement.speed)
     if states is None:
         return None

@@ -39,8 +39,8 @@ def static_coupling_loads(model: UpdatedModel) -> tuple[FilmResult, ...]:
     if states is None:
         return ()
     force, slope = states.force[-1], states.force_slope[-1]
-    own = slice(placed.first, placed.first + slope.shape[-1])
-    covariance = model.covariance[own, own] / np.outer(coordinates.unit[own], coordinates.unit[own])
+    own = placed.numbers[: slope.shape[-1]]
+    covariance = model.covariance[np.ix_(own, own)] / np.outer(coordinates.unit[own], coordinates.unit[own])
     added, by_added = films.own.load_changes(fitted).reshape(-1, 2), films.own.by_load.reshape(-1, 2, slope.shape[-1])
     results = {}
     for one in coupling_balances(model.machine):

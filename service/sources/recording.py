@@ -186,6 +186,21 @@ def _rows(columns: Iterable[list[float | None]]) -> list[list[float | None]]:
     return [list(row) for row in zip(*columns, strict=True)]
 
 
+def _require_room(path: Path) -> None:
+    """Raise UnreadableFile where a recording's sidecar would take the place of a file that is none."""
+    beside = path.with_suffix(".yaml")
+    if beside == path:
+        raise UnreadableFile(f"{path}: a recording is a CSV file; its sidecar takes the name that ends in .yaml")
+    if not beside.exists():
+        return
+    try:
+        read_sidecar(beside)
+    except UnreadableFile:
+        raise UnreadableFile(
+            f"{beside} is no sidecar of a recording, and that of {path.name} would take its place: give the CSV another name"
+        ) from None
+
+
 def write_recording(
     path: Path, machine: Machine, *, speed_rpm: Floats, phasor: Complexes, interval_s: float, gap_um: Floats | None = None
 ) -> None:
@@ -193,7 +208,10 @@ def write_recording(
 
     speed_rpm: (S,) [r/min]. phasor: (S, m) at the machine's probes, 0-to-peak [m]; written in µm peak-to-peak, phase lag.
     gap_um: (S, m) gaps as the probes' document says that they grow [µm]; NaN for probes without.
+
+    Raises UnreadableFile where another file, such as the machine's document, stands where the sidecar would.
     """
+    _require_room(path)
     channels = machine.channels
     gap = np.full(phasor.shape, np.nan) if gap_um is None else gap_um
     told = np.flatnonzero(np.isfinite(gap).all(axis=0))

@@ -96,7 +96,7 @@ def linear_document(
 def film_document(plant: Plant, *, priors: Priors = PRIORS, discrepancy: float = FILM_DISCREPANCY) -> dict[str, Any]:
     """The document that describes a plant's bearings by their films as they are believed, with the priors on them."""
     said = geometry(plant)
-    rigid = said["couplings"][0]["kxx"] > RIGID
+    rigid = any(one["kxx"] > RIGID for one in said["couplings"])
     for bearing, one in zip(said["bearings"], plant.believed.bearings, strict=True):
         bearing["film"] = {
             "diameter": one.diameter,

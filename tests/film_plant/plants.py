@@ -12,6 +12,7 @@ import numpy as np
 from tests.film_plant.discrepancy import Discrepancy, DiscrepancySize
 from tests.film_plant.motor_compressor import CouplingKind, motor_compressor
 from tests.film_plant.oil import HeatedOil
+from tests.film_plant.other_trains import other_train
 from tests.film_plant.plant import RPM, Plant
 from tests.film_plant.proportions import Design, believed_train
 from tests.film_plant.statics import Equilibrium, NoEquilibrium
@@ -69,7 +70,7 @@ def unaltered(train: Train, _: np.random.Generator, __: float) -> Train:
 def random_plant(
     seed: int,
     *,
-    design: Design = PLAIN_DESIGN,
+    design: Design | None = PLAIN_DESIGN,
     priors: Priors = PRIORS,
     discrepancy: DiscrepancySize | None = None,
     alter: Alteration = unaltered,
@@ -78,7 +79,7 @@ def random_plant(
 
     Args:
         seed: Seed of the random generator: the same gives the same plant.
-        design: Kind of the train.
+        design: Kind of the train; None for any of other proportions.
         priors: How far the truth is from what is believed.
         discrepancy: Size of the films' discrepancies; None for none.
         alter: What else is done to the truth, and not believed.
@@ -92,7 +93,7 @@ def random_plant(
     rng = np.random.default_rng(seed)
 
     def draw() -> Plant | None:
-        believed, kind, fastest = believed_train(rng, design)
+        believed, kind, fastest = other_train(rng) if design is None else believed_train(rng, design)
         truth = alter(_truth(believed, rng, priors, kind), rng, fastest)
         return _checked(Plant(f"plant {seed}", truth, believed, float(rng.uniform(0.15, 0.2) * fastest), fastest))
 

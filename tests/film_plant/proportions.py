@@ -62,17 +62,22 @@ def believed_train(rng: np.random.Generator, design: Design) -> tuple[Train, Cou
     fastest = min(rng.uniform(1.15, 1.75) * min(one.critical for one in draws), 2 * FASTEST_SURFACE / diameter)
     bearings = tuple(one for draw in draws for one in draw.bearings)
     if design.pedestals:
-        bearings = tuple(_on_pedestal(one, fastest, rng) for one in bearings)
+        bearings = tuple(standing(one, fastest, rng) for one in bearings)
     train = Train(
         tuple(one.shaft for one in draws),
         tuple(one for draw in draws for one in draw.discs),
         bearings,
-        (_coupling(rng, kind, diameter / 0.08),),
+        (coupling_of(rng, kind, diameter / 0.08),),
         refinement=2,
     )
+    return placed(train), kind, float(fastest)
+
+
+def placed(train: Train) -> Train:
+    """The train with its bearings where no coupling carries anything."""
     level = aligned_elevations(train)
-    placed = tuple(replace(one, elevation=(0.0, float(y))) for one, (_, y) in zip(train.bearings, level, strict=True))
-    return replace(train, bearings=placed), kind, float(fastest)
+    bearings = tuple(replace(one, elevation=(0.0, float(y))) for one, (_, y) in zip(train.bearings, level, strict=True))
+    return replace(train, bearings=bearings)
 
 
 def _shaft(rng: np.random.Generator, number: int, diameter: float, oil: Oil, design: Design) -> _ShaftDraw:
@@ -98,7 +103,7 @@ def _shaft(rng: np.random.Generator, number: int, diameter: float, oil: Oil, des
     total = max(2 * rng.uniform(*PRESSURES) * slenderness * diameter**2 / 9.81, 1.4 * shaft_mass)
     shares = rng.uniform(0.42, 0.58)
     discs = tuple(
-        _disc(number, float(outer + cut), float(share * (total - shaft_mass)), body, span)
+        disc_of(number, float(outer + cut), float(share * (total - shaft_mass)), body, span)
         for cut, share in zip(cuts, (shares, 1.0 - shares), strict=True)
     )
     bearings = tuple(
@@ -118,7 +123,7 @@ def _shaft(rng: np.random.Generator, number: int, diameter: float, oil: Oil, des
     return _ShaftDraw(shaft, discs, bearings, float(np.sqrt(9.81 / sag)))
 
 
-def _disc(shaft: int, station: float, mass: float, body: float, span: float) -> Disc:
+def disc_of(shaft: int, station: float, mass: float, body: float, span: float) -> Disc:
     """A disc of a mass as a solid steel cylinder of a sixth of the span in length."""
     length = span / 6
     radius = np.sqrt(mass / (7850.0 * np.pi * length) + body**2 / 4)
@@ -126,7 +131,7 @@ def _disc(shaft: int, station: float, mass: float, body: float, span: float) -> 
     return Disc(shaft, station, mass, float(polar / 2 + mass * length**2 / 12), float(polar))
 
 
-def _coupling(rng: np.random.Generator, kind: CouplingKind, size: float) -> Coupling:
+def coupling_of(rng: np.random.Generator, kind: CouplingKind, size: float) -> Coupling:
     """A coupling for a shaft of `size` times 80 mm."""
     half = (5.5 * size**3, 0.012 * size**5, 0.02 * size**5)
     if kind == "rigid":
@@ -138,7 +143,7 @@ def _coupling(rng: np.random.Generator, kind: CouplingKind, size: float) -> Coup
     return Coupling(lateral * np.eye(2), slowed * np.eye(2), angular, angular, half)
 
 
-def _on_pedestal(bearing: Bearing, fastest: float, rng: np.random.Generator) -> Bearing:
+def standing(bearing: Bearing, fastest: float, rng: np.random.Generator) -> Bearing:
     """The bearing on a pedestal whose own frequencies with its mass lie between 0.5 and 1.3 of the highest speed."""
     mass = 7850.0 * (2.2 * bearing.diameter) ** 3 * rng.uniform(0.8, 1.5)
     frequency = np.array([rng.uniform(0.5, 0.8), rng.uniform(0.8, 1.3)]) * fastest

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
-from estimator.bearings.model import ChainedCurves, CoefficientCurves, CoefficientModel, ModelParameter
+from estimator.bearings.model import ChainedCurves, CoefficientCurves, CoefficientModel, ModelParameter, ReadingModel
 from estimator.fit.problem.channel_coordinates import ChannelCoordinates
 from estimator.fit.problem.prior import Prior, calibrated_prior
 from estimator.fit.problem.train_models import train_models
@@ -38,6 +38,7 @@ class PlacedModel:
         columns: Index of each among the model's own coefficients.
         first: Index of its first coordinate.
         curves: Its curves at the train's speeds.
+        read: Coordinates of other models' parameters that it depends on as well.
     """
 
     model: CoefficientModel
@@ -45,6 +46,7 @@ class PlacedModel:
     columns: tuple[int, ...]
     first: int
     curves: CoefficientCurves
+    read: tuple[int, ...] = ()
 
     @cached_property
     def _shorter(self) -> ChainedCurves | None:
@@ -54,11 +56,16 @@ class PlacedModel:
 
     @cached_property
     def places(self) -> range:
-        """Return the coordinates of the parameters."""
+        """Return the coordinates of its own parameters."""
         return range(self.first, self.first + len(self.model.parameters))
 
+    @cached_property
+    def numbers(self) -> NDArray[np.intp]:
+        """Return the coordinates (P,) that its curves are functions of: those that it reads, then those of its parameters."""
+        return np.array([*self.read, *self.places], dtype=np.intp)
+
     def own(self, theta: Floats) -> Floats:
-        """Return the parameters among all coordinates.
+        """Return the numbers that its curves take among all coordinates.
 
         Args:
             theta: Fit coordinates θ (n,) [-].
@@ -66,7 +73,7 @@ class PlacedModel:
         Returns:
             Fitted numbers (P,) [-].
         """
-        return theta[self.first : self.places.stop]
+        return theta[self.numbers]
 
     def values(self, theta: Floats) -> Floats:
         """Compute the coefficients.
@@ -231,7 +238,8 @@ class Coordinates:
             coefficient: Index of the coefficient.
 
         Returns:
-            Indices of its coordinates: one, or those of the model that gives it, or none where it is fixed.
+            Indices of its coordinates: one, or those of the model that gives it without what this reads of others, or none
+            where it is fixed.
         """
         for one in self.models:
             if coefficient in one.coefficients:
@@ -408,7 +416,11 @@ class _CoordinateBuilder:
             else:
                 columns = tuple(range(len(one.coefficients)))
                 models.append(PlacedModel(one.model, one.coefficients, columns, first, one.model.at(self.train.speed)))
+        models = [replace(one, read=self._read(one.model)) for one in models]
         return tuple(parameters), place, (*models, *_tied(coefficients, place, models))
+
+    def _read(self, model: CoefficientModel) -> tuple[int, ...]:
+        return tuple(map(self.names.index, model.read)) if isinstance(model, ReadingModel) else ()
 
     def _channels(self, what: str, spread: Floats) -> NDArray[np.intp]:
         if spread.size == 0:

@@ -106,12 +106,12 @@ class GapRows:
 
     Attributes:
         centreline: The centreline at the fit's S speeds.
-        places: Places of the films' own P parameters among the coordinates.
+        places: Places (P,) of what the films follow from among the coordinates.
         channels: Gaps of each channel and run.
     """
 
     centreline: ShaftCentreline
-    places: slice
+    places: NDArray[np.intp]
     channels: tuple[ChannelGaps, ...]
 
     @property
@@ -147,7 +147,7 @@ class GapRows:
             residual, rows = self._residual(one, places), one.whitened(slopes[:, one.channel])
             cost += float(residual @ residual)
             gradient[self.places] += rows.T @ residual
-            curvature[self.places, self.places] += rows.T @ rows
+            curvature[np.ix_(self.places, self.places)] += rows.T @ rows
         return cost, gradient, curvature
 
     def without(self, left_out: Sequence[ChannelGaps]) -> "GapRows | None":
@@ -173,7 +173,7 @@ def gap_rows(
     *,
     rules: Centreline,
     speed: Floats,
-    first: int,
+    places: NDArray[np.intp],
     fitted: Floats,
 ) -> GapRows:
     """Make the rows of measured gaps (marginal likelihood; module's docstring).
@@ -184,7 +184,7 @@ def gap_rows(
         gaps: The gaps.
         rules: What the document expects of them.
         speed: Spin speeds (S,), without sign [rad/s].
-        first: Place of the films' first own parameter among the coordinates.
+        places: Places (P,) of the films' numbers among the coordinates.
         fitted: The films' fitted numbers at which deviations are looked at (...) [-].
 
     Returns:
@@ -203,7 +203,7 @@ def gap_rows(
             errors = np.column_stack([np.full(own.size, ANY_ZERO), rules.drift * elapsed / span, moved[own, channel]])
             noise = max(rules.noise, seen_noise(place))
             found.append(ChannelGaps.of(channel, run, own, place, noise=noise, errors=errors))
-    return GapRows(centreline, slice(first, first + model.own.count), tuple(found))
+    return GapRows(centreline, places[: model.own.count], tuple(found))
 
 
 def seen_noise(place: Floats) -> float:

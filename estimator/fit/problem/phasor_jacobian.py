@@ -44,4 +44,4 @@ def _add_coefficients(
         whole[coordinates.place[k]] += by_coefficient[k]  # tied coefficients share a coordinate
     for one in coordinates.models:
         along = one.chained(theta, block, found.by_coefficient[list(one.coefficients)])
-        whole[one.places.start : one.places.stop] += along
+        whole[one.numbers] += along

@@ -1,14 +1,18 @@
-"""Reports the static state of a train on its oil films on a terminal: loads, positions, stability."""
+"""Reports the static state of a train on its oil films on a terminal: loads, positions, stability, as said and identified."""
 
 import math
 from collections.abc import Iterator
 
 import numpy as np
 
+from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.document import Machine
+from estimator.machine.film_speeds import reported_rpm
 from estimator.statics.equilibrium import FilmEquilibrium, FilmTrain, film_train
 from estimator.statics.film_stability import least_damped_whirl, whirl_onset
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
+from estimator.updated_model.film_results import film_results
+from estimator.updated_model.model import UpdatedModel
 
 LARGEST_ONSET = 2.0
 """Highest speed at which whirl is looked for, as a multiple of the speed range's end [-]."""
@@ -29,10 +33,35 @@ def film_text(machine: Machine, *, service_rpm: float) -> str:
     return "\n".join([*_states(machine, train, service_rpm), "", *_stability(machine, train, service_rpm)])
 
 
+def identified_films(model: UpdatedModel) -> Iterator[str]:
+    """Yield what was identified of each film at running speed, with 95 % intervals; nothing of a train without films."""
+    found = {one.name: one for one in film_results(model)}
+    if not found:
+        return
+    yield (
+        f"Oil films as identified, at {reported_rpm(model.machine)[-1]:g} r/min, with ± half a 95 % interval: bearing, load x "
+        "and y [N], eccentricity, position x and y [µm]"
+    )
+    for bearing in model.machine.bearings:
+        columns = (
+            ("load_horizontal", 1.0, "z9.0f", ".0f"),
+            ("load_vertical", 1.0, "z9.0f", ".0f"),
+            ("eccentricity_ratio", 1.0, "7.3f", ".3f"),
+            ("journal_x", 1e6, "z8.1f", ".1f"),
+            ("journal_y", 1e6, "z8.1f", ".1f"),
+        )
+        said = []
+        for name, scale, wide, narrow in columns:
+            one = found.get(f"bearing.{bearing.id}.{name}")
+            if one is not None:
+                said.append(f"{scale * one.value:{wide}} ± {scale * CONFIDENCE_95 * one.error:{narrow}}".ljust(18))
+        yield f"  {bearing.id:<10} {''.join(said)}".rstrip()
+
+
 def _states(machine: Machine, train: FilmTrain, service_rpm: float) -> Iterator[str]:
     yield (
-        "Static state on oil films: bearing, load x and y [N], specific pressure [MPa], eccentricity, position x and y [µm], "
-        "thinnest film [µm], Sommerfeld number"
+        "Static state on oil films as the document describes them: bearing, load x and y [N], specific pressure [MPa], "
+        "eccentricity, position x and y [µm], thinnest film [µm], Sommerfeld number"
     )
     for rpm in dict.fromkeys((machine.speed_range.minimum_rpm, service_rpm)):
         speed = rpm_to_rad_per_s(rpm)
@@ -56,8 +85,8 @@ def _bearings(machine: Machine, train: FilmTrain, found: FilmEquilibrium) -> Ite
         viscous = float(journal.oil.at(found.speed)) * turns * (journal.radius / journal.clearance) ** 2
         number = viscous / pressure if pressure > 0.0 else math.inf
         yield (
-            f"    {bearing.id:<10} {force[0]:9.0f} {force[1]:9.0f} {pressure / MEGAPASCAL:7.3f} "
-            f"{float(np.hypot(*place)) / journal.clearance:6.3f} {1e6 * place[0]:8.1f} {1e6 * place[1]:8.1f} "
+            f"    {bearing.id:<10} {force[0]:z9.0f} {force[1]:z9.0f} {pressure / MEGAPASCAL:7.3f} "
+            f"{float(np.hypot(*place)) / journal.clearance:6.3f} {1e6 * place[0]:z8.1f} {1e6 * place[1]:z8.1f} "
             f"{1e6 * journal.thinnest(place):7.1f} {number:8.3f}{'  lifted by other means here' if below else ''}"
         )
 

@@ -21,6 +21,7 @@ from estimator.units import METRES, PEAK, rad_per_s_to_rpm, rpm_to_rad_per_s
 
 CANDIDATE_SPEEDS = 60
 GRAM_MILLIMETRES = 1e6
+MICROMETRES = 1e6
 """g mm per kg m."""
 EXPLAINED = 2.0
 """Largest χ²/dof at which the regression's values count as explaining a run."""
@@ -131,7 +132,12 @@ def _value(estimate: Estimate) -> str:
             f"{estimate.value:+.4e} ± {estimate.standard_error:.1e}  "
             f"{estimate.imaginary:+.4e}j ± {estimate.imaginary_standard_error:.1e} {estimate.unit}"
         )
+    if estimate.quantity == "elevation":  # may be zero, so that a part of it says nothing
+        return f"{MICROMETRES * estimate.value:+.3g} ± {MICROMETRES * estimate.standard_error:.2g} µm"
     percent = 100 * estimate.standard_error / abs(estimate.value) if estimate.value else float("inf")
+    if estimate.quantity == "clearance":
+        value, error = MICROMETRES * estimate.value, MICROMETRES * estimate.standard_error
+        return f"{value:.4g} ± {error:.2g} µm ({percent:.2g} %)"
     return f"{estimate.value:+.4e} ± {estimate.standard_error:.1e} {estimate.unit} ({percent:.2g} %)"
 
 

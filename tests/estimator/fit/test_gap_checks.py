@@ -75,7 +75,7 @@ def test_gaps_narrow_what_the_vibration_leaves_open_and_the_truth_stays_inside(f
     verdict = fitted.judged(fitted.gaps)
     assert verdict.remarks[0].startswith("with the shaft centreline of 8 channels, χ²/dof ")
     before, after = fitted.errors(GapVerdict(fitted.problem, fitted.found)), fitted.errors(verdict)
-    assert all(after[name] <= 1.05 * before[name] for name in before)
+    assert all(after[name] <= 1.1 * before[name] for name in before)
     coordinates, truth = fitted.problem.coordinates, fitted.plant.truth(fitted.plant.speeds(2))
     point = dict(zip(coordinates.names, coordinates.point(verdict.found.theta).tolist(), strict=True))
     for number, clearance in enumerate(truth.clearance, start=1):

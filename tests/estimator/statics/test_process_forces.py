@@ -33,7 +33,7 @@ def test_derivatives_by_a_force_are_those_of_differences() -> None:
     machine = parse_machine(with_force(document(discrepancy=0.0), force_y=-500.0, force_x_spread=800.0, force_y_spread=800.0))
     model = film_model(machine)
     curves, fitted = model.at(SPEED), drawn(model, 3)
-    names = [one.name for one in model.parameters]
+    names = [one.name for one in model.numbers]
     found, size = curves.derivatives(fitted, slice(None)), np.abs(curves.values(fitted)).max(axis=0)
     for name in ("static_load.gear.force_x", FORCE_Y):
         step = np.zeros(fitted.size)
@@ -46,8 +46,8 @@ def test_derivatives_by_a_force_are_those_of_differences() -> None:
 def test_a_force_acts_as_one_that_the_document_knows() -> None:
     """Where a bearing's place does not follow the sag under the force: elevations are told over the aligned train."""
     believed = film_model(parse_machine(with_force(document(discrepancy=0.0), force_y_spread=800.0)))
-    names = [one.name for one in believed.parameters]
-    fitted = np.array([one.centre for one in believed.parameters])
+    names = [one.name for one in believed.numbers]
+    fitted = np.array([one.centre for one in believed.numbers])
     fitted[names.index(FORCE_Y)] = 1.5
     changed, said = believed.own.changed(fitted).statics, believed.own.train.statics
     known = film_model(parse_machine(with_force(document(discrepancy=0.0), force_y=1200.0))).own.train.statics

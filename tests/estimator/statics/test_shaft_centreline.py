@@ -7,7 +7,7 @@ import numpy as np
 from estimator.arrays import Floats
 from estimator.machine.document import Machine, parse_machine
 from estimator.statics.film_model import film_model
-from estimator.statics.shaft_centreline import ShaftCentreline, probe_lines
+from estimator.statics.shaft_centreline import ProbeLines, ShaftCentreline, probe_views
 from tests.estimator.statics.test_film_model import SPEED, document, drawn
 from tests.film_plant.documents import film_document
 from tests.film_plant.plants import motor_compressor_plant
@@ -35,6 +35,12 @@ def one_shaft(*, pedestals: bool = False, **probe: Any) -> Machine:
             for one in first
         ]
     return parse_machine(said)
+
+
+def probe_lines(machine: Machine) -> ProbeLines:
+    """Views of the probes with pedestals as stiff as the document says."""
+    views = probe_views(machine)
+    return views.at(np.ones(len(views.coupled.parameters)))
 
 
 def lever(machine: Machine, station: float) -> Floats:
@@ -82,7 +88,7 @@ def test_a_probe_at_a_bearing_sees_the_journal_in_it_whatever_its_pedestal_does(
 def test_derivatives_are_those_of_differences() -> None:
     machine = parse_machine(document(viscosity_slope_spread=0.2))
     model = film_model(machine)
-    line, fitted = ShaftCentreline(model.films, probe_lines(machine), SPEED), drawn(model, 3)
+    line, fitted = ShaftCentreline(model.films, probe_views(machine), SPEED), drawn(model, 3)
     found = line.derivatives(fitted)
     assert found.shape == (SPEED.size, len(machine.probes), model.own.count)
     for place in range(model.own.count):
@@ -95,7 +101,7 @@ def test_derivatives_are_those_of_differences() -> None:
 def test_derivatives_by_a_films_own_viscosity_are_those_by_its_parameter() -> None:
     machine = parse_machine(document())
     model = film_model(machine)
-    line, fitted = ShaftCentreline(model.films, probe_lines(machine), SPEED), drawn(model, 4)
+    line, fitted = ShaftCentreline(model.films, probe_views(machine), SPEED), drawn(model, 4)
     own, each = line.derivatives(fitted), line.by_viscosities(fitted)
     for number in range(4):
         np.testing.assert_allclose(each[..., number], own[..., model.own.place(number, "viscosity")], rtol=1e-9, atol=1e-15)
@@ -106,7 +112,7 @@ def test_the_centreline_is_that_of_films_of_another_make() -> None:
     plant = motor_compressor_plant(2, "rigid")
     machine = parse_machine(film_document(plant))
     model = film_model(machine)
-    centre = np.array([one.centre for one in model.parameters])
+    centre = np.array([one.centre for one in model.numbers])
     truth = plant.truth(plant.speeds(12))
     fitted = centre.copy()
     for number, (clearance, viscosity) in enumerate(zip(truth.clearance, truth.viscosity, strict=True)):
@@ -115,8 +121,8 @@ def test_the_centreline_is_that_of_films_of_another_make() -> None:
         fitted[model.own.place(number, "viscosity")] = np.log(viscosity)
         for plane, what in enumerate(("elevation_x", "elevation_y")):
             place = model.own.place(number, what)
-            fitted[place] = truth.elevation[number, plane] / model.parameters[place].step
-    found = ShaftCentreline(model.films, probe_lines(machine), plant.speeds(12)).values(fitted)
+            fitted[place] = truth.elevation[number, plane] / model.numbers[place].step
+    found = ShaftCentreline(model.films, probe_views(machine), plant.speeds(12)).values(fitted)
     exact = truth.films.position.reshape(12, -1)
     off = (found - found.mean(axis=0)) - (exact - exact.mean(axis=0))
     assert np.abs(off).max() < 0.02 * truth.clearance.min()

@@ -8,11 +8,11 @@ import pytest
 from estimator.arrays import Floats
 from estimator.machine.document import Machine, parse_machine
 from estimator.machine.film_speeds import reported_rpm
-from estimator.statics.equilibrium import FilmEquilibrium
+from estimator.statics.equilibrium import FilmEquilibrium, FilmTrain
 from estimator.statics.film_model import film_model
 from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model.derived_quantities import model_quantities
-from estimator.updated_model.film_results import FilmResult, film_results
+from estimator.updated_model.film_results import FilmResult, film_results, placed_films
 from estimator.updated_model.model import UpdatedModel, expected_model
 from tests.estimator.models import rich_model
 from tests.estimator.statics.test_film_model import document
@@ -40,11 +40,18 @@ def by_name(model: UpdatedModel) -> dict[str, FilmResult]:
     return {one.name: one for one in film_results(model)}
 
 
+def solved_train(model: UpdatedModel) -> FilmTrain:
+    """The train on its films at the model's numbers."""
+    coordinates = model.coordinates_at(np.array([1.0]))
+    with_films = placed_films(coordinates)
+    assert with_films is not None
+    placed, films = with_films
+    return films.own.changed(placed.own(coordinates.theta(model.values)))
+
+
 def solved(model: UpdatedModel, rpm: float) -> FilmEquilibrium:
     """The equilibrium at the model's films."""
-    coordinates = model.coordinates_at(np.array([1.0]))
-    train = film_model(model.machine).own.changed(coordinates.theta(model.values))
-    found = train.equilibrium(rpm_to_rad_per_s(rpm))
+    found = solved_train(model).equilibrium(rpm_to_rad_per_s(rpm))
     assert found is not None
     return found
 
@@ -80,8 +87,7 @@ def test_coefficients_loads_and_positions_are_those_of_the_equilibrium() -> None
 
 
 def solved_clearance(model: UpdatedModel, number: int) -> float:
-    theta = model.coordinates_at(np.array([1.0])).theta(model.values)
-    return film_model(model.machine).own.changed(theta).bearings[number].clearance
+    return solved_train(model).bearings[number].clearance
 
 
 def test_loads_carry_the_weight_of_the_train() -> None:

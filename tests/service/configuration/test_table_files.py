@@ -57,7 +57,7 @@ def test_columns_are_those_of_the_file_beside_the_document(tmp_path: Path) -> No
         (GOOD.replace("290", "n.a."), "B2.csv, line 4, column cyy: 'n.a.' is no number, such as 1.5e8"),
         (GOOD.replace("290", "inf"), "line 4, column cyy: 'inf' is no number"),
         ("speed_rpm,kxx\n" + "".join(f"{1 + n},1e5\n" for n in range(501)), "line 502: at most 500 speeds"),
-        ("speed_rpm,kxx\n90,2e5\n", "bearings[1].speed_dependence.speed_rpm: Value error, a table has at least 5 speeds"),
+        ("speed_rpm,kxx\n90,2e5\n", "bearings[1].speed_dependence.speed_rpm: a table has at least 5 speeds"),
     ],
 )
 def test_a_wrong_file_is_told_by_file_line_and_column(tmp_path: Path, text: str | None, message: str) -> None:

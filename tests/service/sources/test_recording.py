@@ -260,3 +260,18 @@ def test_pieces_are_the_whole(size: int) -> None:
         assert [value for piece in pieces for value in getattr(piece, name)] == getattr(whole, name)
     assert [value for piece in pieces for value in (piece.conditions or {})["oil"]] == list(range(10))
     assert {piece.source for piece in pieces} == {"monitor"}
+
+
+def test_a_recording_does_not_take_the_place_of_a_machine_document(tmp_path: Path) -> None:
+    document = tmp_path / "pump.yaml"
+    document.write_text("id: pump\nname: Pump\n", encoding="utf-8")
+    pump = machine()
+    speed, phasor = np.array([900.0, 800.0]), np.full((2, len(pump.channels)), 1e-5 + 0j)
+    with pytest.raises(UnreadableFile, match=r"pump\.yaml is no sidecar of a recording.*give the CSV another name"):
+        write_recording(tmp_path / "pump.csv", pump, speed_rpm=speed, phasor=phasor, interval_s=1.0)
+    assert document.read_text(encoding="utf-8").startswith("id: pump")
+    assert not (tmp_path / "pump.csv").exists()
+    with pytest.raises(UnreadableFile, match="a recording is a CSV file"):
+        write_recording(tmp_path / "run.yaml", pump, speed_rpm=speed, phasor=phasor, interval_s=1.0)
+    for _ in range(2):  # its own sidecar may be written again
+        write_recording(tmp_path / "run.csv", pump, speed_rpm=speed, phasor=phasor, interval_s=1.0)

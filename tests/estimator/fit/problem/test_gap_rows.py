@@ -53,9 +53,9 @@ def test_derivatives_of_the_cost_are_those_of_differences(fitted: Fitted) -> Non
     theta = fitted.found.theta
     cost, gradient, _ = rows.linearised(theta)
     assert np.isclose(cost, rows.cost(theta), rtol=1e-12)
-    for place in range(rows.places.start, rows.places.stop):
+    for place in rows.places.tolist():
         step = np.zeros(theta.size)
         step[place] = 1e-4
         slope = (rows.cost(theta + step) - rows.cost(theta - step)) / 2e-4
         assert np.isclose(-2.0 * gradient[place], slope, rtol=2e-3, atol=0.05 * np.abs(gradient).max() * 1e-2)
-    assert not gradient[rows.places.stop :].any()
+    assert not np.delete(gradient, rows.places).any()

@@ -1,0 +1,32 @@
+"""The static state on oil films on a terminal: what the document says, and what was identified."""
+
+import pytest
+
+from estimator.updated_model.film_results import film_results
+from estimator.updated_model.model import expected_model
+from service.commands.results.film_report import film_text, identified_films
+from tests.estimator.models import rich_model
+from tests.estimator.statics.films import between_two_bearings
+from tests.estimator.updated_model.test_film_results import machine_of, uncertain
+
+
+def test_no_number_of_a_report_is_minus_nothing() -> None:
+    said = film_text(between_two_bearings(), service_rpm=3000.0)
+    assert "as the document describes them" in said
+    assert not {word for word in said.split() if word.startswith("-") and not word.strip("-0.")}
+
+
+def test_each_film_is_told_as_identified_with_half_its_interval() -> None:
+    model = uncertain(machine_of())
+    heading, *rows = identified_films(model)
+    assert "as identified, at 3000 r/min" in heading
+    assert [row.split()[0] for row in rows] == ["B1", "B2", "B3", "B4"]
+    load = next(one for one in film_results(model) if one.name == "bearing.B2.load_vertical")
+    told = rows[1].split()
+    assert float(told[4]) == pytest.approx(load.value, abs=0.51)
+    assert float(told[6]) == pytest.approx(1.96 * load.error, abs=0.51)
+
+
+def test_a_train_without_films_has_no_such_report() -> None:
+    assert not list(identified_films(rich_model()))
+    assert list(identified_films(expected_model(machine_of())))
