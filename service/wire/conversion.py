@@ -74,9 +74,28 @@ def to_samples(batch: SampleBatch, machine: Machine, *, received_at: int) -> tup
         faults.append(Fault(index, "not_finite", f"condition {machine.condition_names[column]} is infinite"))
         conditions[index, column] = np.nan
     gap, of_gap = to_gap(batch, machine)
-    faults += of_gap
+    overall, of_overall = _overall(batch, machine, factors)
+    faults += of_gap + of_overall
     phasor, second = (on_grid(one.view(np.float64)).view(np.complex128) for one in (phasor, second))
-    return Samples(time, speed, direction, phasor, status, on_grid(scatter), second, conditions, on_grid(gap)), taken, faults
+    beside = (on_grid(scatter), second, conditions, on_grid(gap), on_grid(overall))
+    return Samples(time, speed, direction, phasor, status, *beside), taken, faults
+
+
+def _overall(batch: SampleBatch, machine: Machine, factors: NDArray[np.float64]) -> tuple[NDArray[np.float64], list[Fault]]:
+    """Return overall levels (S, m), 0-to-peak [m], NaN where there is none, and why some are left out; the 1× beside stays."""
+    levels = np.full((len(batch.time_ns), len(machine.probes)), np.nan)
+    if batch.overall is None:
+        return levels, []
+    with np.errstate(over="ignore", invalid="ignore"):
+        size = _table(batch.overall) * factors
+        sensible = _is_amplitude(size)
+    levels[:, [machine.channels.index(channel) for channel in batch.channels]] = np.where(sensible, size, np.nan)
+    faults = []
+    for index, column in np.argwhere(~sensible & ~np.isnan(size)).tolist():
+        told = f"an overall level of {size[index, column]:.4g} m is not between 0 and {LARGEST_AMPLITUDE} m"
+        detail = f"channel {batch.channels[column]}: {told}; it is left out: is its unit right?"
+        faults.append(Fault(index, "overall_out_of_range", detail))
+    return levels, faults
 
 
 def _is_amplitude(size: NDArray[np.float64]) -> NDArray[np.bool_]:
