@@ -19,7 +19,7 @@ MAY_IMPORT: dict[str, set[str]] = {
     "components": {"browser", "data", "format", "schemas"},
     "dialogs": {"declarations", "data", "findings", "format", "schemas", "words"},
     "plots": {"browser", "format", "schemas"},
-    "train": {"format", "schemas", "words"},
+    "train": {"browser", "format", "plots", "schemas", "words"},
     "panels": {"browser", "components", "data", "dialogs", "findings", "format", "plots", "schemas", "words"},
     "identification": {"browser", "components", "data", "format", "plots", "schemas", "words"},
     "reports": {"components", "data", "format", "identification", "panels", "schemas", "train", "words"},

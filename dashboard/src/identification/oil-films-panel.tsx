@@ -1,10 +1,12 @@
 // The oil films of an identified machine: where the journals rest in their clearances, what they carry, and the coefficients
 // of a chosen bearing or, on paper, of all.
+import type { DataColumn } from "../browser/download";
 import { replaceQuery, route } from "../browser/router";
 import { useStore } from "../browser/store";
 import { Panel } from "../components/panel";
 import { number, rpm, scaleOf } from "../format/numbers";
 import { ClearanceCircle, type Coordinate } from "../plots/clearance-circle";
+import { SaveDrawing } from "../plots/save-buttons";
 import type { Identification } from "../schemas/identifications";
 import type { Document } from "../schemas/machines";
 import { missingReasons, oilFilms, type Bounded, type OilFilm } from "../words/oil-films";
@@ -94,6 +96,7 @@ function FilmFigure({ film, documented }: { film: OilFilm; documented: DocumentF
     <figure>
       <figcaption>
         <strong>{film.bearing}</strong>
+        {film.radius !== null && <SaveDrawing label={`Oil film of bearing ${film.bearing}`} columns={() => columnsOf(rows)} />}
       </figcaption>
       <div class="film">
         {film.radius !== null && (
@@ -119,6 +122,16 @@ function FilmFigure({ film, documented }: { film: OilFilm; documented: DocumentF
       ))}
     </figure>
   );
+}
+
+function columnsOf(rows: [string, Bounded][]): DataColumn[] {
+  return [
+    { name: "quantity", values: rows.map(([name]) => name) },
+    { name: "value", values: rows.map(([, one]) => one.value) },
+    { name: "lower", values: rows.map(([, one]) => one.lower) },
+    { name: "upper", values: rows.map(([, one]) => one.upper) },
+    { name: "unit", values: rows.map(([, one]) => one.unit) },
+  ];
 }
 
 function positionOf({ journalX, journalY }: OilFilm): { x: Coordinate; y: Coordinate } | null {

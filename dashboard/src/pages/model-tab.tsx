@@ -1,10 +1,11 @@
-// Predictions of the newest identified model: Campbell diagram, critical speeds, oil films, alignment, coupling loads, balancing.
+// Predictions of the newest identified model: Campbell diagram, critical speeds, oil films, shaft centreline, alignment, coupling loads, balancing.
 import { NewestNotice, NoIdentification, PendingPanel } from "../components/newest-identification";
 import { Time } from "../components/time";
 import { useNewestIdentification } from "../data/newest-identification";
 import { AlignmentPanel } from "../identification/alignment-panel";
 import { BalancingPanel } from "../identification/balancing-panel";
 import { CampbellPanel } from "../identification/campbell-panel";
+import { CentrelinePanel } from "../identification/centreline-panel";
 import { CouplingLoadsPanel } from "../identification/coupling-loads-panel";
 import { CriticalSpeedsPanel } from "../identification/critical-speeds-panel";
 import { OilFilmsPanel } from "../identification/oil-films-panel";
@@ -31,6 +32,7 @@ export function ModelTab({ machine }: { machine: Document }) {
         <CriticalSpeedsPanel machine={machine} path={paths.criticals} />
       </div>
       <OilFilmsPanel machine={machine} found={newest} />
+      <CentrelinePanel machine={machine} found={newest} path={`/identifications/${newest.id}/model/centreline`} />
       <AlignmentPanel found={newest} />
       <CouplingLoadsPanel path={paths.forces} />
       <BalancingPanel path={paths.balancing} />

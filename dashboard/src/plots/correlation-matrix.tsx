@@ -1,8 +1,10 @@
 // A correlation matrix as a picture, read out by pointer and keys.
+import type { DataColumn } from "../browser/download";
 import { useState } from "preact/hooks";
 import { number } from "../format/numbers";
 import type { Correlation } from "../schemas/identifications";
 import { arrowStep, clampIndex } from "./arrow-keys";
+import { SaveDrawing } from "./save-buttons";
 
 const CELL = 9;
 /** Smaller signs would not be seen. */
@@ -25,6 +27,7 @@ export function CorrelationMatrix({ found }: { found: Correlation }) {
   };
   return (
     <figure class="correlation">
+      <SaveDrawing label="Correlation of the estimates" columns={() => columnsOf(found)} />
       <svg
         viewBox={`0 0 ${size} ${size}`}
         role="group"
@@ -43,6 +46,10 @@ export function CorrelationMatrix({ found }: { found: Correlation }) {
       </figcaption>
     </figure>
   );
+}
+
+function columnsOf({ coordinates, correlation }: Correlation): DataColumn[] {
+  return [{ name: "estimate", values: coordinates }, ...coordinates.map((name, column) => ({ name, values: correlation.map((row) => row[column]!) }))];
 }
 
 /** A square for a positive correlation, a diamond for a negative one. */

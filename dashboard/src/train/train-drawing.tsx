@@ -1,7 +1,9 @@
 // The train drawn to scale from its document: shafts, discs, bearings, seals, pedestals, couplings, probes.
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
+import type { DataColumn } from "../browser/download";
 import { elementName } from "../format/names";
+import { SaveDrawing } from "../plots/save-buttons";
 import type { Drawing } from "../schemas/machines";
 import { trainLayout, type TrainLayout } from "./layout";
 import { MARK_SIGNS, UNKNOWN, worstElement, type Mark } from "./marks";
@@ -50,6 +52,7 @@ export function TrainDrawing({ name, drawing, marks, onChoose }: Props) {
   }, [worst]);
   return (
     <figure class="train" ref={figure}>
+      <SaveDrawing label={`Train ${name}`} columns={() => columnsOf(drawing, marks)} />
       <svg viewBox={`0 0 ${WIDTH} ${scale.height}`} role="group" aria-label={`${name}, drawn to scale from driver to driven`}>
         <line class="axis" x1={MARGIN / 2} x2={WIDTH - MARGIN / 2} y1={scale.axis} y2={scale.axis} />
         <Sections {...parts} />
@@ -64,6 +67,18 @@ export function TrainDrawing({ name, drawing, marks, onChoose }: Props) {
       {scale.stretch > 1.05 && <figcaption>Lengths to scale; diameters {scale.stretch.toFixed(1)} times larger.</figcaption>}
     </figure>
   );
+}
+
+function columnsOf(drawing: Drawing, marks: Map<string, Mark>): DataColumn[] {
+  const { discs, bearings, seals, pedestals, couplings } = drawing;
+  const elements = [...discs, ...bearings, ...seals, ...pedestals, ...couplings].sort((one, other) => one.at - other.at);
+  const mark = (element: string) => marks.get(element) ?? UNKNOWN;
+  return [
+    { name: "element", values: elements.map((one) => one.element) },
+    { name: "z [m]", values: elements.map((one) => one.at) },
+    { name: "mark", values: elements.map((one) => mark(one.element).level) },
+    { name: "words", values: elements.map((one) => mark(one.element).words) },
+  ];
 }
 
 /** Radii have the scale of lengths, unless the train is so slender that nothing would be seen. */

@@ -1,4 +1,5 @@
-// The newest 1× and 2× at each probe as bars, beside the machine's limits.
+// The newest overall level, 1× and 2× at each probe as bars beside the machine's limits, and the gaps.
+import type { DataColumn } from "../browser/download";
 import { useUnits, type Unit } from "../browser/units";
 import { Loaded } from "../components/loading";
 import { Panel } from "../components/panel";
@@ -6,10 +7,11 @@ import { Speed } from "../components/speed";
 import { Time } from "../components/time";
 import { useResource } from "../data/resource";
 import { number } from "../format/numbers";
+import { SaveData } from "../plots/save-buttons";
 import type { Document } from "../schemas/machines";
 import type { ProbeVibration, Vibration, VibrationLimits } from "../schemas/vibration";
 import { slowRollText } from "../words/slow-roll";
-import { LEVEL_SIGNS, limitsText, vibrationLevel } from "../words/vibration-limits";
+import { LEVEL_SIGNS, limitsText, vibrationLevel, zoneBoundaries, zonesText } from "../words/vibration-limits";
 
 const POLL_MS = 2000;
 /** The longest bar ends before the panel does. */
@@ -29,8 +31,10 @@ export function VibrationBarsPanel({ machine }: { machine: Document }) {
               ))}
             </ol>
             <p class="muted">
-              █ 1×, ▒ 2×; {slowRollText(found.slow_roll_version, Object.keys(found.slow_roll_left_out))}. {limitsText(found.limits, amplitude)}
+              {signs(found)}; {slowRollText(found.slow_roll_version, Object.keys(found.slow_roll_left_out))}. {limitsText(found.limits, amplitude)}{" "}
+              {zonesText(found.limits.severity_zones, amplitude)}
             </p>
+            <Gaps probes={found.probes} />
           </>
         )}
       </Loaded>
@@ -41,21 +45,26 @@ export function VibrationBarsPanel({ machine }: { machine: Document }) {
 /** When the newest of them was measured, and how fast the shaft turned. */
 function Newest({ found }: { found: Vibration | undefined }) {
   const newest = found?.probes.reduce<ProbeVibration | undefined>((one, other) => ((one?.time ?? "") > (other.time ?? "") ? one : other), undefined);
-  if (!newest?.time) return null;
+  if (!found || !newest?.time) return null;
   return (
     <p class="muted">
-      <Time at={newest.time} /> at <Speed rpm={newest.speed_rpm} />
+      <Time at={newest.time} /> at <Speed rpm={newest.speed_rpm} /> <SaveData label="Vibration at the probes" columns={() => columnsOf(found.probes)} />
     </p>
   );
 }
 
+function signs({ probes }: Vibration): string {
+  const overall = probes.some((one) => one.overall_um_pp !== null) ? ["▁ overall level"] : [];
+  return ["█ 1×", "▒ 2×", ...overall].join(", ");
+}
+
 function fullScale({ probes, limits }: Vibration): number {
-  const sizes = probes.flatMap((one) => [one.first?.amplitude_um_pp ?? 0, one.second?.amplitude_um_pp ?? 0]);
-  return HEADROOM * Math.max(1e-9, ...sizes, limits.alert_um_pp ?? 0, limits.danger_um_pp ?? 0);
+  const sizes = probes.flatMap((one) => [one.first?.amplitude_um_pp ?? 0, one.second?.amplitude_um_pp ?? 0, one.overall_um_pp ?? 0]);
+  return HEADROOM * Math.max(1e-9, ...sizes, limits.alert_um_pp ?? 0, limits.danger_um_pp ?? 0, limits.severity_zones?.c_d_um_pp ?? 0);
 }
 
 function Bar({ probe, limits, full, unit }: { probe: ProbeVibration; limits: VibrationLimits; full: number; unit: Unit }) {
-  const { channel, first, second } = probe;
+  const { channel, first, second, overall_um_pp: overall, zone } = probe;
   const level = vibrationLevel(first?.amplitude_um_pp, limits);
   const part = (value: number) => `${((100 * value) / full).toFixed(2)}%`;
   const told = (value: number) => `${number(value * unit.factor)} ${unit.label}`;
@@ -67,14 +76,57 @@ function Bar({ probe, limits, full, unit }: { probe: ProbeVibration; limits: Vib
       <span class="gauge" aria-hidden="true">
         {first && <span class="first" style={{ width: part(first.amplitude_um_pp) }} />}
         {second && <span class="second" style={{ width: part(second.amplitude_um_pp) }} />}
+        {overall !== null && <span class="overall" style={{ width: part(overall) }} />}
+        {overall !== null && zoneBoundaries(limits.severity_zones).map(([name, value]) => <span key={name} class="boundary" style={{ left: part(value) }} />)}
         {limits.alert_um_pp !== null && <span class="limit alert" style={{ left: part(limits.alert_um_pp) }} />}
         {limits.danger_um_pp !== null && <span class="limit danger" style={{ left: part(limits.danger_um_pp) }} />}
       </span>
       <span class="told">
         {first ? `1× ${told(first.amplitude_um_pp)}, ${Math.round(first.phase_lag_deg) % 360}° lag` : "no good value"}
         {second && `; 2× ${told(second.amplitude_um_pp)}`}
+        {overall !== null && `; overall ${told(overall)}${zone ? `, zone ${zone}` : ""}`}
         {(level === "alert" || level === "danger") && <span class="hidden">: {level}</span>}
       </span>
     </li>
   );
+}
+
+/** The places of the shaft at the probes that send gaps; their zeros are the probes' own. */
+function Gaps({ probes }: { probes: ProbeVibration[] }) {
+  const { length } = useUnits();
+  const sent = probes.flatMap(({ channel, gap_um: gap }) => (gap === null ? [] : [{ channel, gap }]));
+  if (sent.length === 0) return null;
+  const full = HEADROOM * Math.max(1e-9, ...sent.map(({ gap }) => Math.abs(gap)));
+  return (
+    <>
+      <h3>Gaps</h3>
+      <ol class="vibration-bars gaps">
+        {sent.map(({ channel, gap }) => (
+          <li key={channel} data-gap={channel}>
+            <strong>{channel}</strong>
+            <span class="gauge" aria-hidden="true">
+              <span class="first" style={{ width: `${((100 * Math.abs(gap)) / full).toFixed(2)}%` }} />
+            </span>
+            <span class="told">{`${number(gap * length.factor, 4)} ${length.label}`}</span>
+          </li>
+        ))}
+      </ol>
+      <p class="muted">Mean place of the shaft towards each probe, from a zero of the probe's own: changes have a meaning, see the trend.</p>
+    </>
+  );
+}
+
+function columnsOf(probes: ProbeVibration[]): DataColumn[] {
+  return [
+    { name: "channel", values: probes.map((one) => one.channel) },
+    { name: "time", values: probes.map((one) => one.time) },
+    { name: "speed [rpm]", values: probes.map((one) => one.speed_rpm) },
+    { name: "1× [µm pp]", values: probes.map((one) => one.first?.amplitude_um_pp ?? null) },
+    { name: "1× lag [°]", values: probes.map((one) => one.first?.phase_lag_deg ?? null) },
+    { name: "2× [µm pp]", values: probes.map((one) => one.second?.amplitude_um_pp ?? null) },
+    { name: "2× lag [°]", values: probes.map((one) => one.second?.phase_lag_deg ?? null) },
+    { name: "overall [µm pp]", values: probes.map((one) => one.overall_um_pp) },
+    { name: "zone", values: probes.map((one) => one.zone) },
+    { name: "gap [µm]", values: probes.map((one) => one.gap_um) },
+  ];
 }

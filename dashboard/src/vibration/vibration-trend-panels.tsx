@@ -17,6 +17,7 @@ import { withinTurn } from "../plots/read-out";
 import type { Document } from "../schemas/machines";
 import type { ProbeTrend, VibrationLimits, VibrationTrend } from "../schemas/vibration";
 import { slowRollText } from "../words/slow-roll";
+import { zoneBoundaries, zonesText } from "../words/vibration-limits";
 
 const POLL_MS = 30_000;
 
@@ -51,7 +52,7 @@ function NoRuns({ found }: { found: VibrationTrend }) {
 
 /** The runs of one kind, of the channels shown. */
 function Panels({ machine, channels, kind, found }: Props & { found: VibrationTrend }) {
-  const { amplitude } = useUnits();
+  const { amplitude, length } = useUnits();
   const shownKind = kind ?? found.probes[0]!.run_kind.at(-1)!;
   const probes = found.probes.filter((one) => channels.includes(one.channel)).map((one) => ofKind(one, shownKind));
   const limits = limitLines(found.limits, amplitude);
@@ -64,7 +65,10 @@ function Panels({ machine, channels, kind, found }: Props & { found: VibrationTr
           <Trend what="1× phase" probes={probes} unit="° lag" column={(one) => unwrapPhase(one.phase_lag_deg)} turn={360} />
           <Trend what="2× amplitude" probes={probes} unit={amplitude.label} column={(one) => inUnit(one.amplitude_2x_um_pp, amplitude)} />
           <Trend what="2× over 1×" probes={probes} unit="2×/1×" column={(one) => one.second_over_first} />
+          <Trend what="Overall level" probes={probes} unit={amplitude.label} column={(one) => inUnit(one.overall_um_pp, amplitude)} limits={zoneLines(found.limits, amplitude)} />
+          <Trend what="Gap" probes={probes} unit={length.label} column={(one) => inUnit(one.gap_um, length)} />
         </div>
+        <p class="muted">{zonesText(found.limits.severity_zones, amplitude)}</p>
       </Panel>
       <Panel title="1× vectors and acceptance regions" aside={<p class="muted">Phase lag increases clockwise from the right.</p>}>
         <p class="muted">
@@ -95,7 +99,7 @@ function Basis({ found }: { found: VibrationTrend }) {
 }
 
 type TrendColumn = Exclude<{ [Name in keyof ProbeTrend]: ProbeTrend[Name] extends unknown[] ? Name : never }[keyof ProbeTrend], "regions">;
-const COLUMNS: TrendColumn[] = ["run", "run_kind", "measured_at", "speed_rpm", "amplitude_um_pp", "phase_lag_deg", "amplitude_2x_um_pp", "phase_2x_lag_deg", "second_over_first", "within"];
+const COLUMNS: TrendColumn[] = ["run", "run_kind", "measured_at", "speed_rpm", "amplitude_um_pp", "phase_lag_deg", "amplitude_2x_um_pp", "phase_2x_lag_deg", "second_over_first", "overall_um_pp", "zone", "gap_um", "within"];
 
 function ofKind(probe: ProbeTrend, kind: string): ProbeTrend {
   const kept = probe.run_kind.flatMap((one, at) => (one === kind ? [at] : []));
@@ -106,6 +110,10 @@ function ofKind(probe: ProbeTrend, kind: string): ProbeTrend {
 function limitLines(limits: VibrationLimits, unit: Unit): LimitLine[] {
   const named: [LimitLine["kind"], number | null][] = [["alert", limits.alert_um_pp], ["danger", limits.danger_um_pp], ["note", limits.balanced_um_pp]];
   return named.flatMap(([kind, value]) => (value === null ? [] : [{ y: value * unit.factor, kind, words: kind === "note" ? "balanced" : kind }]));
+}
+
+function zoneLines({ severity_zones: zones }: VibrationLimits, unit: Unit): LimitLine[] {
+  return zoneBoundaries(zones).map(([name, value]): LimitLine => ({ y: value * unit.factor, kind: "note", words: name }));
 }
 
 interface TrendProps {

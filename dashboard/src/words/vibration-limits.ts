@@ -1,6 +1,18 @@
 // How a 1× stands to the machine's limits, and these as text.
 import { number } from "../format/numbers";
-import type { VibrationLimits } from "../schemas/vibration";
+import type { SeverityZones, VibrationLimits } from "../schemas/vibration";
+
+/** Boundaries between the zones, by the name of each. */
+export function zoneBoundaries(zones: SeverityZones | null): [string, number][] {
+  return zones ? [["A/B", zones.a_b_um_pp], ["B/C", zones.b_c_um_pp], ["C/D", zones.c_d_um_pp]] : [];
+}
+
+/** The zones and their source; empty without any. */
+export function zonesText(zones: SeverityZones | null, unit: { label: string; factor: number }): string {
+  if (!zones) return "";
+  const told = zoneBoundaries(zones).map(([name, value]) => `${name} ${number(value * unit.factor)}`);
+  return `Severity zones of overall levels at running speed after ${zones.source}: ${told.join(", ")} ${unit.label}.`;
+}
 
 export type VibrationLevel = "danger" | "alert" | "normal" | "unknown";
 
