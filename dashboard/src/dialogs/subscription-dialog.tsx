@@ -1,4 +1,6 @@
 // Add a subscription to alerts.
+import { useState } from "preact/hooks";
+import { ReportSelect } from "../components/report-select";
 import { ADDRESS_FORMS, CHANNELS } from "../declarations/channels";
 import { post, type IdempotencyKeys } from "../data/http-client";
 import { refetch } from "../data/resource";
@@ -6,8 +8,9 @@ import type { NewSubscription } from "../schemas/subscriptions";
 import { FormDialog } from "./form-dialog";
 
 export function SubscriptionDialog({ onAdded, onClose }: { onAdded: (one: NewSubscription) => void; onClose: () => void }) {
+  const [kind, setKind] = useState<string>(CHANNELS[0].kind);
   const submit = async (form: FormData, keys: IdempotencyKeys) => {
-    const body = { kind: form.get("kind"), name: String(form.get("name")).trim(), target: String(form.get("target")).trim() };
+    const body = { kind: form.get("kind"), name: String(form.get("name")).trim(), target: String(form.get("target")).trim(), reports: form.get("reports") || null };
     onAdded(await post<NewSubscription>("/subscriptions", body, null, keys));
     refetch("/subscriptions");
   };
@@ -15,7 +18,7 @@ export function SubscriptionDialog({ onAdded, onClose }: { onAdded: (one: NewSub
     <FormDialog title="Add a subscription" button="Add" named={false} onSubmit={submit} onClose={onClose}>
       <label>
         Channel
-        <select name="kind">
+        <select name="kind" value={kind} onChange={(event) => setKind(event.currentTarget.value)}>
           {CHANNELS.map(({ kind, title }) => (
             <option key={kind} value={kind}>
               {title}
@@ -31,6 +34,12 @@ export function SubscriptionDialog({ onAdded, onClose }: { onAdded: (one: NewSub
         Address: {ADDRESS_FORMS}
         <input name="target" maxLength={2000} />
       </label>
+      {CHANNELS.find((one) => one.kind === kind)?.reports && (
+        <label>
+          Reports of its machines as PDF
+          <ReportSelect value={null} />
+        </label>
+      )}
     </FormDialog>
   );
 }

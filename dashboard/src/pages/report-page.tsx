@@ -5,7 +5,7 @@ import { useStore } from "../browser/store";
 import { setPrintColours } from "../browser/theme";
 import { Loaded } from "../components/loading";
 import { Empty, Panel } from "../components/panel";
-import { API_PREFIX, queryString } from "../data/http-client";
+import { PdfButton } from "../components/pdf-button";
 import { useResource } from "../data/resource";
 import { dayOf, daysLater, isDay, midnight } from "../format/days";
 import { date, when } from "../format/times";
@@ -59,7 +59,7 @@ function Report({ machine, revision }: { machine: Document; revision: number }) 
       <header>
         <p class="buttons screen">
           <a href={link(["machines", machine.id])}>Back to the machine</a>{" "}
-          <a href={`${API_PREFIX}/machines/${machine.id}/report.pdf${queryString({ from: from.toISOString(), to: to.toISOString() })}`}>As PDF</a>
+          <PdfButton machine={machine.id} from={from.toISOString()} to={to.toISOString()} />
         </p>
         <h1>{machine.name}</h1>
         <p>

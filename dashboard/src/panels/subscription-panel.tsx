@@ -2,12 +2,14 @@
 import { useState } from "preact/hooks";
 import { Loaded } from "../components/loading";
 import { Empty, Truncated } from "../components/panel";
+import { ReportSelect } from "../components/report-select";
 import { Scroll } from "../components/scroll";
 import { Time } from "../components/time";
-import { ApiError, getWithEtag, post } from "../data/http-client";
+import { CHANNELS } from "../declarations/channels";
+import { ApiError, getWithEtag, post, put } from "../data/http-client";
 import { refetch, useResource } from "../data/resource";
 import { words } from "../format/names";
-import type { Delivery, Subscription, TestOutcome } from "../schemas/subscriptions";
+import type { Delivery, ReportInterval, Subscription, TestOutcome } from "../schemas/subscriptions";
 
 const LOG_LIMIT = 20;
 
@@ -45,6 +47,12 @@ function Actions({ subscription, open, onToggle }: { subscription: Subscription;
       await post(`${path}/${operation}`, null, etag);
       return `${operation}d`;
     });
+  const setReports = (reports: ReportInterval | null) =>
+    run(async () => {
+      const [, etag] = await getWithEtag<Subscription>(path);
+      await put(`${path}/reports`, { reports }, etag);
+      return reports ? `reports: ${reports}, from the next whole ${reports === "weekly" ? "week" : "month"} on` : "no reports any more";
+    });
   const sendTest = () =>
     run(async () => {
       const { result, answer } = await post<TestOutcome>(`${path}/test`, null);
@@ -64,6 +72,11 @@ function Actions({ subscription, open, onToggle }: { subscription: Subscription;
       <button type="button" onClick={sendTest}>
         Send a test
       </button>
+      {CHANNELS.find((one) => one.kind === subscription.kind)?.reports && (
+        <label>
+          Reports as PDF <ReportSelect value={subscription.reports} onChoose={setReports} />
+        </label>
+      )}
       <button type="button" class="quiet" aria-expanded={open} onClick={onToggle}>
         {open ? "▾" : "▸"} deliveries
       </button>
