@@ -50,7 +50,7 @@ def _channels() -> str:
     words = f"{addresses}; none for {without}" if without else addresses
     return (
         HEAD.format(source="service/delivery/channels.py")
-        + "/** Ways in which people and programs are told of alerts; reports: whether those of machines can be sent by it. */\n"
+        + "/** Ways in which people and programs are told of alerts; reports: whether reports of machines go there. */\n"
         + f"export const CHANNELS = [\n{kinds}] as const;\n\n"
         + "/** Forms of their addresses, in words. */\n"
         + f"export const ADDRESS_FORMS = {json.dumps(words, ensure_ascii=False)};\n"

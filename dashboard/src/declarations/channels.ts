@@ -1,6 +1,6 @@
 // Written by `python -m service.commands.page_declarations` from service/delivery/channels.py; not to be changed here.
 
-/** Ways in which people and programs are told of alerts; reports: whether those of machines can be sent by it. */
+/** Ways in which people and programs are told of alerts; reports: whether reports of machines go there. */
 export const CHANNELS = [
   { kind: "webhook", title: "webhook", reports: false },
   { kind: "alertmanager", title: "Prometheus Alertmanager", reports: false },
