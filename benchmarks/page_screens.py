@@ -16,9 +16,10 @@ from PIL import Image
 from playwright.sync_api import Browser, ViewportSize, sync_playwright
 
 from estimator.arrays import Floats
-from tests.browser.story import BASELINE_RUNS, ZONE, installed, launch, run_story
+from tests.browser.levels import COPY, add_copy
+from tests.browser.story import BASELINE_RUNS, ZONE, installed, launch, run_story, simulate
 from tests.browser.views import VIEWS, show
-from tests.end_to_end.processes import Service
+from tests.end_to_end.processes import Service, until
 
 BLOCK_PX = 16
 """Side of a block: what changes within one, as a digit does, hardly changes its mean."""
@@ -27,6 +28,13 @@ CLEARLY = 24.0
 MOST_BLOCKS = 0.02
 """Part of the blocks that may differ clearly [-]."""
 SETTLE_MS = 500
+FILMS = "motor-compressor"
+OTHERS = {
+    "levels": (f"machines/{COPY}/vibration", ".polar svg"),
+    "levels-overview": (f"machines/{COPY}", ".gaps"),
+    "films": (f"machines/{FILMS}/model", ".films svg"),
+}
+"""Views of machines that send more, or stand on oil films."""
 SIZES: dict[str, dict[str, object]] = {
     "light": {"viewport": ViewportSize(width=1440, height=900), "color_scheme": "light"},
     "dark": {"viewport": ViewportSize(width=1440, height=900), "color_scheme": "dark"},
@@ -40,8 +48,8 @@ def take(browser: Browser, base: str, folder: Path) -> list[Path]:
     for size, options in SIZES.items():
         context = browser.new_context(timezone_id=ZONE.key, locale="en-GB", **options)  # type: ignore[arg-type]
         page = context.new_page()
-        for view in VIEWS:
-            show(page, base, view)
+        for view in VIEWS | OTHERS:
+            show(page, base, view, views=VIEWS | OTHERS)
             page.wait_for_timeout(SETTLE_MS)
             taken.append(folder / f"{size}-{view}.png")
             page.screenshot(path=taken[-1], full_page=True)
@@ -97,6 +105,10 @@ def main(arguments: list[str] | None = None) -> None:
         service = Service(Path(folder), RUNDOWN_BASELINE_RUNS=str(BASELINE_RUNS))
         with service.running(), sync_playwright() as playwright:
             run_story(service)
+            add_copy(service)
+            service.create(FILMS)
+            simulate(service, FILMS, cycles=1, rate=1000, wait_s=180)
+            until(service.idle, within_s=300, what="all machines are identified")
             browser = launch(playwright, program)
             taken = take(browser, f"http://127.0.0.1:{service.port}", new)
             browser.close()

@@ -2,66 +2,26 @@
 
 import csv
 import re
-from datetime import datetime
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 import pytest
 from playwright.sync_api import expect
 
 from tests.browser.conftest import Seen
 from tests.browser.drawing import wait_drawn
-from tests.browser.story import MACHINE, closed
-from tests.end_to_end.processes import Service, example, until
-
-COPY = "with-second-order"
-RUNS = 3
-SECOND_PART = 0.25
-"""Of the 1×, in the same direction."""
+from tests.browser.levels import COPY, GAP_UM, OVERALL_PART, SECOND_PART, add_copy
+from tests.browser.story import MACHINE
+from tests.end_to_end.processes import Service
 
 
 @pytest.fixture(scope="module")
 def place(place: Service) -> Service:
     """The same service, with a copy of its machine whose source sends a 2× and, in a batch of its own, times in ms."""
     with place.running():
-        document = example(MACHINE) | {"id": COPY, "name": "Train with second order"}
-        document["operation"] = {"vibration_alert": 2e-4, "vibration_danger": 2e-3}
-        assert place.client.post("/machines", json=document).status_code == 201
-        sent = _with_second_order(place)
-        assert place.client.post(f"/machines/{COPY}/samples", json=sent).status_code == 200
+        sent = add_copy(place)
         wrong = sent | {"epoch": 2, "time_ns": [time // 1_000_000 for time in sent["time_ns"]]}
         assert place.client.post(f"/machines/{COPY}/samples", json=wrong).status_code == 422
-        until(lambda: closed(place, COPY) >= RUNS, within_s=30, what="the runs of the copy are closed")
-        until(place.idle, within_s=90, what="they are identified")
     return place
-
-
-def _with_second_order(service: Service) -> dict[str, Any]:
-    end = sorted(run["started_at"] for run in service.get(f"/machines/{MACHINE}/runs"))[RUNS + 1]
-    read = service.get(f"/machines/{MACHINE}/samples", to=end, limit=10_000)
-    amplitude, phase = (np.array(read[name], float).T for name in ("amplitude_um_pp", "phase_lag_deg"))
-    return {
-        "schema": 1,
-        "plant": example(MACHINE)["plant"],
-        "machine": COPY,
-        "source": "copy",
-        "epoch": 1,
-        "sequence": 0,
-        "channels": read["channels"],
-        "speed_unit": "rpm",
-        "amplitude_unit": "um",
-        "amplitude_kind": "peak-to-peak",
-        "phase_convention": "lag",
-        "phase_unit": "deg",
-        "direction": "positive",
-        "time_ns": [int(datetime.fromisoformat(time).timestamp() * 1e6) * 1000 for time in read["time"]],
-        "speed": read["speed_rpm"],
-        "amplitude": amplitude.tolist(),
-        "phase": phase.tolist(),
-        "amplitude_2x": (SECOND_PART * amplitude).tolist(),
-        "phase_2x": np.mod(2 * phase, 360.0).tolist(),
-    }
 
 
 def test_bars_stand_beside_the_train_with_the_limits(seen: Seen, service: Service) -> None:
@@ -75,7 +35,13 @@ def test_bars_stand_beside_the_train_with_the_limits(seen: Seen, service: Servic
     assert float(newest["B1X"]["second"]["amplitude_um_pp"]) == pytest.approx(
         SECOND_PART * newest["B1X"]["first"]["amplitude_um_pp"]
     )
+    assert newest["B1X"]["overall_um_pp"] == pytest.approx(OVERALL_PART * newest["B1X"]["first"]["amplitude_um_pp"])
+    expect(first).to_contain_text("overall ")
     expect(first.locator(".limit")).to_have_count(2)
+    expect(first.locator(".boundary")).to_have_count(3)
+    gap = seen.page.locator(".gaps li[data-gap=B1X]")
+    expect(gap).to_contain_text(f"−{GAP_UM - 0.5 * newest['B1X']['first']['amplitude_um_pp']:.4g}"[:4])
+    expect(seen.page.get_by_text("after a contract made up for this test: A/B 200, B/C 400, C/D 2000 µm pp")).to_be_visible()
     expect(seen.page.get_by_text("Limits of the 1×: alert 400 µm pp, danger 4000 µm pp")).to_be_visible()
     assert seen.errors == []
 
@@ -95,7 +61,7 @@ def test_units_are_changed_everywhere_and_kept(seen: Seen) -> None:
 
 def test_trends_at_running_speed_are_drawn_and_read_within_a_turn(seen: Seen) -> None:
     seen.open(f"machines/{COPY}/vibration?channels=B1X,B1Y")
-    wait_drawn(seen.page, 4)
+    wait_drawn(seen.page, 6)
     phase = seen.page.get_by_role("group", name=re.compile("^1× phase at running speed"))
     lags = [int(one) for one in re.findall(r"B1[XY] (\d+)", phase.locator(".readout").inner_text())]
     assert len(lags) == 2
@@ -103,6 +69,10 @@ def test_trends_at_running_speed_are_drawn_and_read_within_a_turn(seen: Seen) ->
     ratio = seen.page.get_by_role("group", name=re.compile("^2× over 1×"))
     expect(ratio.locator(".readout")).to_contain_text("B1X 0.250")
     expect(seen.page.get_by_text("No region yet").first).to_be_visible()
+    for name, values in (("Overall level", "B1X"), ("Gap", "B1X −")):
+        expect(
+            seen.page.get_by_role("group", name=re.compile(f"^{name} at running speed")).locator(".readout")
+        ).to_contain_text(values)
     assert seen.errors == []
 
 
