@@ -7,6 +7,7 @@ import { Time } from "../components/time";
 import { ApiError, getWithEtag, post } from "../data/http-client";
 import { refetch, useResource } from "../data/resource";
 import { words } from "../format/names";
+import { rich, t } from "../messages/messages";
 import type { Delivery, Subscription, TestOutcome } from "../schemas/subscriptions";
 
 const LOG_LIMIT = 20;
@@ -20,7 +21,7 @@ export function SubscriptionPanel({ subscription }: { subscription: Subscription
         {name} <span class="muted">{kind}</span> {target}
       </h3>
       <p>
-        {state === "active" ? "active" : `✕ disabled: ${reason ?? "no reason is known"}`}; added <Time at={added} />
+        {rich("addedAt", { state: state === "active" ? t("active") : t("disabled", { reason: reason ?? t("noReasonIsKnown") }), time: <Time at={added} /> })}
       </p>
       <Actions subscription={subscription} open={open} onToggle={() => setOpen(!open)} />
       {open && <DeliveryLog subscription={subscription.id} />}
@@ -48,24 +49,24 @@ function Actions({ subscription, open, onToggle }: { subscription: Subscription;
   const sendTest = () =>
     run(async () => {
       const { result, answer } = await post<TestOutcome>(`${path}/test`, null);
-      return `test message ${result}: ${answer}`;
+      return t("testMessageResult", { result, answer });
     });
   return (
     <p class="buttons">
       {subscription.state === "active" ? (
         <button type="button" onClick={() => setEnabled("disable")}>
-          Disable
+          {t("disable")}
         </button>
       ) : (
         <button type="button" onClick={() => setEnabled("enable")}>
-          Enable
+          {t("enable")}
         </button>
       )}
       <button type="button" onClick={sendTest}>
-        Send a test
+        {t("sendATest")}
       </button>
       <button type="button" class="quiet" aria-expanded={open} onClick={onToggle}>
-        {open ? "▾" : "▸"} deliveries
+        {t("deliveriesOf", { sign: open ? "▾" : "▸" })}
       </button>
       <span role="status">{outcome}</span>
     </p>
@@ -78,18 +79,18 @@ function DeliveryLog({ subscription }: { subscription: number }) {
     <Loaded result={result} lines={LOG_LIMIT}>
       {(all) =>
         all.length === 0 ? (
-          <Empty>No deliveries yet.</Empty>
+          <Empty>{t("noDeliveriesYet")}</Empty>
         ) : (
-          <Scroll label="Table">
+          <Scroll label={t("table")}>
             <table>
               <thead>
                 <tr>
-                  <th>Event</th>
-                  <th>Alert</th>
-                  <th>State</th>
-                  <th class="number">Attempts</th>
-                  <th>Last attempt</th>
-                  <th>Response</th>
+                  <th>{t("event")}</th>
+                  <th>{t("alert")}</th>
+                  <th>{t("state")}</th>
+                  <th class="number">{t("attempts")}</th>
+                  <th>{t("lastAttempt")}</th>
+                  <th>{t("response")}</th>
                 </tr>
               </thead>
               <tbody>

@@ -6,6 +6,7 @@ import { Speed } from "../components/speed";
 import { Time } from "../components/time";
 import { useResource } from "../data/resource";
 import { number } from "../format/numbers";
+import { rich, t, term } from "../messages/messages";
 import type { Document } from "../schemas/machines";
 import type { ProbeVibration, Vibration, VibrationLimits } from "../schemas/vibration";
 import { slowRollText } from "../words/slow-roll";
@@ -19,7 +20,7 @@ export function VibrationBarsPanel({ machine }: { machine: Document }) {
   const { amplitude } = useUnits();
   const result = useResource<Vibration>(`/machines/${machine.id}/vibration?slow_roll=in_force`, POLL_MS);
   return (
-    <Panel title="Vibration at the probes" aside={<Newest found={result.data} />}>
+    <Panel title={t("vibrationAtTheProbes")} aside={<Newest found={result.data} />}>
       <Loaded result={result} lines={machine.probes.length + 2}>
         {(found) => (
           <>
@@ -44,7 +45,7 @@ function Newest({ found }: { found: Vibration | undefined }) {
   if (!newest?.time) return null;
   return (
     <p class="muted">
-      <Time at={newest.time} /> at <Speed rpm={newest.speed_rpm} />
+      {rich("at", { time: <Time at={newest.time} />, speed: <Speed rpm={newest.speed_rpm} /> })}
     </p>
   );
 }
@@ -71,9 +72,9 @@ function Bar({ probe, limits, full, unit }: { probe: ProbeVibration; limits: Vib
         {limits.danger_um_pp !== null && <span class="limit danger" style={{ left: part(limits.danger_um_pp) }} />}
       </span>
       <span class="told">
-        {first ? `1× ${told(first.amplitude_um_pp)}, ${Math.round(first.phase_lag_deg) % 360}° lag` : "no good value"}
+        {first ? t("firstOrderText", { amplitude: told(first.amplitude_um_pp), lag: Math.round(first.phase_lag_deg) % 360 }) : t("noGoodValue")}
         {second && `; 2× ${told(second.amplitude_um_pp)}`}
-        {(level === "alert" || level === "danger") && <span class="hidden">: {level}</span>}
+        {(level === "alert" || level === "danger") && <span class="hidden">: {term(level)}</span>}
       </span>
     </li>
   );

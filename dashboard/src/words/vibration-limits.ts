@@ -1,5 +1,6 @@
 // How a 1× stands to the machine's limits, and these as text.
 import { number } from "../format/numbers";
+import { t, term } from "../messages/messages";
 import type { VibrationLimits } from "../schemas/vibration";
 
 export type VibrationLevel = "danger" | "alert" | "normal" | "unknown";
@@ -16,11 +17,11 @@ export function vibrationLevel(amplitude: number | undefined, { alert_um_pp: ale
 /** unit: that of the text, with its factor from µm peak-to-peak. */
 export function limitsText(limits: VibrationLimits, unit: { label: string; factor: number }): string {
   const named: [string, number | null][] = [
-    ["alert", limits.alert_um_pp],
-    ["danger", limits.danger_um_pp],
-    ["balanced up to", limits.balanced_um_pp],
+    [term("alert"), limits.alert_um_pp],
+    [term("danger"), limits.danger_um_pp],
+    [t("balancedUpTo"), limits.balanced_um_pp],
   ];
   const given = named.flatMap(([name, value]) => (value === null ? [] : [`${name} ${number(value * unit.factor)} ${unit.label}`]));
-  if (given.length === 0) return "The document names no limits (operation.vibration_alert, vibration_danger).";
-  return `Limits of the 1×: ${given.join(", ")}.`;
+  if (given.length === 0) return t("documentNamesNoLimits");
+  return t("limitsOfFirstOrder", { limits: given.join(", ") });
 }
