@@ -1,4 +1,5 @@
 // The units that vibration and speed are shown in, chosen here and kept by the browser; the API's are µm peak-to-peak and r/min.
+import { t } from "../messages/messages";
 import { Store, useStore } from "./store";
 
 /** A unit's label, and the factor from the API's unit. */
@@ -24,7 +25,7 @@ const AMPLITUDES: Record<string, Unit> = {
   mil_pp: { label: "mil pp", factor: 1 / MIL_UM },
   mil_p: { label: "mil 0-pk", factor: 0.5 / MIL_UM },
 };
-const SPEEDS: Record<string, Unit> = { rpm: { label: "rpm", factor: 1 }, hz: { label: "Hz", factor: 1 / 60 } };
+const SPEEDS: Record<string, Unit> = { rpm: { label: t("rpm"), factor: 1 }, hz: { label: "Hz", factor: 1 / 60 } };
 
 /** Every choice by its name: `um_pp,rpm`. */
 export const UNIT_CHOICES: [string, Units][] = Object.entries(SPEEDS).flatMap(([speedName, speed]) =>

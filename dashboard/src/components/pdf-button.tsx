@@ -3,6 +3,7 @@ import { download } from "../browser/download";
 import { queryString } from "../data/http-client";
 import { usePrinting } from "../data/pdf-report";
 import { dayOf } from "../format/days";
+import { t } from "../messages/messages";
 
 interface Props {
   machine: string;
@@ -17,12 +18,12 @@ export function PdfButton({ machine, from = null, to = null }: Props) {
   return (
     <span class="printing">
       <button type="button" disabled={seconds !== null} onClick={() => start(`/machines/${machine}/report.pdf${queryString({ from, to })}`, (pdf) => download(pdf, file))}>
-        Report as PDF
+        {t("reportAsPdf")}
       </button>{" "}
       <span role="status">
         {seconds !== null && (
           <>
-            <progress aria-label="The report is printed" /> printed since {seconds} s
+            <progress aria-label={t("theReportIsBeingPrinted")} /> {t("beingPrintedS", { seconds })}
           </>
         )}
       </span>

@@ -1,10 +1,11 @@
 // How often somebody gets the reports of machines by mail.
+import { t } from "../messages/messages";
 import type { ReportInterval } from "../schemas/subscriptions";
 
 const CHOICES: [ReportInterval | "", string][] = [
-  ["", "never"],
-  ["weekly", "weekly"],
-  ["monthly", "monthly"],
+  ["", t("never")],
+  ["weekly", t("weekly")],
+  ["monthly", t("monthly")],
 ];
 
 interface Props {

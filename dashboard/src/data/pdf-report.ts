@@ -1,5 +1,6 @@
 // A machine's report as PDF: the service prints it when it is asked for, which may take a while.
 import { useEffect, useRef, useState } from "preact/hooks";
+import { t } from "../messages/messages";
 import { API_PREFIX } from "./http-client";
 import { problemText } from "./problem";
 
@@ -31,7 +32,7 @@ export function usePrinting(): Printing {
       if (!response.ok) throw new Error(await problemText(response));
       onPrinted(await response.blob());
     } catch (error) {
-      if (!own.signal.aborted) setFailure(error instanceof Error && error.name !== "TimeoutError" ? error.message : `not printed within ${TIMEOUT_MS / 1000} s`);
+      if (!own.signal.aborted) setFailure(error instanceof Error && error.name !== "TimeoutError" ? error.message : t("notPrintedWithin", { seconds: TIMEOUT_MS / 1000 }));
     } finally {
       window.clearInterval(clock);
       if (!own.signal.aborted) setSeconds(null);

@@ -4,6 +4,7 @@ import { ReportSelect } from "../components/report-select";
 import { ADDRESS_FORMS, CHANNELS } from "../declarations/channels";
 import { post, type IdempotencyKeys } from "../data/http-client";
 import { refetch } from "../data/resource";
+import { t } from "../messages/messages";
 import type { NewSubscription } from "../schemas/subscriptions";
 import { FormDialog } from "./form-dialog";
 
@@ -15,9 +16,9 @@ export function SubscriptionDialog({ onAdded, onClose }: { onAdded: (one: NewSub
     refetch("/subscriptions");
   };
   return (
-    <FormDialog title="Add a subscription" button="Add" named={false} onSubmit={submit} onClose={onClose}>
+    <FormDialog title={t("addASubscription")} button={t("add")} named={false} onSubmit={submit} onClose={onClose}>
       <label>
-        Channel
+        {t("channel")}
         <select name="kind" value={kind} onChange={(event) => setKind(event.currentTarget.value)}>
           {CHANNELS.map(({ kind, title }) => (
             <option key={kind} value={kind}>
@@ -27,16 +28,16 @@ export function SubscriptionDialog({ onAdded, onClose }: { onAdded: (one: NewSub
         </select>
       </label>
       <label>
-        Name
+        {t("name")}
         <input name="name" required maxLength={120} />
       </label>
       <label>
-        Address: {ADDRESS_FORMS}
+        {t("addressOf", { forms: ADDRESS_FORMS })}
         <input name="target" maxLength={2000} />
       </label>
       {CHANNELS.find((one) => one.kind === kind)?.reports && (
         <label>
-          Reports of its machines as PDF
+          {t("reportsOfItsMachines")}
           <ReportSelect value={null} />
         </label>
       )}

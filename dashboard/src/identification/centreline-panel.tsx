@@ -3,6 +3,7 @@ import { speedsInUnit, useUnits } from "../browser/units";
 import { Loaded } from "../components/loading";
 import { Panel } from "../components/panel";
 import { useResource } from "../data/resource";
+import { t } from "../messages/messages";
 import { CentrelinePlot, type JournalLine } from "../plots/centreline-plot";
 import { CurveLegend } from "../plots/curve-legend";
 import type { Identification } from "../schemas/identifications";
@@ -17,7 +18,7 @@ export function CentrelinePanel({ machine, found, path }: { machine: Document; f
   const { speed } = useUnits();
   if (!hasFilms) return null;
   return (
-    <Panel title="Shaft centreline" aside={<p class="muted">x to the right, y up; speeds in {speed.label} beside the model's line</p>}>
+    <Panel title={t("shaftCentreline")} aside={<p class="muted">{t("centrelineAxes", { unit: speed.label })}</p>}>
       <Loaded result={result} lines={16}>
         {(lines) => (
           <>
@@ -36,24 +37,22 @@ export function CentrelinePanel({ machine, found, path }: { machine: Document; f
   );
 }
 
-const MODEL = "model";
-
 function namesOf({ measured }: Centreline): string[] {
-  return [MODEL, ...measured.map(({ run }) => `gaps of run ${run}`)];
+  return [t("modelsLine"), ...measured.map(({ run }) => t("gapsOfRun", { run }))];
 }
 
 function measuredText({ measured }: Centreline): string {
-  if (measured.length === 0) return "The runs of this identification carry no gaps of two probes across each other: only the model's line is shown.";
-  return "Each probe's zero is set by the model: measured points tell how the journal moved, not where it stood.";
+  if (measured.length === 0) return t("noGapsInTheseRuns");
+  return t("zerosSetByTheModel");
 }
 
 function linesOf(found: Centreline, bearing: string, factor: number): JournalLine[] {
   const modelled = found.bearings.find((one) => one.bearing === bearing)!;
   const unit = { label: "", factor };
-  const model: JournalLine = { name: MODEL, style: 0, speed: speedsInUnit(found.speed, unit), x: modelled.x_um, y: modelled.y_um, measured: false };
+  const model: JournalLine = { name: t("modelsLine"), style: 0, speed: speedsInUnit(found.speed, unit), x: modelled.x_um, y: modelled.y_um, measured: false };
   const measured = found.measured.flatMap(({ run, speed, bearings }, at): JournalLine[] => {
     const own = bearings.find((one) => one.bearing === bearing);
-    return own ? [{ name: `gaps of run ${run}`, style: at + 1, speed: speedsInUnit(speed, unit), x: own.x_um, y: own.y_um, measured: true }] : [];
+    return own ? [{ name: t("gapsOfRun", { run }), style: at + 1, speed: speedsInUnit(speed, unit), x: own.x_um, y: own.y_um, measured: true }] : [];
   });
   return [model, ...measured];
 }

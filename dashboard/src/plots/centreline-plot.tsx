@@ -1,6 +1,7 @@
 // A journal's way through its clearance circle over speed: as the model has it, and as gaps measure it.
 import type { DataColumn } from "../browser/download";
 import { number } from "../format/numbers";
+import { t } from "../messages/messages";
 import { COLOURS } from "./curve-style";
 import { SaveDrawing } from "./save-buttons";
 
@@ -31,11 +32,11 @@ interface Props {
 export function CentrelinePlot({ bearing, clearance, lines, speedUnit }: Props) {
   const reach = Math.max(clearance, ...lines.flatMap(({ x, y }) => x.map((one, at) => Math.hypot(one ?? 0, y[at] ?? 0))));
   const scale = RADIUS / reach;
-  const label = `Shaft centreline in bearing ${bearing}`;
+  const label = t("centrelineInBearing", { bearing });
   return (
     <figure>
       <figcaption>
-        <strong>{bearing}</strong> <span class="muted">radial clearance {number(clearance)} µm</span>
+        <strong>{bearing}</strong> <span class="muted">{t("radialClearanceOf", { clearance: number(clearance) })}</span>
         <SaveDrawing label={label} columns={() => columnsOf(lines, speedUnit)} />
       </figcaption>
       <svg viewBox={`${-SIZE / 2} ${-SIZE / 2} ${SIZE} ${SIZE}`} role="img" aria-label={`${label}: ${lines.map((one) => spoken(one, speedUnit)).join("; ")}`}>
@@ -90,9 +91,9 @@ function Line({ line, scale }: { line: JournalLine; scale: number }) {
 function spoken(line: JournalLine, speedUnit: string): string {
   const places = placesOf(line);
   const [first, last] = [places[0], places.at(-1)];
-  if (!first || !last) return `${line.name}, no place known`;
-  const at = ({ x, y, speed }: Place) => `x ${number(x)}, y ${number(y)} µm at ${number(speed, 4)} ${speedUnit}`;
-  return `${line.name} from ${at(first)} to ${at(last)}`;
+  if (!first || !last) return t("noPlaceKnown", { name: line.name });
+  const at = ({ x, y, speed }: Place) => t("placeAtSpeed", { x: number(x), y: number(y), speed: `${number(speed, 4)} ${speedUnit}` });
+  return t("centrelineSpoken", { name: line.name, first: at(first), last: at(last) });
 }
 
 function columnsOf(lines: JournalLine[], speedUnit: string): DataColumn[] {

@@ -2,6 +2,7 @@
 import type { DataColumn } from "../browser/download";
 import { whirlName } from "../format/angles";
 import { number } from "../format/numbers";
+import { t } from "../messages/messages";
 import type { Drawing } from "../schemas/machines";
 import type { Displacement, ModeShape } from "../schemas/model";
 import { SaveDrawing } from "./save-buttons";
@@ -20,12 +21,11 @@ export function ModeShapePlot({ mode, drawing }: { mode: ModeShape; drawing: Dra
         <strong>{frequency}</strong>
         {mode.standard_error_hz !== null && <span class="muted"> ± {number(1.96 * mode.standard_error_hz, 2)}</span>},{" "}
         <span class="muted">
-          damping {number(100 * mode.damping_ratio)} %, {whirl}
-          {mode.damping_ratio < 0 && ", unstable"}
+          {t("dampingText", { ratio: number(100 * mode.damping_ratio), whirl, unstable: mode.damping_ratio < 0 && t("unstable") })}
         </span>
         <SaveDrawing label={`Mode shape at ${frequency}, ${whirl}`} columns={() => columnsOf(mode)} />
       </figcaption>
-      <svg viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="img" aria-label={`Mode shape at ${frequency}, ${whirl}`}>
+      <svg viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="img" aria-label={t("modeShapeAt", { frequency, whirl })}>
         <path class="grid" d={`M${MARGIN} ${HEIGHT / 2}H${WIDTH - MARGIN}`} />
         {drawing.couplings.map((one) => (
           <path class="grid dotted" d={`M${at(one.at)} 6V${HEIGHT - 6}`} />

@@ -1,7 +1,7 @@
 // A plot's properties as options of uPlot: series, bands, scales, axes, cursor.
 import type uPlot from "uplot";
 import { cssColour } from "../browser/theme";
-import { number } from "../format/numbers";
+import { decimal, number } from "../format/numbers";
 import { COLOURS, dash, transparent } from "./curve-style";
 import { drawBands, drawBars, drawLimits, drawMarkers } from "./plot-canvas";
 import { addGestures, isTouched } from "./plot-gestures";
@@ -84,7 +84,7 @@ function axes(props: PlotProps): uPlot.Axis[] {
   const axis: uPlot.Axis = { stroke: cssColour("muted"), grid: { stroke: cssColour("grid"), width: 1 }, ticks: { stroke: cssColour("grid"), size: 4 }, font: FONT };
   const x = props.xUnit ? titled(props.xUnit, 30, 14) : { size: 34 };
   return [
-    { ...axis, ...x, values: props.time ? DATES : (_, ticks) => ticks.map((tick) => String(tick)) },
+    { ...axis, ...x, values: props.time ? DATES : (_, ticks) => ticks.map((tick) => decimal(String(tick))) },
     { ...axis, ...titled(props.yUnit, 54, 16), ...(props.turn ? { incrs: TURN_STEPS } : {}), values: (_, ticks) => ticks.map((tick) => tickLabel(props.turn ? withinTurn(tick, props.turn) : tick)) },
   ];
 }

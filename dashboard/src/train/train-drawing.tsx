@@ -3,6 +3,8 @@ import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
 import type { DataColumn } from "../browser/download";
 import { elementName } from "../format/names";
+import { decimal } from "../format/numbers";
+import { t } from "../messages/messages";
 import { SaveDrawing } from "../plots/save-buttons";
 import type { Drawing } from "../schemas/machines";
 import { trainLayout, type TrainLayout } from "./layout";
@@ -52,8 +54,8 @@ export function TrainDrawing({ name, drawing, marks, onChoose }: Props) {
   }, [worst]);
   return (
     <figure class="train" ref={figure}>
-      <SaveDrawing label={`Train ${name}`} columns={() => columnsOf(drawing, marks)} />
-      <svg viewBox={`0 0 ${WIDTH} ${scale.height}`} role="group" aria-label={`${name}, drawn to scale from driver to driven`}>
+      <SaveDrawing label={t("trainNamed", { name })} columns={() => columnsOf(drawing, marks)} />
+      <svg viewBox={`0 0 ${WIDTH} ${scale.height}`} role="group" aria-label={t("drawnToScale", { name })}>
         <line class="axis" x1={MARGIN / 2} x2={WIDTH - MARGIN / 2} y1={scale.axis} y2={scale.axis} />
         <Sections {...parts} />
         <Discs {...parts} />
@@ -64,7 +66,7 @@ export function TrainDrawing({ name, drawing, marks, onChoose }: Props) {
         <Probes {...parts} />
         <Ruler length={layout.length} at={scale.at} y={scale.height - 8} />
       </svg>
-      {scale.stretch > 1.05 && <figcaption>Lengths to scale; diameters {scale.stretch.toFixed(1)} times larger.</figcaption>}
+      {scale.stretch > 1.05 && <figcaption>{t("lengthsToScale", { times: decimal(scale.stretch.toFixed(1)) })}</figcaption>}
     </figure>
   );
 }
@@ -226,7 +228,7 @@ function Probes({ layout, scale: { at, axis, thick }, marks }: PartProps) {
     <>
       {layout.probes.map((one) => {
         const found = one.channels.flatMap((channel) => marks.get(`probe.${channel}`) ?? []);
-        const words = [`probes ${one.channels.join(", ")}`, ...found.map((mark) => mark.words)].join("\n");
+        const words = [t("probesAt", { probes: one.channels.join(", ") }), ...found.map((mark) => mark.words)].join("\n");
         const top = axis - thick(one.radius) - 3;
         return (
           <g class={`probe ${found[0]?.level ?? ""}`} role="img" aria-label={words}>
@@ -251,7 +253,7 @@ function Ruler({ length, at, y }: { length: number; at: (z: number) => number; y
     <g class="ruler">
       {ticks.map((z) => (
         <text x={at(z)} y={y} text-anchor="middle">
-          {z === 0 ? "0" : Number(z.toFixed(1))}
+          {z === 0 ? "0" : decimal(String(Number(z.toFixed(1))))}
           {z === ticks.at(-1) ? " m" : ""}
         </text>
       ))}

@@ -7,6 +7,7 @@ import { Speed } from "../components/speed";
 import { Time } from "../components/time";
 import { useResource } from "../data/resource";
 import { number } from "../format/numbers";
+import { rich, t, term } from "../messages/messages";
 import { SaveData } from "../plots/save-buttons";
 import type { Document } from "../schemas/machines";
 import type { ProbeVibration, Vibration, VibrationLimits } from "../schemas/vibration";
@@ -21,7 +22,7 @@ export function VibrationBarsPanel({ machine }: { machine: Document }) {
   const { amplitude } = useUnits();
   const result = useResource<Vibration>(`/machines/${machine.id}/vibration?slow_roll=in_force`, POLL_MS);
   return (
-    <Panel title="Vibration at the probes" aside={<Newest found={result.data} />}>
+    <Panel title={t("vibrationAtTheProbes")} aside={<Newest found={result.data} />}>
       <Loaded result={result} lines={machine.probes.length + 2}>
         {(found) => (
           <>
@@ -48,13 +49,14 @@ function Newest({ found }: { found: Vibration | undefined }) {
   if (!found || !newest?.time) return null;
   return (
     <p class="muted">
-      <Time at={newest.time} /> at <Speed rpm={newest.speed_rpm} /> <SaveData label="Vibration at the probes" columns={() => columnsOf(found.probes)} />
+      {rich("at", { time: <Time at={newest.time} />, speed: <Speed rpm={newest.speed_rpm} /> })}{" "}
+      <SaveData label={t("vibrationAtTheProbes")} columns={() => columnsOf(found.probes)} />
     </p>
   );
 }
 
 function signs({ probes }: Vibration): string {
-  const overall = probes.some((one) => one.overall_um_pp !== null) ? ["▁ overall level"] : [];
+  const overall = probes.some((one) => one.overall_um_pp !== null) ? [t("overallSign")] : [];
   return ["█ 1×", "▒ 2×", ...overall].join(", ");
 }
 
@@ -82,10 +84,11 @@ function Bar({ probe, limits, full, unit }: { probe: ProbeVibration; limits: Vib
         {limits.danger_um_pp !== null && <span class="limit danger" style={{ left: part(limits.danger_um_pp) }} />}
       </span>
       <span class="told">
-        {first ? `1× ${told(first.amplitude_um_pp)}, ${Math.round(first.phase_lag_deg) % 360}° lag` : "no good value"}
+        {first ? t("firstOrderText", { amplitude: told(first.amplitude_um_pp), lag: Math.round(first.phase_lag_deg) % 360 }) : t("noGoodValue")}
         {second && `; 2× ${told(second.amplitude_um_pp)}`}
-        {overall !== null && `; overall ${told(overall)}${zone ? `, zone ${zone}` : ""}`}
-        {(level === "alert" || level === "danger") && <span class="hidden">: {level}</span>}
+        {overall !== null && `; ${t("overallText", { amplitude: told(overall) })}`}
+        {zone && t("inZone", { zone })}
+        {(level === "alert" || level === "danger") && <span class="hidden">: {term(level)}</span>}
       </span>
     </li>
   );
@@ -99,7 +102,7 @@ function Gaps({ probes }: { probes: ProbeVibration[] }) {
   const full = HEADROOM * Math.max(1e-9, ...sent.map(({ gap }) => Math.abs(gap)));
   return (
     <>
-      <h3>Gaps</h3>
+      <h3>{t("gaps")}</h3>
       <ol class="vibration-bars gaps">
         {sent.map(({ channel, gap }) => (
           <li key={channel} data-gap={channel}>
@@ -111,7 +114,7 @@ function Gaps({ probes }: { probes: ProbeVibration[] }) {
           </li>
         ))}
       </ol>
-      <p class="muted">Mean place of the shaft towards each probe, from a zero of the probe's own: changes have a meaning, see the trend.</p>
+      <p class="muted">{t("gapsExplained")}</p>
     </>
   );
 }
