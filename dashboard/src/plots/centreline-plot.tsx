@@ -80,7 +80,7 @@ function Line({ line, scale }: { line: JournalLine; scale: number }) {
         <g key={one.speed}>
           <circle class="journal" cx={one.x * scale} cy={-one.y * scale} r={2} />
           <text x={one.x * scale + 5} y={-one.y * scale - 4}>
-            {number(one.speed, 4)}
+            {number(one.speed)}
           </text>
         </g>
       ))}

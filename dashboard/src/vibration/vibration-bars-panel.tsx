@@ -1,4 +1,4 @@
-// The newest overall level, 1× and 2× at each probe as bars beside the machine's limits, and the gaps.
+// The newest overall level, 1×, 2× and gap at each probe as bars beside the machine's limits.
 import type { DataColumn } from "../browser/download";
 import { useUnits, type Unit } from "../browser/units";
 import { Loaded } from "../components/loading";
@@ -26,16 +26,18 @@ export function VibrationBarsPanel({ machine }: { machine: Document }) {
       <Loaded result={result} lines={machine.probes.length + 2}>
         {(found) => (
           <>
-            <ol class="vibration-bars">
-              {found.probes.map((one) => (
-                <Bar key={one.channel} probe={one} limits={found.limits} full={fullScale(found)} unit={amplitude} />
-              ))}
-            </ol>
+            <div class="bars">
+              <ol class="vibration-bars">
+                {found.probes.map((one) => (
+                  <Bar key={one.channel} probe={one} limits={found.limits} full={fullScale(found)} fullGap={largestGap(found)} unit={amplitude} />
+                ))}
+              </ol>
+            </div>
             <p class="muted">
               {signs(found)}; {slowRollText(found.slow_roll_version, Object.keys(found.slow_roll_left_out))}. {limitsText(found.limits, amplitude)}{" "}
               {zonesText(found.limits.severity_zones, amplitude)}
+              {found.probes.some((one) => one.gap_um !== null) && ` ${t("gapsExplained")}`}
             </p>
-            <Gaps probes={found.probes} />
           </>
         )}
       </Loaded>
@@ -48,10 +50,10 @@ function Newest({ found }: { found: Vibration | undefined }) {
   const newest = found?.probes.reduce<ProbeVibration | undefined>((one, other) => ((one?.time ?? "") > (other.time ?? "") ? one : other), undefined);
   if (!found || !newest?.time) return null;
   return (
-    <p class="muted">
+    <div class="muted">
       {rich("at", { time: <Time at={newest.time} />, speed: <Speed rpm={newest.speed_rpm} /> })}{" "}
       <SaveData label={t("vibrationAtTheProbes")} columns={() => columnsOf(found.probes)} />
-    </p>
+    </div>
   );
 }
 
@@ -65,8 +67,21 @@ function fullScale({ probes, limits }: Vibration): number {
   return HEADROOM * Math.max(1e-9, ...sizes, limits.alert_um_pp ?? 0, limits.danger_um_pp ?? 0, limits.severity_zones?.c_d_um_pp ?? 0);
 }
 
-function Bar({ probe, limits, full, unit }: { probe: ProbeVibration; limits: VibrationLimits; full: number; unit: Unit }) {
-  const { channel, first, second, overall_um_pp: overall, zone } = probe;
+function largestGap({ probes }: Vibration): number {
+  return HEADROOM * Math.max(1e-9, ...probes.map((one) => Math.abs(one.gap_um ?? 0)));
+}
+
+interface BarProps {
+  probe: ProbeVibration;
+  limits: VibrationLimits;
+  /** Of the longest bar [µm pp], and of that of a gap [µm]. */
+  full: number;
+  fullGap: number;
+  unit: Unit;
+}
+
+function Bar({ probe, limits, full, fullGap, unit }: BarProps) {
+  const { channel, first, second, overall_um_pp: overall, zone, gap_um: gap } = probe;
   const level = vibrationLevel(first?.amplitude_um_pp, limits);
   const part = (value: number) => `${((100 * value) / full).toFixed(2)}%`;
   const told = (value: number) => `${number(value * unit.factor)} ${unit.label}`;
@@ -90,32 +105,21 @@ function Bar({ probe, limits, full, unit }: { probe: ProbeVibration; limits: Vib
         {zone && t("inZone", { zone })}
         {(level === "alert" || level === "danger") && <span class="hidden">: {term(level)}</span>}
       </span>
+      {gap !== null && <Gap gap={gap} full={fullGap} />}
     </li>
   );
 }
 
-/** The places of the shaft at the probes that send gaps; their zeros are the probes' own. */
-function Gaps({ probes }: { probes: ProbeVibration[] }) {
+/** The place of the shaft at a probe that sends gaps, from a zero of the probe's own; full: the longest bar. */
+function Gap({ gap, full }: { gap: number; full: number }) {
   const { length } = useUnits();
-  const sent = probes.flatMap(({ channel, gap_um: gap }) => (gap === null ? [] : [{ channel, gap }]));
-  if (sent.length === 0) return null;
-  const full = HEADROOM * Math.max(1e-9, ...sent.map(({ gap }) => Math.abs(gap)));
   return (
-    <>
-      <h3>{t("gaps")}</h3>
-      <ol class="vibration-bars gaps">
-        {sent.map(({ channel, gap }) => (
-          <li key={channel} data-gap={channel}>
-            <strong>{channel}</strong>
-            <span class="gauge" aria-hidden="true">
-              <span class="first" style={{ width: `${((100 * Math.abs(gap)) / full).toFixed(2)}%` }} />
-            </span>
-            <span class="told">{`${number(gap * length.factor, 4)} ${length.label}`}</span>
-          </li>
-        ))}
-      </ol>
-      <p class="muted">{t("gapsExplained")}</p>
-    </>
+    <span class="gap-of">
+      <span>{t("gapText", { gap: `${number(gap * length.factor, 4)} ${length.label}` })}</span>
+      <span class="gauge" aria-hidden="true">
+        <span class="first" style={{ width: `${((100 * Math.abs(gap)) / full).toFixed(2)}%` }} />
+      </span>
+    </span>
   );
 }
 
