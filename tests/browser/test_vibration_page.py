@@ -39,9 +39,8 @@ def test_bars_stand_beside_the_train_with_the_limits(seen: Seen, service: Servic
     expect(first).to_contain_text("overall ")
     expect(first.locator(".limit")).to_have_count(2)
     expect(first.locator(".boundary")).to_have_count(3)
-    expect(first.locator(".gap-of")).to_contain_text(
-        f"gap −{GAP_UM - 0.5 * newest['B1X']['first']['amplitude_um_pp']:.4g}"[:8]
-    )
+    distance = GAP_UM - 0.5 * newest["B1X"]["first"]["amplitude_um_pp"]
+    expect(first.locator(".gap-of")).to_contain_text(f"gap −{int(distance)}")
     expect(seen.page.get_by_text("from a contract made up for this test: A/B 200, B/C 400, C/D 2000 µm pp")).to_be_visible()
     expect(seen.page.get_by_text("Limits of the 1×: alert 400 µm pp, danger 4000 µm pp")).to_be_visible()
     assert seen.errors == []
