@@ -1,9 +1,9 @@
 """Takes a picture of every view, by day, by night, in German and on a phone, and compares it with the last accepted one.
 
-Accepted pictures lie in a folder outside the repository; `--accept` makes the new ones the accepted ones. Two pictures are the
+Accepted pictures are not committed; `--accept` makes the new ones the accepted ones, `--taken` those that were taken before. Two pictures are the
 same where not more than a small part of their blocks differs clearly: times and noise differ in every run of the story.
 
-    python -m benchmarks.page_screens --folder artefacts/screens [--accept]
+    python -m benchmarks.page_screens --folder artefacts/screens [--accept] [--taken]
 """
 
 import argparse
@@ -98,11 +98,21 @@ def main(arguments: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--folder", type=Path, default=Path("artefacts/screens"))
     parser.add_argument("--accept", action="store_true")
+    parser.add_argument("--taken", action="store_true", help="compare or accept the pictures that were taken last")
     options = parser.parse_args(arguments)
+    new = options.folder / "new"
+    taken = sorted(new.glob("*.png")) if options.taken else take_all(new)
+    if not taken:
+        raise SystemExit(f"page_screens: {new} holds no picture: take them first, without --taken")
+    if compare(taken, options.folder / "accepted", accept=options.accept):
+        raise SystemExit(1)
+
+
+def take_all(new: Path) -> list[Path]:
+    """Run the story, and take a picture of each view into a folder."""
     program = installed()
     if program is None:
         raise SystemExit("page_screens: chromium is not installed: apt-get install chromium")
-    new = options.folder / "new"
     new.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory() as folder:
         service = Service(Path(folder), RUNDOWN_BASELINE_RUNS=str(BASELINE_RUNS))
@@ -114,8 +124,7 @@ def main(arguments: list[str] | None = None) -> None:
             taken = take(browser, f"http://127.0.0.1:{service.port}", new)
             browser.close()
         service.client.close()
-    if compare(taken, options.folder / "accepted", accept=options.accept):
-        raise SystemExit(1)
+    return taken
 
 
 if __name__ == "__main__":
