@@ -1,7 +1,7 @@
 """Takes a picture of every view, by day, by night, in German and on a phone, and compares it with the last accepted one.
 
-Accepted pictures are not committed; `--accept` makes the new ones the accepted ones, `--taken` those that were taken before. Two pictures are the
-same where not more than a small part of their blocks differs clearly: times and noise differ in every run of the story.
+Accepted pictures are not committed; `--accept` makes the new ones the accepted ones, `--taken` takes none anew. Two pictures
+are the same where only a small part of their blocks differs clearly: times and noise differ in every run of the story.
 
     python -m benchmarks.page_screens --folder artefacts/screens [--accept] [--taken]
 """

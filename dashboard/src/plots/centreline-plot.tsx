@@ -48,7 +48,7 @@ export function CentrelinePlot({ bearing, clearance, lines, speedUnit }: Props) 
           y
         </text>
         <circle class="clearance" r={clearance * scale} />
-        {lines.map((one) => (
+        {[...lines].sort((one, other) => Number(other.measured) - Number(one.measured)).map((one) => (
           <Line key={one.name} line={one} scale={scale} />
         ))}
       </svg>
