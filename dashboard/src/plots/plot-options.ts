@@ -98,7 +98,7 @@ function titled(label: string, size: number, labelSize: number): uPlot.Axis {
 
 function tickLabel(tick: number): string {
   const text = number(tick, 4);
-  return text.includes(".") && !text.includes("e") ? text.replace(/\.?0+$/, "") : text;
+  return /[.,]/.test(text) && !text.includes("e") ? text.replace(/[.,]?0+$/, "") : text;
 }
 
 function cursor(props: PlotProps): uPlot.Cursor {
