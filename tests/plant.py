@@ -138,7 +138,7 @@ def samples(count: int = 3, *, start: int = START, step: int = SECOND, rpm: Sequ
 
 def assert_same_samples(found: Samples, expected: Samples) -> None:
     """Equal to the bit, NaN with NaN."""
-    for name in ("time", "speed", "direction", "phasor", "status", "scatter", "second", "conditions", "gap"):
+    for name in ("time", "speed", "direction", "phasor", "status", "scatter", "second", "conditions", "gap", "overall"):
         one, other = getattr(found, name), getattr(expected, name)
         assert one.dtype == other.dtype, name
         assert one.shape == other.shape, name

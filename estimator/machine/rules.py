@@ -38,6 +38,31 @@ class SpeedRange(Part):
         return (self.minimum_rpm + self.maximum_rpm) / 2
 
 
+class SeverityZones(Part):
+    """Boundaries between zones of severity of the overall level at running speed, 0-to-peak [m], with their source."""
+
+    source: Annotated[Text, Field(min_length=1, max_length=200)] = Field(
+        description="where the boundaries come from: a standard with its part and edition, the maker's manual, a contract"
+    )
+    a_b: Positive = Field(description="between zones A and B, 0-to-peak [m]: half of a peak-to-peak value")
+    b_c: Positive = Field(description="between zones B and C, 0-to-peak [m]")
+    c_d: Positive = Field(description="between zones C and D, 0-to-peak [m]")
+
+    @model_validator(mode="after")
+    def _ascending(self) -> Self:
+        if not self.a_b < self.b_c < self.c_d:
+            raise ValueError(f"a_b {self.a_b:g}, b_c {self.b_c:g} and c_d {self.c_d:g} must ascend")
+        return self
+
+    def zone(self, level: float) -> Literal["A", "B", "C", "D"]:
+        """Return the zone of an overall level, 0-to-peak [m]; a boundary belongs to the better zone."""
+        if level <= self.a_b:
+            return "A"
+        if level <= self.b_c:
+            return "B"
+        return "C" if level <= self.c_d else "D"
+
+
 class Operation(Part):
     """Operation of the machine, as far as its runs cannot be told from the speed alone."""
 
@@ -60,6 +85,9 @@ class Operation(Part):
     vibration_danger: Positive | None = Field(
         default=None, description="1× vibration at any probe from which the machine is in danger, 0-to-peak [m]"
     )
+    severity_zones: SeverityZones | None = Field(
+        default=None, description="zones of the overall levels that sources send, at `running_rpm`; by default none"
+    )
     longest_hold_s: Annotated[float, Field(ge=10, le=604_800)] = Field(
         default=3600.0, description="a sweep that stands still on its way for longer, as in a heat soak, is over [s]"
     )
@@ -78,6 +106,12 @@ class Operation(Part):
         alert, danger = self.vibration_alert, self.vibration_danger
         if alert is not None and danger is not None and alert >= danger:
             raise ValueError(f"vibration_alert {alert:g} must be below vibration_danger {danger:g}")
+        return self
+
+    @model_validator(mode="after")
+    def _zones_at_a_speed(self) -> Self:
+        if self.severity_zones is not None and self.running_rpm is None:
+            raise ValueError("severity_zones hold at running speed: name running_rpm, too")
         return self
 
 

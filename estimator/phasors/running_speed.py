@@ -1,11 +1,13 @@
 """Vectors of a run at running speed: of each order the mean of the phasors near it, as they are trended from run to run.
 
-Derived here. A mean of phasors, not of amplitudes, since scatter of the phase would leave the latter too large.
+Derived here. A mean of phasors, not of amplitudes, since scatter of the phase would leave the latter too large. Of overall
+levels and gaps, which have no phase, the plain mean.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
 from estimator.phasors.harmonic_ratio import Orders
@@ -41,11 +43,30 @@ def running_speed_vectors(run: Orders, *, running_speed: float) -> RunningSpeedV
     Returns:
         Vectors of each channel [m]; None where no sample is near.
     """
-    near = np.abs(run.speed - running_speed) <= NEAR * running_speed
+    near = near_running_speed(run.speed, running_speed)
     count = int(np.count_nonzero(near))
     if count == 0:
         return None
     return RunningSpeedVectors(float(np.mean(run.speed[near])), count, _mean(run.first[near]), _mean(run.second[near]))
+
+
+def near_running_speed(speed: Floats, running_speed: float) -> NDArray[np.bool_]:
+    """Return which speeds (S,) are within NEAR of the running speed [rad/s]."""
+    return np.asarray(np.abs(speed - running_speed) <= NEAR * running_speed)
+
+
+def mean_level(levels: Floats) -> Floats:
+    """Compute the mean of levels without phase, such as gaps.
+
+    Args:
+        levels: Levels (S, m) [m], NaN where there is none.
+
+    Returns:
+        Mean levels (m,) [m]; NaN where no sample has one.
+    """
+    known = np.isfinite(levels)
+    count = np.count_nonzero(known, axis=0)
+    return np.where(count > 0, np.sum(np.where(known, levels, 0.0), axis=0) / np.maximum(count, 1), np.nan)
 
 
 def _mean(phasor: Complexes) -> Complexes:

@@ -48,6 +48,7 @@ class Block:
             (`estimator/signal/phasor_scatter.py`), with the errors by the keyphasor's jitter and a converter's steps.
         residual: Rms of the residual (C,) [unit of the waveform].
         mean: Mean (C,) of each waveform in the middle of the block, without the orders [unit of the waveform].
+        overall: Half (C,) of the largest less the smallest value of each waveform, unfiltered [unit of the waveform].
         faults: Fault of each of the C waveforms, or None.
     """
 
@@ -59,6 +60,7 @@ class Block:
     scatter: Floats
     residual: Floats
     mean: Floats
+    overall: Floats
     faults: tuple[WaveformFault | None, ...]
 
 
@@ -212,6 +214,7 @@ def track_block(
     signals = np.where(lost[:, None], 0.0, signals) if lost.any() else signals
     mean = signals.mean(axis=1)
     signals = signals - mean[:, None]
+    overall = np.where(lost, math.nan, np.ptp(signals, axis=1) / 2.0)
     inverse = np.linalg.inv(normal)
     coefficients = (signals @ columns.T) @ inverse
     mean = np.where(lost, math.nan, mean + coefficients[:, MEAN])
@@ -222,7 +225,7 @@ def track_block(
     steps = _converter_steps(signals, phasors[:, 0], residual, lost)
     scatter = np.hypot(_scatter(rest, residual, columns, np.diag(inverse), turned), steps[:, None])
     speed = 2.0 * math.pi * turned / (end - begin)
-    return Block(middle, speed, turned, time.size, phasors, scatter, residual, mean, faults)
+    return Block(middle, speed, turned, time.size, phasors, scatter, residual, mean, overall, faults)
 
 
 def _converter_steps(signals: Floats, phasors: Complexes, residual: Floats, lost: NDArray[np.bool_]) -> Floats:

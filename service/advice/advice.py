@@ -14,6 +14,7 @@ from service.alerts.lifecycle import Severity
 from service.monitoring.finding_rules import RATE_RULE, is_finding, told_rule
 from service.wording.finding_texts import FindingTexts
 from service.wording.finding_words import UNITS, compared_words, part_words, rounded, told_parts
+from service.wording.language import ENGLISH, Language
 from service.wording.told_finding import ToldFinding
 
 logger = logging.getLogger(__name__)
@@ -41,7 +42,7 @@ class FindingFacts:
 
 def advice_of(facts: FindingFacts, texts: SiteTexts) -> Advice | None:
     """Return what is told of a finding; None where its kind is unknown or an older release has stored too few numbers."""
-    told = ToldFinding(facts.kind, facts.element, facts.evidence)
+    told = ToldFinding(facts.kind, facts.element, facts.evidence, texts.language)
     of_rate = facts.kind == RATE_RULE.kind and "per_week_per_cent" in facts.evidence
     if not of_rate and not (is_finding(facts.kind) and told.is_tellable()):
         return None
@@ -53,19 +54,15 @@ def advice_of(facts: FindingFacts, texts: SiteTexts) -> Advice | None:
         return None
 
 
-def plain_message(kind: str, element: str) -> str:
+def plain_message(kind: str, element: str, language: Language = ENGLISH) -> str:
     """Return what is said of a finding of which only kind and element are known."""
-    name = element.replace(".", " ")
-    return (
-        f"{name.capitalize()[0]}{name[1:]} itself"
+    name = language.element(element)
+    words = (
+        language.say("itself", element=name)
         if element.startswith(f"{kind}.")
-        else f"{kind.replace('_', ' ').capitalize()} of {name}"
+        else language.say("finding_of", finding=language.named(kind), element=name)
     )
-
-
-def uncapitalised(words: str | None) -> str:
-    """Return words as they stand within a sentence."""
-    return "" if not words else words[0].lower() + words[1:]
+    return words[:1].upper() + words[1:]
 
 
 def _advice(told: ToldFinding, facts: FindingFacts, texts: FindingTexts) -> Advice:
@@ -73,7 +70,7 @@ def _advice(told: ToldFinding, facts: FindingFacts, texts: FindingTexts) -> Advi
     filled = texts.filled(
         {
             "id": told.id,
-            "element": f"{told.element_kind} {told.id}" if told.id != told.element else "the machine",
+            "element": told.language.element(told.element) if told.id != told.element else told.language.say("the_machine"),
             "machine": facts.machine,
             "since": str(told.evidence.get("since", ""))[:10],
             "sigma": f"{told.evidence.get('sigma') or 0.0:.0f} σ",
@@ -84,7 +81,7 @@ def _advice(told: ToldFinding, facts: FindingFacts, texts: FindingTexts) -> Advi
     )
     return Advice(
         what=filled.what,
-        how_far=[_figure(one, told.runs_of(one)) for one in told_parts(told)],
+        how_far=[_figure(one, told) for one in told_parts(told)],
         how_sure=_certainty(told),
         how_urgent=urgency(told, facts.severity, facts.measured_at),
         check=list(filled.check),
@@ -94,38 +91,45 @@ def _advice(told: ToldFinding, facts: FindingFacts, texts: FindingTexts) -> Advi
     )
 
 
-def _figure(one: SizePart, runs: int | None) -> Figure:
+def _figure(one: SizePart, told: ToldFinding) -> Figure:
     factor = MILLIRADIANS if one.unit == "urad" else 1.0
     scaled = {name: None if (value := getattr(one, name)) is None else factor * value for name in ("allowed", "before")}
     return Figure(
         of=one.name,
-        words=part_words(one),
+        words=part_words(one, told.language),
         unit="mrad" if one.unit == "urad" else UNITS.get(one.unit, one.unit),
         value=factor * one.value,
         lower=factor * one.lower,
         upper=factor * one.upper,
         sigma=one.sigma,
-        runs=runs,
+        runs=told.runs_of(one),
         parameters=list(one.members),
         **scaled,
     )
 
 
 def _certainty(told: ToldFinding) -> Certainty:
-    said = told.evidence
+    said, language = told.evidence, told.language
     if told.kind == RATE_RULE.kind:
-        words = f"The order of the last {said['runs']} runs is no chance, with less than 1 in 10,000"
+        words = language.say("sure.drift", runs=said["runs"])
         return Certainty(words=words, sigma=None, runs=said["runs"], evidence=None, next_best=None)
     runs, sigma, evidence = said.get("runs"), said.get("sigma"), said.get("evidence")
     others = said.get("runners_up") or []
-    next_best = plain_message(others[0]["kind"], others[0]["element"]) if others else None
-    words = f"{sigma:.0f} σ for all of it" if sigma is not None and list(told.parts()) else "Certain beyond chance"
-    words += "" if runs is None else f" over the newest {runs} runs together" if runs != 1 else " in the newest run"
-    if others and evidence is not None:
+    next_best = plain_message(others[0]["kind"], others[0]["element"], language) if others else None
+    certain = sigma is not None and bool(list(told.parts()))
+    words = language.say("sure.sigma", sigma=float(sigma)) if certain else language.say("sure.beyond_chance")
+    words += "" if runs is None else language.say("sure.runs", runs=runs) if runs != 1 else language.say("sure.run")
+    if next_best is not None and evidence is not None:
         lead = evidence - others[0]["evidence"]
-        factor = "more than a million" if lead > LARGEST_EXPONENT else rounded(2.718281828**lead, 2)
-        words += f"; {factor} times more probable than the next explanation, {uncapitalised(next_best)}"
+        many = lead > LARGEST_EXPONENT
+        factor = language.say("sure.million") if many else rounded(2.718281828**lead, 2, language)
+        words += language.say("sure.lead", factor=factor, next=_within(next_best, language))
     return Certainty(words=words, sigma=sigma, runs=runs, evidence=evidence, next_best=next_best)
+
+
+def _within(words: str, language: Language) -> str:
+    """Return words as they stand within a sentence: German ones begin with a noun, which keeps its capital."""
+    return words if language.code == "de" else words[:1].lower() + words[1:]
 
 
 def _actions(texts: FindingTexts, severity: Severity | None) -> Iterator[Action]:

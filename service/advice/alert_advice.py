@@ -19,11 +19,11 @@ def alert_advice(row: AlertRow | ListedAlert, texts: SiteTexts) -> Advice | None
     return advice_of(_facts(row, evidence, to_datetime(row.measured_at)), texts)
 
 
-def alert_message(row: AlertRow | AlertEventRow | ListedAlert, advice: Advice | None) -> str:
+def alert_message(row: AlertRow | AlertEventRow | ListedAlert, advice: Advice | None, texts: SiteTexts) -> str:
     """Return an alert in one sentence: of its advice, else what an older release has stored."""
     if advice is not None:
         return advice.what
-    return row.message or plain_message(row.rule, row.element)
+    return row.message or plain_message(row.rule, row.element, texts.language)
 
 
 def alert_event(row: AlertEventRow, texts: SiteTexts) -> AlertEvent:
@@ -41,7 +41,7 @@ def alert_event(row: AlertEventRow, texts: SiteTexts) -> AlertEvent:
         state_before=row.state_before,
         state=row.state,
         severity=Severity(row.severity).label,
-        message=alert_message(row, advice),
+        message=alert_message(row, advice, texts),
         advice=advice,
         by=row.by,
         comment=row.comment,

@@ -5,7 +5,8 @@ misalignment:
   at_next_stop: ["Call the alignment crew (tel. 417) for coupling {id}; sheet A-12"]
 ```
 
-Each finding has `what`, one text, and lists of texts; what is left out stays as the service has it.
+Each finding has `what`, one text, and lists of texts; what is left out stays as the service has it. Texts hold for readers of
+every language; below the code of a language (`de:`) they hold for that one alone.
 """
 
 from collections.abc import Mapping
@@ -17,21 +18,38 @@ from estimator.close_matches import did_you_mean
 from service.configuration.document_files import UnreadableFile, read_yaml
 from service.monitoring.finding_rules import FINDING_RULES, RATE_RULE, told_rule
 from service.wording.finding_texts import LISTS, MOST_TEXTS, FindingTexts, TextsWrong
+from service.wording.language import ENGLISH, LANGUAGES, Language
 
 KINDS = (*(one.kind for one in FINDING_RULES), RATE_RULE.kind)
 """Kinds of findings that have texts."""
 FIELDS = ("what", *LISTS)
 
 
+Written = Mapping[str, Mapping[str, Any]]
+"""Texts that a site has written: by kind of finding, by name."""
+
+
 @dataclass(frozen=True)
 class SiteTexts:
-    """Texts that a site has written, by kind of finding; the service's own for all others."""
+    """Texts of findings in a language: what a site has written, the service's own for all else.
 
-    own: Mapping[str, FindingTexts] = field(default_factory=dict)
+    written: by the code of the language that they are for; empty: for all.
+    """
+
+    written: Mapping[str, Written] = field(default_factory=dict)
+    language: Language = ENGLISH
+
+    def in_language(self, language: Language) -> "SiteTexts":
+        """Return the texts for readers of a language."""
+        return self if language == self.language else replace(self, language=language)
 
     def of(self, kind: str) -> FindingTexts:
         """Return the texts of a kind of finding. Raises KeyError when there is no such kind."""
-        return self.own.get(kind) or told_rule(kind).texts
+        texts = told_rule(kind).texts_in(self.language)
+        for code in ("", self.language.code):
+            own = self.written.get(code, {}).get(kind)
+            texts = texts if own is None else replace(texts, **own)
+        return texts
 
 
 def read_texts(file: str) -> SiteTexts:
@@ -48,12 +66,29 @@ def read_texts(file: str) -> SiteTexts:
         raise TextsWrong(f"finding texts of {file}:\n{error}") from error
 
 
-def parsed_texts(content: Any) -> Mapping[str, FindingTexts]:
-    """Return the texts of a decoded file. Raises TextsWrong, which names all that is wrong."""
+def parsed_texts(content: Any) -> Mapping[str, Written]:
+    """Return the texts of a decoded file, by language. Raises TextsWrong, which names all that is wrong."""
     if not isinstance(content, dict):
         raise TextsWrong("  the file must have the kinds of findings at its top, such as misalignment")
+    by_language = {one.code: content[one.code] for one in LANGUAGES if one.code in content}
+    parts = {"": {kind: said for kind, said in content.items() if kind not in by_language}, **by_language}
     problems: list[str] = []
-    found: dict[str, FindingTexts] = {}
+    found: dict[str, Written] = {}
+    for code, said in parts.items():
+        if not isinstance(said, dict):
+            problems.append(f"{code}: must have the kinds of findings below it, such as misalignment")
+            continue
+        found[code], wrong = _parsed(said)
+        problems += [f"{code}.{one}" if code else one for one in wrong]
+    if problems:
+        raise TextsWrong("\n".join(f"  {one}" for one in problems))
+    return found
+
+
+def _parsed(content: Mapping[Any, Any]) -> tuple[Written, list[str]]:
+    """Return the texts by kind of finding, and what is wrong."""
+    problems: list[str] = []
+    found: dict[str, Mapping[str, Any]] = {}
     for kind, said in content.items():
         if kind not in KINDS:
             problems.append(f"{kind}: there is no such finding{did_you_mean(str(kind), KINDS)}; there are {', '.join(KINDS)}")
@@ -62,13 +97,9 @@ def parsed_texts(content: Any) -> Mapping[str, FindingTexts]:
         problems += [f"{kind}.{where}: {message}" if where else f"{kind}: {message}" for where, message in wrong]
         if not wrong:
             rule = told_rule(kind)
-            written: dict[str, Any] = {name: one if name == "what" else tuple(one) for name, one in said.items()}
-            texts = replace(rule.texts, **written)
-            problems += [f"{kind}.{where}: {message}" for where, message in rule.problems(texts)]
-            found[kind] = texts
-    if problems:
-        raise TextsWrong("\n".join(f"  {one}" for one in problems))
-    return found
+            found[kind] = {name: one if name == "what" else tuple(one) for name, one in said.items()}
+            problems += [f"{kind}.{where}: {message}" for where, message in rule.problems(replace(rule.texts, **found[kind]))]
+    return found, problems
 
 
 def _wrong_fields(said: Any) -> list[tuple[str, str]]:

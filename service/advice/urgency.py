@@ -1,11 +1,13 @@
 """Urgency of a finding: whether its danger limit is reached, else the weeks until it is, by the rate since it began."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from datetime import datetime, timedelta
 from typing import Any
 
 from service.alerts.advice_message import Urgency
 from service.alerts.lifecycle import Severity
+from service.wording.language import Language
 from service.wording.told_finding import ToldFinding
 
 FEWEST_RUNS = 4
@@ -17,65 +19,81 @@ LONGEST_WEEKS = 520.0
 def urgency(told: ToldFinding, severity: Severity | None, measured_at: datetime) -> Urgency:
     """Return how urgent a finding is. severity: of its alert, None without one. measured_at: when the newest run was."""
     if told.kind == "rate_of_change":
-        return _of_rate(told.evidence, severity, measured_at)
+        return _of_rate(told, severity, measured_at)
+    language = told.language
     progress: Mapping[str, Any] = told.evidence.get("progress") or {}
-    unit = "%" if told.evidence.get("tolerance_per_cent") is None else "% of what is allowed"
+    unit = "%" if told.evidence.get("tolerance_per_cent") is None else language.say("unit.allowed")
     rate = tuple(progress.get(name) for name in ("per_week", "lower", "upper"))
-    said = _rate_words(progress, unit)
+    said = _rate_words(progress, unit, language)
     ahead = progress.get("ahead")
     if severity is Severity.DANGER:
-        return _answer(f"The danger limit is reached; {said}", unit, rate, reached=True)
+        return _answer(language.say("urgent.reached", said=said), unit, rate, reached=True)
     if ahead is None:
-        limit = "There is no danger limit ahead" if rate[0] is not None else "No time can be given"
-        return _answer(f"{limit}: {said}", unit, rate)
-    return _until(ahead, unit, rate, said, measured_at)
+        key = "urgent.no_limit" if rate[0] is not None else "urgent.no_time"
+        return _answer(language.say(key, said=said), unit, rate)
+    return _until(ahead, _Rate(unit, rate, said), measured_at, language)
 
 
-def _of_rate(evidence: Mapping[str, Any], severity: Severity | None, measured_at: datetime) -> Urgency:
-    rate = tuple(evidence[f"{name}_per_cent"] for name in ("per_week", "lower", "upper"))
+@dataclass(frozen=True)
+class _Rate:
+    """A rate a week with the ends of its interval, its unit, and what is said of it."""
+
+    unit: str
+    numbers: tuple[float | None, ...]
+    said: str
+
+
+def _of_rate(told: ToldFinding, severity: Severity | None, measured_at: datetime) -> Urgency:
+    evidence, language = told.evidence, told.language
+    rate = tuple(float(evidence[f"{name}_per_cent"]) for name in ("per_week", "lower", "upper"))
     far = evidence.get("change_per_cent")
-    so_far = "" if far is None else f"it has changed by {far:+.1f} % so far; "
-    said = f"{so_far}it drifts by {rate[0]:+.2g} % a week ({rate[1]:+.2g} to {rate[2]:+.2g})"
+    so_far = "" if far is None else language.say("urgent.so_far", far=float(far))
+    said = so_far + language.say("urgent.drifts", rate=rate[0], lower=rate[1], upper=rate[2])
     ahead = evidence.get("ahead")
     if ahead is not None:
-        return _until(ahead, "%", rate, said, measured_at)
-    fast = "It drifts faster than its danger limit for rates; " if severity is Severity.DANGER else ""
-    words = f"{fast}no time to a limit of its size can be given: {said}"
-    return _answer(words[0].upper() + words[1:], "%", rate, reached=severity is Severity.DANGER)
+        return _until(ahead, _Rate("%", rate, said), measured_at, language)
+    danger = severity is Severity.DANGER
+    words = language.say("urgent.drift_fast" if danger else "urgent.drift_no_time", said=said)
+    return _answer(words, "%", rate, reached=danger)
 
 
-def _rate_words(progress: Mapping[str, Any], unit: str) -> str:
+def _rate_words(progress: Mapping[str, Any], unit: str, language: Language) -> str:
     runs, newest = progress.get("runs", 0), progress.get("newest")
-    size = "" if newest is None else f"the newest run shows {newest:.0f} {unit}; "
+    size = "" if newest is None else language.say("urgent.newest", newest=float(newest), unit=unit)
     if progress.get("per_week") is None:
-        counted = f"{runs} run{'' if runs == 1 else 's'} since it began"
-        return f"{size}{counted}, and {FEWEST_RUNS} tell how fast it grows"
-    rate, low, high = (progress[name] for name in ("per_week", "lower", "upper"))
-    told = f"{rate:+.2g} {unit} a week ({low:+.2g} to {high:+.2g}) over {runs} runs"
-    if low > 0.0:
-        return f"{size}it grows by {told}"
-    return f"{size}it falls, {told}" if high < 0.0 else f"{size}no growth is certain, {told}"
+        return size + language.say("urgent.run_needed" if runs == 1 else "urgent.runs_needed", runs=runs, needed=FEWEST_RUNS)
+    rate, low, high = (float(progress[name]) for name in ("per_week", "lower", "upper"))
+    told = language.say("urgent.rate", rate=rate, unit=unit, lower=low, upper=high, runs=runs)
+    key = "grows" if low > 0.0 else "falls" if high < 0.0 else "no_growth"
+    return size + language.say(f"urgent.{key}", rate=told)
 
 
-def _until(ahead: Mapping[str, Any], unit: str, rate: tuple[float | None, ...], said: str, measured_at: datetime) -> Urgency:
+def _until(ahead: Mapping[str, Any], rate: _Rate, measured_at: datetime, language: Language) -> Urgency:
     weeks, earliest, latest = (ahead[name] for name in ("expected", "earliest", "latest"))
+    limit = float(ahead["limit"])
     if weeks is None or weeks > LONGEST_WEEKS:
-        limit = f"The danger limit of {ahead['limit']:g} {unit} is not approached measurably"
-        return _answer(f"{limit}: {said}", unit, rate, limit=ahead["limit"])
-    end = "it may also never" if latest is None or latest > LONGEST_WEEKS else f"{_weeks(latest)} at the latest"
-    interval = f"{_weeks(earliest)} at the earliest, {end}" if earliest is not None else end
-    words = f"Reaches its danger limit of {ahead['limit']:g} {unit} in {_weeks(weeks)} ({interval}): {said}"
-    found = _answer(words, unit, rate, limit=ahead["limit"])
-    last = None if latest is None or latest > LONGEST_WEEKS else latest
+        words = language.say("urgent.not_approached", limit=limit, unit=rate.unit, said=rate.said)
+        return _answer(words, rate.unit, rate.numbers, limit=ahead["limit"])
+    never = latest is None or latest > LONGEST_WEEKS
+    end = language.say("urgent.never") if never else language.say("urgent.latest", weeks=_weeks(latest, language))
+    interval = end
+    if earliest is not None:
+        interval = language.say("urgent.earliest", weeks=_weeks(earliest, language), end=end)
+    words = language.say(
+        "urgent.until", limit=limit, unit=rate.unit, weeks=_weeks(weeks, language), interval=interval, said=rate.said
+    )
+    found = _answer(words, rate.unit, rate.numbers, limit=ahead["limit"])
     by = measured_at + timedelta(weeks=weeks)
-    return found.model_copy(update={"weeks": weeks, "weeks_earliest": earliest, "weeks_latest": last, "by": by})
+    return found.model_copy(
+        update={"weeks": weeks, "weeks_earliest": earliest, "weeks_latest": None if never else latest, "by": by}
+    )
 
 
-def _weeks(weeks: float) -> str:
+def _weeks(weeks: float, language: Language) -> str:
     if weeks < 2.0:
         days = round(7.0 * weeks)
-        return f"{days} day{'' if days == 1 else 's'}"
-    return f"{weeks:.0f} weeks"
+        return language.say("day" if days == 1 else "days", count=days)
+    return language.say("weeks", weeks=float(weeks))
 
 
 def _answer(

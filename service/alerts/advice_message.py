@@ -65,22 +65,3 @@ class Advice(BaseModel):
     actions: list[Action] = Field(description="the most urgent first")
     confirm: list[str] = Field(description="what would confirm it")
     not_determined: list[str] = Field(description="what this does not tell")
-
-    def lines(self) -> list[str]:
-        """Return the advice as lines of text, for a mail or an annotation."""
-        parts = [
-            ("How far", [one.words for one in self.how_far]),
-            ("How sure", [self.how_sure.words]),
-            ("How urgent", [self.how_urgent.words]),
-            ("To check", self.check),
-            *((f"To do {when}", texts) for when, texts in self._by_opportunity().items()),
-            ("Would confirm it", self.confirm),
-            ("Not determined", self.not_determined),
-        ]
-        return [line for head, texts in parts if texts for line in (f"{head}:", *(f"- {one}" for one in texts))]
-
-    def _by_opportunity(self) -> dict[str, list[str]]:
-        found: dict[str, list[str]] = {}
-        for one in self.actions:
-            found.setdefault(one.opportunity, []).append(one.text)
-        return found

@@ -41,14 +41,16 @@ def _findings() -> str:
 
 def _channels() -> str:
     kinds = "".join(
-        f"  {{ kind: {json.dumps(one.kind)}, title: {json.dumps(one.title, ensure_ascii=False)} }},\n" for one in CHANNEL_KINDS
+        f"  {{ kind: {json.dumps(one.kind)}, title: {json.dumps(one.title, ensure_ascii=False)}, "
+        f"reports: {json.dumps(one.reporting)} }},\n"
+        for one in CHANNEL_KINDS
     )
     addresses = ", or ".join(dict.fromkeys(one.address for one in CHANNEL_KINDS if one.address is not None))
     without = ", ".join(one.kind for one in CHANNEL_KINDS if one.address is None)
     words = f"{addresses}; none for {without}" if without else addresses
     return (
         HEAD.format(source="service/delivery/channels.py")
-        + "/** Ways in which people and programs are told of alerts. */\n"
+        + "/** Ways in which people and programs are told of alerts; reports: whether reports of machines go there. */\n"
         + f"export const CHANNELS = [\n{kinds}] as const;\n\n"
         + "/** Forms of their addresses, in words. */\n"
         + f"export const ADDRESS_FORMS = {json.dumps(words, ensure_ascii=False)};\n"

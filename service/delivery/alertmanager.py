@@ -7,12 +7,14 @@ from datetime import datetime
 
 from aiohttp import ClientSession
 
+from service.advice.advice_lines import advice_lines
 from service.alerts.event_message import AlertEvent
 from service.alerts.lifecycle import Severity
 from service.delivery.addresses import Network
 from service.delivery.channel import FIRING, DeliveryOutcome, EventMessage
 from service.delivery.channel_kind import ChannelKind, Connections
 from service.delivery.webhook import post
+from service.wording.language import ENGLISH, Language
 from storage.tables.alerting import SubscriptionRow
 
 
@@ -24,6 +26,7 @@ class Alertmanager:
     target: str
     allowed: tuple[Network, ...]
     public_url: str
+    language: Language = ENGLISH
 
     async def send(self, message: EventMessage) -> DeliveryOutcome:
         """Push the state of an alert after an event."""
@@ -56,21 +59,23 @@ class Alertmanager:
                 "element": event.element,
                 "severity": severity,
             },
-            "annotations": _annotations(event),
+            "annotations": _annotations(event, self.language),
             "startsAt": event.opened_at.isoformat(),
             "generatorURL": f"{self.public_url}/api/v1/alerts/{event.alert}",
         }
         return alert if ended is None else alert | {"endsAt": ended.isoformat()}
 
 
-def _annotations(event: AlertEvent) -> dict[str, str]:
+def _annotations(event: AlertEvent, language: Language) -> dict[str, str]:
     said = {"summary": event.message, "state": event.state, "alert": str(event.alert)}
-    return said if event.advice is None else said | {"description": "\n".join(event.advice.lines())}
+    return said if event.advice is None else said | {"description": "\n".join(advice_lines(event.advice, language))}
 
 
 def _open(row: SubscriptionRow, connections: Connections) -> Alertmanager:
     settings = connections.settings
-    return Alertmanager(connections.client, row.target, tuple(settings.delivery_networks), settings.public_url)
+    return Alertmanager(
+        connections.client, row.target, tuple(settings.delivery_networks), settings.public_url, connections.texts.language
+    )
 
 
 ALERTMANAGER = ChannelKind(

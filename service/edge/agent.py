@@ -179,6 +179,7 @@ class Agent:
             (batch.phase_2x, phase[:, 1]),
             (batch.scatter, scatter),
             *([] if batch.gap is None else [(batch.gap, block.mean * self._factors)]),
+            *([] if batch.overall is None else [(batch.overall, block.overall * self._factors)]),
         ):
             assert table is not None
             table.append([float(value) if np.isfinite(value) else None for value in row])
@@ -238,6 +239,7 @@ class Agent:
             phase_2x=[],
             gap=[] if configuration.gap else None,
             gap_unit=configuration.amplitude_unit if configuration.gap else None,
+            overall=[] if configuration.overall else None,
         )
 
 

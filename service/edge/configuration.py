@@ -130,6 +130,7 @@ class EdgeConfiguration(_ConfigurationPart):
         default=False,
         description="send the mean of each waveform as the probe's gap; only where the inputs are coupled for direct current",
     )
+    overall: bool = Field(default=False, description="send the overall level of each waveform, unfiltered")
     block: BlockLength
     log: LogFileSettings
 

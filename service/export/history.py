@@ -286,6 +286,7 @@ def sample_columns(machine: Machine) -> tuple[Column, ...]:
             Column(f"{probe.id}.second.real", "number", "2× phasor, 0-to-peak, real part", "m"),
             Column(f"{probe.id}.second.imaginary", "number", "its imaginary part", "m"),
             Column(f"{probe.id}.gap", "number", "mean place of the shaft towards the probe, from a zero of its own", "m"),
+            Column(f"{probe.id}.overall", "number", "unfiltered vibration, half of the peak-to-peak displacement", "m"),
         ]
     found += [
         Column(f"condition.{one.name}", "number", f"operating condition {one.name}", one.unit) for one in machine.conditions
@@ -331,7 +332,7 @@ def _sample_rows(run: int, held: Samples, width: int) -> Rows:
         for j in range(held.phasor.shape[1]):
             first, second = held.phasor[i, j], held.second[i, j]
             row += [float(first.real), float(first.imag), int(held.status[i, j]), float(held.scatter[i, j])]
-            row += [float(second.real), float(second.imag), float(held.gap[i, j])]
+            row += [float(second.real), float(second.imag), float(held.gap[i, j]), float(held.overall[i, j])]
         row += [float(value) for value in held.conditions[i]]
         rows.append(row + [None] * (width - len(row)))
     return rows

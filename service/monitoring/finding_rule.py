@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 from service.monitoring.limit_rule import Quantity, Rule
 from service.wording.finding_texts import LISTS, FindingTexts
 from service.wording.finding_words import no_questions, size_words
+from service.wording.german_findings import GERMAN_FINDINGS
+from service.wording.language import ENGLISH, LANGUAGES, Language
 from service.wording.told_finding import ToldFinding
 
 if TYPE_CHECKING:
@@ -68,11 +70,12 @@ class FindingRule:
     def __post_init__(self) -> None:
         if "force" in self.rule.quantities and self.force is None:
             raise ValueError(f"finding '{self.kind}' can have a limit for a force, and does not say which value that is")
-        for field, message in self.problems(self.texts):
-            raise ValueError(f"finding '{self.kind}': {field} {message}")
-        missing = [name for name in LISTS if not getattr(self.texts, name) and (name != "if_danger" or self.can_be_danger)]
-        if missing:
-            raise ValueError(f"finding '{self.kind}' has no texts of {', '.join(missing)}")
+        for language in LANGUAGES:
+            self._require_told(self.texts_in(language), "" if language == ENGLISH else f" ({language.code})")
+
+    def texts_in(self, language: Language) -> FindingTexts:
+        """Return the texts in a language; the English ones where it has none."""
+        return GERMAN_FINDINGS.get(self.kind, self.texts) if language.code == "de" else self.texts
 
     @property
     def can_be_danger(self) -> bool:
@@ -83,3 +86,10 @@ class FindingRule:
         """Return what is wrong with texts of it, as (field, message)."""
         needed = [one for one in ("id", "size", *self.places) if f"{{{one}}}" in self.texts.what]
         return list(texts.problems(self.places, needed))
+
+    def _require_told(self, texts: FindingTexts, where: str) -> None:
+        for field, message in self.problems(texts):
+            raise ValueError(f"finding '{self.kind}'{where}: {field} {message}")
+        missing = [name for name in LISTS if not getattr(texts, name) and (name != "if_danger" or self.can_be_danger)]
+        if missing:
+            raise ValueError(f"finding '{self.kind}'{where} has no texts of {', '.join(missing)}")

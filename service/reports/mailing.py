@@ -122,7 +122,9 @@ class ReportMailing(SupervisedThread):
                 post(self._settings, self._letter(report))
                 self._sent.add(report)
         with self._database.transaction() as session:
-            deliveries.get(session, row.id).reported_until = period.last
+            kept = deliveries.get(session, row.id)
+            if kept.reports is not None:  # it may have been changed meanwhile
+                kept.reported_until = max(kept.reported_until or 0, period.last)
         self._sent = {one for one in self._sent if one.number != row.id}
         logger.info("reports until %s are sent to subscription '%s'", to_datetime(period.last), row.name)
 

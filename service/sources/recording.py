@@ -46,6 +46,7 @@ class RecordedChannel(BaseModel):
     gap: str | None = Field(
         default=None, description="mean gap, in `gap_unit`; the machine's document says which way it grows"
     )
+    overall: str | None = Field(default=None, description="unfiltered vibration, in the amplitude's unit and kind")
 
     @model_validator(mode="after")
     def _one_pair(self) -> Self:
@@ -94,7 +95,7 @@ class Sidecar(BaseModel):
         columns = [
             one
             for part in self.channels
-            for one in (part.amplitude, part.phase, part.real, part.imaginary, part.scatter, part.gap)
+            for one in (part.amplitude, part.phase, part.real, part.imaginary, part.scatter, part.gap, part.overall)
         ]
         mapped = [one for one in (self.speed, self.time, *columns) if one is not None]
         twice = sorted({one for one in mapped if mapped.count(one) > 1})
@@ -144,6 +145,7 @@ def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
         scatter=_optional(table, [one.scatter for one in sidecar.channels], len(speed)),
         gap=_optional(table, [one.gap for one in sidecar.channels], len(speed)),
         gap_unit=sidecar.gap_unit,
+        overall=_optional(table, [one.overall for one in sidecar.channels], len(speed)),
         conditions={name: table.gappy(column) for name, column in sidecar.conditions.items()} or None,
     )
 

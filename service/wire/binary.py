@@ -11,7 +11,7 @@
 | 28 | 2 | channels m |
 | 30 | 2 | size of the names |
 | 32 | 1 each | speed_unit, amplitude_unit, amplitude_kind, phase_convention, phase_unit, direction: places in lists below |
-| 38 | 1 | tables that are there beside amplitude and phase: 1 scatter, 2 the 2×, 4 status, 8 gap |
+| 38 | 1 | tables that are there beside amplitude and phase: 1 scatter, 2 the 2×, 4 status, 8 gap, 16 overall |
 | 39 | 1 each | number format of amplitudes, of phases, of scatter: 0 float64, 1 int32, 2 int16 |
 | 42 | 1 | operating conditions k |
 | 43 | 1 | gap_unit: place in the list of amplitude_unit; 0 without a gap |
@@ -22,6 +22,7 @@
 | | 8 S | speed, float64 |
 | | S m | amplitude, then phase, then scatter, amplitude_2x, phase_2x, status (one byte each), sample by sample |
 | | 8 S m | gap, float64, sample by sample |
+| | 8 S m | overall, float64, sample by sample |
 | | 8 k S | conditions, float64, one after the other |
 
 Tables follow each other without padding. NaN, or the most negative integer, stands for null. status is 0 `good`,
@@ -56,7 +57,7 @@ _UNITS = {
     "direction": SENSES,
 }
 _LABELS = np.array(list(STATUSES), dtype=object)
-_SCATTER, _SECOND, _STATUS, _GAP = 1, 2, 4, 8
+_SCATTER, _SECOND, _STATUS, _GAP, _OVERALL = 1, 2, 4, 8, 16
 _MAGIC = b"RDSW"
 _VERSION = struct.Struct("<4sHH")
 _HEADER = struct.Struct("<4sHHQQIHH6BB3BBB4xddd")
@@ -125,6 +126,7 @@ def encode_binary(
     second = batch.amplitude_2x is not None and batch.phase_2x is not None
     with_gap = batch.gap is not None and batch.gap_unit is not None
     tables = _SCATTER * (batch.scatter is not None) | _SECOND * second | _STATUS * (batch.status is not None) | _GAP * with_gap
+    tables |= _OVERALL * (batch.overall is not None)
     codes = [places.index(getattr(batch, name)) for name, places in _UNITS.items()]
     formats = amplitude, phase, scatter
     header = _HEADER.pack(
@@ -154,6 +156,8 @@ def encode_binary(
         parts.append(bytes(STATUSES[label] for row in batch.status for label in row))
     if batch.gap is not None and with_gap:
         parts.append(FLOAT64.write(batch.gap))
+    if batch.overall is not None:
+        parts.append(FLOAT64.write(batch.overall))
     parts += [np.array(values, "<f8").tobytes() for values in conditions.values()]
     return b"".join(parts)
 
@@ -175,9 +179,9 @@ def decode_binary(body: bytes) -> SampleBatch:
     widths = [np.dtype(one.kind).itemsize for one in formats]
     second = bool(tables & _SECOND)
     width = (widths[0] + widths[1]) * (1 + second) + widths[2] * bool(tables & _SCATTER) + bool(tables & _STATUS)
-    width += 8 * bool(tables & _GAP)
+    width += 8 * bool(tables & _GAP) + 8 * bool(tables & _OVERALL)
     expected = at + 16 * count + width * count * channels + 8 * count * conditions
-    if len(body) != expected or tables >= 16:
+    if len(body) != expected or tables >= 32:
         what = f"{count} samples of {channels} channels" + (f" and {conditions} conditions" if conditions else "")
         raise Rejected("undecodable", f"{len(body)} bytes; {what} make {expected}")
     shape = count, channels
@@ -187,6 +191,8 @@ def decode_binary(body: bytes) -> SampleBatch:
         at, start = at + widths[which] * count * channels, at
         return formats[which].read(body, start, shape)
 
+    end = expected - 8 * count * conditions
+    overall_at = end - 8 * count * channels * bool(tables & _OVERALL)
     time = np.frombuffer(body, "<i8", count, at)
     speed = np.frombuffer(body, "<f8", count, at + 8 * count)
     at += 16 * count
@@ -206,9 +212,10 @@ def decode_binary(body: bytes) -> SampleBatch:
         amplitude_2x=table(0) if second else None,
         phase_2x=table(1) if second else None,
         status=_statuses(np.frombuffer(body, "u1", count * channels, at).reshape(shape)) if tables & _STATUS else None,
-        gap=FLOAT64.read(body, at + count * channels * bool(tables & _STATUS), shape) if tables & _GAP else None,
+        gap=FLOAT64.read(body, overall_at - 8 * count * channels, shape) if tables & _GAP else None,
         gap_unit=_place(AMPLITUDE_UNITS, "gap_unit", gap_unit) if tables & _GAP else None,
-        conditions=_conditions(names[3 + channels :], body, expected - 8 * count * conditions, count) if conditions else None,
+        overall=FLOAT64.read(body, overall_at, shape) if tables & _OVERALL else None,
+        conditions=_conditions(names[3 + channels :], body, end, count) if conditions else None,
         **_units(codes),
     )
 

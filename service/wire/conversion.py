@@ -74,12 +74,30 @@ def to_samples(batch: SampleBatch, machine: Machine, *, received_at: int) -> tup
         faults.append(Fault(index, "not_finite", f"condition {machine.condition_names[column]} is infinite"))
         conditions[index, column] = np.nan
     gap, of_gap = to_gap(batch, machine)
-    faults += of_gap
+    overall, of_overall = _overall(batch, machine, factors)
+    faults += of_gap + of_overall
     phasor = on_grid(phasor.view(np.float64)).view(np.complex128)
     # What is not sent is missing throughout, and needs no rounding.
     second = second if batch.amplitude_2x is None else on_grid(second.view(np.float64)).view(np.complex128)
     scatter = scatter if batch.scatter is None else on_grid(scatter)
-    return Samples(time, speed, direction, phasor, status, scatter, second, conditions, gap), taken, faults
+    return Samples(time, speed, direction, phasor, status, scatter, second, conditions, gap, overall), taken, faults
+
+
+def _overall(batch: SampleBatch, machine: Machine, factors: NDArray[np.float64]) -> tuple[NDArray[np.float64], list[Fault]]:
+    """Return overall levels (S, m), 0-to-peak [m], NaN where there is none, and why some are left out; the 1× beside stays."""
+    levels = np.full((len(batch.time_ns), len(machine.probes)), np.nan)
+    if batch.overall is None:
+        return levels, []
+    with np.errstate(over="ignore", invalid="ignore"):
+        size = _table(batch.overall) * factors
+        sensible = _is_amplitude(size)
+    levels[:, _columns(batch, machine)] = np.where(sensible, size, np.nan)
+    faults = []
+    for index, column in np.argwhere(~sensible & ~np.isnan(size)).tolist():
+        told = f"an overall level of {size[index, column]:.4g} m is not between 0 and {LARGEST_AMPLITUDE} m"
+        detail = f"channel {batch.channels[column]}: {told}; it is left out: is its unit right?"
+        faults.append(Fault(index, "overall_out_of_range", detail))
+    return on_grid(levels), faults
 
 
 def _is_amplitude(size: NDArray[np.float64]) -> NDArray[np.bool_]:

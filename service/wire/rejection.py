@@ -21,6 +21,7 @@ Reason = Literal[
     "amplitude_out_of_range",
     "gap_out_of_range",
     "gap_undescribed",
+    "overall_out_of_range",
     "sequence_out_of_range",
     "time_out_of_range",
     "time_out_of_order",

@@ -17,7 +17,7 @@ LARGEST_CONDITION_COUNT = 16
 STATUSES = {status.label: status for status in ChannelStatus}
 DIRECTIONS = {"positive": 1, "negative": -1}
 
-TABLES = ("amplitude", "phase", "status", "scatter", "amplitude_2x", "phase_2x", "gap")
+TABLES = ("amplitude", "phase", "status", "scatter", "amplitude_2x", "phase_2x", "gap", "overall")
 """Fields with a row per sample and a column per channel."""
 
 Table = list[list[float | None]]
@@ -31,7 +31,9 @@ class SampleBatch(msgspec.Struct, kw_only=True, omit_defaults=True):
     scatter: per sample a list over the channels; null where there is no value. status: `good`, `not_available`, `bad` or
     `out_of_range`; without it all are good. scatter: rms of the complex error, in the amplitude's unit. amplitude_2x,
     phase_2x: of the 2×, in the same units and with phase counted in degrees of 2×. gap: mean of the probe's signal over the
-    sample, in `gap_unit`; the machine's document says which way it grows. direction: `positive` turns +x towards +y.
+    sample, in `gap_unit`; the machine's document says which way it grows. overall: unfiltered vibration, in the unit and kind
+    of the amplitude: peak-to-peak the largest less the smallest displacement of the sample, peak the half of it.
+    direction: `positive` turns +x towards +y.
     conditions: by name of an operating condition its value per sample, in the unit of the machine's document; null where it
     was not measured.
     """
@@ -59,6 +61,7 @@ class SampleBatch(msgspec.Struct, kw_only=True, omit_defaults=True):
     phase_2x: Table | None = None
     gap: Table | None = None
     gap_unit: str | None = None
+    overall: Table | None = None
     conditions: dict[str, list[float | None]] | None = None
 
 

@@ -13,6 +13,7 @@ from service.wording.film_words import (
     undetermined_alignment,
     wear_words,
 )
+from service.wording.language import ENGLISH, Language
 from service.wording.told_finding import ToldFinding
 
 SIGNIFICANT = 2.0
@@ -25,28 +26,27 @@ DIGITS = 3
 
 def size_words(told: ToldFinding) -> Mapping[str, str]:
     """Return the size by its figures, as any finding can be told."""
-    return {"size": "; ".join(_figures(told)) or "by an unknown amount"}
+    return {"size": "; ".join(_figures(told)) or told.language.say("size.unknown")}
 
 
 def misalignment_words(told: ToldFinding) -> Mapping[str, str]:
     """Return what is said of a misalignment, and its size."""
+    language = told.language
     if told.of_films:
-        return {"judgement": alignment_judgement(told.quantities), "size": alignment_words(told.quantities)}
-    form = f" ({told.form})" if told.form else ""
-    return {"judgement": f"is going out of alignment{form}", "size": _element_size(told, of_stiffness=True)}
+        judgement = alignment_judgement(told.quantities, language)
+        return {"judgement": judgement, "size": alignment_words(told.quantities, language)}
+    form = f" ({language.named(told.form)})" if told.form else ""
+    return {"judgement": language.say("judgement.misaligning", form=form), "size": _element_size(told, of_stiffness=True)}
 
 
 def bearing_words(told: ToldFinding) -> Mapping[str, str]:
     """Return what is said of a bearing or a seal, and its size; of a film, how far it deviates from its model."""
     times = told.quantities.get("deviation_times_allowed")
     if times is None:
-        kind = told.element_kind.capitalize()
-        return {"judgement": f"{kind} {told.id} has changed by itself", "size": _element_size(told)}
-    judgement = f"The oil film of bearing {told.id} has changed, and neither by wear nor by oil nor by load"
-    return {
-        "judgement": judgement,
-        "size": f"its coefficients deviate {times:.1f} times as far from the model as its document says",
-    }
+        kind = told.language.named(told.element_kind).capitalize()
+        return {"judgement": told.language.say("judgement.changed", kind=kind, id=told.id), "size": _element_size(told)}
+    judgement = told.language.say("judgement.film", id=told.id)
+    return {"judgement": judgement, "size": told.language.say("size.film", times=times)}
 
 
 def element_words(told: ToldFinding) -> Mapping[str, str]:
@@ -56,59 +56,68 @@ def element_words(told: ToldFinding) -> Mapping[str, str]:
 
 def settlement_size(told: ToldFinding) -> Mapping[str, str]:
     """Return where a bearing stands."""
-    return {"size": settlement_words(told.quantities)}
+    return {"size": settlement_words(told.quantities, told.language)}
 
 
 def wear_size(told: ToldFinding) -> Mapping[str, str]:
     """Return a clearance's growth."""
-    return {"size": wear_words(told.quantities)}
+    return {"size": wear_words(told.quantities, told.language)}
 
 
 def oil_words(told: ToldFinding) -> Mapping[str, str]:
     """Return the change of the viscosity."""
     parts = list(told.parts())
-    return {"size": interval(parts[0]) if parts else f"{told.quantities['viscosity_per_cent']:+.0f} %"}
+    if parts:
+        return {"size": interval(parts[0], told.language)}
+    return {"size": f"{told.quantities['viscosity_per_cent']:+.0f} %"}
 
 
 def unbalance_words(told: ToldFinding) -> Mapping[str, str]:
     """Return the change of an unbalance with its angle, and its size before and after."""
-    q, parts = told.quantities, list(told.parts())
-    change = interval(parts[0]) if parts else f"{rounded(q['change_g_mm'], DIGITS)} g·mm"
-    before, after = (rounded(q[name], DIGITS) for name in ("before_g_mm", "after_g_mm"))
-    return {"size": f"{change} at {q['change_deg']:.0f}°, from {before} to {after} g·mm"}
+    q, parts, language = told.quantities, list(told.parts()), told.language
+    change = interval(parts[0], language) if parts else f"{rounded(q['change_g_mm'], DIGITS, language)} g·mm"
+    before, after = (rounded(q[name], DIGITS, language) for name in ("before_g_mm", "after_g_mm"))
+    return {"size": language.say("size.unbalance", change=change, angle=q["change_deg"], before=before, after=after)}
 
 
 def sensor_words(told: ToldFinding) -> Mapping[str, str]:
     """Return what a probe does now."""
-    q = told.quantities
+    q, language = told.quantities, told.language
     if not q:
-        return {"size": "gives no usable phasors any more"}
+        return {"size": language.say("size.no_phasors")}
     parts = list(told.parts())
-    whole = f" (together {interval(parts[0])})" if parts else ""
-    return {"size": f"or its chain reads differently: gain {q['gain_per_cent']:+.0f} %, phase {q['phase_deg']:+.0f}°{whole}"}
+    whole = language.say("size.together", whole=interval(parts[0], language)) if parts else ""
+    return {"size": language.say("size.sensor", gain=q["gain_per_cent"], phase=q["phase_deg"], whole=whole)}
 
 
 def run_out_words(told: ToldFinding) -> Mapping[str, str]:
     """Return the largest change of a run-out."""
     parts = list(told.parts())
-    return {"size": interval(parts[0]) if parts else f"{rounded(told.quantities['largest_um'], 2)} µm"}
+    if parts:
+        return {"size": interval(parts[0], told.language)}
+    return {"size": f"{rounded(told.quantities['largest_um'], 2, told.language)} µm"}
 
 
 def coupling_run_out_words(told: ToldFinding) -> Mapping[str, str]:
     """Return the change of a coupling's run-out at bore and face, each with its angle."""
-    q = told.quantities
+    q, language = told.quantities, told.language
     parts = [
-        f"{what} by {rounded(q[f'{name}_{unit}'], 2)} {shown} at {q[f'{name}_deg']:.0f}°"
-        for what, name, unit, shown in (("bore", "offset", "um", "µm"), ("face", "angle", "urad", "µrad"))
+        language.say(f"size.{what}", size=rounded(q[f"{name}_{unit}"], 2, language), unit=UNITS[unit], angle=q[f"{name}_deg"])
+        for what, name, unit in (("bore", "offset", "um"), ("face", "angle", "urad"))
         if f"{name}_{unit}" in q
     ]
-    return {"size": " and ".join(parts)}
+    return {"size": language.say("and").join(parts)}
 
 
 def rate_words(told: ToldFinding) -> Mapping[str, str]:
     """Return a parameter that drifts, and its rate with the 95 % interval."""
     said = told.evidence
-    rate = f"{said['per_week_per_cent']:+.2g} % a week ({said['lower_per_cent']:+.2g} to {said['upper_per_cent']:+.2g})"
+    rate = told.language.say(
+        "size.rate",
+        rate=float(said["per_week_per_cent"]),
+        lower=float(said["lower_per_cent"]),
+        upper=float(said["upper_per_cent"]),
+    )
     return {"parameter": whole_parameter(said["parameter"]), "size": rate}
 
 
@@ -126,62 +135,61 @@ def no_questions(_told: ToldFinding) -> Sequence[str]:
 def alignment_questions(told: ToldFinding) -> Sequence[str]:
     """Return what is left open of an alignment."""
     if told.of_films:
-        beyond = "All of it is relative to the baseline: what was off then is not seen"
-        return [*(one.capitalize() for one in undetermined_alignment(told.quantities)), beyond]
-    open_form = () if told.form else ("Whether it is parallel or angular",)
-    films = "Offset in µm and angle in mrad: only trains whose document describes the oil films by geometry tell them"
-    return [*open_form, films, *element_questions(told)]
+        missing = undetermined_alignment(told.quantities, told.language)
+        return [*(one[:1].upper() + one[1:] for one in missing), told.language.say("open.relative")]
+    open_form = () if told.form else (told.language.say("open.form"),)
+    return [*open_form, told.language.say("open.films"), *element_questions(told)]
 
 
 def element_questions(told: ToldFinding) -> Sequence[str]:
     """Return the parameters of the element that the newest run does not determine."""
     names = told.evidence.get("not_estimable") or ()
-    return [f"{', '.join(names)}: not determined one by one by the newest run"] if names else []
+    return [told.language.say("open.parameters", names=", ".join(names))] if names else []
 
 
 def compared_words(told: ToldFinding) -> str:
     """Return what is compared: alignments on oil films are those of the newest run, other sizes the mean of several."""
     runs = told.evidence.get("runs")
     if told.of_films or runs is None or runs < 2 or not told.quantities:
-        return "against the baseline"
-    return f"mean of the newest {runs} runs against the baseline"
+        return told.language.say("compared.baseline")
+    return told.language.say("compared.mean", runs=runs)
 
 
-def part_words(one: SizePart) -> str:
+def part_words(one: SizePart, language: Language = ENGLISH) -> str:
     """Return a figure with its interval and what it is of: `all coefficients of coupling C1 together +53 % (+49 to +57)`."""
-    return f"{part_name(one.name)} {interval(one)}"
+    return f"{part_name(one.name, language)} {interval(one, language)}"
 
 
-def part_name(name: str) -> str:
+def part_name(name: str, language: Language = ENGLISH) -> str:
     """Return what a figure is of."""
     said = describe(name)
     if not said.quantity:  # of the machine as a whole
-        return said.element_id or said.element
-    element = f"{said.element_kind} {said.element_id}"
+        return language.named(said.element_id or said.element)
+    element = language.element(said.element)
     if said.quantity == "coefficients":
-        return f"all coefficients of {element} together"
-    words = said.quantity.replace("_", " ")
-    return f"{words} of {element}"
+        return language.say("size.all_coefficients", element=element)
+    return language.say("size.of_element", quantity=language.named(said.quantity), element=element)
 
 
-def interval(one: SizePart) -> str:
+def interval(one: SizePart, language: Language = ENGLISH) -> str:
     """Return a figure with its unit and 95 % interval."""
-    unit = UNITS.get(one.unit, one.unit)
+    unit = language.named(UNITS.get(one.unit, one.unit))
     if one.before is not None:
         low, high = sorted((abs(one.before), abs(one.before + one.value)))
         digits = max(2, 1 - math.floor(math.log10(max(high - low, 1e-9) / max(high, 1e-9))))
-        return f"{rounded(one.before, digits)} → {rounded(one.before + one.value, digits)} {unit}"
+        return f"{rounded(one.before, digits, language)} → {rounded(one.before + one.value, digits, language)} {unit}"
     if one.unit == "%":
         places = 1 if one.upper - one.lower < 2.0 else 0
-        return f"{one.value:+.{places}f} % ({one.lower:+.{places}f} to {one.upper:+.{places}f})"
-    return f"{shown(one.value, (one.upper - one.lower) / 2.0)} {unit}"
+        value, lower, upper = (language.digits(f"{each:+.{places}f}") for each in (one.value, one.lower, one.upper))
+        return language.say("size.per_cent_interval", value=value, lower=lower, upper=upper)
+    return f"{shown(one.value, (one.upper - one.lower) / 2.0, language)} {unit}"
 
 
-def rounded(value: float, digits: int) -> str:
+def rounded(value: float, digits: int, language: Language = ENGLISH) -> str:
     """Return a number with so many significant digits in plain notation: nobody reads 1.3e+04 g·mm aloud."""
     shown_value = float(f"{value:.{digits}g}")
     decimals = 0 if shown_value == 0.0 else max(0, digits - 1 - math.floor(math.log10(abs(shown_value))))
-    return f"{shown_value:.{decimals}f}"
+    return language.digits(f"{shown_value:.{decimals}f}")
 
 
 def told_parts(told: ToldFinding) -> Iterator[SizePart]:
@@ -193,17 +201,18 @@ def told_parts(told: ToldFinding) -> Iterator[SizePart]:
 
 def _figures(told: ToldFinding) -> Iterator[str]:
     for one in told_parts(told):
-        yield part_words(one)
+        yield part_words(one, told.language)
 
 
 def _element_size(told: ToldFinding, *, of_stiffness: bool = False) -> str:
     """Return the growths of elements: of each once, where all its coefficients have grown together."""
-    figures = [part_words(one) for one in told_parts(told) if one.before is None]
+    figures = [part_words(one, told.language) for one in told_parts(told) if one.before is None]
     if figures:
         return "; ".join(figures)
     # An older release has stored means without intervals.
     described = [(describe(name), value) for name, value in told.quantities.items()]
     if of_stiffness:
         parts = [f"{own.element} {value:+.0f} %" for own, value in described if own.quantity == "stiffness_per_cent"]
-        return f"stiffness {', '.join(parts)}"
-    return ", ".join(f"{own.quantity.removesuffix('_per_cent')} {value:+.0f} %" for own, value in described)
+        return told.language.say("size.stiffness", parts=", ".join(parts))
+    named = [(told.language.named(own.quantity.removesuffix("_per_cent")), value) for own, value in described]
+    return ", ".join(f"{name} {value:+.0f} %" for name, value in named)

@@ -6,15 +6,20 @@ from typing import Any, cast
 
 from estimator.diagnosis.finding_kind import SizePart
 from estimator.machine.parameter_description import describe
+from service.wording.language import ENGLISH, Language
 
 
 @dataclass(frozen=True)
 class ToldFinding:
-    """A finding and its numbers. evidence: as `Statement.evidence` returns it, or as an older release has stored it."""
+    """A finding, its numbers, and the language that it is told in.
+
+    evidence: as `Statement.evidence` returns it, or as an older release has stored it.
+    """
 
     kind: str
     element: str
     evidence: Mapping[str, Any]
+    language: Language = ENGLISH
 
     @property
     def id(self) -> str:

@@ -53,11 +53,16 @@ def subscribe(
         raise SubscriptionExists(f"subscription '{name}' exists already")
     moment = now()
     row = SubscriptionRow(kind=kind, name=name, target=target, secret=secret, state=ACTIVE, reason=None, created_at=moment)
-    row.reports, row.reported_until = reports, None if reports is None else moment
+    send_reports(row, reports, moment=moment)
     row.told_of = [SubscriptionPlantRow(plant=plant) for plant in sorted(set(plants or ()))]
     session.add(row)
     session.flush()
     return row
+
+
+def send_reports(row: SubscriptionRow, reports: str | None, *, moment: int) -> None:
+    """Have a subscription get reports from a time [ns] on, as often as said; None: no more."""
+    row.reports, row.reported_until = reports, None if reports is None else moment
 
 
 def by_name(session: Session, name: str) -> SubscriptionRow | None:

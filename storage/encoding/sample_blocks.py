@@ -16,8 +16,9 @@ from storage.encoding.packing import pack, shuffled, unpack, unshuffled
 
 _HEADER = struct.Struct("<4sHHII")  # magic, format, channels, samples, checksum of channels, samples and body
 _MAGIC = b"RDSB"
-_FORMAT = 5
-_WITHOUT_GAP = 4  # what samples without a gap are still written as, so that an older release reads them, too
+_FORMAT = 6
+_WITHOUT_OVERALL = 5  # what samples without overall levels are still written as, so that an older release reads them, too
+_WITHOUT_GAP = 4  # and those without a gap either
 _OLDEST_FORMAT = 1  # unpacked numbers up to 3; no conditions before 3; no 2× and one bit of status in 1
 
 
@@ -32,7 +33,9 @@ class Samples:
     time: (S,) [ns since 1970]. speed: (S,) [rad/s]. direction: (S,) +1 or -1. phasor: (S, m) complex 1× 0-to-peak [m], NaN
     where there is none. status: (S, m) ChannelStatus. scatter: (S, m) rms of the complex error of the 1× [m], NaN where
     unknown. second: (S, m) complex 2× 0-to-peak [m], NaN where there is none; it does not enter the fit. conditions: (S, k)
-    operating conditions in the document's order and units, NaN where one was not measured; by default none.
+    operating conditions in the document's order and units, NaN where one was not measured; by default none. gap: (S, m) mean
+    place of the shaft towards the probe [m], NaN where there is none. overall: (S, m) unfiltered vibration, half of the
+    largest less the smallest displacement [m], NaN where there is none; it does not enter the fit.
     """
 
     time: NDArray[np.int64]
@@ -44,12 +47,15 @@ class Samples:
     second: NDArray[np.complex128]
     conditions: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 0)))
     gap: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 0)))
+    overall: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 0)))
 
     def __post_init__(self) -> None:
         if self.conditions.size == 0 and len(self.conditions) != len(self):
             object.__setattr__(self, "conditions", np.empty((len(self), 0)))
-        if self.gap.size == 0 and self.gap.shape != self.phasor.shape:
-            object.__setattr__(self, "gap", np.full(self.phasor.shape, np.nan))
+        for name in ("gap", "overall"):
+            table = getattr(self, name)
+            if table.size == 0 and table.shape != self.phasor.shape:
+                object.__setattr__(self, name, np.full(self.phasor.shape, np.nan))
 
     @property
     def usable(self) -> NDArray[np.bool_]:
@@ -83,7 +89,7 @@ class Samples:
         return Measurement(self.speed, self.direction.astype(float), self.phasor, usable, self.scatter, gaps=gaps)
 
 
-_FIELDS = ("time", "speed", "direction", "phasor", "status", "scatter", "second", "conditions", "gap")
+_FIELDS = ("time", "speed", "direction", "phasor", "status", "scatter", "second", "conditions", "gap", "overall")
 
 
 def join(parts: Sequence[Samples], *, channels: int) -> Samples:
@@ -116,7 +122,8 @@ def mean_conditions(parts: Sequence[Samples], names: Sequence[str]) -> dict[str,
 def encode(samples: Samples) -> bytes:
     """Encode samples as a block."""
     count, channels = samples.phasor.shape
-    with_gap = bool(np.any(~np.isnan(samples.gap)))
+    with_overall = bool(np.any(~np.isnan(samples.overall)))
+    with_gap = with_overall or bool(np.any(~np.isnan(samples.gap)))
     body = b"".join(
         [
             shuffled(np.diff(samples.time, prepend=np.int64(0))),
@@ -127,11 +134,12 @@ def encode(samples: Samples) -> bytes:
             pack(samples.scatter),
             pack(_parts(samples.second)),
             pack(samples.gap) if with_gap else b"",
+            pack(samples.overall) if with_overall else b"",
             samples.conditions.astype("<f8").tobytes(),
         ]
     )
     packed = zlib.compress(body, 1)
-    version = _FORMAT if with_gap else _WITHOUT_GAP
+    version = _FORMAT if with_overall else _WITHOUT_OVERALL if with_gap else _WITHOUT_GAP
     return _HEADER.pack(_MAGIC, version, channels, count, _checksum(channels, count, packed)) + packed
 
 
@@ -146,15 +154,15 @@ def decode(data: bytes) -> Samples:
         body = memoryview(zlib.decompress(data[_HEADER.size :]))
         if version < _WITHOUT_GAP:
             return _plain(body, count, channels, version)
-        return _packed(body, count, channels, with_gap=version == _FORMAT)
+        return _packed(body, count, channels, version)
     except DamagedBlock:
         raise
     except (struct.error, zlib.error, ValueError) as error:
         raise DamagedBlock(f"sample block cannot be read: {error}") from error
 
 
-def _packed(body: memoryview, count: int, channels: int, *, with_gap: bool) -> Samples:
-    """Decode the current format, and the one before it without gaps."""
+def _packed(body: memoryview, count: int, channels: int, version: int) -> Samples:
+    """Decode the current format, and those before it without overall levels and without gaps."""
     time = np.cumsum(unshuffled(body, 0, count, "<i8").astype(np.int64))
     speed = unshuffled(body, 8 * count, count, "<f8").astype(np.float64)
     at = 16 * count
@@ -163,7 +171,9 @@ def _packed(body: memoryview, count: int, channels: int, *, with_gap: bool) -> S
     status = np.frombuffer(body, "u1", count * channels, at).copy().reshape(count, channels)
     scatter, at = unpack(body, at + count * channels, (count, channels))
     second, at = unpack(body, at, (count, 2 * channels))
-    gap, at = unpack(body, at, (count, channels)) if with_gap else (np.full((count, channels), np.nan), at)
+    nothing = np.full((count, channels), np.nan)
+    gap, at = unpack(body, at, (count, channels)) if version > _WITHOUT_GAP else (nothing, at)
+    overall, at = unpack(body, at, (count, channels)) if version > _WITHOUT_OVERALL else (nothing.copy(), at)
     conditions = np.frombuffer(body, "<f8", (len(body) - at) // 8, at).astype(np.float64)
     return Samples(
         time,
@@ -175,6 +185,7 @@ def _packed(body: memoryview, count: int, channels: int, *, with_gap: bool) -> S
         _complex(second),
         conditions.reshape(count, -1 if count else 0),
         gap,
+        overall,
     )
 
 

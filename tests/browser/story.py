@@ -2,6 +2,7 @@
 
 import shutil
 from datetime import date, datetime, time, timedelta
+from pathlib import Path
 from zoneinfo import ZoneInfo
 
 from playwright.sync_api import Browser, Playwright
@@ -32,10 +33,19 @@ def run_story(service: Service) -> None:
     until(service.idle, within_s=90, what="all runs are identified")
 
 
-def simulate(service: Service, machine: str, *, cycles: int, rate: float, wait_s: float, story: str = "healthy") -> None:
-    """Run-ups and run-downs over zenoh until all of them are closed."""
+def simulate(
+    service: Service,
+    machine: str,
+    *,
+    cycles: int,
+    rate: float,
+    wait_s: float,
+    story: str = "healthy",
+    document: Path | None = None,
+) -> None:
+    """Run-ups and run-downs over zenoh until all of them are closed. document: by default the example of that name."""
     flags = ["--cycles", str(cycles), "--samples", "60", "--rate", str(rate), "--seed", "3", "--connect", service.endpoint]
-    with process(service.folder / "simulate.log", "simulate", f"{EXAMPLES / machine}.yaml:{story}", *flags):
+    with process(service.folder / "simulate.log", "simulate", f"{document or EXAMPLES / f'{machine}.yaml'}:{story}", *flags):
         until(lambda: closed(service, machine) == 2 * cycles, within_s=wait_s, what=f"the runs of {machine} are closed")
 
 

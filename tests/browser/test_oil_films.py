@@ -1,7 +1,9 @@
 """Oil films in a real browser: where journals rest in their clearances, and the films' coefficients."""
 
+import csv
 import math
 import re
+from pathlib import Path
 from typing import Any, Literal
 
 import pytest
@@ -9,10 +11,10 @@ from playwright.sync_api import Locator, Route, expect
 
 from tests.browser.conftest import PICTURES, Seen
 from tests.browser.drawing import COUNT
-from tests.browser.story import MACHINE, simulate
+from tests.browser.levels import FILMS, add_films
+from tests.browser.story import MACHINE
 from tests.end_to_end.processes import Service, until
 
-FILMS = "motor-compressor"
 BEARINGS = ("B1", "B2", "B3", "B4")
 MIDDLE = "shape => { const box = shape.getBoundingClientRect(); return [box.x + box.width / 2, box.y + box.height / 2]; }"
 WIDTH = "shape => shape.getBoundingClientRect().width"
@@ -26,9 +28,7 @@ PAPER = 688
 def films(place: Service, serving: object) -> Service:
     """The running service, which has identified a run-up and a run-down of a machine on oil films besides."""
     assert serving
-    place.create(FILMS)
-    simulate(place, FILMS, cycles=1, rate=1000, wait_s=90)
-    until(place.idle, within_s=120, what="both runs are identified")
+    add_films(place)
     return place
 
 
@@ -95,6 +95,30 @@ def test_coefficients_of_the_chosen_bearing_are_drawn_and_read_out(seen: Seen, f
     expect(plot.locator(".readout")).to_contain_text(f"4600 rpm: kxx {value}")
     row = found.get_by_role("table").filter(has_text="MN/m").get_by_role("row", name="kxx")
     expect(row.get_by_role("cell").last).to_contain_text(value)
+
+
+def test_the_measured_centreline_is_drawn_beside_the_models(seen: Seen, films: Service, tmp_path: Path) -> None:
+    newest = next(one for one in films.get(f"/machines/{FILMS}/identifications") if one["accepted"])
+    lines = films.get(f"/identifications/{newest['id']}/model/centreline")
+    (measured,) = lines["measured"]
+    seen.open(f"machines/{FILMS}/model")
+    found = seen.page.locator(".panel", has=seen.page.get_by_role("heading", name="Shaft centreline"))
+    expect(found.get_by_text(f"gaps of run {measured['run']}")).to_be_visible()
+    expect(found.get_by_text("Each probe's zero is set by the model")).to_be_visible()
+    for one in lines["bearings"]:
+        drawing = found.get_by_role("img", name=f"Shaft centreline in bearing {one['bearing']}: model from")
+        expect(drawing.locator("path.dots")).to_have_count(1)
+        expect(drawing.locator("circle.clearance")).to_have_count(1)
+    with seen.page.expect_download() as download:
+        found.get_by_role("button", name="Save the data as CSV: Shaft centreline in bearing B1").click()
+    download.value.save_as(tmp_path / "line.csv")
+    head, *rows = csv.reader((tmp_path / "line.csv").read_text().splitlines())
+    assert head == ["line", "speed [rpm]", "x [µm]", "y [µm]"]
+    (own,) = [one for one in measured["bearings"] if one["bearing"] == "B1"]
+    assert sum(row[0] != "model" for row in rows) == sum(
+        None not in pair for pair in zip(own["x_um"], own["y_um"], strict=True)
+    )
+    assert seen.errors == []
 
 
 def test_alignment_of_the_coupling_is_told_with_what_is_known_of_its_change(seen: Seen, films: Service) -> None:

@@ -9,6 +9,7 @@ from playwright.sync_api import Locator, Route, expect
 from tests.browser.conftest import Seen
 from tests.browser.drawing import COUNT, SEEN, SEEN_AGAIN, drawn, looks, pinch, swipe, wait_drawn
 from tests.browser.story import MACHINE
+from tests.browser.views import show
 from tests.end_to_end.processes import Service, until
 
 WORDS_HEIGHT = """(said) => {
@@ -52,6 +53,16 @@ def test_trends_are_drawn_and_read_out_by_keys(seen: Seen, service: Service) -> 
     seen.page.keyboard.press("?")
     expect(seen.page.get_by_role("dialog", name="Keyboard shortcuts")).to_be_visible()
     assert seen.errors == []
+
+
+@pytest.mark.parametrize("view", ["alert", "overview", "vibration", "trends", "response", "shapes", "model", "parameters"])
+def test_every_drawing_can_be_saved_with_its_data(seen: Seen, view: str) -> None:
+    show(seen.page, seen.base, view)
+    drawings = seen.page.locator(".plot:visible, figure:visible:has(> svg), figure:visible:has(.film svg)")
+    assert drawings.count() > 0
+    for one in drawings.all():
+        expect(one.get_by_role("button", name=re.compile("^Save as (PNG|SVG): "))).to_have_count(1)
+        expect(one.get_by_role("button", name=re.compile("^Save the data as CSV: "))).to_have_count(1)
 
 
 def trend(seen: Seen) -> Locator:

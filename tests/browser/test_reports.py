@@ -2,6 +2,7 @@
 
 import re
 from datetime import UTC, datetime, timedelta
+from pathlib import Path
 from typing import Literal
 from urllib.parse import parse_qs, urlsplit
 
@@ -22,6 +23,27 @@ def test_report_prints_on_paper_without_the_frame(seen: Seen) -> None:
     assert seen.page.evaluate("document.documentElement.dataset.theme") == "light", "ink is dark, paper is not"
     assert seen.page.pdf(format="A4").count(b"/Type /Page\n") >= 1
     assert seen.errors == []
+
+
+def test_a_report_is_printed_on_demand_and_says_that_it_is_being_printed(seen: Seen, tmp_path: Path) -> None:
+    seen.open(f"reports/{MACHINE}")
+    with seen.page.expect_download() as download:
+        seen.page.get_by_role("button", name="Report as PDF").click()
+        expect(seen.page.get_by_role("progressbar", name="The report is being printed")).to_be_visible()
+    download.value.save_as(tmp_path / "report.pdf")
+    assert (tmp_path / "report.pdf").read_bytes().startswith(b"%PDF-")
+    assert download.value.suggested_filename.startswith(f"{MACHINE}-")
+    expect(seen.page.get_by_role("button", name="Report as PDF")).to_be_enabled()
+    assert seen.errors == []
+
+
+def test_a_report_that_cannot_be_printed_says_why(seen: Seen) -> None:
+    problem = {"detail": "too many reports wait; ask again in 30 s"}
+    seen.page.route(re.compile(r"/report\.pdf"), lambda route: route.fulfill(status=503, json=problem))
+    seen.open(f"reports/{MACHINE}")
+    seen.page.get_by_role("button", name="Report as PDF").click()
+    expect(seen.page.get_by_role("alert")).to_contain_text("too many reports wait")
+    expect(seen.page.get_by_role("button", name="Report as PDF")).to_be_enabled()
 
 
 @pytest.mark.parametrize(

@@ -107,6 +107,25 @@ def test_the_secret_of_a_webhook_is_shown_once(seen: Seen) -> None:
     expect(seen.page.locator(".secret")).to_have_count(0)
 
 
+def test_reports_by_mail_are_chosen_and_changed(seen: Seen, service: Service) -> None:
+    seen.open("subscriptions")
+    seen.page.get_by_role("button", name="Add").click()
+    dialog = seen.page.get_by_role("dialog")
+    dialog.get_by_label("Name").fill("manager")
+    expect(dialog.get_by_label("Reports of its machines")).to_have_count(0)  # a webhook carries none
+    dialog.get_by_label("Channel").select_option("email")
+    dialog.get_by_label("Address").fill("manager@plant.example")
+    dialog.get_by_label("Reports of its machines").select_option("monthly")
+    dialog.get_by_role("button", name="Add").click()
+    one = seen.page.locator(".subscription", has_text="manager")
+    expect(one.get_by_label("Reports as PDF")).to_have_value("monthly")
+    one.get_by_label("Reports as PDF").select_option("weekly")
+    expect(one.get_by_role("status")).to_contain_text("a report each week")
+    (found,) = [each for each in service.get("/subscriptions") if each["name"] == "manager"]
+    assert found["reports"] == "weekly"
+    assert seen.errors == []
+
+
 def test_two_identifications_are_compared(seen: Seen, service: Service) -> None:
     found = [one for one in service.get(f"/machines/{MACHINE}/identifications") if one["scope"] == "run"]
     newest, oldest = found[0]["id"], found[-1]["id"]

@@ -3,42 +3,25 @@
 import csv
 import re
 from pathlib import Path
-from typing import Any
 
-import numpy as np
 import pytest
 from playwright.sync_api import expect
 
 from tests.browser.conftest import Seen
-from tests.browser.copied_machine import CopiedRuns, create_copy, first_runs, lag_deg, send
 from tests.browser.drawing import wait_drawn
+from tests.browser.levels import COPY, GAP_UM, OVERALL_PART, SECOND_PART, add_copy
 from tests.browser.story import MACHINE
-from tests.end_to_end.processes import Service, until
-
-COPY = "with-second-order"
-SECOND_PART = 0.25
-"""Of the 1×, in the same direction."""
+from tests.end_to_end.processes import Service
 
 
 @pytest.fixture(scope="module")
 def place(place: Service) -> Service:
     """The same service, with a copy of its machine whose source sends a 2× and, in a batch of its own, times in ms."""
     with place.running():
-        create_copy(place, COPY, "Train with second order", operation={"vibration_alert": 2e-4, "vibration_danger": 2e-3})
-        sent = _with_second_order(first_runs(place))
-        send(place, sent)
+        sent = add_copy(place)
         wrong = sent | {"epoch": 2, "time_ns": [time // 1_000_000 for time in sent["time_ns"]]}
         assert place.client.post(f"/machines/{COPY}/samples", json=wrong).status_code == 422
-        until(place.idle, within_s=90, what="they are identified")
     return place
-
-
-def _with_second_order(runs: CopiedRuns) -> dict[str, Any]:
-    second = {
-        "amplitude_2x": (SECOND_PART * np.abs(runs.phasor)).tolist(),
-        "phase_2x": np.mod(2 * lag_deg(runs.phasor), 360.0).tolist(),
-    }
-    return runs.sent(COPY, runs.phasor) | second
 
 
 def test_bars_stand_beside_the_train_with_the_limits(seen: Seen, service: Service) -> None:
@@ -52,7 +35,13 @@ def test_bars_stand_beside_the_train_with_the_limits(seen: Seen, service: Servic
     assert float(newest["B1X"]["second"]["amplitude_um_pp"]) == pytest.approx(
         SECOND_PART * newest["B1X"]["first"]["amplitude_um_pp"]
     )
+    assert newest["B1X"]["overall_um_pp"] == pytest.approx(OVERALL_PART * newest["B1X"]["first"]["amplitude_um_pp"])
+    expect(first).to_contain_text("overall ")
     expect(first.locator(".limit")).to_have_count(2)
+    expect(first.locator(".boundary")).to_have_count(3)
+    distance = GAP_UM - 0.5 * newest["B1X"]["first"]["amplitude_um_pp"]
+    expect(first.locator(".gap-of")).to_contain_text(f"gap −{int(distance)}")
+    expect(seen.page.get_by_text("from a contract made up for this test: A/B 200, B/C 400, C/D 2000 µm pp")).to_be_visible()
     expect(seen.page.get_by_text("Limits of the 1×: alert 400 µm pp, danger 4000 µm pp")).to_be_visible()
     assert seen.errors == []
 
@@ -72,7 +61,7 @@ def test_units_are_changed_everywhere_and_kept(seen: Seen) -> None:
 
 def test_trends_at_running_speed_are_drawn_and_read_within_a_turn(seen: Seen) -> None:
     seen.open(f"machines/{COPY}/vibration?channels=B1X,B1Y")
-    wait_drawn(seen.page, 4)
+    wait_drawn(seen.page, 6)
     phase = seen.page.get_by_role("group", name=re.compile("^1× phase at running speed"))
     lags = [int(one) for one in re.findall(r"B1[XY] (\d+)", phase.locator(".readout").inner_text())]
     assert len(lags) == 2
@@ -80,6 +69,10 @@ def test_trends_at_running_speed_are_drawn_and_read_within_a_turn(seen: Seen) ->
     ratio = seen.page.get_by_role("group", name=re.compile("^2× over 1×"))
     expect(ratio.locator(".readout")).to_contain_text("B1X 0.250")
     expect(seen.page.get_by_text("No region yet").first).to_be_visible()
+    for name, values in (("Overall level", "B1X"), ("Gap", "B1X −")):
+        expect(
+            seen.page.get_by_role("group", name=re.compile(f"^{name} at running speed")).locator(".readout")
+        ).to_contain_text(values)
     assert seen.errors == []
 
 

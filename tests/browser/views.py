@@ -1,5 +1,7 @@
 """Every view of the page, and what is on it once it is there."""
 
+from collections.abc import Mapping
+
 from playwright.sync_api import Page, expect
 
 from tests.browser.story import MACHINE
@@ -24,9 +26,9 @@ VIEWS = {
 """By name the place behind the #, and what shows that it is drawn."""
 
 
-def show(page: Page, base: str, view: str) -> None:
+def show(page: Page, base: str, view: str, *, views: Mapping[str, tuple[str, str]] = VIEWS) -> None:
     """Open a view and wait until nothing of it is being loaded."""
-    place, sign = VIEWS[view]
+    place, sign = views[view]
     page.goto(f"{base}/#/{place}")
     expect(page.locator(sign).first).to_be_attached()
     expect(page.locator(".loading")).to_have_count(0)

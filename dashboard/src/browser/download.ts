@@ -1,6 +1,6 @@
 // Files made in the browser: pictures of plots, and their data.
 
-function download(blob: Blob, file: string): void {
+export function download(blob: Blob, file: string): void {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(blob);
   link.download = file;

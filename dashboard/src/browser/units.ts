@@ -1,4 +1,5 @@
 // The units that vibration and speed are shown in, chosen here and kept by the browser; the API's are µm peak-to-peak and r/min.
+import { t } from "../messages/messages";
 import { Store, useStore } from "./store";
 
 /** A unit's label, and the factor from the API's unit. */
@@ -9,22 +10,26 @@ export interface Unit {
 
 export interface Units {
   amplitude: Unit;
+  /** Of places along a probe's axis, from µm. */
+  length: Unit;
   speed: Unit;
 }
 
 const STORAGE_KEY = "rundown.units";
 const MIL_UM = 25.4;
+const MICROMETRES: Unit = { label: "µm", factor: 1 };
+const MILS: Unit = { label: "mil", factor: 1 / MIL_UM };
 const AMPLITUDES: Record<string, Unit> = {
   um_pp: { label: "µm pp", factor: 1 },
   um_p: { label: "µm 0-pk", factor: 0.5 },
   mil_pp: { label: "mil pp", factor: 1 / MIL_UM },
   mil_p: { label: "mil 0-pk", factor: 0.5 / MIL_UM },
 };
-const SPEEDS: Record<string, Unit> = { rpm: { label: "rpm", factor: 1 }, hz: { label: "Hz", factor: 1 / 60 } };
+const SPEEDS: Record<string, Unit> = { rpm: { label: t("rpm"), factor: 1 }, hz: { label: "Hz", factor: 1 / 60 } };
 
 /** Every choice by its name: `um_pp,rpm`. */
 export const UNIT_CHOICES: [string, Units][] = Object.entries(SPEEDS).flatMap(([speedName, speed]) =>
-  Object.entries(AMPLITUDES).map(([name, amplitude]): [string, Units] => [`${name},${speedName}`, { amplitude, speed }]),
+  Object.entries(AMPLITUDES).map(([name, amplitude]): [string, Units] => [`${name},${speedName}`, { amplitude, length: name.startsWith("mil") ? MILS : MICROMETRES, speed }]),
 );
 
 function saved(): string {

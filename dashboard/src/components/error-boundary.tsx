@@ -2,6 +2,7 @@
 import type { ComponentChildren } from "preact";
 import { useErrorBoundary } from "preact/hooks";
 import { refetch } from "../data/resource";
+import { t } from "../messages/messages";
 
 export function ErrorBoundary({ children }: { children: ComponentChildren }) {
   const [error, reset] = useErrorBoundary((one) => console.error(one)) as [Error | undefined, () => void];
@@ -12,10 +13,10 @@ export function ErrorBoundary({ children }: { children: ComponentChildren }) {
   };
   return (
     <section class="panel" role="alert">
-      <p class="error">This view cannot be shown, the page has an error: {error.message}</p>
+      <p class="error">{t("viewHasError", { error: error.message })}</p>
       <p class="buttons">
         <button type="button" onClick={tryAgain}>
-          Try again
+          {t("tryAgain")}
         </button>
       </p>
     </section>

@@ -6,6 +6,7 @@ import { connection } from "../data/connection";
 import type { ApiError } from "../data/http-client";
 import type { QueryResult } from "../data/resource";
 import { clock } from "../format/times";
+import { t } from "../messages/messages";
 
 export function ErrorMessage({ failure }: { failure: ApiError }) {
   return (
@@ -16,7 +17,7 @@ export function ErrorMessage({ failure }: { failure: ApiError }) {
 }
 
 function messageOf({ message, pending }: ApiError): string {
-  return pending ? `${message} Retrying.` : message;
+  return pending ? t("retrying", { message }) : message;
 }
 
 /** Beside stale data: when they were received, and why there are no newer ones. */
@@ -27,7 +28,7 @@ export function StaleNotice({ result: { data, failure, asOf } }: { result: Query
   if (state === "degraded" && failure.status >= 500) return null;
   return (
     <p class="error stale-notice" role="status">
-      As of {clock(asOf)}, nothing newer: {messageOf(failure)}
+      {t("asOfNothingNewer", { time: clock(asOf), failure: messageOf(failure) })}
     </p>
   );
 }
@@ -51,10 +52,10 @@ export function Loading({ height }: { height: string }) {
   return (
     <div class="loading" aria-busy="true" style={{ minHeight: height }}>
       {seconds === null ? (
-        <span class="hidden">loading</span>
+        <span class="hidden">{t("loading")}</span>
       ) : (
         <label>
-          Being computed, {seconds} s <progress />
+          {t("beingComputedS", { seconds })} <progress />
         </label>
       )}
     </div>

@@ -1,6 +1,7 @@
 // The states of a view of the newest identification: being loaded, stale, none.
 import type { ApiError } from "../data/http-client";
 import { isComparable, MAX_SEARCH, type NewestIdentification, type NewestSummary } from "../data/newest-identification";
+import { t } from "../messages/messages";
 import { ErrorMessage, Loading, StaleNotice } from "./loading";
 import { Empty, Panel } from "./panel";
 
@@ -16,8 +17,8 @@ export function NewestNotice({ failure, list }: Pick<NewestIdentification, "fail
 
 export function NoIdentification() {
   return (
-    <Panel title="Nothing to show yet">
-      <Empty>No run of this machine was identified yet. The first one that covers enough of the speed range will be.</Empty>
+    <Panel title={t("nothingToShowYet")}>
+      <Empty>{t("noRunOfThisMachine")}</Empty>
     </Panel>
   );
 }
@@ -25,6 +26,6 @@ export function NoIdentification() {
 /** State that no identification can be compared with a baseline; null where one can, or nothing is known yet. */
 export function notComparableText({ data, searched }: NewestSummary): string | null {
   if (data === undefined || isComparable(data)) return null;
-  if (searched === MAX_SEARCH) return `Of the newest ${MAX_SEARCH} identifications none of a single run was accepted.`;
-  return "No identification of a single run was accepted yet.";
+  if (searched === MAX_SEARCH) return t("ofTheNewestIdentificationsNone", { count: MAX_SEARCH });
+  return t("noIdentificationOfASingle");
 }

@@ -1,22 +1,22 @@
 // A machine's operating state as a sign and a word.
+import { term } from "../messages/messages";
 
-const STATES: Record<string, [string, string]> = {
-  stopped: ["■", "stopped"],
-  "slow roll": ["◔", "slow roll"],
-  slow_roll: ["◔", "slow roll"],
-  "run-up": ["▲", "run-up"],
-  "at speed": ["●", "at speed"],
-  at_speed: ["●", "at speed"],
-  "run-down": ["▼", "run-down"],
-  trip: ["⏷", "trip"],
-  unknown: ["○", "unknown"],
+const SIGNS: Record<string, string> = {
+  stopped: "■",
+  "slow roll": "◔",
+  slow_roll: "◔",
+  "run-up": "▲",
+  "at speed": "●",
+  at_speed: "●",
+  "run-down": "▼",
+  trip: "⏷",
+  unknown: "○",
 };
 
 export function OperatingState({ state }: { state: string }) {
-  const [sign, word] = STATES[state] ?? ["○", state];
   return (
     <span class={`mode ${state === "trip" ? "trip" : ""}`}>
-      <span aria-hidden="true">{sign}</span> {word}
+      <span aria-hidden="true">{SIGNS[state] ?? "○"}</span> {term(state)}
     </span>
   );
 }

@@ -1,5 +1,6 @@
 // A section of a page with its heading, and its content when there is nothing to show or not all is shown.
 import type { ComponentChildren } from "preact";
+import { t, term } from "../messages/messages";
 
 export function Panel(props: { title: string; aside?: ComponentChildren; class?: string; children: ComponentChildren }) {
   return (
@@ -21,7 +22,7 @@ export function Empty({ children }: { children: ComponentChildren }) {
 export function Truncated({ shown, limit, which = "newest", of = "" }: { shown: number; limit: number; which?: string; of?: string }) {
   return shown < limit ? null : (
     <p class="muted truncated">
-      The {which} {limit}{of && ` ${of}`} are shown; there may be more.
+      {t("theNewestAreShown", { which: term(which), limit, of: of && ` ${of}` })}
     </p>
   );
 }

@@ -2,6 +2,7 @@
 import { replaceQuery } from "../browser/router";
 import { MAX_RUNS, type RunSelection } from "../data/run-selection";
 import { when } from "../format/times";
+import { t, term } from "../messages/messages";
 import type { Run } from "../schemas/runs";
 import { Truncated } from "./panel";
 
@@ -10,23 +11,23 @@ export function RunSelect({ all, listed, run, reference }: RunSelection) {
   return (
     <>
       <label>
-        Run
+        {t("run")}
         <select value={run?.id ?? ""} onChange={(event) => replaceQuery({ run: event.currentTarget.value, reference: null })}>
-          {!run && <option value="">none</option>}
+          {!run && <option value="">{t("none")}</option>}
           <Options runs={all ?? []} />
         </select>
       </label>
       <label>
-        Overlay
+        {t("overlay")}
         <select value={reference?.id ?? ""} onChange={(event) => replaceQuery({ reference: event.currentTarget.value || null })}>
-          <option value="">none</option>
+          <option value="">{t("none")}</option>
           <Options runs={sameKind} />
         </select>
       </label>
-      <Truncated shown={listed} limit={MAX_RUNS} of="runs" />
+      <Truncated shown={listed} limit={MAX_RUNS} of={t("runs")} />
       {sameKind.length > 0 && (
         <button type="button" onClick={() => replaceQuery({ reference: String(sameKind.at(-1)!.id) })}>
-          Overlay the oldest of its kind
+          {t("overlayTheOldestOfIts")}
         </button>
       )}
     </>
@@ -38,7 +39,7 @@ function Options({ runs }: { runs: Run[] }) {
     <>
       {runs.map((one) => (
         <option key={one.id} value={one.id}>
-          {`${one.id}  ${one.kind}, ${when(one.started_at)}${one.state === "open" ? " (open)" : ""}`}
+          {`${one.id}  ${term(one.kind)}, ${when(one.started_at)}${one.state === "open" ? t("openInBrackets") : ""}`}
         </option>
       ))}
     </>

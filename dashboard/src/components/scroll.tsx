@@ -1,6 +1,7 @@
 // A table that may be wider than the page: it scrolls by itself, and keys reach it where it does.
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
+import { t } from "../messages/messages";
 
 export function Scroll({ label, children }: { label: string; children: ComponentChildren }) {
   const box = useRef<HTMLDivElement>(null);
@@ -13,7 +14,7 @@ export function Scroll({ label, children }: { label: string; children: Component
     return () => observer.disconnect();
   }, []);
   return (
-    <div class="scroll" ref={box} {...(wide ? { tabIndex: 0, role: "group", "aria-label": `${label}, scrolls sideways` } : {})}>
+    <div class="scroll" ref={box} {...(wide ? { tabIndex: 0, role: "group", "aria-label": t("scrollsSideways", { label }) } : {})}>
       {children}
     </div>
   );

@@ -1,4 +1,5 @@
 // An alert's severity as a sign with its own shape and colour, and a word.
+import { term } from "../messages/messages";
 
 /** The worst first. */
 const SIGNS: Record<string, string> = { danger: "◆", alert: "▲", info: "●" };
@@ -11,9 +12,9 @@ export function worstSeverity(severities: string[]): string | undefined {
 export function Severity(props: { severity: string; acknowledged?: boolean; word?: boolean }) {
   const { severity, acknowledged = false, word = true } = props;
   return (
-    <span class={`severity ${severity} ${acknowledged ? "acknowledged" : ""}`} title={severity}>
+    <span class={`severity ${severity} ${acknowledged ? "acknowledged" : ""}`} title={term(severity)}>
       <span aria-hidden="true">{SIGNS[severity] ?? "●"}</span>
-      <span class={word ? undefined : "hidden"}> {severity}</span>
+      <span class={word ? undefined : "hidden"}> {term(severity)}</span>
     </span>
   );
 }

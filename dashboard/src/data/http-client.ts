@@ -1,4 +1,6 @@
 // Requests to the API, and their errors.
+import { locale } from "../messages/locale";
+import { t } from "../messages/messages";
 import { connection, isTimeout, noteNoResponse, noteResponse } from "./connection";
 import { problemText } from "./problem";
 import { csrfHeaders, redirectToLogin } from "./session";
@@ -30,18 +32,22 @@ export class ApiError extends Error {
 
 function noResponse(sentAt: number, error: unknown): ApiError {
   noteNoResponse(sentAt, error);
-  return isTimeout(error) && connection.value.state !== "lost" ? pending() : new ApiError(0, "The service does not answer.");
+  return isTimeout(error) && connection.value.state !== "lost" ? pending() : new ApiError(0, t("theServiceDoesNotAnswer"));
 }
 
 function pending(): ApiError {
-  return new ApiError(0, `The service is up, but did not answer this request within ${TIMEOUT_MS / 1000} s.`, true);
+  return new ApiError(0, t("theServiceIsUpBut", { seconds: TIMEOUT_MS / 1000 }), true);
 }
 
 async function request(path: string, options: RequestInit): Promise<Response> {
   let response: Response;
   const sentAt = Date.now();
   try {
-    response = await fetch(API_PREFIX + path, { ...options, signal: AbortSignal.timeout(TIMEOUT_MS) });
+    response = await fetch(API_PREFIX + path, {
+      ...options,
+      headers: { "accept-language": locale, ...options.headers },
+      signal: AbortSignal.timeout(TIMEOUT_MS),
+    });
   } catch (error) {
     throw noResponse(sentAt, error);
   }
@@ -57,7 +63,7 @@ async function parse<T>(response: Response): Promise<T> {
     return (await response.json()) as T;
   } catch (error) {
     if (isTimeout(error)) throw pending();
-    throw new ApiError(response.status, error instanceof SyntaxError ? "The service's response is not JSON." : "The service's response was cut off.");
+    throw new ApiError(response.status, error instanceof SyntaxError ? t("theServiceSResponseIs") : t("theServiceSResponseWas"));
   }
 }
 

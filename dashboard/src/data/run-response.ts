@@ -1,4 +1,5 @@
 // The response of a run: its phasors, those of a run overlaid, and the curve of its identification, once all are there.
+import { t } from "../messages/messages";
 import type { Bode } from "../schemas/model";
 import type { Phasors, Run } from "../schemas/runs";
 import { queryString, type ApiError } from "./http-client";
@@ -9,10 +10,10 @@ import { useRunIdentification } from "./run-identification";
 const LIVE_POLL_MS = 1500;
 /** Enough for the sharpest resonance of a train. */
 const FITTED_POINTS = 600;
-const NO_FIT = "This run has no accepted identification: there is no curve and no residual.";
-const NOT_LOADED = "The curve of this run's identification could not be loaded.";
-const UNKNOWN = "Whether this run was identified is unknown: there is no curve yet.";
-const AS_MEASURED = "Curve and residual are shown where the slow roll of the identification is subtracted.";
+const NO_FIT = t("thisRunHasNoAccepted");
+const NOT_LOADED = t("theCurveOfThisRun");
+const UNKNOWN = t("whetherThisRunWasIdentified");
+const AS_MEASURED = t("curveAndResidualAreShown");
 
 export interface CompleteResponse {
   measured: Phasors;

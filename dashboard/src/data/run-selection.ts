@@ -2,6 +2,7 @@
 import { useEffect } from "preact/hooks";
 import { replaceQuery, route } from "../browser/router";
 import { useStore } from "../browser/store";
+import { t } from "../messages/messages";
 import type { Run } from "../schemas/runs";
 import { useResource } from "./resource";
 
@@ -31,7 +32,7 @@ export function useRunSelection(machine: string): RunSelection {
   useEffect(() => {
     if (run && !query.get("run")) replaceQuery({ run: String(run.id) });
   }, [run?.id, query]);
-  const failure = query.get("run") && all && !run ? `This machine has no run ${query.get("run")} to show.` : list.failure?.message;
+  const failure = query.get("run") && all && !run ? t("noSuchRun", { run: query.get("run") }) : list.failure?.message;
   return { all, listed: list.data?.length ?? 0, run, reference: named("reference"), failure };
 }
 

@@ -2,17 +2,18 @@
 import { MAX_EVENTS } from "../data/alerts-at-time";
 import { ApiError, get, getWithEtag, post, type IdempotencyKeys } from "../data/http-client";
 import { refetch } from "../data/resource";
+import { t, term } from "../messages/messages";
 import type { Alert, AlertEvent } from "../schemas/alerts";
 import { ALERT_ACTIONS, alertStateLabel, instructionDraft, type AlertAction } from "../words/alert-states";
 import { author, CommentField, FormDialog } from "./form-dialog";
 
 const SHIFT = 8;
 const HOURS: [number, string][] = [
-  [1, "1 hour"],
-  [SHIFT, "8 hours (one shift)"],
-  [24, "1 day"],
-  [168, "1 week"],
-  [719, "30 days (the maximum)"],
+  [1, t("n1Hour")],
+  [SHIFT, t("n8HoursOneShift")],
+  [24, t("n1Day")],
+  [168, t("n1Week")],
+  [719, t("n30DaysTheMaximum")],
 ];
 
 async function carryOut(alert: Alert, action: AlertAction, body: Record<string, string>, keys: IdempotencyKeys): Promise<void> {
@@ -20,10 +21,10 @@ async function carryOut(alert: Alert, action: AlertAction, body: Record<string, 
   const [now, etag] = await getWithEtag<Alert>(`/alerts/${alert.id}`);
   if (!isRemark(action) && now.state !== alert.state) {
     const last = (await get<AlertEvent[]>(`/alerts/${alert.id}/events?limit=${MAX_EVENTS}`)).at(-1);
-    throw new ApiError(409, `The alert has changed: it is now ${alertStateLabel(now.state)}, by ${last?.by ?? "somebody else"}. Check it again.`);
+    throw new ApiError(409, t("theAlertHasChangedIt", { state: alertStateLabel(now.state), by: last?.by ?? t("somebodyElse") }));
   }
   if (!isRemark(action) && now.severity !== alert.severity) {
-    throw new ApiError(409, `The alert has changed: its severity is now ${now.severity}, no longer ${alert.severity}. Check it again.`);
+    throw new ApiError(409, t("theAlertHasChangedIts", { now: term(now.severity), before: term(alert.severity) }));
   }
   // An action can be undone and then taken anew, so it needs a new key: only a comment must not be there twice.
   await post(`/alerts/${alert.id}/${isRemark(action) ? "comments" : action}`, body, etag, isRemark(action) ? keys : undefined);
@@ -50,7 +51,7 @@ export function AlertActionDialog({ alert, action, onClose }: { alert: Alert; ac
       <p class="subject">{alert.message}</p>
       {action === "shelve" && (
         <label>
-          For
+          {t("shelveFor")}
           <select name="hours">
             {HOURS.map(([hours, words]) => (
               <option key={hours} value={hours} selected={hours === SHIFT}>
@@ -61,7 +62,7 @@ export function AlertActionDialog({ alert, action, onClose }: { alert: Alert; ac
         </label>
       )}
       {action === "instruct" ? (
-        <CommentField label="What is to be done" required rows={7} text={instructionDraft(alert)} />
+        <CommentField label={t("whatIsToBeDone")} required rows={7} text={instructionDraft(alert)} />
       ) : (
         <CommentField required={action === "comments"} />
       )}

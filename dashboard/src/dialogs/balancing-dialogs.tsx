@@ -2,6 +2,7 @@
 import { post, type IdempotencyKeys } from "../data/http-client";
 import { refetch, useResource } from "../data/resource";
 import { when } from "../format/times";
+import { t, term } from "../messages/messages";
 import type { Document } from "../schemas/machines";
 import type { Run } from "../schemas/runs";
 import { author, CommentField, FormDialog } from "./form-dialog";
@@ -21,10 +22,10 @@ interface Props {
 }
 
 const TITLES: Record<BalancingStep, [title: string, button: string]> = {
-  begin: ["Begin a field balancing", "Begin"],
-  trial: ["Add a trial run", "Add"],
-  correction: ["Compute the correction", "Compute"],
-  check: ["Compare a check run", "Compare"],
+  begin: [t("beginAFieldBalancing"), t("begin")],
+  trial: [t("addATrialRun"), t("add")],
+  correction: [t("computeTheCorrection"), t("compute")],
+  check: [t("compareACheckRun"), t("compare")],
 };
 
 export function BalancingDialog({ machine, step, balancing, onClose }: Props) {
@@ -41,13 +42,13 @@ export function BalancingDialog({ machine, step, balancing, onClose }: Props) {
   };
   return (
     <FormDialog title={title} button={button} onSubmit={submit} onClose={onClose}>
-      {step === "begin" && <RunField machine={machine.id} label="Run without trial weights" />}
+      {step === "begin" && <RunField machine={machine.id} label={t("runWithoutTrialWeights")} />}
       {step === "begin" && <ScaleFields />}
       {step === "begin" && <CommentField />}
-      {step === "trial" && <RunField machine={machine.id} label="Run with the weight" />}
+      {step === "trial" && <RunField machine={machine.id} label={t("runWithTheWeight")} />}
       {step === "trial" && <WeightFields machine={machine} />}
       {step === "correction" && <CorrectionFields machine={machine} />}
-      {step === "check" && <RunField machine={machine.id} label="Run with the proposed weights" />}
+      {step === "check" && <RunField machine={machine.id} label={t("runWithTheProposedWeights")} />}
     </FormDialog>
   );
 }
@@ -98,15 +99,15 @@ function ScaleFields() {
   return (
     <>
       <label>
-        The discs' scale of angles grows
+        {t("theDiscsScaleOfAngles")}
         <select name="counted">
-          <option value="x-to-y">from +x towards +y</option>
-          <option value="with-rotation">with the rotation</option>
-          <option value="against-rotation">against the rotation</option>
+          <option value="x-to-y">{t("fromXTowardsY")}</option>
+          <option value="with-rotation">{t("withTheRotation")}</option>
+          <option value="against-rotation">{t("againstTheRotation")}</option>
         </select>
       </label>
       <label>
-        Where its zero is at the keyphasor's pulse, from +x towards +y [°]
+        {t("whereItsZeroIsAt")}
         <input name="zero" type="number" step="any" min="-360" max="360" defaultValue="0" required />
       </label>
     </>
@@ -121,7 +122,7 @@ function RunField({ machine, label }: { machine: string; label: string }) {
       {label}
       <select name="run" required>
         {closed.map((one) => (
-          <option key={one.id} value={one.id}>{`${one.id}  ${one.kind}, ${when(one.started_at)}`}</option>
+          <option key={one.id} value={one.id}>{`${one.id}  ${term(one.kind)}, ${when(one.started_at)}`}</option>
         ))}
       </select>
     </label>
@@ -132,7 +133,7 @@ function WeightFields({ machine }: { machine: Document }) {
   return (
     <>
       <label>
-        Disc
+        {t("disc")}
         <select name="disc" required>
           {machine.discs.map((one) => (
             <option key={one.id}>{one.id}</option>
@@ -140,11 +141,11 @@ function WeightFields({ machine }: { machine: Document }) {
         </select>
       </label>
       <label>
-        Amount, all that is on it
+        {t("amountAllThatIsOn")}
         <input name="amount" type="number" step="any" min="0" required />
       </label>
       <label>
-        Unit
+        {t("unit")}
         <select name="unit">
           {UNITS.map((one) => (
             <option key={one}>{one}</option>
@@ -152,11 +153,11 @@ function WeightFields({ machine }: { machine: Document }) {
         </select>
       </label>
       <label>
-        Radius of a mass (g, kg, oz) [mm]
+        {t("radiusOfAMassG")}
         <input name="radius" type="number" step="any" min="0" />
       </label>
       <label>
-        Angle on the disc's scale [°]
+        {t("angleOnTheDiscS")}
         <input name="angle" type="number" step="any" min="-360" max="360" required />
       </label>
     </>
@@ -167,14 +168,14 @@ function CorrectionFields({ machine }: { machine: Document }) {
   return (
     <>
       <label>
-        Least
+        {t("least")}
         <select name="criterion">
-          <option value="least-squares">squares of the vibration</option>
-          <option value="min-max">largest vibration</option>
+          <option value="least-squares">{t("squaresOfTheVibration")}</option>
+          <option value="min-max">{t("largestVibration")}</option>
         </select>
       </label>
       <label>
-        Balance quality grade G, ISO 21940-11 [mm/s]
+        {t("balanceQualityGradeGIso")}
         <input name="grade" type="number" step="any" min="0.1" defaultValue="2.5" required />
       </label>
       {machine.discs.map((one) => (
@@ -187,16 +188,16 @@ function CorrectionFields({ machine }: { machine: Document }) {
 /** What may be put on a disc: at most so much, and into which holes; left empty, it is free. */
 function DiscBounds({ disc }: { disc: string }) {
   const fields: [name: string, label: string, step: string][] = [
-    ["limit", "At most [g·mm]", "any"],
-    ["count", "Holes", "1"],
-    ["radius", "Their radius [mm]", "any"],
-    ["first", "First hole at [°]", "any"],
-    ["largest", "Most in a hole [g]", "any"],
-    ["step", "Steps of masses [g]", "any"],
+    ["limit", t("atMostGMm"), "any"],
+    ["count", t("holes"), "1"],
+    ["radius", t("theirRadiusMm"), "any"],
+    ["first", t("firstHoleAt"), "any"],
+    ["largest", t("mostInAHoleG"), "any"],
+    ["step", t("stepsOfMassesG"), "any"],
   ];
   return (
     <details>
-      <summary>{disc}: limit and holes</summary>
+      <summary>{t("limitAndHoles", { disc })}</summary>
       {fields.map(([name, label, step]) => (
         <label key={name}>
           {label}

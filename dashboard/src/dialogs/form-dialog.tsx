@@ -3,6 +3,7 @@ import type { ComponentChildren } from "preact";
 import { useRef, useState } from "preact/hooks";
 import { saveAuthorName, savedAuthorName } from "../data/author-name";
 import { ApiError, type IdempotencyKeys } from "../data/http-client";
+import { t } from "../messages/messages";
 import { Dialog } from "./dialog";
 
 interface Props {
@@ -41,7 +42,7 @@ export function FormDialog({ title, button, named = true, onSubmit, onClose, chi
         {children}
         {named && (
           <label>
-            Your name
+            {t("yourName")}
             <input name="by" required maxLength={120} autoComplete="name" defaultValue={savedAuthorName()} autofocus={savedAuthorName() === ""} />
           </label>
         )}
@@ -55,7 +56,7 @@ export function FormDialog({ title, button, named = true, onSubmit, onClose, chi
             {busy ? "…" : button}
           </button>
           <button type="button" onClick={onClose}>
-            Cancel
+            {t("cancel")}
           </button>
         </p>
       </form>
@@ -71,7 +72,7 @@ export function author(form: FormData): string {
 export function CommentField(props: { label?: string; required?: boolean; rows?: number; text?: string }) {
   return (
     <label>
-      {props.label ?? "Comment"}
+      {props.label ?? t("comment")}
       <textarea name="comment" rows={props.rows ?? 3} maxLength={2000} required={props.required ?? false} defaultValue={props.text ?? ""} />
     </label>
   );

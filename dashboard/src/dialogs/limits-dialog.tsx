@@ -2,6 +2,7 @@
 import { getWithEtag, put } from "../data/http-client";
 import { refetch } from "../data/resource";
 import { findingLabel, LEVELS, limitQuantities, type FindingKind } from "../findings/findings";
+import { t, term } from "../messages/messages";
 import type { Level, Limits, LimitsVersion, Rule } from "../schemas/alerts";
 import { author, CommentField, FormDialog } from "./form-dialog";
 
@@ -24,11 +25,11 @@ export function LimitsDialog({ machine, kind, shown, onClose }: Props) {
     refetch(path);
   };
   return (
-    <FormDialog title={`Limits: ${findingLabel(kind)}`} button="Apply" onSubmit={submit} onClose={onClose}>
-      <p class="muted">They hold from the next identification on. An empty field is not checked; without any limit of danger there is no danger.</p>
+    <FormDialog title={t("limits", { finding: findingLabel(kind) })} button={t("apply")} onSubmit={submit} onClose={onClose}>
+      <p class="muted">{t("limitsHoldFromNext")}</p>
       {LEVELS.map((level) => (
         <fieldset key={level}>
-          <legend>{level}</legend>
+          <legend>{term(level)}</legend>
           {limitQuantities(kind).map((one) => (
             <label key={one.name}>
               {one.label} [{one.unit}]
@@ -38,15 +39,15 @@ export function LimitsDialog({ machine, kind, shown, onClose }: Props) {
         </fieldset>
       ))}
       <label>
-        On-delay: consecutive identifications that must show it
+        {t("onDelayLabel")}
         <input type="number" name="on_delay" min={1} step={1} required defaultValue={String(rule.on_delay)} />
       </label>
       <label>
-        Off-delay: consecutive identifications that must no longer show it
+        {t("offDelayLabel")}
         <input type="number" name="off_delay" min={1} step={1} required defaultValue={String(rule.off_delay)} />
       </label>
       <label class="switch">
-        <input type="checkbox" name="latching" defaultChecked={rule.latching} /> latching: must be reset by a person
+        <input type="checkbox" name="latching" defaultChecked={rule.latching} /> {t("latchingMustBeResetBy")}
       </label>
       <CommentField required />
     </FormDialog>

@@ -1,21 +1,25 @@
 // Add a subscription to alerts.
+import { useState } from "preact/hooks";
+import { ReportSelect } from "../components/report-select";
 import { ADDRESS_FORMS, CHANNELS } from "../declarations/channels";
 import { post, type IdempotencyKeys } from "../data/http-client";
 import { refetch } from "../data/resource";
+import { t } from "../messages/messages";
 import type { NewSubscription } from "../schemas/subscriptions";
 import { FormDialog } from "./form-dialog";
 
 export function SubscriptionDialog({ onAdded, onClose }: { onAdded: (one: NewSubscription) => void; onClose: () => void }) {
+  const [kind, setKind] = useState<string>(CHANNELS[0].kind);
   const submit = async (form: FormData, keys: IdempotencyKeys) => {
-    const body = { kind: form.get("kind"), name: String(form.get("name")).trim(), target: String(form.get("target")).trim() };
+    const body = { kind: form.get("kind"), name: String(form.get("name")).trim(), target: String(form.get("target")).trim(), reports: form.get("reports") || null };
     onAdded(await post<NewSubscription>("/subscriptions", body, null, keys));
     refetch("/subscriptions");
   };
   return (
-    <FormDialog title="Add a subscription" button="Add" named={false} onSubmit={submit} onClose={onClose}>
+    <FormDialog title={t("addASubscription")} button={t("add")} named={false} onSubmit={submit} onClose={onClose}>
       <label>
-        Channel
-        <select name="kind">
+        {t("channel")}
+        <select name="kind" value={kind} onChange={(event) => setKind(event.currentTarget.value)}>
           {CHANNELS.map(({ kind, title }) => (
             <option key={kind} value={kind}>
               {title}
@@ -24,13 +28,19 @@ export function SubscriptionDialog({ onAdded, onClose }: { onAdded: (one: NewSub
         </select>
       </label>
       <label>
-        Name
+        {t("name")}
         <input name="name" required maxLength={120} />
       </label>
       <label>
-        Address: {ADDRESS_FORMS}
+        {t("addressOf", { forms: ADDRESS_FORMS })}
         <input name="target" maxLength={2000} />
       </label>
+      {CHANNELS.find((one) => one.kind === kind)?.reports && (
+        <label>
+          {t("reportsOfItsMachines")}
+          <ReportSelect value={null} />
+        </label>
+      )}
     </FormDialog>
   );
 }

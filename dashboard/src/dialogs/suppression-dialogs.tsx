@@ -3,6 +3,7 @@ import { getWithEtag, post, type IdempotencyKeys } from "../data/http-client";
 import { refetch } from "../data/resource";
 import { FINDING_KINDS, findingLabel } from "../findings/findings";
 import { elementName, words } from "../format/names";
+import { t } from "../messages/messages";
 import type { Suppression } from "../schemas/alerts";
 import type { Document } from "../schemas/machines";
 import { suppressionScope } from "../words/alert-states";
@@ -24,18 +25,18 @@ export function SuppressDialog({ machine, onClose }: { machine: Document; onClos
     refetchAlerts(machine.id);
   };
   return (
-    <FormDialog title="Suppress alerts" button="Suppress" onSubmit={submit} onClose={onClose}>
+    <FormDialog title={t("suppressAlerts")} button={t("suppress")} onSubmit={submit} onClose={onClose}>
       <label>
-        Kind
+        {t("kind")}
         <select name="kind">
-          <option value="out_of_service">out of service: a probe or a machine under maintenance</option>
-          <option value="suppressed_by_design">suppressed by design: known and intended</option>
+          <option value="out_of_service">{t("outOfServiceAProbe")}</option>
+          <option value="suppressed_by_design">{t("suppressedByDesignKnownAnd")}</option>
         </select>
       </label>
       <label>
-        Finding
+        {t("finding")}
         <select name="rule">
-          <option value="">all</option>
+          <option value="">{t("all")}</option>
           {FINDING_KINDS.map((one) => (
             <option key={one} value={one}>
               {findingLabel(one)}
@@ -44,9 +45,9 @@ export function SuppressDialog({ machine, onClose }: { machine: Document; onClos
         </select>
       </label>
       <label>
-        Element
+        {t("element")}
         <select name="element">
-          <option value="">all</option>
+          <option value="">{t("all")}</option>
           {elementsOfMachine(machine).map((one) => (
             <option key={one} value={one}>
               {elementName(one)}
@@ -55,7 +56,7 @@ export function SuppressDialog({ machine, onClose }: { machine: Document; onClos
         </select>
       </label>
       <label>
-        Until; empty: until it is ended here
+        {t("untilEmptyUntilItIs")}
         <input type="datetime-local" name="until" />
       </label>
       <CommentField />
@@ -71,8 +72,8 @@ export function EndSuppressionDialog({ suppression, onClose }: { suppression: Su
     refetchAlerts(suppression.machine);
   };
   return (
-    <FormDialog title={`End: ${words(suppression.kind)}, ${suppressionScope(suppression)}`} button="End" onSubmit={submit} onClose={onClose}>
-      <p class="muted">Alerts whose cause is still there become unacknowledged again.</p>
+    <FormDialog title={t("endSuppression", { kind: words(suppression.kind), scope: suppressionScope(suppression) })} button={t("end")} onSubmit={submit} onClose={onClose}>
+      <p class="muted">{t("alertsWhoseCauseIsStill")}</p>
       <CommentField />
     </FormDialog>
   );

@@ -2,6 +2,7 @@
 import { useState } from "preact/hooks";
 import { post, type IdempotencyKeys } from "../data/http-client";
 import { refetch } from "../data/resource";
+import { t } from "../messages/messages";
 import { author, FormDialog } from "./form-dialog";
 
 export function TimelineDialog({ machine, onClose }: { machine: string; onClose: () => void }) {
@@ -16,21 +17,21 @@ export function TimelineDialog({ machine, onClose }: { machine: string; onClose:
     }
   };
   return (
-    <FormDialog title="Add a note or a maintenance" button="Add" onSubmit={submit} onClose={onClose}>
+    <FormDialog title={t("addANoteOrA")} button={t("add")} onSubmit={submit} onClose={onClose}>
       <label>
-        Kind
+        {t("kind")}
         <select name="kind">
-          <option value="note">note</option>
-          <option value="maintenance">maintenance: a new baseline begins</option>
-          <option value="marker">marker</option>
+          <option value="note">{t("note")}</option>
+          <option value="maintenance">{t("maintenanceANewBaselineBegins")}</option>
+          <option value="marker">{t("marker")}</option>
         </select>
       </label>
       <label>
-        Time
+        {t("time")}
         <input type="datetime-local" name="at" required defaultValue={opened} />
       </label>
       <label>
-        Text
+        {t("text")}
         <textarea name="text" rows={3} required maxLength={2000} />
       </label>
     </FormDialog>

@@ -1,6 +1,7 @@
 // Everything that the page says of findings: their kinds, labels and causes, and the limits that each kind has.
 import { QUANTITIES, RULES, type RuleName } from "../declarations/findings";
 import { elementName, words } from "../format/names";
+import { t } from "../messages/messages";
 
 export const FINDING_KINDS = RULES;
 
@@ -13,7 +14,7 @@ export function findingLabel(kind: string): string {
 
 /** A hypothesis in words: `misalignment of coupling C1`. */
 export function causeLabel({ kind, element }: { kind: string; element: string }): string {
-  return element.startsWith(`${kind}.`) ? `${elementName(element)} itself` : `${findingLabel(kind)} of ${elementName(element)}`;
+  return element.startsWith(`${kind}.`) ? t("itself", { element: elementName(element) }) : t("of", { finding: findingLabel(kind), element: elementName(element) });
 }
 
 export const LEVELS = ["alert", "danger"] as const;
@@ -27,12 +28,12 @@ export interface LimitQuantity {
 }
 
 const LIMIT_QUANTITIES: LimitQuantity[] = [
-  { name: "sigma", label: "significance", unit: "σ" },
-  { name: "per_cent", label: "change", unit: "%" },
-  { name: "force", label: "force in the coupling", unit: "N" },
-  { name: "rate_per_cent_per_week", label: "rate", unit: "% per week" },
-  { name: "tolerance_per_cent", label: "change on oil films", unit: "% of what is allowed" },
-  { name: "beyond_tolerance", label: "probability of more than is allowed", unit: "(probability)" },
+  { name: "sigma", label: t("significance"), unit: "σ" },
+  { name: "per_cent", label: t("limitChange"), unit: "%" },
+  { name: "force", label: t("forceInTheCoupling"), unit: "N" },
+  { name: "rate_per_cent_per_week", label: t("limitRate"), unit: t("perWeek") },
+  { name: "tolerance_per_cent", label: t("changeOnOilFilms"), unit: t("ofWhatIsAllowed") },
+  { name: "beyond_tolerance", label: t("probabilityOfMoreThanIs"), unit: t("probability") },
 ];
 
 /** The quantities that may be limited for a kind. */
@@ -42,7 +43,7 @@ export function limitQuantities(kind: FindingKind): LimitQuantity[] {
 
 /** A level's limits in words: `4 σ, 5 %`; `never` without a level. */
 export function levelText(level: Record<LimitName, number | null> | null): string {
-  if (level === null) return "never";
+  if (level === null) return t("never");
   return LIMIT_QUANTITIES.filter(({ name }) => level[name] !== null)
     .map(({ name, unit }) => `${level[name]} ${unit}`)
     .join(", ");

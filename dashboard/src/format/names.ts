@@ -1,8 +1,10 @@
 // Names of elements and parameters as people read them.
+import { t, term } from "../messages/messages";
 
 /** `coupling C1` from `coupling.C1`. */
 export function elementName(element: string): string {
-  return element.replace(".", " ");
+  const [kind, ...id] = element.split(".");
+  return [term(kind!), ...id].join(" ");
 }
 
 /** `kxx` from `bearing.B1.kxx`. */
@@ -10,15 +12,15 @@ export function termName(parameter: string): string {
   return parameter.split(".").slice(2).join(".") || parameter;
 }
 
-const COMPONENTS: Record<string, string> = { real: "real part", imaginary: "imaginary part" };
+const COMPONENTS: Record<string, string> = { real: t("realPart"), imaginary: t("imaginaryPart") };
 /** Quantities derived from an identification, by their names in the API. */
 const DERIVED: [RegExp, (...parts: string[]) => string][] = [
-  [/^critical_speed\.(\d+)$/, (number) => `critical speed ${number}`],
-  [/^damping_ratio\.(\d+)$/, (number) => `damping ratio at critical speed ${number}`],
-  [/^splitting\.(\d+)-(\d+)$/, (one, other) => `critical speeds ${one} and ${other}: distance over their mean`],
-  [/^probe\.([^.]+)\.amplification_factor\.(\d+)$/, (probe, number) => `amplification factor at ${probe}, critical speed ${number}`],
-  [/^probe\.([^.]+)\.second_over_first$/, (probe) => `2× over 1× at ${probe}`],
-  [/^coupling\.([^.]+)\.misalignment_(force|moment)$/, (coupling, what) => `misalignment ${what} in coupling ${coupling}`],
+  [/^critical_speed\.(\d+)$/, (number) => t("criticalSpeed", { number })],
+  [/^damping_ratio\.(\d+)$/, (number) => t("dampingRatioAtCriticalSpeed", { number })],
+  [/^splitting\.(\d+)-(\d+)$/, (one, other) => t("criticalSpeedsAndDistanceOver", { one, other })],
+  [/^probe\.([^.]+)\.amplification_factor\.(\d+)$/, (probe, number) => t("amplificationFactorAtCriticalSpeed", { probe, number })],
+  [/^probe\.([^.]+)\.second_over_first$/, (probe) => t("n2Over1At", { probe })],
+  [/^coupling\.([^.]+)\.misalignment_(force|moment)$/, (coupling, what) => t("misalignmentLoad", { what: term(what!), coupling })],
 ];
 
 /** A parameter or derived quantity as people read it: `coupling C1 kxx`, `critical speed 2`. */
@@ -27,15 +29,13 @@ export function parameterName(parameter: string): string {
     const found = form.exec(parameter);
     if (found) return named(...found.slice(1));
   }
-  const [kind, id, ...term] = parameter.split(".");
-  if (term.length === 0) return words(parameter);
-  return `${kind} ${id} ${term.map((one) => COMPONENTS[one] ?? one).join(", ").replaceAll("_", " ")}`;
+  const [kind, id, ...quantity] = parameter.split(".");
+  if (quantity.length === 0) return words(parameter);
+  return `${term(kind!)} ${id} ${quantity.map((one) => COMPONENTS[one] ?? term(one)).join(", ")}`;
 }
 
 /** An identifier of the API as words: `run out` from `run_out`. */
-export function words(identifier: string): string {
-  return identifier.replaceAll("_", " ");
-}
+export const words = term;
 
 export function isUnbalance(parameter: string): boolean {
   return termName(parameter) === "unbalance";

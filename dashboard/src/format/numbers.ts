@@ -1,4 +1,5 @@
 // Numbers with their units.
+import { t } from "../messages/messages";
 
 const PREFIXES: [number, string][] = [
   [1e9, "G"],
@@ -23,10 +24,15 @@ export function scaleOf(largest: number, unit: string): Scale {
   if (unit === "" || unit === "-" || unit === "1") return { factor: 1, unit: "" };
   if (unit === "m") return { factor: 1e6, unit: "µm" };
   if (unit === "kg") return { factor: 1, unit };
-  if (unit === "rad/s") return { factor: 30 / Math.PI, unit: "rpm" };
+  if (unit === "rad/s") return { factor: 30 / Math.PI, unit: t("rpm") };
   const size = Math.abs(largest);
   const [step, prefix] = PREFIXES.find(([at]) => size >= at) ?? [1, ""];
   return { factor: size > 0 ? 1 / step : 1, unit: (size > 0 ? prefix : "") + (SYMBOLS[unit] ?? unit) };
+}
+
+/** Digits with the decimal mark of the language. */
+export function decimal(digits: string): string {
+  return digits.replace(".", t("decimalMark"));
 }
 
 /** A number with three significant digits, without an exponent where that is readable. */
@@ -35,9 +41,9 @@ export function number(value: number | null | undefined, digits = 3): string {
   if (value === 0) return "0";
   // What rounds up to the next power of ten has a digit more in front.
   const size = Math.abs(Number(value.toPrecision(digits)));
-  if (size >= 1e7 || size < 1e-4) return value.toExponential(digits - 1).replace("-", "−");
+  if (size >= 1e7 || size < 1e-4) return decimal(value.toExponential(digits - 1).replace("-", "−"));
   const decimals = Math.max(0, digits - 1 - Math.floor(Math.log10(size)));
-  return value.toFixed(Math.min(decimals, 8)).replace("-", "−");
+  return decimal(value.toFixed(Math.min(decimals, 8)).replace("-", "−"));
 }
 
 export function quantity(value: number | null | undefined, unit: string, digits = 3): string {
@@ -52,5 +58,5 @@ export function percent(part: number, digits = 2): string {
 }
 
 export function rpm(value: number | null | undefined): string {
-  return value === null || value === undefined ? "–" : `${Math.round(value).toLocaleString("en-GB").replaceAll(",", " ")} rpm`;
+  return value === null || value === undefined ? "–" : `${Math.round(value).toLocaleString("en-GB").replaceAll(",", " ")} ${t("rpm")}`;
 }

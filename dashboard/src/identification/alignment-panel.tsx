@@ -5,14 +5,15 @@ import { Scroll } from "../components/scroll";
 import { isComparable } from "../data/newest-identification";
 import { useResource } from "../data/resource";
 import { number, scaleOf } from "../format/numbers";
+import { t } from "../messages/messages";
 import type { Identification } from "../schemas/identifications";
 import type { Alignment, AlignmentNumber, Determined } from "../schemas/model";
 
 const QUANTITIES: Record<string, string> = {
-  offset_vertical: "Offset, vertical",
-  offset_horizontal: "Offset, horizontal",
-  angle_vertical: "Angle, vertical",
-  angle_horizontal: "Angle, horizontal",
+  offset_vertical: t("offsetVertical"),
+  offset_horizontal: t("offsetHorizontal"),
+  angle_vertical: t("angleVertical"),
+  angle_horizontal: t("angleHorizontal"),
 };
 const ALIGNMENT = /^coupling\..+\.offset_vertical$/;
 
@@ -22,11 +23,11 @@ export function AlignmentPanel({ found }: { found: Identification }) {
   const result = useResource<Alignment>(isShown ? alignmentPath(found) : null);
   if (!isShown) return null;
   return (
-    <Panel title="Alignment of couplings" aside={<p class="muted">driven shaft over the driver's, up and along +x positive; with 95 % intervals</p>}>
+    <Panel title={t("alignmentOfCouplings")} aside={<p class="muted">{t("drivenShaftOverTheDriver")}</p>}>
       <Loaded result={result} lines={6}>
         {(alignment) => (
           <>
-            <p class="muted">{alignment.missing ? `No change against a baseline: ${alignment.missing}.` : baselineText(alignment)}</p>
+            <p class="muted">{alignment.missing ? t("noChangeAgainstABaseline", { missing: alignment.missing }) : baselineText(alignment)}</p>
             <Numbers numbers={alignment.numbers} />
           </>
         )}
@@ -40,20 +41,20 @@ export function alignmentPath({ id, machine }: Pick<Identification, "id" | "mach
 }
 
 function baselineText({ baseline }: Alignment): string {
-  return `Change: against the baseline of ${baseline.identifications.length} runs. It is known better than the alignment, since what is uncertain of the films is the same in all runs.`;
+  return t("changeAgainstBaseline", { runs: baseline.identifications.length });
 }
 
 function Numbers({ numbers }: { numbers: AlignmentNumber[] }) {
   return (
-    <Scroll label="Table">
+    <Scroll label={t("table")}>
       <table>
         <thead>
           <tr>
-            <th>Coupling</th>
-            <th>Quantity</th>
-            <th class="number">By itself</th>
-            <th class="number">Change</th>
-            <th class="number">Allowed</th>
+            <th>{t("coupling")}</th>
+            <th>{t("quantity")}</th>
+            <th class="number">{t("byItself")}</th>
+            <th class="number">{t("change")}</th>
+            <th class="number">{t("allowed")}</th>
           </tr>
         </thead>
         <tbody>
@@ -77,11 +78,11 @@ function allowedText({ allowed, beyond, unit }: AlignmentNumber): string {
   if (allowed === null) return "–";
   const scale = scaleOf(allowed, unit);
   const said = `${number(allowed * scale.factor)} ${scale.unit}`;
-  return beyond !== null && beyond > 0.5 ? `${said}: exceeded with ${Math.floor(100 * beyond)} %` : said;
+  return beyond !== null && beyond > 0.5 ? t("allowedExceeded", { allowed: said, per_cent: Math.floor(100 * beyond) }) : said;
 }
 
 function Cell({ told: { value, lower, upper, reason }, unit }: { told: Determined; unit: string }) {
-  if (value === null) return <td class="number muted">not determined: {reason}</td>;
+  if (value === null) return <td class="number muted">{t("notDeterminedBecause", { reason })}</td>;
   const scale = scaleOf(Math.max(...[value, lower, upper].map((one) => Math.abs(one ?? 0))), unit);
   const shown = (one: number | null) => number(one === null ? null : one * scale.factor);
   return (

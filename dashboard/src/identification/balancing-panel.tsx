@@ -5,12 +5,13 @@ import { Scroll } from "../components/scroll";
 import { useResource } from "../data/resource";
 import { angleConvention } from "../format/angles";
 import { number } from "../format/numbers";
+import { t } from "../messages/messages";
 import type { Balancing } from "../schemas/model";
 
 export function BalancingPanel({ path }: { path: string }) {
   const result = useResource<Balancing>(path);
   return (
-    <Panel title="Balancing proposal" aside={<p class="muted">Unbalance to add, from the identified model, without trial weights; the residual vibration is the model's uncertainty</p>}>
+    <Panel title={t("balancingProposal")} aside={<p class="muted">{t("unbalanceToAddFromThe")}</p>}>
       <Loaded result={result} lines={8}>
         {(found) => (
           <div class="columns">
@@ -25,13 +26,13 @@ export function BalancingPanel({ path }: { path: string }) {
 
 function Corrections({ found }: { found: Balancing }) {
   return (
-    <Scroll label="Table">
+    <Scroll label={t("table")}>
       <table>
         <thead>
           <tr>
-            <th>Plane</th>
-            <th class="number">Correction</th>
-            <th class="number">Angle, {angleConvention(found.direction)}</th>
+            <th>{t("plane")}</th>
+            <th class="number">{t("correction")}</th>
+            <th class="number">{t("angleCounted", { convention: angleConvention(found.direction) })}</th>
           </tr>
         </thead>
         <tbody>
@@ -50,13 +51,13 @@ function Corrections({ found }: { found: Balancing }) {
 
 function Amplitudes({ found }: { found: Balancing }) {
   return (
-    <Scroll label="Table">
+    <Scroll label={t("table")}>
       <table>
         <thead>
           <tr>
-            <th>Channel</th>
-            <th class="number">Largest before</th>
-            <th class="number">Largest after, 95 %</th>
+            <th>{t("channel")}</th>
+            <th class="number">{t("largestBefore")}</th>
+            <th class="number">{t("largestAfter95")}</th>
           </tr>
         </thead>
         <tbody>
@@ -64,7 +65,7 @@ function Amplitudes({ found }: { found: Balancing }) {
             <tr key={one.channel}>
               <td>{one.channel}</td>
               <td class="number">{number(largest(one.amplitude))} µm pp</td>
-              <td class="number">below {number(largest(found.after[at]?.upper ?? []))} µm pp</td>
+              <td class="number">{t("belowAmplitude", { upper: number(largest(found.after[at]?.upper ?? [])) })}</td>
             </tr>
           ))}
         </tbody>

@@ -2,8 +2,9 @@
 import { Loaded } from "../components/loading";
 import { Panel } from "../components/panel";
 import { useResource } from "../data/resource";
-import { whirlName } from "../format/angles";
+import { isBackward } from "../format/angles";
 import { number, rpm } from "../format/numbers";
+import { t } from "../messages/messages";
 import { Plot } from "../plots/plot";
 import type { Curve } from "../plots/plot-props";
 import type { Document } from "../schemas/machines";
@@ -15,23 +16,23 @@ const HEAVILY_DAMPED = 0.5;
 export function CampbellPanel({ machine, path }: { machine: Document; path: string }) {
   const result = useResource<Campbell>(path);
   return (
-    <Panel title="Campbell diagram" aside={<p class="muted">Natural frequencies over speed; dotted: 1×</p>}>
+    <Panel title={t("campbellDiagram")} aside={<p class="muted">{t("naturalFrequenciesOverSpeedDotted")}</p>}>
       <Loaded result={result} lines={24}>
         {(found) => (
           <Plot
-            label={`Campbell diagram with ${found.curves.length} modes`}
+            label={t("campbellDiagramWithModes", { count: found.curves.length })}
             x={found.speed}
-            xUnit="rpm"
+            xUnit={t("rpm")}
             yUnit="Hz"
             height={380}
             curves={curvesOf(found)}
-            markers={found.critical_speeds.map((one) => ({ x: one.speed, kind: "speed" as const, words: "critical speed" }))}
+            markers={found.critical_speeds.map((one) => ({ x: one.speed, kind: "speed" as const, words: t("criticalSpeedMarker") }))}
             readOut={(index) => pointText(found, index)}
           />
         )}
       </Loaded>
       <p class="muted">
-        Solid: forward whirl or planar, dashed: backward. Vertical lines: critical speeds. The machine runs to {rpm(machine.speed_range.maximum_rpm)}.
+        {t("campbellLines", { speed: rpm(machine.speed_range.maximum_rpm) })}
       </p>
     </Panel>
   );
@@ -42,7 +43,7 @@ function curvesOf(found: Campbell): Curve[] {
     const y = one.frequency_hz.map((value, index) => ((one.damping_ratio[index] ?? 1) < HEAVILY_DAMPED ? value : null));
     if (y.every((value) => value === null)) return [];
     const whirl = one.whirl.reduce<number>((sum, value) => sum + (value ?? 0), 0) / one.whirl.length;
-    return [{ name: `mode ${at + 1}`, style: whirlName(whirl) === "backward" ? 1 : 0, y, unlisted: true }];
+    return [{ name: t("modeNumber", { number: at + 1 }), style: isBackward(whirl) ? 1 : 0, y, unlisted: true }];
   });
   return [{ name: "1×", style: 2, y: found.synchronous_hz, unlisted: true }, ...modes];
 }

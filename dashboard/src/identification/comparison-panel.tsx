@@ -9,6 +9,7 @@ import { useResource } from "../data/resource";
 import { elementName, parameterName } from "../format/names";
 import { number, percent, scaleOf, type Scale } from "../format/numbers";
 import { when } from "../format/times";
+import { t, term } from "../messages/messages";
 import type { ComparedChange, Comparison, Estimate, IdentificationSummary } from "../schemas/identifications";
 
 /** Changes of more than so many standard errors are highlighted. */
@@ -27,9 +28,9 @@ export function ComparisonPanel({ shown, all, estimates }: Props) {
   const result = useResource<Comparison>(earlier ? `/identifications/compare${queryString({ first: earlier, second: shown })}` : null);
   const others = all.filter((one) => String(one.id) !== shown);
   return (
-    <Panel title="Comparison with another identification" aside={<EarlierSelect earlier={earlier} others={others} />}>
+    <Panel title={t("comparisonWithAnotherIdentification")} aside={<EarlierSelect earlier={earlier} others={others} />}>
       {earlier === "" ? (
-        <Empty>Choose one to see the change of each parameter, in per cent and in standard errors of both fits.</Empty>
+        <Empty>{t("chooseOneToCompare")}</Empty>
       ) : (
         <Loaded result={result} lines={12}>
           {(found) => <Changes found={found} estimates={estimates} />}
@@ -42,14 +43,14 @@ export function ComparisonPanel({ shown, all, estimates }: Props) {
 function EarlierSelect({ earlier, others }: { earlier: string; others: IdentificationSummary[] }) {
   return (
     <label class="switch">
-      Compare with{" "}
+      {t("compareWith")}{" "}
       <select value={earlier} onChange={(event) => replaceQuery({ against: event.currentTarget.value || null })}>
-        <option value="">none</option>
+        <option value="">{t("none")}</option>
         {earlier !== "" && !others.some((one) => String(one.id) === earlier) && <option value={earlier}>{earlier}</option>}
         {others.map((one) => (
           <option key={one.id} value={one.id}>
-            {one.id} {one.run_kind}, {when(one.measured_at)}
-            {one.accepted ? "" : ", not accepted"}
+            {one.id} {term(one.run_kind)}, {when(one.measured_at)}
+            {one.accepted ? "" : t("notAccepted")}
           </option>
         ))}
       </select>
@@ -63,17 +64,16 @@ function Changes({ found, estimates }: { found: Comparison; estimates: Estimate[
   return (
     <>
       <p>
-        From identification {found.first} to {found.second}, how probable as much is without any change, by element, from the errors of the fits alone:{" "}
-        {elements.map((one) => `${elementName(one.element)} ${pValue(one.probability)}`).join(", ")}.
+        {t("comparisonOfElements", { first: found.first, second: found.second, elements: elements.map((one) => `${elementName(one.element)} ${pValue(one.probability)}`).join(", ") })}
       </p>
-      <Scroll label="Table">
+      <Scroll label={t("table")}>
         <table class="comparison">
           <thead>
             <tr>
-              <th>Parameter</th>
+              <th>{t("parameter")}</th>
               <th class="number">{found.first}</th>
               <th class="number">{found.second}</th>
-              <th class="number">Change</th>
+              <th class="number">{t("change")}</th>
               <th class="number">σ</th>
             </tr>
           </thead>
@@ -84,8 +84,8 @@ function Changes({ found, estimates }: { found: Comparison; estimates: Estimate[
           </tbody>
         </table>
       </Scroll>
-      {found.only_first.length > 0 && <p class="muted">Only in {found.first}: {found.only_first.map(parameterName).join(", ")}.</p>}
-      {found.only_second.length > 0 && <p class="muted">Only in {found.second}: {found.only_second.map(parameterName).join(", ")}.</p>}
+      {found.only_first.length > 0 && <p class="muted">{t("onlyIn", { first: found.first, parameters: found.only_first.map(parameterName).join(", ") })}</p>}
+      {found.only_second.length > 0 && <p class="muted">{t("onlyIn", { first: found.second, parameters: found.only_second.map(parameterName).join(", ") })}</p>}
     </>
   );
 }
@@ -96,7 +96,7 @@ function unitOf(parameter: string, estimates: Estimate[]): string {
 }
 
 function valueText(value: number | null, scale: Scale): string {
-  return value === null ? "not determined" : `${number(value * scale.factor, 4)} ${scale.unit}`.trim();
+  return value === null ? t("notDetermined") : `${number(value * scale.factor, 4)} ${scale.unit}`.trim();
 }
 
 function Row({ one, unit }: { one: ComparedChange; unit: string }) {
@@ -117,5 +117,5 @@ function Row({ one, unit }: { one: ComparedChange; unit: string }) {
 }
 
 function pValue(probability: number): string {
-  return probability < 1e-6 ? "below 1 in a million" : `${number(100 * probability, 2)} %`;
+  return probability < 1e-6 ? t("below1InAMillion") : `${number(100 * probability, 2)} %`;
 }

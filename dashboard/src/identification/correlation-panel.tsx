@@ -3,6 +3,7 @@ import { Loaded } from "../components/loading";
 import { Empty, Panel } from "../components/panel";
 import { useResource } from "../data/resource";
 import { number } from "../format/numbers";
+import { t } from "../messages/messages";
 import { CorrelationMatrix } from "../plots/correlation-matrix";
 import type { Correlation } from "../schemas/identifications";
 
@@ -12,7 +13,7 @@ const MAX_PAIRS = 12;
 export function CorrelationPanel({ identification }: { identification: string }) {
   const result = useResource<Correlation>(`/identifications/${identification}/correlation`);
   return (
-    <Panel title="Correlation of the estimates">
+    <Panel title={t("correlationOfTheEstimates")}>
       <Loaded result={result} lines={20}>
         {(found) => (
           <div class="columns">
@@ -26,18 +27,18 @@ export function CorrelationPanel({ identification }: { identification: string })
 }
 
 function Pairs({ found }: { found: Correlation }) {
-  if (found.strongest.length === 0) return <Empty>No two estimates are correlated beyond ±0.9: the data distinguish all of them.</Empty>;
+  if (found.strongest.length === 0) return <Empty>{t("noTwoAreCorrelated")}</Empty>;
   return (
     <div>
-      <p>The data hardly distinguish these pairs; a change of one may be attributed to the other:</p>
+      <p>{t("dataHardlyDistinguish")}</p>
       <ul class="reasons">
         {found.strongest.slice(0, MAX_PAIRS).map((one) => (
           <li key={`${one.one} ${one.other}`}>
-            {one.one} and {one.other}: {number(one.correlation, 3)}
+            {t("pairWithCorrelation", { one: one.one, other: one.other, correlation: number(one.correlation, 3) })}
           </li>
         ))}
       </ul>
-      {found.strongest.length > MAX_PAIRS && <p class="muted">The strongest {MAX_PAIRS} of {found.strongest.length} are shown.</p>}
+      {found.strongest.length > MAX_PAIRS && <p class="muted">{t("strongestPairsShown", { shown: MAX_PAIRS, all: found.strongest.length })}</p>}
     </div>
   );
 }

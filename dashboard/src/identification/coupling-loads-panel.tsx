@@ -3,24 +3,25 @@ import { Loaded } from "../components/loading";
 import { Empty, Panel } from "../components/panel";
 import { useResource } from "../data/resource";
 import { scaleOf } from "../format/numbers";
+import { t } from "../messages/messages";
 import { Plot } from "../plots/plot";
 import type { MisalignmentForce } from "../schemas/model";
 
 const LOADS = [
-  ["force_x", "Force along x", "N"],
-  ["force_y", "Force along y", "N"],
-  ["moment_x", "Moment about x", "N m"],
-  ["moment_y", "Moment about y", "N m"],
+  ["force_x", t("forceAlongX"), "N"],
+  ["force_y", t("forceAlongY"), "N"],
+  ["moment_x", t("momentAboutX"), "N m"],
+  ["moment_y", t("momentAboutY"), "N m"],
 ] as const;
 
 export function CouplingLoadsPanel({ path }: { path: string }) {
   const result = useResource<MisalignmentForce>(path);
   return (
-    <Panel title="Coupling loads at 1× over speed" aside={<p class="muted">0-to-peak, bands are 95 % intervals</p>}>
+    <Panel title={t("couplingLoadsAt1Over")} aside={<p class="muted">{t("n0ToPeakBandsAre")}</p>}>
       <Loaded result={result} lines={16}>
         {(found) =>
           found.couplings.length === 0 ? (
-            <Empty>The train has no coupling.</Empty>
+            <Empty>{t("theTrainHasNoCoupling")}</Empty>
           ) : (
             <div class="plots">
               {found.couplings.flatMap((coupling) =>
@@ -50,9 +51,9 @@ function LoadPlot({ speed, coupling, load: [field, label, unit] }: LoadPlotProps
         <strong>{coupling.coupling}</strong> {label} [{scale.unit}]
       </figcaption>
       <Plot
-        label={`${label} in coupling ${coupling.coupling} over speed`}
+        label={t("couplingLoadOverSpeed", { label, coupling: coupling.coupling })}
         x={speed}
-        xUnit="rpm"
+        xUnit={t("rpm")}
         yUnit={scale.unit}
         height={170}
         syncGroup="forces"

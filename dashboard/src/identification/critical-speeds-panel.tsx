@@ -5,28 +5,29 @@ import { Scroll } from "../components/scroll";
 import { useResource } from "../data/resource";
 import { whirlName } from "../format/angles";
 import { number, rpm } from "../format/numbers";
+import { t } from "../messages/messages";
 import type { Document } from "../schemas/machines";
 import type { CriticalSpeed, CriticalSpeeds } from "../schemas/model";
 
 export function CriticalSpeedsPanel({ machine, path }: { machine: Document; path: string }) {
   const result = useResource<CriticalSpeeds>(path);
   return (
-    <Panel title="Critical speeds" aside={<p class="muted">with 95 % intervals</p>}>
+    <Panel title={t("criticalSpeeds")} aside={<p class="muted">{t("with95Intervals")}</p>}>
       <Loaded result={result} lines={10}>
         {(found) =>
           found.critical_speeds.length === 0 ? (
-            <Empty>None up to {rpm(found.highest)}.</Empty>
+            <Empty>{t("noneUpTo", { speed: rpm(found.highest) })}</Empty>
           ) : (
-            <Scroll label="Table">
+            <Scroll label={t("table")}>
               <table>
                 <thead>
                   <tr>
-                    <th class="number">Speed</th>
-                    <th class="number">Interval</th>
-                    <th class="number">Damping ratio</th>
-                    <th class="number">Log. decrement</th>
-                    <th>Whirl</th>
-                    <th>Position</th>
+                    <th class="number">{t("speed")}</th>
+                    <th class="number">{t("interval")}</th>
+                    <th class="number">{t("dampingRatio")}</th>
+                    <th class="number">{t("logDecrement")}</th>
+                    <th>{t("whirl")}</th>
+                    <th>{t("position")}</th>
                   </tr>
                 </thead>
                 <tbody>
@@ -54,7 +55,7 @@ function Row({ one, machine }: { one: CriticalSpeed; machine: Document }) {
       <td class="number">{number(100 * one.damping_ratio)} %</td>
       <td class="number">{number(one.log_decrement)}</td>
       <td>{whirlName(one.whirl)}</td>
-      <td>{one.speed < low ? "below the range" : one.speed > high ? "above the range" : "in the range"}</td>
+      <td>{one.speed < low ? t("belowTheRange") : one.speed > high ? t("aboveTheRange") : t("inTheRange")}</td>
     </tr>
   );
 }

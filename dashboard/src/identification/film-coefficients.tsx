@@ -1,12 +1,13 @@
 // The coefficients of an oil film at the speeds that an identification tells them at: stiffness and damping, plots and numbers.
 import { Scroll } from "../components/scroll";
 import { number, rpm, scaleOf, type Scale } from "../format/numbers";
+import { t } from "../messages/messages";
 import { Plot } from "../plots/plot";
 import { missingReasons, type Bounded, type FilmCoefficient, type OilFilm } from "../words/oil-films";
 
 const KINDS = [
-  ["k", "Stiffness"],
-  ["c", "Damping"],
+  ["k", t("stiffness")],
+  ["c", t("damping")],
 ] as const;
 
 export function FilmCoefficients({ film }: { film: OilFilm }) {
@@ -37,9 +38,9 @@ function Kind({ film, kind, coefficients }: { film: OilFilm; kind: string; coeff
         <strong>{film.bearing}</strong> {kind} [{scale.unit}]
       </figcaption>
       <Plot
-        label={`${kind} of the oil film of bearing ${film.bearing} in ${scale.unit} at ${film.speeds.map(rpm).join(", ")}: ${coefficients.map((one) => `${one.term} ${column(one, "value").map((at) => number(at)).join(", ")}`).join("; ")}`}
+        label={t("filmCoefficientPlot", { kind, bearing: film.bearing, unit: scale.unit, speeds: film.speeds.map(rpm).join(", "), values: coefficients.map((one) => `${one.term} ${column(one, "value").map((at) => number(at)).join(", ")}`).join("; ") })}
         x={film.speeds}
-        xUnit="rpm"
+        xUnit={t("rpm")}
         yUnit={scale.unit}
         height={220}
         syncGroup="films"
@@ -60,7 +61,7 @@ function Kind({ film, kind, coefficients }: { film: OilFilm; kind: string; coeff
 
 function CoefficientTable({ speeds, coefficients, scale }: { speeds: number[]; coefficients: FilmCoefficient[]; scale: Scale }) {
   return (
-    <Scroll label="Table">
+    <Scroll label={t("table")}>
       <table>
         <thead>
           <tr>
@@ -88,7 +89,7 @@ function CoefficientTable({ speeds, coefficients, scale }: { speeds: number[]; c
 }
 
 function Cell({ one, scale }: { one: Bounded | undefined; scale: Scale }) {
-  if (!one || one.value === null) return <td class="number muted">not estimable</td>;
+  if (!one || one.value === null) return <td class="number muted">{t("notEstimable")}</td>;
   return (
     <td class="number">
       {number(scaled(one.value, scale))} <small class="muted">{`${number(scaled(one.lower, scale))} … ${number(scaled(one.upper, scale))}`}</small>

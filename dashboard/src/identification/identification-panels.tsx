@@ -7,6 +7,7 @@ import { Time } from "../components/time";
 import { angleConvention, angleText } from "../format/angles";
 import { elementName, isCrossCoupled, isUnbalance, parameterName, termName } from "../format/names";
 import { number, quantity, rpm, scaleOf } from "../format/numbers";
+import { rich, t } from "../messages/messages";
 import type { Estimate, Identification } from "../schemas/identifications";
 import type { Document } from "../schemas/machines";
 import { elementsOfEstimates } from "../words/elements";
@@ -24,8 +25,8 @@ export function IdentificationPanels({ machine, found }: { machine: Document; fo
         <IdentifiabilityPanel found={found} />
       </div>
       <Panel
-        title="Parameters, with 95 % intervals"
-        aside={hasUnbalance && <p class="muted">Angles of unbalances: {angleConvention(machine.rotation)}</p>}
+        title={t("parametersWith95Intervals")}
+        aside={hasUnbalance && <p class="muted">{t("anglesOfUnbalances", { convention: angleConvention(machine.rotation) })}</p>}
       >
         <div class="elements">
           {elementsOfEstimates(found.estimates).map((element) => (
@@ -39,26 +40,26 @@ export function IdentificationPanels({ machine, found }: { machine: Document; fo
 
 function FitPanel({ machine, found }: { machine: Document; found: Identification }) {
   return (
-    <Panel title="Fit">
+    <Panel title={t("fit")}>
       <p class={found.accepted ? undefined : "error"}>{found.verdict}</p>
       <dl class="facts">
         <Fact name="Measured">
           <Time at={found.measured_at} />, {found.run_kind},{" "}
           {found.runs.map((run) => (
             <a key={run} href={link(["machines", machine.id, "response"], { run: String(run) })}>
-              run {run}{" "}
+              {t("runNumber", { run })}{" "}
             </a>
           ))}
         </Fact>
         <Fact name="Data">
-          {found.samples} samples, {rpm(found.speed_minimum_rpm)} to {rpm(found.speed_maximum_rpm)}
+          {t("samplesBetween", { samples: found.samples, low: rpm(found.speed_minimum_rpm), high: rpm(found.speed_maximum_rpm) })}
         </Fact>
         <Fact name="χ² over degrees of freedom">
           {number(found.chi_square / found.degrees_of_freedom)} ({number(found.chi_square, 5)} / {found.degrees_of_freedom})
         </Fact>
         <Fact name="Condition number">{number(found.condition_number)}</Fact>
         <Fact name="Computed">
-          <Time at={found.computed_at} /> by version {found.code_version}
+          {rich("timeByVersion", { time: <Time at={found.computed_at} />, version: found.code_version })}
         </Fact>
       </dl>
     </Panel>
@@ -93,17 +94,15 @@ function IdentifiabilityPanel({ found }: { found: Identification }) {
   const poor = direct.filter((one) => (relativeHalfWidth(one) ?? 0) > POOR);
   const missing = found.estimates.filter((one) => one.value === null);
   return (
-    <Panel title="Identifiability">
+    <Panel title={t("identifiability")}>
       <p>
-        {known.length} of {found.estimates.length} parameters are determined. Of the {direct.length} direct terms and unbalances among them,{" "}
-        {good.length} are known to ± {100 * GOOD} % or better
-        {poor.length > 0 ? `, and of ${poor.length} the 95 % interval is wider than ± ${100 * POOR} %: ${poor.map((one) => parameterName(one.parameter)).join(", ")}.` : "."}
+        {t("determinedOf", { determined: known.length, all: found.estimates.length, direct: direct.length, good: good.length, limit: 100 * GOOD, wide: poor.length > 0 ? t("wideIntervals", { count: poor.length, limit: 100 * POOR, names: poor.map((one) => parameterName(one.parameter)).join(", ") }) : "." })}
       </p>
       {missing.length === 0 ? (
-        <Empty>All parameters are determined.</Empty>
+        <Empty>{t("allParametersAreDetermined")}</Empty>
       ) : (
         <>
-          <p>Not estimable from this run:</p>
+          <p>{t("notEstimableFromThisRun")}</p>
           <ul class="reasons">
             {missing.map((one) => (
               <li key={one.parameter}>
@@ -123,7 +122,7 @@ function ElementTable({ machine, element, estimates }: { machine: string; elemen
       <h3>
         <a href={link(["machines", machine, "trends"], { element })}>{elementName(element)}</a>
       </h3>
-      <Scroll label="Table">
+      <Scroll label={t("table")}>
         <table>
           <tbody>
             {estimates.map((one) => (
@@ -142,7 +141,7 @@ function Row({ one }: { one: Estimate }) {
       <tr>
         <td>{termName(one.parameter)}</td>
         <td colSpan={3} class="muted" title={one.reason ?? undefined}>
-          not estimable
+          {t("notEstimable")}
         </td>
       </tr>
     );
@@ -151,7 +150,7 @@ function Row({ one }: { one: Estimate }) {
   const scale = scaleOf(size, one.unit);
   const angle = angleText(one.angle_deg, one.angle_half_width_deg);
   return (
-    <tr title={`standard error ${quantity(one.standard_error, one.unit)}`}>
+    <tr title={t("standardError", { error: quantity(one.standard_error, one.unit) })}>
       <td>{termName(one.parameter)}</td>
       <td class="number">
         {number(size * scale.factor)} {scale.unit}
@@ -171,7 +170,7 @@ function Row({ one }: { one: Estimate }) {
 function WidthBar({ part }: { part: number | null }) {
   if (part === null) return null;
   return (
-    <span class="bar-of" role="img" aria-label={`interval ± ${number(100 * part, 2)} %`} title={`± ${number(100 * part, 2)} %`}>
+    <span class="bar-of" role="img" aria-label={t("intervalHalf", { half: number(100 * part, 2) })} title={`± ${number(100 * part, 2)} %`}>
       <span style={{ width: `${Math.min(100, 100 * part)}%` }} />
     </span>
   );

@@ -5,6 +5,7 @@ import { Empty, Panel } from "../components/panel";
 import { useNewestIdentification } from "../data/newest-identification";
 import { useResource } from "../data/resource";
 import { rpm } from "../format/numbers";
+import { t } from "../messages/messages";
 import { ModeShapePlot } from "../plots/mode-shape-plot";
 import type { Document, Drawing } from "../schemas/machines";
 import type { Modes, ModeShape } from "../schemas/model";
@@ -22,15 +23,15 @@ export function ModeShapesPanel({ machine }: { machine: Document }) {
   const result = useResource<Modes>(newest ? modesPath(newest.id) : null);
   const drawing = useResource<Drawing>(`/machines/${machine.id}/drawing`).data;
   if (none) return <NoIdentification />;
-  if (!newest) return <PendingPanel title="Mode shapes" failure={failure} />;
+  if (!newest) return <PendingPanel title={t("modeShapes")} failure={failure} />;
   return (
-    <Panel title={`Mode shapes of identification ${newest.id}`} aside={<p class="muted">solid: x, dashed: y, shaded: the orbits' semi-major axis</p>}>
+    <Panel title={t("modeShapesOfIdentification", { id: newest.id })} aside={<p class="muted">{t("modeShapeLines")}</p>}>
       <NewestNotice failure={failure} list={list} />
       <Loaded result={result} lines={20}>
         {(found) => (
           <>
-            <p class="muted">At {rpm(found.speed)}. The largest semi-major axis is 1; couplings are dotted lines, bearings triangles.</p>
-            {found.modes.length === 0 && <Empty>No mode up to twice the highest speed.</Empty>}
+            <p class="muted">{t("modeShapesAt", { speed: rpm(found.speed) })}</p>
+            {found.modes.length === 0 && <Empty>{t("noModeUpToTwice")}</Empty>}
             <Omitted modes={found.modes} />
             <div class="modes shapes">
               {drawing &&
@@ -56,8 +57,8 @@ function Omitted({ modes }: { modes: ModeShape[] }) {
   const overdamped = modes.length - visible;
   return (
     <>
-      {visible > MAX_MODES && <p class="muted truncated">The lowest {MAX_MODES} of {visible} modes are shown.</p>}
-      {overdamped > 0 && <p class="muted truncated">{overdamped} {overdamped === 1 ? "mode" : "modes"} damped by {100 * OVERDAMPED} % or more {overdamped === 1 ? "is" : "are"} omitted.</p>}
+      {visible > MAX_MODES && <p class="muted truncated">{t("lowestModesShown", { shown: MAX_MODES, all: visible })}</p>}
+      {overdamped > 0 && <p class="muted truncated">{overdamped === 1 ? t("oneOverdamped", { limit: 100 * OVERDAMPED }) : t("manyOverdamped", { count: overdamped, limit: 100 * OVERDAMPED })}</p>}
     </>
   );
 }

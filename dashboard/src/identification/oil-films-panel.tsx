@@ -1,10 +1,13 @@
 // The oil films of an identified machine: where the journals rest in their clearances, what they carry, and the coefficients
 // of a chosen bearing or, on paper, of all.
+import type { DataColumn } from "../browser/download";
 import { replaceQuery, route } from "../browser/router";
 import { useStore } from "../browser/store";
 import { Panel } from "../components/panel";
 import { number, rpm, scaleOf } from "../format/numbers";
+import { t } from "../messages/messages";
 import { ClearanceCircle, type Coordinate } from "../plots/clearance-circle";
+import { SaveDrawing } from "../plots/save-buttons";
 import type { Identification } from "../schemas/identifications";
 import type { Document } from "../schemas/machines";
 import { missingReasons, oilFilms, type Bounded, type OilFilm } from "../words/oil-films";
@@ -27,24 +30,23 @@ export function OilFilmsPanel({ machine, found, showsAll = false }: Props) {
   const withCoefficients = films.filter((one) => one.coefficients.length > 0);
   const isPreloaded = films.some((one) => (documented(one.bearing)?.preload ?? 0) > 0);
   return (
-    <Panel title="Oil films" aside={<p class="muted">at {rpm(films[0]!.speeds.at(-1))}, with 95 % intervals</p>}>
+    <Panel title={t("oilFilms")} aside={<p class="muted">{t("atWithIntervals", { speed: rpm(films[0]!.speeds.at(-1)) })}</p>}>
       <p class="muted">
-        Dot: centre of the journal from the bearing's centre, x to the right, y up; cross: the intervals of both. Circle: radial clearance
-        {isPreloaded && "; dashed: what the preload of the pads leaves of it"}. {turning(machine)}
+        {t("journalInClearance", { preload: isPreloaded && t("dashedWhatThePreloadOf"), sense: turning(machine) })}
       </p>
       <div class="films shapes">
         {films.map((one) => (
           <FilmFigure key={one.bearing} film={one} documented={documented(one.bearing)} />
         ))}
       </div>
-      {withCoefficients.length > 0 && <h3>Coefficients over speed</h3>}
+      {withCoefficients.length > 0 && <h3>{t("coefficientsOverSpeed")}</h3>}
       {showsAll ? withCoefficients.map((one) => <FilmCoefficients key={one.bearing} film={one} />) : <ChosenCoefficients films={withCoefficients} />}
     </Panel>
   );
 }
 
 function turning({ rotation }: Document): string {
-  return rotation ? `The shaft turns ${rotation === "positive" ? "counter-clockwise" : "clockwise"} in these drawings.` : "";
+  return rotation ? t("shaftTurns", { sense: rotation === "positive" ? t("counterClockwise") : t("clockwise") }) : "";
 }
 
 function ChosenCoefficients({ films }: { films: OilFilm[] }) {
@@ -64,7 +66,7 @@ function ChosenCoefficients({ films }: { films: OilFilm[] }) {
 function BearingSelect({ films, chosen }: { films: OilFilm[]; chosen: string }) {
   return (
     <label>
-      Bearing
+      {t("bearing")}
       <select value={chosen} onChange={(event) => replaceQuery({ bearing: event.currentTarget.value })}>
         {films.map((one) => (
           <option key={one.bearing} value={one.bearing}>
@@ -80,25 +82,26 @@ function FilmFigure({ film, documented }: { film: OilFilm; documented: DocumentF
   const preload = documented?.preload ?? 0;
   const hasPads = documented?.profile !== undefined && !["plain", "two_axial_grooves"].includes(documented.profile);
   const numbers: [string, Bounded | undefined][] = [
-    [hasPads ? "Clearance of the pads" : "Radial clearance", film.clearance],
-    ["Journal x", film.journalX],
-    ["Journal y", film.journalY],
-    ["Eccentricity ratio", film.eccentricity],
-    ["Load, vertical", film.loadVertical],
-    ["Load, horizontal", film.loadHorizontal],
-    ["Viscosity", film.viscosity],
-    [`Viscosity factor of oil ${film.supply?.name}`, film.supply?.factor],
+    [hasPads ? t("clearanceOfThePads") : t("radialClearance"), film.clearance],
+    [t("journalX"), film.journalX],
+    [t("journalY"), film.journalY],
+    [t("eccentricityRatio"), film.eccentricity],
+    [t("loadVertical"), film.loadVertical],
+    [t("loadHorizontal"), film.loadHorizontal],
+    [t("viscosity"), film.viscosity],
+    [t("viscosityFactorOfOil", { name: film.supply?.name }), film.supply?.factor],
   ];
   const rows = numbers.flatMap(([name, one]): [string, Bounded][] => (one ? [[name, one]] : []));
   return (
     <figure>
       <figcaption>
         <strong>{film.bearing}</strong>
+        {film.radius !== null && <SaveDrawing label={`Oil film of bearing ${film.bearing}`} columns={() => columnsOf(rows)} />}
       </figcaption>
       <div class="film">
         {film.radius !== null && (
           <ClearanceCircle
-            label={`Oil film of bearing ${film.bearing}: ${rows.map(([name, one]) => `${name.toLowerCase()} ${spoken(one)}`).join("; ")}`}
+            label={t("oilFilmDrawing", { bearing: film.bearing, values: rows.map(([name, one]) => `${name.toLowerCase()} ${spoken(one)}`).join("; ") })}
             radius={film.radius}
             assembled={preload > 0 ? film.radius * (1 - preload) : undefined}
             position={positionOf(film)}
@@ -121,6 +124,16 @@ function FilmFigure({ film, documented }: { film: OilFilm; documented: DocumentF
   );
 }
 
+function columnsOf(rows: [string, Bounded][]): DataColumn[] {
+  return [
+    { name: "quantity", values: rows.map(([name]) => name) },
+    { name: "value", values: rows.map(([, one]) => one.value) },
+    { name: "lower", values: rows.map(([, one]) => one.lower) },
+    { name: "upper", values: rows.map(([, one]) => one.upper) },
+    { name: "unit", values: rows.map(([, one]) => one.unit) },
+  ];
+}
+
 function positionOf({ journalX, journalY }: OilFilm): { x: Coordinate; y: Coordinate } | null {
   const coordinate = (one: Bounded | undefined): Coordinate | null => (one && one.value !== null ? { ...one, value: one.value } : null);
   const [x, y] = [coordinate(journalX), coordinate(journalY)];
@@ -133,7 +146,7 @@ function Row({ name, one }: { name: string; one: Bounded }) {
     <tr>
       <th scope="row">{name}</th>
       {text === null ? (
-        <td class="number muted">not estimable</td>
+        <td class="number muted">{t("notEstimable")}</td>
       ) : (
         <td class="number">
           {text.value} <small class="muted">{`${text.lower} … ${text.upper}`}</small>
@@ -153,5 +166,5 @@ function textOf({ value, lower, upper, unit }: Bounded): { value: string; lower:
 
 function spoken(one: Bounded): string {
   const text = textOf(one);
-  return text ? `${text.value} (${text.lower} to ${text.upper})` : "not estimable";
+  return text ? t("valueWithBounds", { value: text.value, lower: text.lower, upper: text.upper }) : t("notEstimable");
 }

@@ -2,6 +2,7 @@
 import { inUnit, speedsInUnit, useUnits, type Units } from "../browser/units";
 import { Empty, Panel } from "../components/panel";
 import type { SpeedSweep } from "../data/speed-sweep";
+import { t } from "../messages/messages";
 import { mergeOnCommonAxis, type Group } from "../plots/common-axis";
 import { nearestTurns, unwrapPhase } from "../plots/phase";
 import { Plot } from "../plots/plot";
@@ -49,21 +50,21 @@ export function ResponsePanels(given: ResponseProps) {
   const axes = { xUnit: speed.label, xRange: range, syncGroup: "bode" };
   if (order === 2 && !props.measured.second.some((one) => one.some((value) => value !== null))) {
     return (
-      <Panel title="Bode, 2×">
-        <Empty>The sources of this machine sent no 2× in this run.</Empty>
+      <Panel title={t("bode2")}>
+        <Empty>{t("theSourcesOfThisMachine")}</Empty>
       </Panel>
     );
   }
   const unfitted = props.fit ? channels.filter((channel) => !fittedOf(props, channel)) : [];
   return (
     <>
-      <Panel title={`Bode, ${order}×`} aside={<Legend {...props} />}>
-        {order === 1 && unfitted.length > 0 && <p class="muted">The identification of this run does not include {unfitted.join(", ")}: there is no curve and no residual.</p>}
-        <Plot label={`Amplitude of ${channels.join(", ")} over speed`} {...bodeCurves(props, "amplitude")} {...axes} yUnit={amplitude.label} height={270} />
-        <Plot label={`Phase lag of ${channels.join(", ")} over speed`} {...bodeCurves(props, "lag")} {...axes} yUnit="° lag" turn={360} height={190} />
+      <Panel title={t("bodeOfOrder", { order })} aside={<Legend {...props} />}>
+        {order === 1 && unfitted.length > 0 && <p class="muted">{t("identificationLacksChannels", { channels: unfitted.join(", ") })}</p>}
+        <Plot label={t("amplitudeOfOverSpeed", { channels: channels.join(", ") })} {...bodeCurves(props, "amplitude")} {...axes} yUnit={amplitude.label} height={270} />
+        <Plot label={t("phaseLagOfOverSpeed", { channels: channels.join(", ") })} {...bodeCurves(props, "lag")} {...axes} yUnit="° lag" turn={360} height={190} />
         {order === 1 && <Residuals {...props} range={range} />}
       </Panel>
-      <Panel title={`Polar, ${order}×`} aside={<p class="muted">Phase lag increases clockwise from the right; speeds in {speed.label}; {slowRollOf(props)}.</p>}>
+      <Panel title={t("polarOfOrder", { order })} aside={<p class="muted">{t("polarReading", { unit: speed.label, legend: slowRollOf(props) })}</p>}>
         <div class="polars">
           {channels.map((channel, style) => (
             <PolarPlot key={channel} title={channel} curves={polarCurves(props, channel, style)} unit={amplitude.label} speedUnit={speed.label} />
@@ -76,8 +77,8 @@ export function ResponsePanels(given: ResponseProps) {
 
 function Legend(props: ShownProps) {
   const { fit, reference, order, overlaid } = props;
-  const model = fit && order === 1 ? ["— model with 95 % band"] : [];
-  const signs = ["● measured", ...model, ...(reference ? [`○ overlaid run${overlaid ? ` of ${overlaid}` : ""}`] : [])];
+  const model = fit && order === 1 ? [t("modelWith95Band")] : [];
+  const signs = [t("measured"), ...model, ...(reference ? [t("overlaidRunLegend", { of: overlaid ? t("ofMachine", { machine: overlaid }) : "" })] : [])];
   return (
     <p class="muted">
       {signs.join("  ")}; {slowRollOf(props)}.
@@ -86,7 +87,7 @@ function Legend(props: ShownProps) {
 }
 
 function slowRollOf({ order, slowRoll }: ShownProps): string {
-  return order === 1 ? slowRoll : "2× as measured, its phase in degrees of the 2×";
+  return order === 1 ? slowRoll : t("secondOrderAsMeasured");
 }
 
 /** The points of a channel; of another machine's run those of the channel of that name, else of the same place in its list. */
@@ -128,11 +129,11 @@ function channelCurves(props: ShownProps, channel: string, style: number, what: 
   const curves: PendingCurve[] = [];
   if (props.reference) {
     const points = pointsOf(props, props.reference, channel);
-    curves.push({ x: points.rpm, columns: [valuesOf(points)], curve: ([y]) => ({ name: `${channel}, overlaid run`, y: y!, faint: true, points: true, line: false }) });
+    curves.push({ x: points.rpm, columns: [valuesOf(points)], curve: ([y]) => ({ name: t("overlaidRun", { channel }), y: y!, faint: true, points: true, line: false }) });
   }
   if (fitted && model) {
     const band = what === "amplitude" ? [fitted.lower, fitted.upper] : [];
-    const curve = ([y, lower, upper]: Column[]): Curve => ({ name: `${channel}, model`, style, y: y!, ...(lower && upper ? { lower, upper } : {}), spanGaps: true, unlisted: true });
+    const curve = ([y, lower, upper]: Column[]): Curve => ({ name: t("channelModel", { channel }), style, y: y!, ...(lower && upper ? { lower, upper } : {}), spanGaps: true, unlisted: true });
     curves.push({ x: speeds, columns: [model, ...band], curve });
   }
   const points = pointsOf(props, props.measured, channel);
@@ -151,17 +152,17 @@ function Residuals({ fit, noFit, channels, range, units }: ShownProps & { range:
     const values = isStandardised ? one.residual_sigma : inUnit(one.residual, units.amplitude);
     const of = (used: boolean) => order.map((at) => (one.used[at] === used ? (values[at] ?? null) : null));
     return [
-      { name: `${one.channel}, excluded`, y: of(false), faint: true, points: true, line: false },
+      { name: t("channelExcluded", { channel: one.channel }), y: of(false), faint: true, points: true, line: false },
       { name: one.channel, style: one.style, y: of(true), points: true, line: false },
     ];
   });
   return (
     <Plot
-      label="Residuals over speed"
+      label={t("residualsOverSpeed")}
       x={order.map((at) => run.speed[at]! * units.speed.factor)}
       curves={curves}
       xUnit={units.speed.label}
-      yUnit={isStandardised ? "residual, σ" : `residual, ${units.amplitude.label}`}
+      yUnit={isStandardised ? t("residual") : t("residualIn", { unit: units.amplitude.label })}
       xRange={range}
       syncGroup="bode"
       height={130}
@@ -171,9 +172,9 @@ function Residuals({ fit, noFit, channels, range, units }: ShownProps & { range:
 
 function polarCurves(props: ShownProps, channel: string, style: number): PolarCurve[] {
   const curves: PolarCurve[] = [];
-  if (props.reference) curves.push({ name: `${channel}, overlaid run`, style, line: false, faint: true, ...pointsOf(props, props.reference, channel) });
+  if (props.reference) curves.push({ name: t("overlaidRun", { channel }), style, line: false, faint: true, ...pointsOf(props, props.reference, channel) });
   const fitted = fittedOf(props, channel);
-  if (fitted) curves.push({ name: `${channel}, model`, style, line: true, unlabelled: true, rpm: fittedSpeeds(props), amplitude: fitted.amplitude, lag: fitted.phase });
+  if (fitted) curves.push({ name: t("channelModel", { channel }), style, line: true, unlabelled: true, rpm: fittedSpeeds(props), amplitude: fitted.amplitude, lag: fitted.phase });
   curves.push({ name: channel, style, line: false, ...pointsOf(props, props.measured, channel) });
   return curves;
 }

@@ -6,6 +6,7 @@ import { useDeviations } from "../data/machine-deviations";
 import { useNewestSummary } from "../data/newest-identification";
 import { useOpenAlerts } from "../data/open-alerts";
 import { useResource } from "../data/resource";
+import { t } from "../messages/messages";
 import { AlertList } from "../panels/alert-list";
 import { ElementHistories } from "../panels/element-histories";
 import type { Alert } from "../schemas/alerts";
@@ -34,11 +35,11 @@ export function AlertPage({ id }: { id: string }) {
             </h1>
             <p class="buttons">
               <a href={link(["machines", alert.machine])}>{machine.data?.document.name ?? alert.machine}</a>
-              <a href={link(["reports", alert.machine])}>Report</a>
-              <a href={link(["alerts"])}>All alerts</a>
+              <a href={link(["reports", alert.machine])}>{t("report")}</a>
+              <a href={link(["alerts"])}>{t("allAlerts")}</a>
             </p>
           </header>
-          <Panel title="What it says">
+          <Panel title={t("whatItSays")}>
             <AlertList result={{ ...result, data: [alert] }} machines opened none="" />
           </Panel>
           <Loaded result={machine} lines={20}>
@@ -73,7 +74,7 @@ function MarkedTrain({ machine, drawing }: { machine: Document; drawing: Drawing
   const { deviations } = useDeviations(machine.id, useNewestSummary(machine.id));
   if (!drawing) return null;
   return (
-    <Panel title="Where it is">
+    <Panel title={t("whereItIs")}>
       <TrainDrawing
         name={machine.name}
         drawing={drawing}

@@ -4,6 +4,7 @@ import { useStore } from "../browser/store";
 import { Panel, Truncated } from "../components/panel";
 import { queryString } from "../data/http-client";
 import { useResource } from "../data/resource";
+import { t } from "../messages/messages";
 import { AlertList } from "../panels/alert-list";
 import type { Alert } from "../schemas/alerts";
 
@@ -14,16 +15,16 @@ export function AlertsPage() {
   const result = useResource<Alert[]>(`/alerts${queryString({ open: !all, limit: LIMIT })}`, 30_000);
   return (
     <>
-      <h1>Alerts</h1>
+      <h1>{t("alerts")}</h1>
       <Panel
-        title={all ? "All, newest first" : "Open, newest first"}
+        title={all ? t("allNewestFirst") : t("openNewestFirst")}
         aside={
           <label class="switch">
-            <input type="checkbox" checked={all} onChange={() => replaceQuery({ all: all ? null : "1" })} /> include closed
+            <input type="checkbox" checked={all} onChange={() => replaceQuery({ all: all ? null : "1" })} /> {t("includeClosed")}
           </label>
         }
       >
-        <AlertList result={result} machines none={all ? "No alerts." : "No open alerts."} />
+        <AlertList result={result} machines none={all ? t("noAlerts") : t("noOpenAlerts")} />
         <Truncated shown={result.data?.length ?? 0} limit={LIMIT} />
       </Panel>
     </>

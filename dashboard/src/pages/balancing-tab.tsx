@@ -3,6 +3,7 @@ import { link } from "../browser/router";
 import { Panel } from "../components/panel";
 import { Severity } from "../components/severity";
 import { useOpenAlerts } from "../data/open-alerts";
+import { t } from "../messages/messages";
 import { FieldBalancingPanel } from "../panels/field-balancing-panel";
 import type { Alert } from "../schemas/alerts";
 import type { Document } from "../schemas/machines";
@@ -18,7 +19,7 @@ export function BalancingTab({ machine }: { machine: Document }) {
     <>
       <Dangers dangers={dangers} />
       <details class="screen">
-        <summary>Balance all the same</summary>
+        <summary>{t("balanceAllTheSame")}</summary>
         <FieldBalancingPanel machine={machine} />
       </details>
     </>
@@ -27,8 +28,8 @@ export function BalancingTab({ machine }: { machine: Document }) {
 
 function Dangers({ dangers }: { dangers: Alert[] }) {
   return (
-    <Panel title="Not now: a danger is open">
-      <p>Balancing would hide what is wrong and not mend it. First:</p>
+    <Panel title={t("notNowADangerIs")}>
+      <p>{t("balancingWouldHideWhatIs")}</p>
       <ul class="reasons">
         {dangers.map((one) => (
           <li key={one.id}>

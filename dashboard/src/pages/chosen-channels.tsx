@@ -4,6 +4,7 @@ import { useStore } from "../browser/store";
 import { useOpenAlerts } from "../data/open-alerts";
 import { useResource } from "../data/resource";
 import { elementName } from "../format/names";
+import { t } from "../messages/messages";
 import type { Document, Drawing } from "../schemas/machines";
 import { nearestChannels } from "../train/nearest-probes";
 
@@ -39,7 +40,7 @@ export function ChannelButtons({ machine, chosen }: { machine: Document; chosen:
     if (next.length > 0) replaceQuery({ channels: next.join(",") });
   };
   return (
-    <span class="buttons" role="group" aria-label="Channels">
+    <span class="buttons" role="group" aria-label={t("channels")}>
       {channels.map((one) => (
         <button key={one} type="button" aria-pressed={chosen.includes(one)} onClick={() => toggle(one)}>
           {one}
@@ -51,5 +52,5 @@ export function ChannelButtons({ machine, chosen }: { machine: Document; chosen:
 
 export function BesideAlert({ beside, isPending }: Pick<ChosenChannels, "beside" | "isPending">) {
   if (isPending) return <p class="muted">…</p>;
-  return beside ? <p class="muted">The probes beside {elementName(beside)}, of which an alert is open.</p> : null;
+  return beside ? <p class="muted">{t("theProbesBesideOfWhich", { element: elementName(beside) })}</p> : null;
 }

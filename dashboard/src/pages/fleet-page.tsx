@@ -4,6 +4,7 @@ import { useStore } from "../browser/store";
 import { Loaded } from "../components/loading";
 import { Empty, Panel, Truncated } from "../components/panel";
 import { useResource } from "../data/resource";
+import { rich, t } from "../messages/messages";
 import { FleetTable } from "../panels/fleet-table";
 import type { Fleet, FleetMachine } from "../schemas/machines";
 import { needOrder, needs } from "../words/needs";
@@ -29,10 +30,10 @@ export function FleetPage() {
   const order = (query.get("order") ?? "urgency") as Order;
   return (
     <>
-      <h1>Fleet</h1>
-      <Panel title="Machines" aside={<SearchAndOrder search={search} order={order} />}>
+      <h1>{t("fleet")}</h1>
+      <Panel title={t("machines")} aside={<SearchAndOrder search={search} order={order} />}>
         <p class="screen">
-          <a href={link(["wall"])}>Wall view</a>
+          <a href={link(["wall"])}>{t("wallView")}</a>
         </p>
         <Loaded result={result} lines={12}>
           {({ machines, since }) => (
@@ -52,14 +53,14 @@ function SearchAndOrder({ search, order }: { search: string; order: Order }) {
   return (
     <div class="choices">
       <label class="switch">
-        Find <input type="search" value={search} size={14} onInput={(event) => replaceQuery({ sought: event.currentTarget.value || null })} />
+        {t("find")} <input type="search" value={search} size={14} onInput={(event) => replaceQuery({ sought: event.currentTarget.value || null })} />
       </label>
       <label class="switch">
-        Sort{" "}
+        {t("sort")}{" "}
         <select value={order} onChange={(event) => replaceQuery({ order: event.currentTarget.value })}>
-          <option value="urgency">what needs a person</option>
-          <option value="name">name</option>
-          <option value="plant">plant</option>
+          <option value="urgency">{t("whatNeedsAPerson")}</option>
+          <option value="name">{t("byName")}</option>
+          <option value="plant">{t("plant")}</option>
         </select>
       </label>
     </div>
@@ -70,11 +71,11 @@ function Machines({ all, found, since }: { all: FleetMachine[]; found: FleetMach
   if (all.length === 0) {
     return (
       <Empty>
-        No machine yet. A machine is created from its document: <code>rundown document examples/motor-pump.yaml | curl -X POST …/api/v1/machines …</code>
+        {rich("noMachineYet", { command: <code>rundown document examples/motor-pump.yaml | curl -X POST …/api/v1/machines …</code> })}
       </Empty>
     );
   }
-  if (found.length === 0) return <Empty>No machine matches.</Empty>;
+  if (found.length === 0) return <Empty>{t("noMachineMatches")}</Empty>;
   return <FleetTable machines={found} since={since} />;
 }
 
@@ -91,13 +92,13 @@ function Totals({ machines }: { machines: FleetMachine[] }) {
   const turning = machines.filter((one) => !["stopped", "unknown"].includes(one.state)).length;
   const unacknowledged = machines.reduce((sum, one) => sum + one.unacknowledged, 0);
   const figures: [number, string][] = [
-    [machines.length, machines.length === 1 ? "machine" : "machines"],
-    [turning, "turning"],
-    [machines.filter((one) => one.open_run).length, "in a run"],
-    [open("danger"), "in danger"],
-    [open("alert"), "with an alert"],
-    [unacknowledged, "alerts not acknowledged"],
-    [machines.filter((one) => needs(one).length > 0).length, "need a person"],
+    [machines.length, machines.length === 1 ? t("oneMachine") : t("machinesCount")],
+    [turning, t("turning")],
+    [machines.filter((one) => one.open_run).length, t("inARun")],
+    [open("danger"), t("inDanger")],
+    [open("alert"), t("withAnAlert")],
+    [unacknowledged, t("alertsNotAcknowledged")],
+    [machines.filter((one) => needs(one).length > 0).length, t("needAPerson")],
   ];
   return (
     <dl class="totals">

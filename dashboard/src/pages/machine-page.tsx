@@ -7,6 +7,7 @@ import { Loaded } from "../components/loading";
 import { Empty } from "../components/panel";
 import { openAlertsPath } from "../data/open-alerts";
 import { prefetch, useResource } from "../data/resource";
+import { t } from "../messages/messages";
 import { MachineStatus } from "../panels/machine-status";
 import type { MachineRevision } from "../schemas/machines";
 import { BalancingTab } from "./balancing-tab";
@@ -31,14 +32,14 @@ export function MachinePage({ id, tab }: { id: string; tab: string }) {
       {(found) => (
         <>
           <MachineStatus machine={found.document} revision={found.revision} />
-          <nav class="tabs" aria-label="Views of the machine">
+          <nav class="tabs" aria-label={t("viewsOfTheMachine")}>
             {TABS.map((one) => (
               <a key={one.id} href={link(["machines", id, one.id])} aria-current={one.id === tab ? "page" : undefined}>
                 {one.name}
               </a>
             ))}
             <a class="end" href={link(["reports", id])}>
-              Report
+              {t("report")}
             </a>
           </nav>
           <ErrorBoundary key={tab}>{tabContent(tab, found)}</ErrorBoundary>
@@ -70,6 +71,6 @@ function tabContent(tab: string, found: MachineRevision): ComponentChildren {
     case "settings":
       return <SettingsTab machine={machine} />;
     default:
-      return <Empty>There is no such view.</Empty>;
+      return <Empty>{t("thereIsNoSuchView")}</Empty>;
   }
 }

@@ -1,13 +1,15 @@
-// Predictions of the newest identified model: Campbell diagram, critical speeds, oil films, alignment, coupling loads, balancing.
+// Predictions of the newest identified model: Campbell diagram, critical speeds, oil films, shaft centreline, alignment, coupling loads, balancing.
 import { NewestNotice, NoIdentification, PendingPanel } from "../components/newest-identification";
 import { Time } from "../components/time";
 import { useNewestIdentification } from "../data/newest-identification";
 import { AlignmentPanel } from "../identification/alignment-panel";
 import { BalancingPanel } from "../identification/balancing-panel";
 import { CampbellPanel } from "../identification/campbell-panel";
+import { CentrelinePanel } from "../identification/centreline-panel";
 import { CouplingLoadsPanel } from "../identification/coupling-loads-panel";
 import { CriticalSpeedsPanel } from "../identification/critical-speeds-panel";
 import { OilFilmsPanel } from "../identification/oil-films-panel";
+import { rich, t, term } from "../messages/messages";
 import type { Document } from "../schemas/machines";
 
 function pathsOf(id: number) {
@@ -18,19 +20,20 @@ function pathsOf(id: number) {
 export function ModelTab({ machine }: { machine: Document }) {
   const { newest, none, failure, list } = useNewestIdentification(machine.id, (id) => Object.values(pathsOf(id)));
   if (none) return <NoIdentification />;
-  if (!newest) return <PendingPanel title="Model" failure={failure} />;
+  if (!newest) return <PendingPanel title={t("model")} failure={failure} />;
   const paths = pathsOf(newest.id);
   return (
     <>
       <NewestNotice failure={failure} list={list} />
       <p class="muted">
-        The model of identification {newest.id}, measured <Time at={newest.measured_at} /> in a {newest.run_kind}.
+        {rich("modelOfIdentification", { id: newest.id, time: <Time at={newest.measured_at} />, kind: term(newest.run_kind) })}
       </p>
       <div class="columns">
         <CampbellPanel machine={machine} path={paths.campbell} />
         <CriticalSpeedsPanel machine={machine} path={paths.criticals} />
       </div>
       <OilFilmsPanel machine={machine} found={newest} />
+      <CentrelinePanel machine={machine} found={newest} path={`/identifications/${newest.id}/model/centreline`} />
       <AlignmentPanel found={newest} />
       <CouplingLoadsPanel path={paths.forces} />
       <BalancingPanel path={paths.balancing} />

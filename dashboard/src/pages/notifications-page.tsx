@@ -4,6 +4,7 @@ import { Loaded } from "../components/loading";
 import { Empty, Panel, Truncated } from "../components/panel";
 import { useResource } from "../data/resource";
 import { SubscriptionDialog } from "../dialogs/subscription-dialog";
+import { rich, t } from "../messages/messages";
 import { SubscriptionPanel } from "../panels/subscription-panel";
 import type { NewSubscription, Subscription } from "../schemas/subscriptions";
 
@@ -15,24 +16,24 @@ export function NotificationsPage() {
   const result = useResource<Subscription[]>(`/subscriptions?limit=${LIMIT}`, 15_000);
   return (
     <>
-      <h1>Notifications</h1>
+      <h1>{t("notifications")}</h1>
       <Panel
-        title="Subscriptions"
+        title={t("subscriptions")}
         aside={
           <button type="button" onClick={() => setAdds(true)}>
-            Add …
+            {t("addDots")}
           </button>
         }
       >
         {added?.secret && (
           <p class="secret" role="status">
-            The secret that signs messages to {added.name}, shown only once: <code>{added.secret}</code>
+            {rich("signingSecret", { name: added.name, secret: <code>{added.secret}</code> })}
           </p>
         )}
         <Loaded result={result} lines={6}>
           {(all) =>
             all.length === 0 ? (
-              <Empty>No subscriptions yet: nobody is notified of alerts.</Empty>
+              <Empty>{t("noSubscriptionsYetNobodyIs")}</Empty>
             ) : (
               <>
                 {all.map((one) => (

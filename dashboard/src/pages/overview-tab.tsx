@@ -7,6 +7,7 @@ import { useDeviations } from "../data/machine-deviations";
 import { useNewestSummary } from "../data/newest-identification";
 import { MAX_OPEN_ALERTS, useOpenAlerts } from "../data/open-alerts";
 import { useResource } from "../data/resource";
+import { t } from "../messages/messages";
 import { AlertList } from "../panels/alert-list";
 import { DeviationsPanel } from "../panels/deviations-panel";
 import { DocumentWarningsPanel } from "../panels/document-warnings-panel";
@@ -28,7 +29,7 @@ export function OverviewTab({ found }: { found: MachineRevision }) {
   return (
     <>
       <div class="beside">
-        <Panel title="Train" aside={<TrainLegend />}>
+        <Panel title={t("train")} aside={<TrainLegend />}>
           <Loaded result={drawing} lines={15}>
             {(train) => (
               <TrainDrawing
@@ -45,8 +46,8 @@ export function OverviewTab({ found }: { found: MachineRevision }) {
       <DocumentWarningsPanel {...found} />
       <div class="columns">
         <div>
-          <Panel title="Open alerts">
-            <AlertList result={alerts} none="No open alerts." />
+          <Panel title={t("openAlerts")}>
+            <AlertList result={alerts} none={t("noOpenAlerts")} />
             <Truncated shown={alerts.data?.length ?? 0} limit={MAX_OPEN_ALERTS} />
           </Panel>
           <LiveRunPanel machine={machine} />

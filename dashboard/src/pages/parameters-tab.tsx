@@ -11,6 +11,7 @@ import { when } from "../format/times";
 import { ComparisonPanel } from "../identification/comparison-panel";
 import { CorrelationPanel } from "../identification/correlation-panel";
 import { IdentificationPanels } from "../identification/identification-panels";
+import { t, term } from "../messages/messages";
 import type { Identification, IdentificationSummary } from "../schemas/identifications";
 import type { Document } from "../schemas/machines";
 
@@ -27,7 +28,7 @@ export function ParametersTab({ machine }: { machine: Document }) {
   if (list.data?.length === 0) return <NoIdentification />;
   return (
     <>
-      <Panel title="Selection">
+      <Panel title={t("selection")}>
         <div class="choices">
           <IdentificationSelect all={list.data ?? []} chosen={chosen} isListed={list.data !== undefined} />
           <Truncated shown={list.data?.length ?? 0} limit={LIMIT} />
@@ -38,7 +39,7 @@ export function ParametersTab({ machine }: { machine: Document }) {
           found.machine === machine.id ? (
             <IdentificationPanels machine={machine} found={found} />
           ) : (
-            <Empty>Identification {found.id} is of another machine: {found.machine}.</Empty>
+            <Empty>{t("identificationIsOfAnotherMachine", { id: found.id, machine: found.machine })}</Empty>
           )
         }
       </Loaded>
@@ -51,14 +52,14 @@ export function ParametersTab({ machine }: { machine: Document }) {
 function IdentificationSelect({ all, chosen, isListed }: { all: IdentificationSummary[]; chosen: string; isListed: boolean }) {
   return (
     <label>
-      Identification
+      {t("identification")}
       <select value={chosen} onChange={(event) => replaceQuery({ identification: event.currentTarget.value })}>
         {isListed && !all.some((one) => String(one.id) === chosen) && <option value={chosen}>{chosen}</option>}
         {all.map((one) => (
           <option key={one.id} value={one.id}>
-            {one.id} {one.run_kind}, {when(one.measured_at)}
+            {one.id} {term(one.run_kind)}, {when(one.measured_at)}
             {one.scope === "run" ? "" : `, ${scopeLabel(one.scope)}`}
-            {one.accepted ? "" : ", not accepted"}
+            {one.accepted ? "" : t("notAccepted")}
           </option>
         ))}
       </select>
@@ -67,5 +68,5 @@ function IdentificationSelect({ all, chosen, isListed }: { all: IdentificationSu
 }
 
 function scopeLabel(scope: string): string {
-  return scope === "gathered" ? "pooled" : scope;
+  return scope === "gathered" ? t("pooled") : scope;
 }

@@ -5,10 +5,11 @@ import { useStore } from "../browser/store";
 import { setPrintColours } from "../browser/theme";
 import { Loaded } from "../components/loading";
 import { Empty, Panel } from "../components/panel";
-import { API_PREFIX, queryString } from "../data/http-client";
+import { PdfButton } from "../components/pdf-button";
 import { useResource } from "../data/resource";
 import { dayOf, daysLater, isDay, midnight } from "../format/days";
 import { date, when } from "../format/times";
+import { t } from "../messages/messages";
 import { ReportBody } from "../reports/report-body";
 import type { Document, MachineRevision } from "../schemas/machines";
 
@@ -18,10 +19,10 @@ const ZONE = Intl.DateTimeFormat().resolvedOptions().timeZone;
 
 /** The errors of a period; empty for a valid one. */
 function periodErrors(first: string, last: string): string[] {
-  const ends = [["first", "from", first], ["last", "to", last]] as const;
+  const ends = [[t("periodFirst"), "from", first], [t("periodLast"), "to", last]] as const;
   const invalid = ends.filter(([, , text]) => !isDay(text));
-  if (invalid.length === 0 && first > last) return ["The period's first day is after its last."];
-  return invalid.map(([which, name, text]) => `The period's ${which} day is not a date: “${text}”. Choose one, or write ${name}=2026-01-31 in the address, without a time.`);
+  if (invalid.length === 0 && first > last) return [t("thePeriodSFirstDay")];
+  return invalid.map(([which, name, text]) => t("periodDayIsNoDate", { which, name, text }));
 }
 
 export function ReportPage({ id }: { id: string }) {
@@ -44,7 +45,7 @@ function Report({ machine, revision }: { machine: Document; revision: number }) 
   const errors = periodErrors(first, last);
   if (errors.length > 0) {
     return (
-      <Panel title="Report">
+      <Panel title={t("report")}>
         <PeriodFields first={first} last={last} />
         {errors.map((one) => (
           <Empty key={one}>{one}</Empty>
@@ -58,12 +59,12 @@ function Report({ machine, revision }: { machine: Document; revision: number }) 
     <article class="report">
       <header>
         <p class="buttons screen">
-          <a href={link(["machines", machine.id])}>Back to the machine</a>{" "}
-          <a href={`${API_PREFIX}/machines/${machine.id}/report.pdf${queryString({ from: from.toISOString(), to: to.toISOString() })}`}>As PDF</a>
+          <a href={link(["machines", machine.id])}>{t("backToTheMachine")}</a>{" "}
+          <PdfButton machine={machine.id} from={from.toISOString()} to={to.toISOString()} />
         </p>
         <h1>{machine.name}</h1>
         <p>
-          {machine.plant} / {machine.id}, document revision {revision}. {date(from)} to {date(to)}. Created {when(new Date().toISOString())}. Times are local time of {ZONE}.
+          {t("reportHeader", { plant: machine.plant, id: machine.id, revision, from: date(from), to: date(to), created: when(new Date().toISOString()), zone: ZONE })}
         </p>
         <PeriodFields first={first} last={last} />
       </header>
@@ -76,15 +77,15 @@ function PeriodFields({ first, last }: { first: string; last: string }) {
   return (
     <div class="choices">
       <label>
-        From
+        {t("from")}
         <input type="date" value={first} onChange={(event) => replaceQuery({ from: event.currentTarget.value })} />
       </label>
       <label>
-        To
+        {t("to")}
         <input type="date" value={last} onChange={(event) => replaceQuery({ to: event.currentTarget.value })} />
       </label>
       <button type="button" class="strong" onClick={() => window.print()}>
-        Print, or save as PDF
+        {t("printOrSaveAsPdf")}
       </button>
     </div>
   );

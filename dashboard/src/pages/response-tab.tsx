@@ -6,6 +6,7 @@ import { Empty, Panel } from "../components/panel";
 import { RunSelect } from "../components/run-select";
 import { useResource } from "../data/resource";
 import { useRunSelection } from "../data/run-selection";
+import { t } from "../messages/messages";
 import type { Document, Fleet } from "../schemas/machines";
 import type { Run } from "../schemas/runs";
 import { BesideAlert, ChannelButtons, useChosenChannels } from "./chosen-channels";
@@ -20,14 +21,14 @@ export function ResponseTab({ machine }: { machine: Document }) {
   const { chosen, beside, isPending } = useChosenChannels(machine);
   if (runs.all?.length === 0) {
     return (
-      <Panel title="Bode and polar">
-        <Empty>No run yet. A run begins when the speed sweeps through the machine's range.</Empty>
+      <Panel title={t("bodeAndPolar")}>
+        <Empty>{t("noRunYetSweep")}</Empty>
       </Panel>
     );
   }
   return (
     <>
-      <Panel title="Selection">
+      <Panel title={t("selection")}>
         <div class="choices">
           <RunSelect {...runs} />
           <OtherMachineSelect machine={machine.id} other={other} />
@@ -52,7 +53,7 @@ export function ResponseTab({ machine }: { machine: Document }) {
 
 function OrderButtons({ order }: { order: 1 | 2 }) {
   return (
-    <span class="buttons" role="group" aria-label="Order">
+    <span class="buttons" role="group" aria-label={t("order")}>
       {([1, 2] as const).map((one) => (
         <button key={one} type="button" aria-pressed={one === order} onClick={() => replaceQuery({ order: one === 1 ? null : String(one) })}>
           {one}×
@@ -81,9 +82,9 @@ function OtherMachineSelect({ machine, other }: { machine: string; other: OtherM
   const others = fleet.filter((one) => one.id !== machine);
   return (
     <label>
-      Newest run of
+      {t("newestRunOf")}
       <select value={other?.id ?? ""} onChange={(event) => replaceQuery({ beside: event.currentTarget.value || null })}>
-        <option value="">no other machine</option>
+        <option value="">{t("noOtherMachine")}</option>
         {others.map((one) => (
           <option key={one.id} value={one.id}>
             {one.name}
@@ -98,7 +99,7 @@ function SlowRollSwitch({ checked }: { checked: boolean }) {
   return (
     <label class="switch">
       <input type="checkbox" checked={checked} onChange={(event) => replaceQuery({ slow_roll: event.currentTarget.checked ? null : "none" })} />
-      slow roll subtracted
+      {t("slowRollSubtracted")}
     </label>
   );
 }

@@ -1,13 +1,14 @@
 // The tabs of a machine's page, in the order of the keys 1 to 8.
+import { t } from "../messages/messages";
 
 export const TABS = [
-  { id: "overview", name: "Overview" },
-  { id: "vibration", name: "Vibration" },
-  { id: "trends", name: "Trends" },
-  { id: "response", name: "Bode and polar" },
-  { id: "shapes", name: "Orbits and modes" },
-  { id: "model", name: "Model" },
-  { id: "balancing", name: "Balancing" },
-  { id: "identified", name: "Parameters" },
-  { id: "settings", name: "Limits and suppressions" },
+  { id: "overview", name: t("overview") },
+  { id: "vibration", name: t("vibration") },
+  { id: "trends", name: t("trends") },
+  { id: "response", name: t("bodeAndPolar") },
+  { id: "shapes", name: t("orbitsAndModes") },
+  { id: "model", name: t("model") },
+  { id: "balancing", name: t("balancing") },
+  { id: "identified", name: t("parameters") },
+  { id: "settings", name: t("limitsAndSuppressions") },
 ] as const;

@@ -10,6 +10,7 @@ import { usePeriod } from "../data/chosen-period";
 import { useNewestIdentification } from "../data/newest-identification";
 import { useResource } from "../data/resource";
 import { elementName } from "../format/names";
+import { t } from "../messages/messages";
 import { DERIVED, ElementHistories } from "../panels/element-histories";
 import type { Alert } from "../schemas/alerts";
 import type { Identification } from "../schemas/identifications";
@@ -17,9 +18,9 @@ import type { Document } from "../schemas/machines";
 import { elementsOfEstimates } from "../words/elements";
 
 const RANGES: [string, string, number][] = [
-  ["month", "1 month", 31],
-  ["quarter", "3 months", 92],
-  ["year", "1 year", 366],
+  ["month", t("n1Month"), 31],
+  ["quarter", t("n3Months"), 92],
+  ["year", t("n1Year"), 366],
   ["all", "all", Infinity],
 ];
 /** Alerts that are marked in the trends. */
@@ -41,20 +42,20 @@ export function TrendsTab({ machine }: { machine: Document }) {
     if (settled && !query.get("element")) replaceQuery({ element: settled });
   }, [settled, query]);
   if (none) return <NoIdentification />;
-  if (!newest || !element) return <PendingPanel title="Trends" failure={failure} />;
+  if (!newest || !element) return <PendingPanel title={t("trends")} failure={failure} />;
   const range = query.get("range") ?? "all";
   const isFree = period.from !== null || period.to !== null;
   return (
     <>
       <NewestNotice failure={failure} list={list} />
-      <Panel title="Selection">
+      <Panel title={t("selection")}>
         <div class="choices">
           <ElementButtons elements={elements} chosen={element} alerts={alerts} />
           <RangeButtons chosen={isFree ? "" : range} />
           <PeriodFields {...period} />
           <PooledSwitch checked={query.get("scope") === POOLED} />
         </div>
-        <Truncated shown={alerts.length} limit={MAX_ALERTS} of="alerts of the machine" />
+        <Truncated shown={alerts.length} limit={MAX_ALERTS} of={t("alertsOfTheMachine")} />
       </Panel>
       <ElementHistories
         key={[element, range, query.get("scope"), period.first, period.last].join()}
@@ -91,7 +92,7 @@ function namesOf(newest: Identification, element: string): string[] {
 function ElementButtons({ elements, chosen, alerts }: { elements: string[]; chosen: string; alerts: Alert[] }) {
   const open = alerts.filter((one) => !one.closed_at);
   return (
-    <span class="buttons" role="group" aria-label="Element">
+    <span class="buttons" role="group" aria-label={t("element")}>
       {elements.map((one) => (
         <button key={one} type="button" aria-pressed={one === chosen} onClick={() => replaceQuery({ element: one })}>
           <WorstOf alerts={open.filter((alert) => alert.element === one)} />
@@ -109,7 +110,7 @@ function WorstOf({ alerts }: { alerts: Alert[] }) {
 
 function RangeButtons({ chosen }: { chosen: string }) {
   return (
-    <span class="buttons" role="group" aria-label="Time range">
+    <span class="buttons" role="group" aria-label={t("timeRange")}>
       {RANGES.map(([id, label]) => (
         <button key={id} type="button" aria-pressed={id === chosen} onClick={() => replaceQuery({ range: id, from: null, to: null })}>
           {label}
@@ -123,7 +124,7 @@ function PooledSwitch({ checked }: { checked: boolean }) {
   return (
     <label class="switch">
       <input type="checkbox" checked={checked} onChange={(event) => replaceQuery({ scope: event.currentTarget.checked ? POOLED : null })} />
-      newest runs pooled
+      {t("newestRunsPooled")}
     </label>
   );
 }

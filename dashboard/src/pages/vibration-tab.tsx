@@ -5,6 +5,7 @@ import { Loading } from "../components/loading";
 import { PeriodFields } from "../components/period-fields";
 import { Panel } from "../components/panel";
 import { usePeriod } from "../data/chosen-period";
+import { t, term } from "../messages/messages";
 import type { Document } from "../schemas/machines";
 import { VibrationBarsPanel } from "../vibration/vibration-bars-panel";
 import { VibrationTrendPanels } from "../vibration/vibration-trend-panels";
@@ -20,15 +21,15 @@ export function VibrationTab({ machine }: { machine: Document }) {
   return (
     <>
       <VibrationBarsPanel machine={machine} />
-      <Panel title="Selection">
+      <Panel title={t("selection")}>
         <div class="choices">
           <label>
-            Runs
+            {t("runsShown")}
             <select value={kind ?? ""} onChange={(event) => replaceQuery({ kind: event.currentTarget.value || null })}>
-              <option value="">of the newest kind</option>
+              <option value="">{t("ofTheNewestKind")}</option>
               {KINDS.map((one) => (
                 <option key={one} value={one}>
-                  {one}
+                  {term(one)}
                 </option>
               ))}
             </select>

@@ -7,6 +7,7 @@ import { Severity } from "../components/severity";
 import { Speed } from "../components/speed";
 import { useResource } from "../data/resource";
 import { clock } from "../format/times";
+import { t } from "../messages/messages";
 import type { Fleet, FleetMachine } from "../schemas/machines";
 import { alertTitle } from "../words/alert-states";
 import { needOrder, needs } from "../words/needs";
@@ -19,7 +20,7 @@ export function WallPage() {
     <>
       <header class="wall-title">
         <h1>
-          <a href={link([])}>Fleet</a>
+          <a href={link([])}>{t("fleet")}</a>
         </h1>
         <Clock />
       </header>
@@ -59,7 +60,7 @@ function Tile({ one }: { one: FleetMachine }) {
           <Severity severity={one.first_alert.severity} acknowledged={one.unacknowledged === 0} />: {alertTitle(one.first_alert)}
         </p>
       )}
-      <p class="muted">{needs(one)[0]?.words ?? "needs nobody"}</p>
+      <p class="muted">{needs(one)[0]?.words ?? t("needsNobody")}</p>
     </li>
   );
 }

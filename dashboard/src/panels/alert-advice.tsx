@@ -1,20 +1,21 @@
 // What an alert means for a person: how far, how sure, how urgent, what to check and to do, what would confirm it.
 import type { ComponentChildren } from "preact";
+import { t } from "../messages/messages";
 import type { Advice } from "../schemas/alerts";
 
 export function AlertAdvice({ advice }: { advice: Advice }) {
   const opportunities = [...new Set(advice.actions.map((one) => one.opportunity))];
   return (
     <dl class="facts advice">
-      <Lines name="How far" lines={advice.how_far.map((one) => one.words)} />
-      <Lines name="How sure" lines={[advice.how_sure.words]} />
-      <Lines name="How urgent" lines={[advice.how_urgent.words]} />
+      <Lines name={t("howFar")} lines={advice.how_far.map((one) => one.words)} />
+      <Lines name={t("howSure")} lines={[advice.how_sure.words]} />
+      <Lines name={t("howUrgent")} lines={[advice.how_urgent.words]} />
       {opportunities.map((when) => (
-        <Lines key={when} name={`Do ${when}`} lines={advice.actions.filter((one) => one.opportunity === when).map((one) => one.text)} />
+        <Lines key={when} name={t("doWhen", { when })} lines={advice.actions.filter((one) => one.opportunity === when).map((one) => one.text)} />
       ))}
-      <Lines name="Check" lines={advice.check} />
-      <Lines name="Would confirm it" lines={advice.confirm} />
-      <Lines name="Not determined" lines={advice.not_determined} />
+      <Lines name={t("check")} lines={advice.check} />
+      <Lines name={t("wouldConfirmIt")} lines={advice.confirm} />
+      <Lines name={t("notDetermined")} lines={advice.not_determined} />
     </dl>
   );
 }

@@ -11,6 +11,7 @@ import { causeLabel, findingLabel } from "../findings/findings";
 import { elementName, parameterName, words } from "../format/names";
 import { number, quantity } from "../format/numbers";
 import { utc } from "../format/times";
+import { rich, t } from "../messages/messages";
 import type { Alert, AlertEvent, Evidence } from "../schemas/alerts";
 import { ALERT_ACTIONS, alertStateLabel, availableActions, isUnacknowledged, type AlertAction } from "../words/alert-states";
 import { AlertAdvice } from "./alert-advice";
@@ -35,7 +36,7 @@ export function AlertEntry({ alert, machine, opened = false, onAction }: Props) 
         <span class="rule">{findingLabel(alert.rule)}</span>
         <span class="state">{alertStateLabel(alert.state)}</span>
         <span class="space" />
-        <span title={`first measured ${utc(alert.first_measured_at)}, last ${utc(alert.measured_at)}, opened ${utc(alert.opened_at)}`}>
+        <span title={t("alertTimes", { first: utc(alert.first_measured_at), last: utc(alert.measured_at), opened: utc(alert.opened_at) })}>
           <Time at={alert.opened_at} />
         </span>
       </div>
@@ -46,9 +47,9 @@ export function AlertEntry({ alert, machine, opened = false, onAction }: Props) 
             {ALERT_ACTIONS[action].button}
           </button>
         ))}
-        {!opened && <a href={link(["alerts", String(alert.id)])}>Judge it</a>}
+        {!opened && <a href={link(["alerts", String(alert.id)])}>{t("judgeIt")}</a>}
         <button type="button" class="quiet" aria-expanded={open} onClick={() => setOpen(!open)}>
-          {open ? "▾" : "▸"} {alert.events} {alert.events === 1 ? "event" : "events"}
+          {open ? "▾" : "▸"} {t(alert.events === 1 ? "oneEvent" : "manyEvents", { count: alert.events })}
         </button>
       </div>
       {open && (
@@ -68,22 +69,22 @@ function EvidenceList({ evidence }: { evidence: Partial<Evidence> }) {
   if (moved.length === 0) return null;
   return (
     <dl class="facts">
-      <dt>Observed since</dt>
+      <dt>{t("observedSince")}</dt>
       <dd>
-        <Time at={since} />, in {runs} consecutive runs
+        {rich("inConsecutiveRuns", { time: <Time at={since} />, runs })}
       </dd>
-      <dt>Largest changes</dt>
+      <dt>{t("largestChanges")}</dt>
       <dd>{moved.map((one) => `${parameterName(one.parameter)} ${one.sigma > 0 ? "+" : "−"}${number(Math.abs(one.sigma), 2)} σ`).join(", ")}</dd>
       {typeof force === "number" && (
         <>
-          <dt>Misalignment force</dt>
-          <dd>{quantity(force, "N")} at running speed</dd>
+          <dt>{t("misalignmentForce")}</dt>
+          <dd>{t("forceAtSpeed", { force: quantity(force, "N") })}</dd>
         </>
       )}
       {alternatives.length > 0 && (
         <>
-          <dt>Alternative causes</dt>
-          <dd>{alternatives.map(causeLabel).join(", or ")}; less likely</dd>
+          <dt>{t("alternativeCauses")}</dt>
+          <dd>{t("lessLikely", { causes: alternatives.map(causeLabel).join(t("orBetweenCauses")) })}</dd>
         </>
       )}
     </dl>
@@ -101,8 +102,8 @@ function History({ alert }: { alert: Alert }) {
             {events.map((event) => (
               <li key={event.id}>
                 <Time at={event.at} /> {words(event.kind)}
-                {event.by && <> by {event.by}</>}
-                {event.state !== event.state_before && <>, now {alertStateLabel(event.state)}</>}
+                {event.by && <> {t("byPerson", { by: event.by })}</>}
+                {event.state !== event.state_before && <>{t("nowState", { state: alertStateLabel(event.state) })}</>}
                 {event.comment && <q>{event.comment}</q>}
               </li>
             ))}

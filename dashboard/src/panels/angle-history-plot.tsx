@@ -1,5 +1,6 @@
 // The angle of a vector over time: a change of it alone does not show in the magnitude.
 import { ANY_ANGLE } from "../format/angles";
+import { t, term } from "../messages/messages";
 import { unwrapPhase } from "../plots/phase";
 import { Plot } from "../plots/plot";
 import type { Curve, Marker } from "../plots/plot-props";
@@ -19,10 +20,10 @@ export function AngleHistoryPlot({ series, kinds, markers, xRange, readOut, onPi
   return (
     <>
       {isThinned && (
-        <p class="muted thinned">where the magnitude is lowest and highest in each interval, of {series.down_sampling!.points} points</p>
+        <p class="muted thinned">{t("thinnedAngles", { points: series.down_sampling!.points })}</p>
       )}
       <Plot
-        label={`Angle of ${series.parameter} over time, ${series.value.length} points`}
+        label={t("angleOverTime", { parameter: series.parameter, points: series.value.length })}
         x={series.measured_at.map((one) => Date.parse(one) / 1000)}
         time
         yUnit="angle, °"
@@ -42,13 +43,13 @@ export function AngleHistoryPlot({ series, kinds, markers, xRange, readOut, onPi
 function angleCurves(series: Series, kinds: string[]): Curve[] {
   const accepted = series.quality.map((one) => one === "accepted");
   const angles = unwrapPhase(series.measured_at.map((_, at) => (accepted[at] ? series.angle_deg?.[at] ?? null : null)));
-  return kinds.map((name, style): Curve => {
-    const y = angles.map((one, at) => (series.run_kind[at] === name ? one : null));
+  return kinds.map((kind, style): Curve => {
+    const y = angles.map((one, at) => (series.run_kind[at] === kind ? one : null));
     const bound = (sign: number) =>
       y.map((one, at) => {
         const half = series.angle_half_width_deg?.[at] ?? ANY_ANGLE;
         return one === null || half >= ANY_ANGLE ? null : one + sign * half;
       });
-    return { name, style, y, lower: bound(-1), upper: bound(1), points: true, spanGaps: true };
+    return { name: term(kind), style, y, lower: bound(-1), upper: bound(1), points: true, spanGaps: true };
   });
 }

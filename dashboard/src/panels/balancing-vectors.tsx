@@ -1,10 +1,11 @@
 // Vector plots of a balancing: of each channel the point where it moves most, from run to run to the prediction and the check.
+import { t } from "../messages/messages";
 import { CurveLegend } from "../plots/curve-legend";
 import type { PolarCurve } from "../plots/polar-geometry";
 import { PolarPlot } from "../plots/polar-plot";
 import type { CheckRun, PointVectors, ProposedCorrection, Vector } from "../schemas/balancings";
 
-const PREDICTED = "predicted, with its 95 % circle";
+const PREDICTED = t("predictedWithIts95Circle");
 
 export function BalancingVectors({ correction, check }: { correction: ProposedCorrection; check: CheckRun | null }) {
   const largest = new Map<string, PointVectors>();
@@ -16,7 +17,7 @@ export function BalancingVectors({ correction, check }: { correction: ProposedCo
   const names = [...runs, PREDICTED, ...(check ? [checkName(check)] : [])];
   return (
     <>
-      <p class="muted">Phase lag increases clockwise from the right.</p>
+      <p class="muted">{t("phaseLagIncreasesClockwiseFrom")}</p>
       <CurveLegend curves={names.map((name, style) => ({ name, style }))} />
       <div class="polars">
         {[...largest.values()].map((one) => (
@@ -28,7 +29,7 @@ export function BalancingVectors({ correction, check }: { correction: ProposedCo
 }
 
 function checkName(check: CheckRun): string {
-  return `check run ${check.run}`;
+  return t("checkRunNumber", { run: check.run });
 }
 
 function initialSize(one: PointVectors): number {

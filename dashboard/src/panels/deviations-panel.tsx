@@ -8,11 +8,12 @@ import type { ApiError } from "../data/http-client";
 import type { QueryResult } from "../data/resource";
 import { elementName } from "../format/names";
 import { number } from "../format/numbers";
+import { rich, t, term } from "../messages/messages";
 import type { Document } from "../schemas/machines";
 import type { Deviations } from "../schemas/trends";
 import { chanceText, CHANGED, changeText, deviationText, largestDeviation } from "../words/deviations";
 
-const TITLE = "Deviation from the baseline";
+const TITLE = t("deviationFromTheBaseline");
 
 interface Props {
   machine: Document;
@@ -45,11 +46,11 @@ function Compared({ found }: { found: Deviations }) {
   const { baseline } = found;
   return (
     <p class="muted">
-      <Time at={found.measured_at} /> {found.run_kind}, against {baseline.identifications.length} runs
+      {rich("comparedAgainst", { time: <Time at={found.measured_at} />, kind: term(found.run_kind), runs: baseline.identifications.length })}
       {baseline.since && (
         <>
           {" "}
-          since <Time at={baseline.since} />
+          {rich("sinceTime", { time: <Time at={baseline.since} /> })}
         </>
       )}
     </p>
@@ -59,16 +60,16 @@ function Compared({ found }: { found: Deviations }) {
 function Table({ machine, found }: { machine: string; found: Deviations }) {
   const order = [...found.elements].sort((a, b) => a.probability - b.probability || b.distance - a.distance);
   return (
-    <Scroll label="Table">
+    <Scroll label={t("table")}>
       <table>
         <thead>
           <tr>
-            <th>Element</th>
-            <th>Largest deviation</th>
-            <th class="number" title="all its parameters together, in multiples of how they usually scatter">
-              Of usual scatter
+            <th>{t("element")}</th>
+            <th>{t("largestDeviation")}</th>
+            <th class="number" title={t("scatterExplained")}>
+              {t("ofUsualScatter")}
             </th>
-            <th title="by the probability of as much without any change">Has it changed?</th>
+            <th title={t("byTheProbabilityOfAs")}>{t("hasItChanged")}</th>
           </tr>
         </thead>
         <tbody>
@@ -87,15 +88,15 @@ function Row({ machine, found, one }: { machine: string; found: Deviations; one:
     <tr>
       <td>
         {one.probability < CHANGED && (
-          <span class="severity changed" title="changed">
+          <span class="severity changed" title={t("changed")}>
             ●{" "}
           </span>
         )}
         <a href={link(["machines", machine, "trends"], { element: one.element })}>{elementName(one.element)}</a>
       </td>
       <td>{largest ? deviationText(largest) : "–"}</td>
-      <td class="number">{number(one.distance / Math.sqrt(one.degrees_of_freedom), 2)} times</td>
-      <td title={`an unchanged element is as far in ${chanceText(one.probability)} runs`}>{changeText(one.probability)}</td>
+      <td class="number">{t("timesScatter", { times: number(one.distance / Math.sqrt(one.degrees_of_freedom), 2) })}</td>
+      <td title={t("unchangedElementIsAsFar", { chance: chanceText(one.probability) })}>{changeText(one.probability)}</td>
     </tr>
   );
 }

@@ -1,12 +1,13 @@
 // What is hardly meant in a machine's document, as the service says it; nothing where there is none.
 import { Panel } from "../components/panel";
+import { t } from "../messages/messages";
 import type { MachineRevision } from "../schemas/machines";
 import { documentWarning } from "../words/document-warnings";
 
 export function DocumentWarningsPanel({ document, revision, warnings }: MachineRevision) {
   if (warnings.length === 0) return null;
   return (
-    <Panel title="Warnings of the document" aside={<p class="muted">Revision {revision} is used as it stands. Is this meant?</p>}>
+    <Panel title={t("warningsOfTheDocument")} aside={<p class="muted">{t("revisionIsUsedAsIt", { revision })}</p>}>
       <ul class="reasons">
         {warnings.map((one) => {
           const { where, words } = documentWarning(one, document);

@@ -8,6 +8,7 @@ import { useResource } from "../data/resource";
 import { angleConvention } from "../format/angles";
 import { elementName, isUnbalance, parameterName, termName } from "../format/names";
 import { when } from "../format/times";
+import { t, term } from "../messages/messages";
 import { CurveLegend } from "../plots/curve-legend";
 import { MARKER_SIGNS } from "../plots/curve-style";
 import type { Marker } from "../plots/plot-props";
@@ -25,7 +26,7 @@ const MAX_POINTS = 2000;
 /** A downloaded file is not thinned out before the API's limit. */
 const MAX_FILE_POINTS = 20_000;
 /** Stands for an element: the quantities derived from the parameters. */
-export const DERIVED = "derived quantities";
+export const DERIVED = "derived_quantities";
 
 interface Props {
   machine: string;
@@ -56,7 +57,7 @@ export function ElementHistories(props: Props) {
   const file = `${API_PREFIX}/machines/${machine}/trends${queryString({ ...query, max_points: MAX_FILE_POINTS, format: "csv" })}`;
   return (
     <Panel
-      title={`${elementName(element)}: ${scope === "run" ? "single runs" : "pooled runs"}, bands are 95 % intervals`}
+      title={t("historiesTitle", { element: elementName(element), scope: scope === "run" ? t("singleRuns") : t("pooledRuns") })}
       aside={
         <a class="screen" href={file} download={`${machine}-${element}.csv`}>
           CSV
@@ -70,7 +71,7 @@ export function ElementHistories(props: Props) {
             <Explanation series={series} names={names} rotation={props.rotation} />
             <Plots {...props} series={series} markers={markers} tests={tests} />
             <MarkerList markers={markers} />
-            {to === null && <Truncated shown={timeline.length} limit={MAX_TIMELINE} of="entries of the timeline" />}
+            {to === null && <Truncated shown={timeline.length} limit={MAX_TIMELINE} of={t("entriesOfTheTimeline")} />}
           </>
         )}
       </Loaded>
@@ -91,9 +92,9 @@ function useTrendTests({ machine, element, names, newest, to = null, scope }: Pr
 function Explanation({ series, names, rotation }: { series: Series[]; names: string[]; rotation: Sense | undefined }) {
   return (
     <p class="muted">
-      <CurveLegend curves={kindsOf(series).map((name) => ({ name }))} />
-      {series.some((one) => one.baselines.length > 0) && " · Grey: where 95 % of the estimates lie while the machine is at its baseline; per cent are relative to the band's centre."}
-      {names.some(isUnbalance) && ` · Angles of unbalances: ${angleConvention(rotation)}.`}
+      <CurveLegend curves={kindsOf(series).map((one) => ({ name: term(one) }))} />
+      {series.some((one) => one.baselines.length > 0) && t("greyBandExplained")}
+      {names.some(isUnbalance) && t("anglesCounted", { convention: angleConvention(rotation) })}
     </p>
   );
 }
@@ -124,12 +125,12 @@ function markersOf(alerts: Alert[], timeline: TimelineEntry[]): Marker[] {
     // At the run that raised it: it was opened when that was computed, which may be much later.
     x: Date.parse(one.first_measured_at) / 1000,
     kind: one.severity === "danger" ? "danger" : "alert",
-    words: `${one.message} (first measured ${when(one.first_measured_at)}, last ${when(one.measured_at)}, opened ${when(one.opened_at)})`,
+    words: t("alertMarker", { message: one.message, first: when(one.first_measured_at), last: when(one.measured_at), opened: when(one.opened_at) }),
   }));
   const entered = timeline.map<Marker>((one) => ({
     x: Date.parse(one.at) / 1000,
     kind: one.kind === "maintenance" ? "maintenance" : "note",
-    words: `${one.kind}: ${one.text}`,
+    words: `${term(one.kind)}: ${one.text}`,
   }));
   return [...raised, ...entered];
 }

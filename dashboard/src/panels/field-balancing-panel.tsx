@@ -8,15 +8,16 @@ import { useResource } from "../data/resource";
 import { BalancingDialog, type BalancingStep } from "../dialogs/balancing-dialogs";
 import { angleConvention, angleText } from "../format/angles";
 import { number } from "../format/numbers";
+import { rich, t, term } from "../messages/messages";
 import type { CheckRun, FieldBalancing, ProposedCorrection, Residual } from "../schemas/balancings";
 import type { Document } from "../schemas/machines";
 import { BalancingVectors } from "./balancing-vectors";
 
 const STEPS: Record<FieldBalancing["state"], [step: BalancingStep, name: string][]> = {
-  begun: [["trial", "Add a trial run …"]],
-  tried: [["trial", "Add a trial run …"], ["correction", "Compute the correction …"]],
-  proposed: [["correction", "Compute anew …"], ["check", "Compare a check run …"]],
-  checked: [["check", "Compare another check run …"]],
+  begun: [["trial", t("addATrialRunDots")]],
+  tried: [["trial", t("addATrialRunDots")], ["correction", t("computeTheCorrectionDots")]],
+  proposed: [["correction", t("computeAnew")], ["check", t("compareACheckRunDots")]],
+  checked: [["check", t("compareAnotherCheckRun")]],
 };
 
 export function FieldBalancingPanel({ machine }: { machine: Document }) {
@@ -26,15 +27,15 @@ export function FieldBalancingPanel({ machine }: { machine: Document }) {
   const shown = result.data?.find((one) => one.id === chosen) ?? result.data?.[0];
   return (
     <Panel
-      title="Field balancing"
+      title={t("fieldBalancing")}
       aside={
         <span class="screen">
           <button type="button" onClick={() => setStep("begin")}>
-            Begin …
+            {t("beginDots")}
           </button>{" "}
           {shown && (
             <button type="button" onClick={() => window.print()}>
-              Print
+              {t("print")}
             </button>
           )}
         </span>
@@ -46,10 +47,10 @@ export function FieldBalancingPanel({ machine }: { machine: Document }) {
             <>
               {list.length > 1 && (
                 <label class="screen">
-                  Balancing{" "}
+                  {t("balancing")}{" "}
                   <select value={shown.id} onChange={(event) => setChosen(Number(event.currentTarget.value))}>
                     {list.map((one) => (
-                      <option key={one.id} value={one.id}>{`${one.id}, ${one.state}`}</option>
+                      <option key={one.id} value={one.id}>{`${one.id}, ${term(one.state)}`}</option>
                     ))}
                   </select>
                 </label>
@@ -60,7 +61,7 @@ export function FieldBalancingPanel({ machine }: { machine: Document }) {
               {shown.correction && <BalancingVectors correction={shown.correction} check={shown.check} />}
             </>
           ) : (
-            <Empty>None yet. Begin with a run of the machine as it is; then one run with a trial weight on each disc.</Empty>
+            <Empty>{t("noBalancingYet")}</Empty>
           )
         }
       </Loaded>
@@ -73,13 +74,13 @@ function Steps({ found, onStep }: { found: FieldBalancing; onStep: (step: Balanc
   return (
     <>
       <p class="muted">
-        Balancing {found.id}, begun <Time at={found.created_at} /> by {found.by}{found.comment && `: ${found.comment}`}
+        {rich("balancingBegun", { id: found.id, time: <Time at={found.created_at} />, by: found.by, comment: found.comment && `: ${found.comment}` })}
       </p>
       <ul>
-        <li>Initial run {found.initial.join(", ")}</li>
+        <li>{t("initialRun", { runs: found.initial.join(", ") })}</li>
         {found.trials.map((one) => (
           <li key={one.run}>
-            Trial run {one.run}: {one.weights.map((weight) => `${number(weight.g_mm)} g·mm on ${weight.disc} at ${Math.round(weight.scale_deg)}°`).join(", ")}
+            {t("trialRun", { run: one.run, weights: one.weights.map((weight) => t("weightOnDisc", { amount: number(weight.g_mm), disc: weight.disc, angle: Math.round(weight.scale_deg) })).join(", ") })}
           </li>
         ))}
       </ul>
@@ -98,8 +99,8 @@ function Steps({ found, onStep }: { found: FieldBalancing; onStep: (step: Balanc
 function scaleWords(found: FieldBalancing, machine: Document): string {
   const { counted, zero_deg } = found.disc_scale;
   if (counted === "x-to-y" && zero_deg === 0) return angleConvention(machine.rotation);
-  const sense = { "x-to-y": "from +x towards +y", "with-rotation": "with the rotation", "against-rotation": "against the rotation" }[counted];
-  return `on the disc's scale, ${sense}`;
+  const sense = { "x-to-y": t("fromXTowardsY"), "with-rotation": t("withTheRotation"), "against-rotation": t("againstTheRotation") }[counted];
+  return t("onTheDiscSScale", { sense });
 }
 
 function Correction({ found, check, angles }: { found: ProposedCorrection; check: CheckRun | null; angles: string }) {
@@ -112,30 +113,30 @@ function Correction({ found, check, angles }: { found: ProposedCorrection; check
         </p>
       ))}
       <div class="columns">
-        <Scroll label="Table">
+        <Scroll label={t("table")}>
           <table>
             <thead>
               <tr>
-                <th>Disc</th>
-                <th class="number">Add</th>
-                <th>Angle, {angles}</th>
-                <th>Masses</th>
+                <th>{t("disc")}</th>
+                <th class="number">{t("add")}</th>
+                <th>{t("angleCounted", { convention: angles })}</th>
+                <th>{t("masses")}</th>
               </tr>
             </thead>
             <tbody>
               {found.planes.map((one) => (
                 <tr key={one.disc}>
                   <td>{one.disc}</td>
-                  <td class="number" title={`${number(one.lower_g_mm)} to ${number(one.upper_g_mm)} g·mm, 95 %`}>
+                  <td class="number" title={t("toGMm95", { lower: number(one.lower_g_mm), upper: number(one.upper_g_mm) })}>
                     {number(one.g_mm)} g·mm
                   </td>
                   <td>{angleText(one.scale_deg, one.half_width_deg)}</td>
-                  <td>{one.masses.map((mass) => `${number(mass.grams)} g at ${Math.round(mass.scale_deg)}°`).join(", ")}</td>
+                  <td>{one.masses.map((mass) => t("massAtAngle", { grams: number(mass.grams), angle: Math.round(mass.scale_deg) })).join(", ")}</td>
                 </tr>
               ))}
             </tbody>
           </table>
-          <p class="muted">Counted from the state without trial weights: take these off first.</p>
+          <p class="muted">{t("countedFromTheStateWithout")}</p>
         </Scroll>
         <Channels found={found} check={check} />
       </div>
@@ -147,14 +148,14 @@ function Correction({ found, check, angles }: { found: ProposedCorrection; check
 function Channels({ found, check }: { found: ProposedCorrection; check: CheckRun | null }) {
   const measured = (channel: string) => check?.channels.find((one) => one.channel === channel);
   return (
-    <Scroll label="Table">
+    <Scroll label={t("table")}>
       <table>
         <thead>
           <tr>
-            <th>Channel</th>
-            <th class="number">Largest before</th>
-            <th class="number">Promised, 95 %</th>
-            {check && <th class="number">Check run</th>}
+            <th>{t("channel")}</th>
+            <th class="number">{t("largestBefore")}</th>
+            <th class="number">{t("promised95")}</th>
+            {check && <th class="number">{t("checkRun")}</th>}
           </tr>
         </thead>
         <tbody>
@@ -162,10 +163,10 @@ function Channels({ found, check }: { found: ProposedCorrection; check: CheckRun
             <tr key={one.channel}>
               <td>{one.channel}</td>
               <td class="number">{number(one.before_um_pp)} µm pp</td>
-              <td class="number">below {number(one.upper_um_pp)} µm pp</td>
+              <td class="number">{t("belowAmplitude", { upper: number(one.upper_um_pp) })}</td>
               {check && (
                 <td class="number">
-                  {number(measured(one.channel)?.check_um_pp)} µm pp{measured(one.channel)?.kept === false && ", more than promised"}
+                  {number(measured(one.channel)?.check_um_pp)} µm pp{measured(one.channel)?.kept === false && t("moreThanPromised")}
                 </td>
               )}
             </tr>
@@ -174,8 +175,7 @@ function Channels({ found, check }: { found: ProposedCorrection; check: CheckRun
       </table>
       {found.limit_um_pp !== null && (
         <p>
-          Limit of the document {number(found.limit_um_pp)} µm pp: {found.limit_verdict}
-          {check && check.limit_met !== null && `; by the check run ${check.limit_met ? "met" : "not met"}`}
+          {t("limitOfDocument", { limit: number(found.limit_um_pp), verdict: found.limit_verdict, check: check && check.limit_met !== null && t("byTheCheckRun", { verdict: check.limit_met ? t("met") : t("notMet") }) })}
         </p>
       )}
     </Scroll>
@@ -184,18 +184,18 @@ function Channels({ found, check }: { found: ProposedCorrection; check: CheckRun
 
 function Residuals({ found, check }: { found: ProposedCorrection; check: CheckRun | null }) {
   return (
-    <Scroll label="Table">
+    <Scroll label={t("table")}>
       <h3>
-        Residual unbalance as of rigid rotors, ISO 21940-11 G {number(found.grade)} at {Math.round(found.service_rpm)} rpm
+        {t("residualAsOfRigid", { grade: number(found.grade), speed: Math.round(found.service_rpm) })}
       </h3>
       <table>
         <thead>
           <tr>
-            <th>Plane</th>
-            <th class="number">Permissible</th>
-            <th class="number">Before</th>
-            <th class="number">Predicted after</th>
-            {check && <th class="number">Check run</th>}
+            <th>{t("plane")}</th>
+            <th class="number">{t("permissible")}</th>
+            <th class="number">{t("before")}</th>
+            <th class="number">{t("predictedAfter")}</th>
+            {check && <th class="number">{t("checkRun")}</th>}
           </tr>
         </thead>
         <tbody>
@@ -217,14 +217,13 @@ function Residuals({ found, check }: { found: ProposedCorrection; check: CheckRu
 }
 
 function residualText(one: Residual): string {
-  return `${number(one.g_mm)} g·mm, below ${number(one.upper_g_mm)}: ${one.verdict}`;
+  return t("residualVerdict", { amount: number(one.g_mm), upper: number(one.upper_g_mm), verdict: one.verdict });
 }
 
 function Check({ found }: { found: CheckRun }) {
   return (
     <p>
-      Check run {found.run}, <Time at={found.at} /> by {found.by}: {found.points_kept} of {found.points} points within the prediction. To trim, add{" "}
-      {found.trim.map((one) => `${number(one.g_mm)} g·mm on ${one.disc} at ${Math.round(one.scale_deg)}°`).join(", ")}.
+      {rich("checkRunText", { run: found.run, time: <Time at={found.at} />, by: found.by, kept: found.points_kept, points: found.points, weights: found.trim.map((one) => t("weightOnDisc", { amount: number(one.g_mm), disc: one.disc, angle: Math.round(one.scale_deg) })).join(", ") })}
     </p>
   );
 }

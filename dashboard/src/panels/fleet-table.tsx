@@ -6,6 +6,7 @@ import { Severity } from "../components/severity";
 import { Speed } from "../components/speed";
 import { Time } from "../components/time";
 import { when } from "../format/times";
+import { t, term } from "../messages/messages";
 import type { FleetMachine } from "../schemas/machines";
 import { alertTitle } from "../words/alert-states";
 import { needs } from "../words/needs";
@@ -15,18 +16,18 @@ const SEVERITIES = ["danger", "alert"];
 /** since: from when on changes are counted. */
 export function FleetTable({ machines, since }: { machines: FleetMachine[]; since: string }) {
   return (
-    <Scroll label="Table">
+    <Scroll label={t("table")}>
       <table class="fleet">
         <thead>
           <tr>
-            <th>Open alerts</th>
-            <th>Machine</th>
-            <th>Needs a person to</th>
-            <th>State</th>
-            <th class="number">Speed</th>
-            <th>Last run</th>
-            <th>Last identification</th>
-            <th title={`since ${when(since)}`}>Since yesterday</th>
+            <th>{t("openAlerts")}</th>
+            <th>{t("machine")}</th>
+            <th>{t("needsAPersonTo")}</th>
+            <th>{t("state")}</th>
+            <th class="number">{t("speed")}</th>
+            <th>{t("lastRun")}</th>
+            <th>{t("lastIdentification")}</th>
+            <th title={t("sinceWhen", { when: when(since) })}>{t("sinceYesterday")}</th>
           </tr>
         </thead>
         <tbody>
@@ -67,7 +68,7 @@ function Row({ one }: { one: FleetMachine }) {
         <LastRun one={one} />
       </td>
       <td title={one.last_identification?.verdict}>
-        {one.last_identification ? (one.last_identification.accepted ? "accepted" : "✕ not accepted") : <span class="muted">none</span>}
+        {one.last_identification ? (one.last_identification.accepted ? t("accepted") : t("crossNotAccepted")) : <span class="muted">{t("none")}</span>}
         <div class="muted">{one.last_identification && <Time at={one.last_identification.measured_at} />}</div>
       </td>
       <td>{changesOf(one)}</td>
@@ -79,7 +80,7 @@ function OpenAlerts({ one }: { one: FleetMachine }) {
   const open = SEVERITIES.filter((severity) => one.open_alerts[severity]);
   return (
     <>
-      {open.length === 0 && <span class="muted">none</span>}
+      {open.length === 0 && <span class="muted">{t("none")}</span>}
       {open.map((severity) => (
         <span key={severity}>
           <Severity severity={severity} acknowledged={one.unacknowledged === 0} /> {one.open_alerts[severity]}
@@ -90,7 +91,7 @@ function OpenAlerts({ one }: { one: FleetMachine }) {
           {alertTitle(one.first_alert)}
         </a>
       )}
-      {one.unacknowledged > 0 && <span class="pill">{one.unacknowledged} unacknowledged</span>}
+      {one.unacknowledged > 0 && <span class="pill">{t("unacknowledgedCount", { count: one.unacknowledged })}</span>}
     </>
   );
 }
@@ -99,14 +100,14 @@ function LastRun({ one }: { one: FleetMachine }) {
   if (one.open_run) {
     return (
       <label class="collecting">
-        {one.open_run.kind} <progress max={1} value={one.open_run.progress} aria-label={`run ${one.open_run.id} is being collected`} />
+        {term(one.open_run.kind)} <progress max={1} value={one.open_run.progress} aria-label={t("runIsBeingCollected", { id: one.open_run.id })} />
       </label>
     );
   }
-  if (!one.last_run) return <span class="muted">none</span>;
+  if (!one.last_run) return <span class="muted">{t("none")}</span>;
   return (
     <>
-      {one.last_run.kind}
+      {term(one.last_run.kind)}
       <div class="muted">
         <Time at={one.last_run.started_at} />
       </div>
@@ -114,16 +115,19 @@ function LastRun({ one }: { one: FleetMachine }) {
   );
 }
 
-const CHANGES: [keyof FleetMachine["happened"], string, string][] = [
-  ["alert_events", "alert event", "alert events"],
-  ["runs", "run", "runs"],
-  ["identifications", "identification", "identifications"],
-  ["timeline", "note", "notes"],
-  ["refused", "refusal", "refusals"],
-  ["revisions", "revision of the document", "revisions of the document"],
+type Counted = "Run" | "AlertEvent" | "Note" | "Refusal" | "Revision" | "Identification";
+type CountKey = `one${Counted}` | `many${Counted}s`;
+
+const CHANGES: [keyof FleetMachine["happened"], one: CountKey, many: CountKey][] = [
+  ["alert_events", "oneAlertEvent", "manyAlertEvents"],
+  ["runs", "oneRun", "manyRuns"],
+  ["identifications", "oneIdentification", "manyIdentifications"],
+  ["timeline", "oneNote", "manyNotes"],
+  ["refused", "oneRefusal", "manyRefusals"],
+  ["revisions", "oneRevision", "manyRevisions"],
 ];
 
 function changesOf({ happened }: FleetMachine) {
-  const changes = CHANGES.filter(([what]) => happened[what] > 0).map(([what, one, many]) => `${happened[what]} ${happened[what] === 1 ? one : many}`);
-  return changes.length > 0 ? changes.join(", ") : <span class="muted">nothing</span>;
+  const changes = CHANGES.filter(([what]) => happened[what] > 0).map(([what, one, many]) => t(happened[what] === 1 ? one : many, { count: happened[what] }));
+  return changes.length > 0 ? changes.join(", ") : <span class="muted">{t("nothing")}</span>;
 }

@@ -8,6 +8,7 @@ import { useResource } from "../data/resource";
 import { LimitsDialog } from "../dialogs/limits-dialog";
 import { FINDING_KINDS, findingLabel, levelText, type FindingKind } from "../findings/findings";
 import { elementName } from "../format/names";
+import { rich, t } from "../messages/messages";
 import type { Limits, LimitsVersion, Rule } from "../schemas/alerts";
 import type { Document } from "../schemas/machines";
 
@@ -15,16 +16,16 @@ export function LimitsPanel({ machine }: { machine: Document }) {
   const [changed, setChanged] = useState<FindingKind | null>(null);
   const result = useResource<LimitsVersion>(`/machines/${machine.id}/limits`);
   return (
-    <Panel title="Limits">
+    <Panel title={t("limitsTitle")}>
       <Loaded result={result} lines={12}>
         {(found) => (
           <>
             <p class="muted">
               {found.version === 0 ? (
-                "The default limits."
+                t("theDefaultLimits")
               ) : (
                 <>
-                  Version {found.version}, set <Time at={found.set_at} /> by {found.by}: {found.comment}
+                  {rich("limitsVersion", { version: found.version, time: <Time at={found.set_at} />, by: found.by, comment: found.comment })}
                 </>
               )}
             </p>
@@ -40,23 +41,23 @@ export function LimitsPanel({ machine }: { machine: Document }) {
 
 function Table({ limits, onChange }: { limits: Limits; onChange: (kind: FindingKind) => void }) {
   return (
-    <Scroll label="Table">
+    <Scroll label={t("table")}>
       <table class="limits">
         <thead>
           <tr>
-            <th>Finding</th>
-            <th>Alert from</th>
-            <th>Danger from</th>
-            <th class="number" title="consecutive identifications that must show it">
-              On-delay
+            <th>{t("finding")}</th>
+            <th>{t("alertFrom")}</th>
+            <th>{t("dangerFrom")}</th>
+            <th class="number" title={t("mustShowIt")}>
+              {t("onDelay")}
             </th>
-            <th class="number" title="consecutive identifications that must no longer show it">
-              Off-delay
+            <th class="number" title={t("mustNoLongerShowIt")}>
+              {t("offDelay")}
             </th>
-            <th class="number">Hysteresis</th>
-            <th>Latching</th>
+            <th class="number">{t("hysteresis")}</th>
+            <th>{t("latching")}</th>
             <th>
-              <span class="hidden">Actions</span>
+              <span class="hidden">{t("actions")}</span>
             </th>
           </tr>
         </thead>
@@ -79,10 +80,10 @@ function Row({ kind, rule, onChange }: { kind: FindingKind; rule: Rule; onChange
       <td class="number">{rule.on_delay}</td>
       <td class="number">{rule.off_delay}</td>
       <td class="number">{Math.round(100 * rule.hysteresis)} %</td>
-      <td>{rule.latching ? "yes" : "no"}</td>
+      <td>{rule.latching ? t("yes") : t("no")}</td>
       <td>
-        <button type="button" onClick={onChange} aria-label={`Change limits of ${findingLabel(kind)}`}>
-          Change …
+        <button type="button" onClick={onChange} aria-label={t("changeLimitsOf", { finding: findingLabel(kind) })}>
+          {t("changeDots")}
         </button>
       </td>
     </tr>
@@ -95,12 +96,12 @@ function ElementLimits({ limits }: { limits: Limits }) {
   if (own.length === 0) return null;
   return (
     <>
-      <h3>Limits of single elements</h3>
+      <h3>{t("limitsOfSingleElements")}</h3>
       <ul>
         {own.flatMap(([element, rules]) =>
           Object.entries(rules).map(([kind, rule]) => (
             <li key={`${element} ${kind}`}>
-              {elementName(element)}, {findingLabel(kind)}: alert from {levelText(rule.alert)}; danger from {levelText(rule.danger)}
+              {t("elementLimits", { element: elementName(element), finding: findingLabel(kind), alert: levelText(rule.alert), danger: levelText(rule.danger) })}
             </li>
           )),
         )}

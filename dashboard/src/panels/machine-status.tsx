@@ -5,6 +5,7 @@ import { Speed } from "../components/speed";
 import { Time } from "../components/time";
 import { isOpen, MAX_JOBS, useJobs } from "../data/jobs";
 import { useResource } from "../data/resource";
+import { t, term } from "../messages/messages";
 import type { Job } from "../schemas/identifications";
 import type { Document, MachineState } from "../schemas/machines";
 import { jobRemedy } from "../words/job-failures";
@@ -21,19 +22,19 @@ export function MachineStatus({ machine, revision }: { machine: Document; revisi
       <div>
         <h1>{machine.name}</h1>
         <p class="muted">
-          {machine.plant} / {machine.id}, document revision {revision}
+          {t("machineOfPlant", { plant: machine.plant, id: machine.id, revision })}
         </p>
       </div>
       <dl>
-        <dt>State</dt>
+        <dt>{t("state")}</dt>
         <dd>{now ? <OperatingState state={now.state} /> : "…"}</dd>
-        <dt>Speed</dt>
+        <dt>{t("speed")}</dt>
         <dd class="figure"><Speed rpm={now?.speed_rpm} /></dd>
-        <dt>Since</dt>
+        <dt>{t("since")}</dt>
         <dd>
           <Time at={now?.since} />
         </dd>
-        <dt>Newest sample</dt>
+        <dt>{t("newestSample")}</dt>
         <dd>
           <Time at={now?.newest_sample_at} />
         </dd>
@@ -55,18 +56,18 @@ function Notices({ state }: { state: MachineState | undefined }) {
   const waiting = state?.late_samples_waiting ?? 0;
   return (
     <>
-      {state?.outside_speed_range && <p class="refused">▲ No run: {state.outside_speed_range}.</p>}
-      {waiting > 0 && <p class="muted">{waiting} samples came late and are being sorted into their runs.</p>}
+      {state?.outside_speed_range && <p class="refused">{t("noRunBecause", { reason: state.outside_speed_range })}</p>}
+      {waiting > 0 && <p class="muted">{t("samplesCameLateAndAre", { waiting })}</p>}
     </>
   );
 }
 
 function RunProgress({ state }: { state: MachineState | undefined }) {
   const run = state?.run;
-  if (!run) return <span class="muted">No run is being collected.</span>;
+  if (!run) return <span class="muted">{t("noRunIsBeingCollected")}</span>;
   return (
     <label class="collecting">
-      Collecting run {run.id}, {run.kind}: {Math.round(100 * run.progress)} %
+      {t("collectingRun", { id: run.id, kind: term(run.kind), progress: Math.round(100 * run.progress) })}
       <progress max={1} value={run.progress} />
     </label>
   );
@@ -78,11 +79,11 @@ function JobProgress({ jobs }: { jobs: Job[] | undefined }) {
   const isTruncated = jobs?.length === MAX_JOBS && isOpen(jobs.at(-1)!);
   const failed = jobs?.[0]?.state === "failed" ? jobs[0] : undefined;
   if (running.length + queued > 0) {
-    const waiting = queued > 0 ? `${queued}${isTruncated ? " or more" : ""} queued` : "";
-    const computing = running.map((job) => `${job.scope === "calibration" ? "Calibrating by" : "Identifying"} run ${job.runs.join(" + ")}`).join(", ");
+    const waiting = queued > 0 ? t("queuedCount", { count: queued, more: isTruncated ? t("orMore") : "" }) : "";
+    const computing = running.map((job) => t("computingRun", { what: job.scope === "calibration" ? t("calibratingBy") : t("identifying"), runs: job.runs.join(" + ") })).join(", ");
     return (
       <label class="computing">
-        {computing ? [computing, waiting].filter(Boolean).join(", ") : `Identification: ${waiting}`}
+        {computing ? [computing, waiting].filter(Boolean).join(", ") : t("identificationWaiting", { waiting })}
         <progress />
       </label>
     );
@@ -90,9 +91,9 @@ function JobProgress({ jobs }: { jobs: Job[] | undefined }) {
   if (failed) {
     return (
       <span class="error">
-        {failed.scope === "calibration" ? "Calibration by" : "Identification of"} run {failed.runs.join(" + ")} failed: {failed.error}. {jobRemedy(failed.error)}
+        {t("jobFailed", { what: failed.scope === "calibration" ? t("calibrationBy") : t("identificationOf"), runs: failed.runs.join(" + "), error: failed.error, remedy: jobRemedy(failed.error) })}
       </span>
     );
   }
-  return <span class="muted">No identification is being computed.</span>;
+  return <span class="muted">{t("noIdentificationIsBeingComputed")}</span>;
 }

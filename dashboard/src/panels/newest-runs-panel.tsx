@@ -7,28 +7,29 @@ import { Speed } from "../components/speed";
 import { Time } from "../components/time";
 import { useResource } from "../data/resource";
 import { number } from "../format/numbers";
+import { t, term } from "../messages/messages";
 import type { Run } from "../schemas/runs";
 
 export function NewestRunsPanel({ machine }: { machine: string }) {
   const result = useResource<Run[]>(`/machines/${machine}/runs?limit=12`, 5000);
   return (
-    <Panel title="Newest runs">
+    <Panel title={t("newestRuns")}>
       <Loaded result={result} lines={12}>
         {(runs) =>
           runs.length === 0 ? (
-            <Empty>No run yet. A run begins when the speed sweeps through the machine's range.</Empty>
+            <Empty>{t("noRunYetSweep")}</Empty>
           ) : (
-            <Scroll label="Table">
+            <Scroll label={t("table")}>
               <table>
                 <thead>
                   <tr>
-                    <th>Run</th>
-                    <th>Started</th>
-                    <th>Kind</th>
-                    <th class="number">Speeds</th>
-                    <th class="number">Samples</th>
-                    <th class="number">Usable</th>
-                    <th>State</th>
+                    <th>{t("run")}</th>
+                    <th>{t("started")}</th>
+                    <th>{t("kind")}</th>
+                    <th class="number">{t("speeds")}</th>
+                    <th class="number">{t("samples")}</th>
+                    <th class="number">{t("usable")}</th>
+                    <th>{t("state")}</th>
                   </tr>
                 </thead>
                 <tbody>
@@ -54,13 +55,13 @@ function Row({ machine, run }: { machine: string; run: Run }) {
       <td>
         <Time at={run.started_at} />
       </td>
-      <td>{run.kind}</td>
+      <td>{term(run.kind)}</td>
       <td class="number">
         <Speed rpm={run.speed_minimum_rpm} /> … <Speed rpm={run.speed_maximum_rpm} />
       </td>
       <td class="number">{run.samples ?? "–"}</td>
       <td class="number">{run.quality ? `${number((100 * run.quality.usable) / Math.max(1, run.quality.points))} %` : "–"}</td>
-      <td title={run.reason ?? undefined}>{run.state}</td>
+      <td title={run.reason ?? undefined}>{term(run.state)}</td>
     </tr>
   );
 }

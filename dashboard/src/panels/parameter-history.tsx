@@ -4,6 +4,7 @@ import { angleText } from "../format/angles";
 import { isCrossCoupled } from "../format/names";
 import { number, percent, scaleOf, type Scale } from "../format/numbers";
 import { when } from "../format/times";
+import { t, term } from "../messages/messages";
 import { Plot } from "../plots/plot";
 import type { Band, Curve, Marker } from "../plots/plot-props";
 import type { BaselineBand, Series, TrendTest } from "../schemas/trends";
@@ -31,11 +32,11 @@ export function ParameterHistory({ name, series, kinds, markers, tests, xRange, 
     <figure class="history-plot">
       <figcaption>
         <strong>{name}</strong> [{scale.unit || "-"}]
-        {isThinned && <span class="muted"> lowest and highest in each interval, of {series.down_sampling!.points} points</span>}
+        {isThinned && <span class="muted"> {t("thinnedPoints", { points: series.down_sampling!.points })}</span>}
       </figcaption>
       {tests && <p class="trend-tests">{trendTestTexts(series.parameter, tests).join("; ")}</p>}
       <Plot
-        label={`${series.parameter} over time, ${series.value.length} points`}
+        label={t("parameterOverTime", { parameter: series.parameter, points: series.value.length })}
         x={series.measured_at.map((one) => Date.parse(one) / 1000)}
         time
         yUnit={scale.unit}
@@ -65,11 +66,11 @@ function historyCurves(series: Series, kinds: string[], scale: Scale): Curve[] {
   const curves = kinds.map((kind, index): Curve => {
     const keep = (at: number) => series.run_kind[at] === kind && series.quality[at] === "accepted";
     const [y, lower, upper] = [series.value, series.lower, series.upper].map((column) => filtered(column, keep));
-    return { name: kind, style: index, y: y!, lower: lower!, upper: upper!, points: true, spanGaps: true };
+    return { name: term(kind), style: index, y: y!, lower: lower!, upper: upper!, points: true, spanGaps: true };
   });
   if (series.quality.some((one) => one === "not_accepted")) {
     const y = filtered(series.value, (at) => series.quality[at] === "not_accepted");
-    curves.push({ name: "not accepted", y, faint: true, points: true, line: false });
+    curves.push({ name: t("pointNotAccepted"), y, faint: true, points: true, line: false });
   }
   return curves;
 }
@@ -90,13 +91,13 @@ function scaled(value: number | null | undefined, scale: Scale): number | null {
 /** The text that is read out at a point. */
 function pointText(series: Series, index: number, scale: Scale): string {
   const value = series.value[index];
-  const at = `${when(series.measured_at[index]!)} ${series.run_kind[index]}`;
-  if (value === null || value === undefined) return `${at}: not estimable`;
+  const at = `${when(series.measured_at[index]!)} ${term(series.run_kind[index]!)}`;
+  if (value === null || value === undefined) return t("notEstimableAt", { at });
   const low = scaled(series.lower[index], scale);
   const high = scaled(series.upper[index], scale);
   const baseline = baselineAt(series, index);
   const change = baseline && !isCrossCoupled(series.parameter) ? `, ${percent(value / baseline.centre - 1)}` : "";
-  const quality = series.quality[index] === "accepted" ? "" : ", not accepted";
+  const quality = series.quality[index] === "accepted" ? "" : t("notAccepted");
   const angle = angleText(series.angle_deg?.[index] ?? null, series.angle_half_width_deg?.[index] ?? null);
   return `${at}: ${number(scaled(value, scale), 4)} (${number(low)} … ${number(high)}) ${scale.unit}${angle}${change}${quality}`;
 }

@@ -2,6 +2,7 @@
 import { useState } from "preact/hooks";
 import { Time } from "../components/time";
 import { useResource } from "../data/resource";
+import { rich, t } from "../messages/messages";
 import type { Quarantine } from "../schemas/operation";
 import { refusals, refusalText } from "../words/refusals";
 
@@ -20,17 +21,17 @@ export function RefusedData({ machine }: { machine: string }) {
     <div class="refused" role="status">
       <p>
         <button type="button" aria-expanded={open} onClick={() => setOpen(!open)}>
-          ▲ Data refused since yesterday
+          {t("dataRefusedSinceYesterday")}
         </button>{" "}
         {refusalText(found[0]!)}
-        {found.length > 1 && `; and ${found.length - 1} other ${found.length === 2 ? "reason" : "reasons"}`}
-        {recent.length === LIMIT && " (more than these)"}
+        {found.length > 1 && (found.length === 2 ? t("oneOtherReason") : t("manyOtherReasons", { count: found.length - 1 }))}
+        {recent.length === LIMIT && t("moreThanThese")}
       </p>
       {open && (
         <ul class="reasons">
           {found.map((one) => (
             <li key={one.reason}>
-              {refusalText(one)}. Newest <Time at={one.newest} />: <q>{one.detail}</q>
+              {rich("refusalNewest", { refusal: refusalText(one), time: <Time at={one.newest} /> })} <q>{one.detail}</q>
             </li>
           ))}
         </ul>

@@ -2,12 +2,15 @@
 import { useState } from "preact/hooks";
 import { Loaded } from "../components/loading";
 import { Empty, Truncated } from "../components/panel";
+import { ReportSelect } from "../components/report-select";
 import { Scroll } from "../components/scroll";
 import { Time } from "../components/time";
-import { ApiError, getWithEtag, post } from "../data/http-client";
+import { CHANNELS } from "../declarations/channels";
+import { ApiError, getWithEtag, post, put } from "../data/http-client";
 import { refetch, useResource } from "../data/resource";
 import { words } from "../format/names";
-import type { Delivery, Subscription, TestOutcome } from "../schemas/subscriptions";
+import { rich, t } from "../messages/messages";
+import type { Delivery, ReportInterval, Subscription, TestOutcome } from "../schemas/subscriptions";
 
 const LOG_LIMIT = 20;
 
@@ -20,7 +23,7 @@ export function SubscriptionPanel({ subscription }: { subscription: Subscription
         {name} <span class="muted">{kind}</span> {target}
       </h3>
       <p>
-        {state === "active" ? "active" : `✕ disabled: ${reason ?? "no reason is known"}`}; added <Time at={added} />
+        {rich("addedAt", { state: state === "active" ? t("active") : t("disabled", { reason: reason ?? t("noReasonIsKnown") }), time: <Time at={added} /> })}
       </p>
       <Actions subscription={subscription} open={open} onToggle={() => setOpen(!open)} />
       {open && <DeliveryLog subscription={subscription.id} />}
@@ -45,27 +48,38 @@ function Actions({ subscription, open, onToggle }: { subscription: Subscription;
       await post(`${path}/${operation}`, null, etag);
       return `${operation}d`;
     });
+  const setReports = (reports: ReportInterval | null) =>
+    run(async () => {
+      const [, etag] = await getWithEtag<Subscription>(path);
+      await put(`${path}/reports`, { reports }, etag);
+      return reports === null ? t("noReportsAnyMore") : t(reports === "weekly" ? "reportsFromTheNextWeek" : "reportsFromTheNextMonth");
+    });
   const sendTest = () =>
     run(async () => {
       const { result, answer } = await post<TestOutcome>(`${path}/test`, null);
-      return `test message ${result}: ${answer}`;
+      return t("testMessageResult", { result, answer });
     });
   return (
     <p class="buttons">
       {subscription.state === "active" ? (
         <button type="button" onClick={() => setEnabled("disable")}>
-          Disable
+          {t("disable")}
         </button>
       ) : (
         <button type="button" onClick={() => setEnabled("enable")}>
-          Enable
+          {t("enable")}
         </button>
       )}
       <button type="button" onClick={sendTest}>
-        Send a test
+        {t("sendATest")}
       </button>
+      {CHANNELS.find((one) => one.kind === subscription.kind)?.reports && (
+        <label>
+          {t("reportsAsPdf")} <ReportSelect value={subscription.reports} onChoose={setReports} />
+        </label>
+      )}
       <button type="button" class="quiet" aria-expanded={open} onClick={onToggle}>
-        {open ? "▾" : "▸"} deliveries
+        {t("deliveriesOf", { sign: open ? "▾" : "▸" })}
       </button>
       <span role="status">{outcome}</span>
     </p>
@@ -78,18 +92,18 @@ function DeliveryLog({ subscription }: { subscription: number }) {
     <Loaded result={result} lines={LOG_LIMIT}>
       {(all) =>
         all.length === 0 ? (
-          <Empty>No deliveries yet.</Empty>
+          <Empty>{t("noDeliveriesYet")}</Empty>
         ) : (
-          <Scroll label="Table">
+          <Scroll label={t("table")}>
             <table>
               <thead>
                 <tr>
-                  <th>Event</th>
-                  <th>Alert</th>
-                  <th>State</th>
-                  <th class="number">Attempts</th>
-                  <th>Last attempt</th>
-                  <th>Response</th>
+                  <th>{t("event")}</th>
+                  <th>{t("alert")}</th>
+                  <th>{t("state")}</th>
+                  <th class="number">{t("attempts")}</th>
+                  <th>{t("lastAttempt")}</th>
+                  <th>{t("response")}</th>
                 </tr>
               </thead>
               <tbody>

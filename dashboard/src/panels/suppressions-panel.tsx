@@ -7,6 +7,7 @@ import { Time } from "../components/time";
 import { useResource } from "../data/resource";
 import { EndSuppressionDialog, SuppressDialog } from "../dialogs/suppression-dialogs";
 import { words } from "../format/names";
+import { t } from "../messages/messages";
 import type { Suppression } from "../schemas/alerts";
 import type { Document } from "../schemas/machines";
 import { suppressionScope } from "../words/alert-states";
@@ -19,15 +20,15 @@ export function SuppressionsPanel({ machine }: { machine: Document }) {
   const result = useResource<Suppression[]>(`/machines/${machine.id}/suppressions?limit=${LIMIT}`, 15_000);
   return (
     <Panel
-      title="Suppressed and shelved alerts"
+      title={t("suppressedAndShelvedAlerts")}
       aside={
         <button type="button" onClick={() => setSuppresses(true)}>
-          Suppress …
+          {t("suppressDots")}
         </button>
       }
     >
       <Loaded result={result} lines={4}>
-        {(all) => (all.length === 0 ? <Empty>No alert is suppressed or shelved.</Empty> : <Table all={all} onEnd={setEnded} />)}
+        {(all) => (all.length === 0 ? <Empty>{t("noAlertIsSuppressedOr")}</Empty> : <Table all={all} onEnd={setEnded} />)}
       </Loaded>
       {suppresses && <SuppressDialog machine={machine} onClose={() => setSuppresses(false)} />}
       {ended && <EndSuppressionDialog suppression={ended} onClose={() => setEnded(null)} />}
@@ -37,18 +38,18 @@ export function SuppressionsPanel({ machine }: { machine: Document }) {
 
 function Table({ all, onEnd }: { all: Suppression[]; onEnd: (one: Suppression) => void }) {
   return (
-    <Scroll label="Table">
+    <Scroll label={t("table")}>
       <table class="suppressions">
         <thead>
           <tr>
-            <th>Kind</th>
-            <th>Scope</th>
-            <th>Since</th>
-            <th>Until</th>
-            <th>By</th>
-            <th>Comment</th>
+            <th>{t("kind")}</th>
+            <th>{t("scope")}</th>
+            <th>{t("since")}</th>
+            <th>{t("until")}</th>
+            <th>{t("byWhom")}</th>
+            <th>{t("comment")}</th>
             <th>
-              <span class="hidden">Actions</span>
+              <span class="hidden">{t("actions")}</span>
             </th>
           </tr>
         </thead>
@@ -60,12 +61,12 @@ function Table({ all, onEnd }: { all: Suppression[]; onEnd: (one: Suppression) =
               <td>
                 <Time at={one.since} />
               </td>
-              <td>{one.until ? <Time at={one.until} /> : "ended by hand"}</td>
+              <td>{one.until ? <Time at={one.until} /> : t("endedByHand")}</td>
               <td>{one.by}</td>
               <td>{one.comment}</td>
               <td>
                 <button type="button" onClick={() => onEnd(one)}>
-                  End …
+                  {t("endDots")}
                 </button>
               </td>
             </tr>

@@ -1,8 +1,11 @@
 // A correlation matrix as a picture, read out by pointer and keys.
+import type { DataColumn } from "../browser/download";
 import { useState } from "preact/hooks";
 import { number } from "../format/numbers";
+import { t } from "../messages/messages";
 import type { Correlation } from "../schemas/identifications";
 import { arrowStep, clampIndex } from "./arrow-keys";
+import { SaveDrawing } from "./save-buttons";
 
 const CELL = 9;
 /** Smaller signs would not be seen. */
@@ -25,11 +28,12 @@ export function CorrelationMatrix({ found }: { found: Correlation }) {
   };
   return (
     <figure class="correlation">
+      <SaveDrawing label="Correlation of the estimates" columns={() => columnsOf(found)} />
       <svg
         viewBox={`0 0 ${size} ${size}`}
         role="group"
         tabindex={0}
-        aria-label={`Correlation of ${count} estimates; the strongest pairs are listed beside. Arrow keys move the read-out.`}
+        aria-label={t("correlationOf", { count })}
         onKeyDown={onKey}
         onPointerDown={onPointer}
         onPointerMove={onPointer}
@@ -39,10 +43,14 @@ export function CorrelationMatrix({ found }: { found: Correlation }) {
         {at && <rect class="chosen" x={at[1] * CELL} y={at[0] * CELL} width={CELL} height={CELL} />}
       </svg>
       <figcaption class="muted" aria-live="polite">
-        {at ? `${found.coordinates[at[0]]} and ${found.coordinates[at[1]]}: ${number(found.correlation[at[0]]![at[1]], 2)}` : "■ positive, ◆ negative; the area is the size"}
+        {at ? t("pairCorrelation", { one: found.coordinates[at[0]], other: found.coordinates[at[1]], correlation: number(found.correlation[at[0]]![at[1]], 2) }) : t("positiveNegativeTheAreaIs")}
       </figcaption>
     </figure>
   );
+}
+
+function columnsOf({ coordinates, correlation }: Correlation): DataColumn[] {
+  return [{ name: "estimate", values: coordinates }, ...coordinates.map((name, column) => ({ name, values: correlation.map((row) => row[column]!) }))];
 }
 
 /** A square for a positive correlation, a diamond for a negative one. */

@@ -1,8 +1,11 @@
 // A mode shape along the train, in the phase in which it is largest.
+import type { DataColumn } from "../browser/download";
 import { whirlName } from "../format/angles";
 import { number } from "../format/numbers";
+import { t } from "../messages/messages";
 import type { Drawing } from "../schemas/machines";
 import type { Displacement, ModeShape } from "../schemas/model";
+import { SaveDrawing } from "./save-buttons";
 
 const WIDTH = 420;
 const HEIGHT = 130;
@@ -18,11 +21,11 @@ export function ModeShapePlot({ mode, drawing }: { mode: ModeShape; drawing: Dra
         <strong>{frequency}</strong>
         {mode.standard_error_hz !== null && <span class="muted"> ± {number(1.96 * mode.standard_error_hz, 2)}</span>},{" "}
         <span class="muted">
-          damping {number(100 * mode.damping_ratio)} %, {whirl}
-          {mode.damping_ratio < 0 && ", unstable"}
+          {t("dampingText", { ratio: number(100 * mode.damping_ratio), whirl, unstable: mode.damping_ratio < 0 && t("unstable") })}
         </span>
+        <SaveDrawing label={`Mode shape at ${frequency}, ${whirl}`} columns={() => columnsOf(mode)} />
       </figcaption>
-      <svg viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="img" aria-label={`Mode shape at ${frequency}, ${whirl}`}>
+      <svg viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="img" aria-label={t("modeShapeAt", { frequency, whirl })}>
         <path class="grid" d={`M${MARGIN} ${HEIGHT / 2}H${WIDTH - MARGIN}`} />
         {drawing.couplings.map((one) => (
           <path class="grid dotted" d={`M${at(one.at)} 6V${HEIGHT - 6}`} />
@@ -56,6 +59,20 @@ function Shafts({ mode, at }: { mode: ModeShape; at: (z: number) => number }) {
       ))}
     </>
   );
+}
+
+function columnsOf({ shafts }: ModeShape): DataColumn[] {
+  const all = (of: (shaft: ModeShape["shafts"][number]) => number[]) => shafts.flatMap(of);
+  return [
+    { name: "shaft", values: shafts.flatMap((one) => one.at.map(() => one.shaft)) },
+    { name: "z [m]", values: all((one) => one.at) },
+    { name: "x, real", values: all((one) => one.x.real) },
+    { name: "x, imaginary", values: all((one) => one.x.imaginary) },
+    { name: "y, real", values: all((one) => one.y.real) },
+    { name: "y, imaginary", values: all((one) => one.y.imaginary) },
+    { name: "semi-major axis", values: all((one) => one.semi_major) },
+    { name: "semi-minor axis", values: all((one) => one.semi_minor) },
+  ];
 }
 
 /** Phase [rad] of the largest displacement: turned back by it, the shape is seen at its largest. */

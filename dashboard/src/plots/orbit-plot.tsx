@@ -1,6 +1,7 @@
 // The orbit of the shaft at a station in one turn, from 1× and where it is sent 2×, with its probes and their timebase.
 import type { DataColumn } from "../browser/download";
 import { number } from "../format/numbers";
+import { t } from "../messages/messages";
 import type { AxisPhasor, Orbit } from "../schemas/runs";
 import { SaveDrawing } from "./save-buttons";
 
@@ -27,7 +28,7 @@ interface Props {
 
 export function OrbitPlot({ orbit, overlay, ring, second, unit, speed }: Props) {
   const scale = (PEAK_TO_PEAK * RADIUS) / (2 * ring);
-  const label = `Orbit at ${orbit.channels.join(" and ")}`;
+  const label = t("orbitAt", { channels: orbit.channels.join(" and ") });
   const told = (value: number, digits = 3) => number(PEAK_TO_PEAK * value * unit.factor, digits);
   const [x, y] = motion(orbit, second);
   return (
@@ -39,7 +40,7 @@ export function OrbitPlot({ orbit, overlay, ring, second, unit, speed }: Props) 
       <svg
         viewBox={`${-SIZE / 2} ${-SIZE / 2} ${SIZE} ${SIZE + BASE_HEIGHT}`}
         role="img"
-        aria-label={`${label}: ${told(orbit.semi_major_um)} by ${told(Math.abs(orbit.semi_minor_um))} ${unit.label} (1×), ${orbit.sense}`}
+        aria-label={t("orbitLabel", { label, major: told(orbit.semi_major_um), minor: told(Math.abs(orbit.semi_minor_um)), unit: unit.label, sense: orbit.sense })}
       >
         <circle class="grid" r={RADIUS} />
         <circle class="grid" r={RADIUS / 2} />
@@ -57,10 +58,7 @@ export function OrbitPlot({ orbit, overlay, ring, second, unit, speed }: Props) 
         <Timebase orbit={orbit} second={second} scale={(BASE_HEIGHT / 2 - 8) / RADIUS * scale} />
       </svg>
       <p class="muted">
-        1× {told(orbit.semi_major_um)} ± {told(2 * orbit.semi_major_error_um, 2)} by {told(Math.abs(orbit.semi_minor_um))} ±{" "}
-        {told(2 * orbit.semi_minor_error_um, 2)} {unit.label} at {speed(orbit.speed_rpm)}
-        {second && !orbit.x_2x && "; no 2× is sent here"}
-        {overlay && `; overlaid run at ${speed(overlay.speed_rpm)}`}
+        {t("orbitText", { major: told(orbit.semi_major_um), major_error: told(2 * orbit.semi_major_error_um, 2), minor: told(Math.abs(orbit.semi_minor_um)), minor_error: told(2 * orbit.semi_minor_error_um, 2), unit: unit.label, speed: speed(orbit.speed_rpm), second: second && !orbit.x_2x && t("no2IsSentHere"), overlay: overlay && t("overlaidAt", { speed: speed(overlay.speed_rpm) }) })}
       </p>
     </figure>
   );
@@ -129,9 +127,9 @@ function Timebase({ orbit, second, scale }: { orbit: Orbit; second: boolean; sca
 function columnsOf(orbit: Orbit, second: boolean): DataColumn[] {
   const [x, y] = motion(orbit, second);
   return [
-    { name: "turn [°]", values: x.map((_, step) => (360 * step) / STEPS) },
-    { name: "x, 0-to-peak [µm]", values: x },
-    { name: "y, 0-to-peak [µm]", values: y },
-    ...orbit.channels.map((channel, index) => ({ name: `${channel}, 0-to-peak [µm]`, values: seen(orbit, second, index) })),
+    { name: t("turn"), values: x.map((_, step) => (360 * step) / STEPS) },
+    { name: t("x0ToPeakM"), values: x },
+    { name: t("y0ToPeakM"), values: y },
+    ...orbit.channels.map((channel, index) => ({ name: t("channelPeak", { channel }), values: seen(orbit, second, index) })),
   ];
 }

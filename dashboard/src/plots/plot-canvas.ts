@@ -23,6 +23,7 @@ export function drawLimits(plot: uPlot, { limits }: PlotProps): void {
   const { ctx, bbox } = plot;
   ctx.save();
   ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
+  ctx.textAlign = "left";
   for (const one of limits ?? []) {
     const y = plot.valToPos(one.y, "y", true);
     if (y < bbox.top || y > bbox.top + bbox.height) continue;

@@ -1,7 +1,7 @@
 // A plot's properties as options of uPlot: series, bands, scales, axes, cursor.
 import type uPlot from "uplot";
 import { cssColour } from "../browser/theme";
-import { number } from "../format/numbers";
+import { decimal, number } from "../format/numbers";
 import { COLOURS, dash, transparent } from "./curve-style";
 import { drawBands, drawBars, drawLimits, drawMarkers } from "./plot-canvas";
 import { addGestures, isTouched } from "./plot-gestures";
@@ -11,6 +11,8 @@ import { withinTurn } from "./read-out";
 const DAY_S = 86_400;
 /** Round steps of an axis of angles [°]. */
 const TURN_STEPS = [15, 30, 45, 90, 180, 360, 720];
+/** So near ticks of such an axis may be [px]: from turn to turn they would all read 0. */
+const TURN_SPACE = 16;
 const FONT = "11px system-ui, sans-serif";
 /** Labels of a time axis by the distance of its ticks: of every tick, and what is added where the year or day changes. */
 const DATES: uPlot.Axis.Values = [
@@ -84,8 +86,8 @@ function axes(props: PlotProps): uPlot.Axis[] {
   const axis: uPlot.Axis = { stroke: cssColour("muted"), grid: { stroke: cssColour("grid"), width: 1 }, ticks: { stroke: cssColour("grid"), size: 4 }, font: FONT };
   const x = props.xUnit ? titled(props.xUnit, 30, 14) : { size: 34 };
   return [
-    { ...axis, ...x, values: props.time ? DATES : (_, ticks) => ticks.map((tick) => String(tick)) },
-    { ...axis, ...titled(props.yUnit, 54, 16), ...(props.turn ? { incrs: TURN_STEPS } : {}), values: (_, ticks) => ticks.map((tick) => tickLabel(props.turn ? withinTurn(tick, props.turn) : tick)) },
+    { ...axis, ...x, values: props.time ? DATES : (_, ticks) => ticks.map((tick) => decimal(String(tick))) },
+    { ...axis, ...titled(props.yUnit, 54, 16), ...(props.turn ? { incrs: TURN_STEPS, space: TURN_SPACE } : {}), values: (_, ticks) => ticks.map((tick) => tickLabel(props.turn ? withinTurn(tick, props.turn) : tick)) },
   ];
 }
 
@@ -96,7 +98,7 @@ function titled(label: string, size: number, labelSize: number): uPlot.Axis {
 
 function tickLabel(tick: number): string {
   const text = number(tick, 4);
-  return text.includes(".") && !text.includes("e") ? text.replace(/\.?0+$/, "") : text;
+  return /[.,]/.test(text) && !text.includes("e") ? text.replace(/[.,]?0+$/, "") : text;
 }
 
 function cursor(props: PlotProps): uPlot.Cursor {
@@ -122,7 +124,7 @@ function xRange(props: PlotProps, min: number | null, max: number | null): [numb
 function yRange(props: PlotProps, min: number | null, max: number | null): [number, number] {
   if (props.yRange) return props.yRange;
   if (min === null || max === null) return [0, 1];
-  const low = Math.min(min, ...(props.bands ?? []).map((one) => one.low));
+  const low = Math.min(min, ...(props.bands ?? []).map((one) => one.low), ...(props.limits ?? []).map((one) => one.y));
   const high = Math.max(max, ...(props.bands ?? []).map((one) => one.high), ...(props.limits ?? []).map((one) => one.y));
   const margin = 0.06 * (high - low || Math.abs(high) || 1);
   return [low >= 0 && low - margin < 0 ? 0 : low - margin, high + margin];

@@ -3,6 +3,7 @@ import { useEffect, useRef, useState } from "preact/hooks";
 import uPlot from "uplot";
 import { useStore } from "../browser/store";
 import { activeTheme } from "../browser/theme";
+import { t } from "../messages/messages";
 import { CurveLegend } from "./curve-legend";
 import { plotData, plotOptions } from "./plot-options";
 import type { PlotProps } from "./plot-props";
@@ -19,10 +20,10 @@ export function Plot(props: PlotProps) {
   const last = props.x.length - 1;
   const index = at !== null && at <= last ? at : null;
   return (
-    <div class="plot" role="group" tabIndex={0} aria-label={`${props.label}. Arrow keys move the read-out${props.onPick ? ", Enter picks its point" : ""}.`} onKeyDown={(event) => onKey(event, plot.current, props)}>
+    <div class="plot" role="group" tabIndex={0} aria-label={t("plotKeys", { label: props.label, pick: props.onPick ? t("enterPicksItsPoint") : "" })} onKeyDown={(event) => onKey(event, plot.current, props)}>
       <div class="above">
         <div class="readout" aria-live="off" style={{ "--lines": readOutLines(props) }}>
-          {last < 0 ? "no values" : index === null ? (props.readOut && props.time ? `newest: ${props.readOut(last)}` : "") : props.readOut ? props.readOut(index) : valuesText(props, index)}
+          {last < 0 ? t("noValues") : index === null ? (props.readOut && props.time ? t("newestValues", { values: props.readOut(last) }) : "") : props.readOut ? props.readOut(index) : valuesText(props, index)}
           {index === null && !props.readOut && <CurveLegend curves={props.curves} />}
         </div>
         <span class="zooms screen">
@@ -89,9 +90,9 @@ function ZoomButtons({ plot }: { plot: { current: uPlot | null } }) {
   );
   return (
     <>
-      {button("+", "Zoom in", (one) => zoom(one, ZOOM_STEP))}
-      {button("−", "Zoom out", (one) => zoom(one, 1 / ZOOM_STEP))}
-      {button("all", "Show all", showAll)}
+      {button("+", t("zoomIn"), (one) => zoom(one, ZOOM_STEP))}
+      {button("−", t("zoomOut"), (one) => zoom(one, 1 / ZOOM_STEP))}
+      {button("all", t("showAll"), showAll)}
     </>
   );
 }

@@ -2,6 +2,7 @@
 import { useState } from "preact/hooks";
 import { number, rpm } from "../format/numbers";
 import type { DataColumn } from "../browser/download";
+import { t } from "../messages/messages";
 import { arrowStep } from "./arrow-keys";
 import { niceStep } from "./axis-steps";
 import { COLOURS } from "./curve-style";
@@ -20,7 +21,7 @@ interface Props {
   speedUnit?: string;
 }
 
-export function PolarPlot({ title, curves, unit = "µm pp", speedUnit = "rpm" }: Props) {
+export function PolarPlot({ title, curves, unit = "µm pp", speedUnit = t("rpm") }: Props) {
   const [place, setPlace] = useState<PointPlace | null>(null);
   const largest = Math.max(1e-9, ...curves.flatMap((one) => [...one.amplitude.map((value) => (value ?? 0) + (one.radius ?? 0)), regionReach(one)]));
   const ring = niceStep(largest / 3);
@@ -45,15 +46,15 @@ export function PolarPlot({ title, curves, unit = "µm pp", speedUnit = "rpm" }:
       <figcaption>
         <strong>{title}</strong>{" "}
         <span class="muted" aria-live="polite">
-          {place && point ? pointText(drawn[place[0]]!.curve, point, unit, speedUnit) : `rings of ${number(ring)} ${unit}`}
+          {place && point ? pointText(drawn[place[0]]!.curve, point, unit, speedUnit) : t("ringsOf", { ring: number(ring), unit })}
         </span>
-        <SaveDrawing label={`Polar plot of ${title}`} columns={() => columnsOf(curves, unit)} />
+        <SaveDrawing label={t("polarPlotOf", { title })} columns={() => columnsOf(curves, unit)} />
       </figcaption>
       <svg
         viewBox={`${-SIZE / 2} ${-SIZE / 2} ${SIZE} ${SIZE}`}
         role="group"
         tabindex={0}
-        aria-label={`Polar plot of ${title}, largest amplitude ${number(largest)} ${unit}. Arrow keys move the read-out: left and right along a curve, up and down to another.`}
+        aria-label={t("polarKeys", { title, largest: number(largest), unit })}
         onKeyDown={onKey}
         onPointerDown={onPointer}
         onPointerMove={onPointer}
@@ -122,7 +123,7 @@ function regionPath({ real, imaginary, semiMajor, semiMinor, inclinationDeg }: N
 
 function columnsOf(curves: PolarCurve[], unit: string): DataColumn[] {
   const rows = curves.flatMap((curve) => curve.rpm.map((speed, at) => [curve.name, speed, curve.amplitude[at] ?? null, curve.lag[at] ?? null]));
-  return ["curve", "speed", `amplitude [${unit}]`, "lag [°]"].map((name, at) => ({ name, values: rows.map((row) => row[at]!) }));
+  return [t("csvCurve"), t("csvSpeed"), t("amplitude", { unit }), t("lag")].map((name, at) => ({ name, values: rows.map((row) => row[at]!) }));
 }
 
 function linePath(points: Point[]): string {
@@ -135,6 +136,6 @@ function circlePath({ x, y }: Point, radius: number): string {
 }
 
 function pointText(curve: PolarCurve, { index }: Point, unit: string, speedUnit: string): string {
-  const speed = curve.vector ? "" : speedUnit === "rpm" ? `${rpm(curve.rpm[index])}, ` : `${number(curve.rpm[index], 4)} ${speedUnit}, `;
-  return `${curve.name}: ${speed}${number(curve.amplitude[index])} ${unit}, ${Math.round(withinTurn(curve.lag[index]!, 360)) % 360}° lag`;
+  const speed = curve.vector ? "" : speedUnit === t("rpm") ? `${rpm(curve.rpm[index])}, ` : `${number(curve.rpm[index], 4)} ${speedUnit}, `;
+  return t("polarPoint", { name: curve.name, speed, amplitude: number(curve.amplitude[index]), unit, lag: Math.round(withinTurn(curve.lag[index]!, 360)) % 360 });
 }

@@ -1,6 +1,7 @@
 // The text that a plot reads out at its cursor: each curve's value at the nearest point it has, whatever lies between.
 import type { DataColumn } from "../browser/download";
 import { number } from "../format/numbers";
+import { t } from "../messages/messages";
 import type { Curve, PlotProps } from "./plot-props";
 
 /** The curves that are in the legend and read out. */
@@ -23,7 +24,7 @@ export function valuesText(props: PlotProps, row: number): string {
     const row = nearestRow(x, x.map((_, at) => at).filter((at) => hasValue(y, at)), readable);
     return row === undefined ? [] : [`${name} ${props.turn ? Math.round(withinTurn(y[row]!, props.turn)) % props.turn : number(y[row])}`];
   });
-  return `${number(x[readable], 4)} ${xUnit}: ${values.length > 0 ? `${values.join(", ")} ${yUnit}` : "no values"}`;
+  return `${number(x[readable], 4)} ${xUnit}: ${values.length > 0 ? `${values.join(", ")} ${yUnit}` : t("noValues")}`;
 }
 
 /** An angle without whole turns. */
@@ -33,13 +34,13 @@ export function withinTurn(value: number, turn: number): number {
 
 /** A plot's data as columns of a file: x, and every curve with its bounds. */
 export function dataColumns({ x, curves, time, xUnit, yUnit, turn }: PlotProps): DataColumn[] {
-  const first = time ? { name: "time", values: x.map((one) => new Date(one * 1000).toISOString()) } : { name: `x [${xUnit ?? ""}]`, values: x };
+  const first = time ? { name: t("csvTime"), values: x.map((one) => new Date(one * 1000).toISOString()) } : { name: `x [${xUnit ?? ""}]`, values: x };
   const told = (values: (number | null)[]) => (turn ? values.map((one) => (one === null ? null : withinTurn(one, turn))) : values);
   return [
     first,
     ...curves.flatMap(({ name, y, lower, upper }) => [
       { name: `${name} [${yUnit}]`, values: told(y) },
-      ...(lower && upper ? [{ name: `${name}, lower [${yUnit}]`, values: lower }, { name: `${name}, upper [${yUnit}]`, values: upper }] : []),
+      ...(lower && upper ? [{ name: t("lowerBound", { name, unit: yUnit }), values: lower }, { name: t("upperBound", { name, unit: yUnit }), values: upper }] : []),
     ]),
   ];
 }

@@ -1,6 +1,7 @@
 // Buttons that save a plot as a picture, and its data.
 import { saveCsv, savePng, saveSvg, type DataColumn } from "../browser/download";
 import { cssColour } from "../browser/theme";
+import { t } from "../messages/messages";
 
 interface Props {
   /** Of the plot; the files are named after it. */
@@ -30,15 +31,30 @@ export function SaveDrawing({ label, columns }: Props) {
   );
 }
 
+/** Of what is drawn with the page's own means, of which there is no picture to save. */
+export function SaveData({ label, columns }: Props) {
+  return (
+    <span class="saves screen">
+      <CsvButton label={label} columns={columns} />
+    </span>
+  );
+}
+
 function Buttons({ label, columns, kind, onSave }: Props & { kind: string; onSave: (event: Event) => void }) {
   return (
     <>
-      <button type="button" aria-label={`Save as ${kind}: ${label}`} title={`Save as ${kind}`} onClick={onSave}>
+      <button type="button" aria-label={t("saveAsLabel", { kind, label })} title={t("saveAs", { kind })} onClick={onSave}>
         {kind}
       </button>
-      <button type="button" aria-label={`Save the data as CSV: ${label}`} title="Save the data as CSV" onClick={() => saveCsv(label, columns())}>
-        CSV
-      </button>
+      <CsvButton label={label} columns={columns} />
     </>
+  );
+}
+
+function CsvButton({ label, columns }: Props) {
+  return (
+    <button type="button" aria-label={t("saveDataLabel", { label })} title={t("saveTheDataAsCsv")} onClick={() => saveCsv(label, columns())}>
+      CSV
+    </button>
   );
 }

@@ -7,6 +7,7 @@ import { useNewestOf } from "../data/newest-identification";
 import { useResource } from "../data/resource";
 import { IdentificationPanels } from "../identification/identification-panels";
 import { OilFilmsPanel } from "../identification/oil-films-panel";
+import { t } from "../messages/messages";
 import { ElementHistories } from "../panels/element-histories";
 import type { Alert } from "../schemas/alerts";
 import type { Identification, IdentificationSummary } from "../schemas/identifications";
@@ -33,10 +34,10 @@ export function ReportBody({ machine, from, to }: { machine: Document; from: str
   const isPending = !newest && identifications.data?.length !== 0;
   return (
     <>
-      <Panel title="Summary">
+      <Panel title={t("summary")}>
         <Summary runs={runs.data} identifications={identifications.data} alerts={then.data && during} to={to} />
-        {isTruncated && <p class="muted">Of each kind the newest {LIMIT} are counted and shown; there may be more.</p>}
-        {identifications.data?.length === 0 && <p class="muted">No identification in this period.</p>}
+        {isTruncated && <p class="muted">{t("newestCounted", { limit: LIMIT })}</p>}
+        {identifications.data?.length === 0 && <p class="muted">{t("noIdentificationInThisPeriod")}</p>}
         <MarkedTrain machine={machine} newest={newest} open={during.filter((one) => wasOpenAt(one, to))} />
       </Panel>
       <AlertsOfPeriod
@@ -45,7 +46,7 @@ export function ReportBody({ machine, from, to }: { machine: Document; from: str
       />
       <TimelineOfPeriod result={timeline} />
       {newest && <Histories machine={machine} newest={newest} from={from} to={to} alerts={then.data ?? []} during={during} />}
-      {isPending && <PendingPanel title="Identification" failure={found.failure ?? identifications.failure} />}
+      {isPending && <PendingPanel title={t("identification")} failure={found.failure ?? identifications.failure} />}
       {newest && <IdentificationPanels machine={machine} found={newest} />}
       {newest && <OilFilmsPanel machine={machine} found={newest} showsAll />}
     </>

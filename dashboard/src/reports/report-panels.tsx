@@ -8,6 +8,7 @@ import { isComparable } from "../data/newest-identification";
 import { useResource, type QueryResult } from "../data/resource";
 import { elementName } from "../format/names";
 import { rpm } from "../format/numbers";
+import { rich, t, term } from "../messages/messages";
 import type { Alert } from "../schemas/alerts";
 import type { Identification, IdentificationSummary } from "../schemas/identifications";
 import type { Document, Drawing, TimelineEntry } from "../schemas/machines";
@@ -30,16 +31,23 @@ export function Summary({ runs, identifications, alerts, to }: SummaryProps) {
   const speeds = (runs ?? []).map((one) => one.speed_maximum_rpm ?? 0);
   return (
     <p>
-      {counted(runs?.length, "run")}
-      {speeds.length > 0 && `, up to ${rpm(Math.max(...speeds))}`}; {counted(identifications?.length, "identification")}, of which {accepted ?? "…"}{" "}
-      accepted; {counted(alerts?.length, "alert")}, of which {alerts?.filter((one) => wasOpenAt(one, to)).length ?? "…"} open
-      at the end of the period.
+      {t("reportSummary", {
+        runs: counted(runs?.length, "oneRun", "manyRuns"),
+        speed: speeds.length > 0 && t("upToSpeed", { speed: rpm(Math.max(...speeds)) }),
+        identifications: counted(identifications?.length, "oneIdentification", "manyIdentifications"),
+        accepted: accepted ?? "…",
+        alerts: counted(alerts?.length, "oneAlert", "manyAlerts"),
+        open: alerts?.filter((one) => wasOpenAt(one, to)).length ?? "…",
+      })}
     </p>
   );
 }
 
-function counted(count: number | undefined, what: string): string {
-  return `${count ?? "…"} ${what}${count === 1 ? "" : "s"}`;
+type One = "oneRun" | "oneIdentification" | "oneAlert";
+type Many = "manyRuns" | "manyIdentifications" | "manyAlerts";
+
+function counted(count: number | undefined, one: One, many: Many): string {
+  return t(count === 1 ? one : many, { count: count ?? "…" });
 }
 
 /** The train as it was at the end of the period. */
@@ -66,36 +74,35 @@ function MarksNote({ deviations }: { deviations: Deviations | undefined }) {
     <p class="muted">
       {deviations && !deviations.missing && (
         <>
-          Changes are those of identification {deviations.identification} (<Time at={deviations.measured_at} />) against its baseline.{" "}
+          {rich("changesOfIdentification", { id: deviations.identification, time: <Time at={deviations.measured_at} /> })}{" "}
         </>
       )}
-      {deviations?.missing && `No changes are marked: ${deviations.missing}. `}
-      Alerts are those open at the end of the period.
+      {t("alertsOpenAtEnd", { changes: deviations?.missing && t("noChangesAreMarked", { missing: deviations.missing }) })}
     </p>
   );
 }
 
 export function AlertsOfPeriod({ result, alerts }: { result: QueryResult<Alert[]>; alerts: Alert[] }) {
   return (
-    <Panel title="Alerts of the period">
+    <Panel title={t("alertsOfThePeriod")}>
       <Loaded result={result}>{() => <AlertTable alerts={alerts} />}</Loaded>
     </Panel>
   );
 }
 
 function AlertTable({ alerts }: { alerts: Alert[] }) {
-  if (alerts.length === 0) return <Empty>No alert in this period.</Empty>;
+  if (alerts.length === 0) return <Empty>{t("noAlertInThisPeriod")}</Empty>;
   return (
-    <Scroll label="Table">
+    <Scroll label={t("table")}>
       <table>
         <thead>
           <tr>
-            <th title="at the end of the period">Severity</th>
-            <th>Element</th>
-            <th title="at the end of the period">State</th>
-            <th>Opened</th>
-            <th>Closed</th>
-            <th title="at the end of the period">Message</th>
+            <th title={t("atTheEndOfThe")}>{t("severity")}</th>
+            <th>{t("element")}</th>
+            <th title={t("atTheEndOfThe")}>{t("state")}</th>
+            <th>{t("opened")}</th>
+            <th>{t("closed")}</th>
+            <th title={t("atTheEndOfThe")}>{t("message")}</th>
           </tr>
         </thead>
         <tbody>
@@ -123,16 +130,16 @@ function AlertTable({ alerts }: { alerts: Alert[] }) {
 
 export function TimelineOfPeriod({ result }: { result: QueryResult<TimelineEntry[]> }) {
   return (
-    <Panel title="Notes and maintenance">
+    <Panel title={t("notesAndMaintenance")}>
       <Loaded result={result}>
         {(entries) =>
           entries.length === 0 ? (
-            <Empty>No notes or maintenance in this period.</Empty>
+            <Empty>{t("noNotesOrMaintenanceIn")}</Empty>
           ) : (
             <ul>
               {entries.map((one) => (
                 <li key={one.id}>
-                  <Time at={one.at} /> {one.kind}, {one.by}: {one.text}
+                  <Time at={one.at} /> {term(one.kind)}, {one.by}: {one.text}
                 </li>
               ))}
             </ul>

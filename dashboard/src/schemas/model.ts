@@ -55,6 +55,19 @@ export interface Modes {
   modes: ModeShape[];
 }
 
+/** Places of a journal's centre from its bearing's [µm]: x to the right, y up. */
+export interface JournalPlaces {
+  bearing: string;
+  x_um: Column;
+  y_um: Column;
+}
+
+export interface Centreline {
+  speed: number[];
+  bearings: (JournalPlaces & { clearance_um: number })[];
+  measured: { run: number; speed: number[]; bearings: JournalPlaces[] }[];
+}
+
 export interface Load {
   amplitude: Column;
   lower: Column;

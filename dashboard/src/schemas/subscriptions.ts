@@ -1,5 +1,7 @@
 // Subscriptions to alerts and their deliveries.
 
+export type ReportInterval = "weekly" | "monthly";
+
 export interface Subscription {
   id: number;
   kind: string;
@@ -7,6 +9,7 @@ export interface Subscription {
   target: string;
   state: string;
   reason: string | null;
+  reports: ReportInterval | null;
   created_at: string;
 }
 

@@ -3,10 +3,21 @@
 type Column = (number | null)[];
 
 /** Of the 1×, peak-to-peak [µm]; null where the document gives none. */
+export type Zone = "A" | "B" | "C" | "D";
+
+/** Boundaries of severity zones of overall levels, peak-to-peak [µm], and where the document has them from. */
+export interface SeverityZones {
+  source: string;
+  a_b_um_pp: number;
+  b_c_um_pp: number;
+  c_d_um_pp: number;
+}
+
 export interface VibrationLimits {
   balanced_um_pp: number | null;
   alert_um_pp: number | null;
   danger_um_pp: number | null;
+  severity_zones: SeverityZones | null;
 }
 
 export interface VibrationVector {
@@ -20,6 +31,10 @@ export interface ProbeVibration {
   speed_rpm: number | null;
   first: VibrationVector | null;
   second: VibrationVector | null;
+  overall_um_pp: number | null;
+  zone: Zone | null;
+  /** Place of the shaft towards the probe, from a zero of the probe's own. */
+  gap_um: number | null;
 }
 
 export interface Vibration {
@@ -51,6 +66,9 @@ export interface ProbeTrend {
   amplitude_2x_um_pp: Column;
   phase_2x_lag_deg: Column;
   second_over_first: Column;
+  overall_um_pp: Column;
+  zone: (Zone | null)[];
+  gap_um: Column;
   within: (boolean | null)[];
   regions: VibrationRegion[];
 }

@@ -2,8 +2,9 @@
 import { useStore } from "../browser/store";
 import { connection } from "../data/connection";
 import { clock } from "../format/times";
+import { rich, t } from "../messages/messages";
 
-const LABELS = { connecting: "○ connecting", live: "● live", degraded: "✕ no data", lost: "✕ no connection" };
+const LABELS = { connecting: t("connectionConnecting"), live: t("connectionLive"), degraded: t("connectionNoData"), lost: t("connectionLost") };
 
 export function ConnectionState() {
   const { state } = useStore(connection);
@@ -19,16 +20,14 @@ export function ConnectionBanner() {
   if (state === "degraded") {
     return (
       <div class="banner" role="alert">
-        <strong>The service answers, but cannot read its data since {clock(since)}:</strong> {reason} The data shown are older. The
-        page retries every few seconds and recovers by itself.
+        {rich("degradedBanner", { what: <strong>{t("theServiceAnswersButCannot", { since: clock(since) })}</strong>, reason })}
       </div>
     );
   }
   if (state !== "lost") return null;
   return (
     <div class="banner" role="alert">
-      <strong>The service does not answer since {clock(since)}.</strong> The data shown are older. The page retries every second
-      and recovers by itself.
+      {rich("lostBanner", { what: <strong>{t("serviceSilentSince", { since: clock(since) })}</strong> })}
     </div>
   );
 }

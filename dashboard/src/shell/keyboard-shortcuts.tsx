@@ -3,21 +3,22 @@ import { useLayoutEffect } from "preact/hooks";
 import { navigate, route } from "../browser/router";
 import { chooseTheme, themeChoice } from "../browser/theme";
 import { Dialog } from "../dialogs/dialog";
+import { t } from "../messages/messages";
 import { TABS } from "../pages/tabs";
 
 const SHORTCUTS: [string, string][] = [
-  ["f", "fleet"],
-  ["a", "alerts"],
-  ["w", "notifications"],
-  ["1 … 9", "tabs of a machine"],
-  ["d", "dark or light"],
-  ["← → in a plot", "move the read-out; with Shift ten points"],
-  ["Enter in a trend", "open the identification of the point read out"],
-  ["↑ ↓ in a polar plot", "read out another curve"],
-  ["← → ↑ ↓ in a matrix", "move the read-out"],
-  ["+ − 0 in a plot", "zoom in, out, back to all"],
-  ["Esc", "close"],
-  ["?", "this list"],
+  ["f", t("shortcutFleet")],
+  ["a", t("shortcutAlerts")],
+  ["w", t("shortcutNotifications")],
+  ["1 … 9", t("tabsOfAMachine")],
+  ["d", t("darkOrLight")],
+  [t("inAPlot"), t("moveTheReadOutWith")],
+  [t("enterInATrend"), t("openTheIdentificationOfThe")],
+  [t("inAPolarPlot"), t("readOutAnotherCurve")],
+  [t("inAMatrix"), t("moveTheReadOut")],
+  [t("n0InAPlot"), t("zoomInOutBackTo")],
+  [t("esc"), t("shortcutClose")],
+  ["?", t("thisList")],
 ];
 
 export function useShortcuts(toggleList: () => void): void {
@@ -38,7 +39,7 @@ function follow(key: string): void {
   const tab = TABS[Number(key) - 1];
   const { parts } = route.value;
   if (key === "f") navigate([]);
-  else if (key === "a") navigate(["alerts"]);
+  else if (key === "a") navigate([t("shortcutAlerts")]);
   else if (key === "w") navigate(["subscriptions"]);
   else if (key === "d") chooseTheme(themeChoice.value === "dark" ? "light" : "dark");
   else if (tab && parts[0] === "machines" && parts[1]) navigate(["machines", parts[1], tab.id]);
@@ -46,7 +47,7 @@ function follow(key: string): void {
 
 export function KeyboardShortcuts({ onClose }: { onClose: () => void }) {
   return (
-    <Dialog title="Keyboard shortcuts" onClose={onClose}>
+    <Dialog title={t("keyboardShortcuts")} onClose={onClose}>
       <dl class="facts">
         {SHORTCUTS.map(([key, action]) => (
           <>
@@ -59,7 +60,7 @@ export function KeyboardShortcuts({ onClose }: { onClose: () => void }) {
       </dl>
       <p>
         <button type="button" onClick={onClose}>
-          Close
+          {t("closeWindow")}
         </button>
       </p>
     </Dialog>

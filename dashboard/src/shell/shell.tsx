@@ -4,6 +4,7 @@ import { link, route } from "../browser/router";
 import { useStore } from "../browser/store";
 import { ErrorBoundary } from "../components/error-boundary";
 import { connection } from "../data/connection";
+import { t } from "../messages/messages";
 import { AlertPage } from "../pages/alert-page";
 import { AlertsPage } from "../pages/alerts-page";
 import { FleetPage } from "../pages/fleet-page";
@@ -13,6 +14,7 @@ import { ReportPage } from "../pages/report-page";
 import { WallPage } from "../pages/wall-page";
 import { ConnectionBanner, ConnectionState } from "./connection-state";
 import { KeyboardShortcuts, useShortcuts } from "./keyboard-shortcuts";
+import { LanguageSelect } from "./language-select";
 import { ThemeButton } from "./theme-button";
 import { UnitSelect } from "./unit-select";
 import { UserName } from "./user-name";
@@ -32,7 +34,7 @@ export function Shell() {
   return (
     <>
       <a class="skip" href="#main" onClick={skip}>
-        Skip to the content
+        {t("skipToTheContent")}
       </a>
       <header class="bar">
         <a class="brand" href="#/">
@@ -43,8 +45,9 @@ export function Shell() {
         <UserName />
         <ConnectionState />
         <UnitSelect />
+        <LanguageSelect />
         <ThemeButton />
-        <button type="button" class="quiet" onClick={() => setShortcuts(true)} aria-label="Keyboard shortcuts" title="Keyboard shortcuts (?)">
+        <button type="button" class="quiet" onClick={() => setShortcuts(true)} aria-label={t("keyboardShortcuts")} title={t("keyboardShortcutsKey")}>
           ?
         </button>
       </header>
@@ -67,15 +70,15 @@ function skip(event: Event): void {
 function Navigation({ first }: { first: string | undefined }) {
   const current = (part: string | undefined) => (first === part ? "page" : undefined);
   return (
-    <nav aria-label="Pages">
+    <nav aria-label={t("pages")}>
       <a href="#/" aria-current={current(undefined)}>
-        Fleet
+        {t("fleet")}
       </a>
       <a href={link(["alerts"])} aria-current={current("alerts")}>
-        Alerts
+        {t("alerts")}
       </a>
-      <a href={link(["subscriptions"])} aria-current={current("subscriptions")} title="Who is notified of alerts">
-        Notifications
+      <a href={link(["subscriptions"])} aria-current={current("subscriptions")} title={t("whoIsNotifiedOfAlerts")}>
+        {t("notifications")}
       </a>
       <a href="/api/v1/docs">API</a>
     </nav>
@@ -89,14 +92,14 @@ function Page({ parts }: { parts: string[] }) {
   if (first === "alerts") return <AlertsPage />;
   if (first === "wall") return <WallPage />;
   if (first === "subscriptions") return <NotificationsPage />;
-  if (machine !== undefined && !MACHINE.test(machine)) return <p class="error" role="alert">There is no machine “{encodeURIComponent(machine)}”.</p>;
+  if (machine !== undefined && !MACHINE.test(machine)) return <p class="error" role="alert">{t("thereIsNoMachine", { machine: encodeURIComponent(machine) })}</p>;
   if (first === "machines" && machine) return <MachinePage key={machine} id={machine} tab={tab ?? "overview"} />;
   if (first === "reports" && machine) return <ReportPage key={machine} id={machine} />;
   return (
     <section class="panel">
-      <h1>No such page</h1>
+      <h1>{t("noSuchPage")}</h1>
       <p>
-        <a href="#/">To the fleet</a>
+        <a href="#/">{t("toTheFleet")}</a>
       </p>
     </section>
   );

@@ -1,5 +1,6 @@
 // How each element is marked on the drawing of the train: by its deviation from the baseline and its alerts.
 import { words } from "../format/names";
+import { t, term } from "../messages/messages";
 import type { Alert } from "../schemas/alerts";
 import type { Deviations } from "../schemas/trends";
 import { isUnacknowledged } from "../words/alert-states";
@@ -11,7 +12,7 @@ export interface Mark {
   words: string;
 }
 
-export const UNKNOWN: Mark = { level: "unknown", words: "unknown: nothing to compare with" };
+export const UNKNOWN: Mark = { level: "unknown", words: t("unknownNothingToCompareWith") };
 export const MARK_SIGNS: Record<Mark["level"], string> = { normal: "", changed: "●", alert: "▲", danger: "◆", unknown: "" };
 const RANK: Record<Mark["level"], number> = { unknown: 0, normal: 1, changed: 2, alert: 3, danger: 4 };
 
@@ -26,8 +27,8 @@ export function elementMarks(open: Alert[], deviations: Deviations | undefined):
   for (const { element, probability } of deviations?.elements ?? []) {
     // The levels alert and danger come from alerts only: these know the cause, a deviation does not.
     const most = largestDeviation(deviations!, element);
-    if (probability >= CHANGED || !most) add(element, "normal", "at baseline");
-    else add(element, "changed", `${deviationText(most)}${most.reaches ? `, reaches the limit for ${most.reaches}` : ""}`);
+    if (probability >= CHANGED || !most) add(element, "normal", t("atBaseline"));
+    else add(element, "changed", `${deviationText(most)}${most.reaches ? t("reachesLimitFor", { level: term(most.reaches) }) : ""}`);
   }
   for (const alert of open) {
     const level = alert.severity === "danger" ? "danger" : "alert";

@@ -1,7 +1,11 @@
 // The train drawn to scale from its document: shafts, discs, bearings, seals, pedestals, couplings, probes.
 import type { ComponentChildren } from "preact";
 import { useEffect, useRef } from "preact/hooks";
+import type { DataColumn } from "../browser/download";
 import { elementName } from "../format/names";
+import { decimal } from "../format/numbers";
+import { t } from "../messages/messages";
+import { SaveDrawing } from "../plots/save-buttons";
 import type { Drawing } from "../schemas/machines";
 import { trainLayout, type TrainLayout } from "./layout";
 import { MARK_SIGNS, UNKNOWN, worstElement, type Mark } from "./marks";
@@ -50,7 +54,8 @@ export function TrainDrawing({ name, drawing, marks, onChoose }: Props) {
   }, [worst]);
   return (
     <figure class="train" ref={figure}>
-      <svg viewBox={`0 0 ${WIDTH} ${scale.height}`} role="group" aria-label={`${name}, drawn to scale from driver to driven`}>
+      <SaveDrawing label={t("trainNamed", { name })} columns={() => columnsOf(drawing, marks)} />
+      <svg viewBox={`0 0 ${WIDTH} ${scale.height}`} role="group" aria-label={t("drawnToScale", { name })}>
         <line class="axis" x1={MARGIN / 2} x2={WIDTH - MARGIN / 2} y1={scale.axis} y2={scale.axis} />
         <Sections {...parts} />
         <Discs {...parts} />
@@ -61,9 +66,21 @@ export function TrainDrawing({ name, drawing, marks, onChoose }: Props) {
         <Probes {...parts} />
         <Ruler length={layout.length} at={scale.at} y={scale.height - 8} />
       </svg>
-      {scale.stretch > 1.05 && <figcaption>Lengths to scale; diameters {scale.stretch.toFixed(1)} times larger.</figcaption>}
+      {scale.stretch > 1.05 && <figcaption>{t("lengthsToScale", { times: decimal(scale.stretch.toFixed(1)) })}</figcaption>}
     </figure>
   );
+}
+
+function columnsOf(drawing: Drawing, marks: Map<string, Mark>): DataColumn[] {
+  const { discs, bearings, seals, pedestals, couplings } = drawing;
+  const elements = [...discs, ...bearings, ...seals, ...pedestals, ...couplings].sort((one, other) => one.at - other.at);
+  const mark = (element: string) => marks.get(element) ?? UNKNOWN;
+  return [
+    { name: "element", values: elements.map((one) => one.element) },
+    { name: "z [m]", values: elements.map((one) => one.at) },
+    { name: "mark", values: elements.map((one) => mark(one.element).level) },
+    { name: "words", values: elements.map((one) => mark(one.element).words) },
+  ];
 }
 
 /** Radii have the scale of lengths, unless the train is so slender that nothing would be seen. */
@@ -211,7 +228,7 @@ function Probes({ layout, scale: { at, axis, thick }, marks }: PartProps) {
     <>
       {layout.probes.map((one) => {
         const found = one.channels.flatMap((channel) => marks.get(`probe.${channel}`) ?? []);
-        const words = [`probes ${one.channels.join(", ")}`, ...found.map((mark) => mark.words)].join("\n");
+        const words = [t("probesAt", { probes: one.channels.join(", ") }), ...found.map((mark) => mark.words)].join("\n");
         const top = axis - thick(one.radius) - 3;
         return (
           <g class={`probe ${found[0]?.level ?? ""}`} role="img" aria-label={words}>
@@ -236,7 +253,7 @@ function Ruler({ length, at, y }: { length: number; at: (z: number) => number; y
     <g class="ruler">
       {ticks.map((z) => (
         <text x={at(z)} y={y} text-anchor="middle">
-          {z === 0 ? "0" : Number(z.toFixed(1))}
+          {z === 0 ? "0" : decimal(String(Number(z.toFixed(1))))}
           {z === ticks.at(-1) ? " m" : ""}
         </text>
       ))}

@@ -4,6 +4,7 @@ import { Loading, StaleNotice } from "../components/loading";
 import { Panel } from "../components/panel";
 import { useResource } from "../data/resource";
 import { speedSweep } from "../data/speed-sweep";
+import { t } from "../messages/messages";
 import { Plot } from "../plots/plot";
 import type { Document, MachineState } from "../schemas/machines";
 import type { Phasors } from "../schemas/runs";
@@ -19,11 +20,11 @@ export function LiveRunPanel({ machine }: { machine: Document }) {
   const phasors = result.data;
   const sweep = phasors && speedSweep(phasors);
   return (
-    <Panel title={`Run ${run.id}, live`} class="live" aside={phasors && <p class="muted">{slowRollOf(phasors)}</p>}>
+    <Panel title={t("runLive", { id: run.id })} class="live" aside={phasors && <p class="muted">{slowRollOf(phasors)}</p>}>
       <StaleNotice result={result} />
       {sweep ? (
         <Plot
-          label={`Amplitude over speed of run ${run.id} so far`}
+          label={t("amplitudeSoFar", { id: run.id })}
           x={speedsInUnit(sweep.rpm, speed)}
           xUnit={speed.label}
           yUnit={amplitude.label}

@@ -13,6 +13,7 @@ import { useResource, type QueryResult } from "../data/resource";
 import { useRunIdentification } from "../data/run-identification";
 import { useRunSelection } from "../data/run-selection";
 import { number, rpm } from "../format/numbers";
+import { rich, t } from "../messages/messages";
 import { niceStep } from "../plots/axis-steps";
 import { OrbitPlot } from "../plots/orbit-plot";
 import type { Document } from "../schemas/machines";
@@ -32,18 +33,18 @@ export function OrbitsPanel({ machine }: { machine: Document }) {
   const second = query.get("order") === "2";
   const { result, failure } = useOrbits(machine.id, runs.run, runs.reference, speed);
   return (
-    <Panel title={`Orbits at the probes, ${second ? "1× and 2×" : "1×"}`}>
+    <Panel title={t("orbitsAtProbes", { orders: second ? t("n1And2") : "1×" })}>
       <div class="choices">
         <RunSelect {...runs} />
         <SpeedSlider low={low} high={high} speed={speed} />
         <label class="switch">
           <input type="checkbox" checked={second} onChange={(event) => replaceQuery({ order: event.currentTarget.checked ? "2" : null })} />
-          with 2×
+          {t("with2")}
         </label>
       </div>
       {failure?.isLocal && <ErrorMessage failure={failure} />}
       {runs.all?.length === 0 ? (
-        <Empty>No run yet.</Empty>
+        <Empty>{t("noRunYet")}</Empty>
       ) : !runs.run && runs.failure ? (
         <p class="error" role="alert">
           {runs.failure}
@@ -79,7 +80,7 @@ function SpeedSlider({ low, high, speed }: { low: number; high: number; speed: n
   const [dragged, setDragged] = useState<number | null>(null);
   return (
     <label class="wide">
-      Speed: <Speed rpm={dragged ?? speed} />
+      {rich("speedChosen", { speed: <Speed rpm={dragged ?? speed} /> })}
       <input
         type="range"
         min={low}
@@ -104,8 +105,7 @@ function OrbitPlots({ found, other, second }: OrbitsAndOverlay & { second: boole
   return (
     <>
       <p class="muted">
-        x to the right, y up; the outer of two rings is {number(2 * shown)} {amplitude.label} wide; {slowRollOf(found)}. The dot marks the
-        keyphasor event; the gap before it shows the direction of motion. Below, what each probe sees in one turn.
+        {t("orbitReading", { width: number(2 * shown), unit: amplitude.label, slow_roll: slowRollOf(found) })}
       </p>
       <div class="orbits shapes">
         {found.orbits.map((one) => (
@@ -120,9 +120,9 @@ function OrbitPlots({ found, other, second }: OrbitsAndOverlay & { second: boole
           />
         ))}
       </div>
-      {found.orbits.length === 0 && <Empty>No station has probes in both axes.</Empty>}
+      {found.orbits.length === 0 && <Empty>{t("noStationHasProbesIn")}</Empty>}
       {found.without.length > 0 && (
-        <p class="muted">No orbit, for want of a second axis or a good sample: {found.without.map((one) => one.join(" and ")).join("; ")}.</p>
+        <p class="muted">{t("noOrbitFor", { channels: found.without.map((one) => one.join(t("and"))).join("; ") })}</p>
       )}
       {found.findings.map((one) => (
         <p key={one.code + one.channels.join()}>{one.words}</p>

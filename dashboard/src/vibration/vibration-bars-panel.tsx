@@ -1,4 +1,5 @@
-// The newest 1× and 2× at each probe as bars, beside the machine's limits.
+// The newest overall level, 1×, 2× and gap at each probe as bars beside the machine's limits.
+import type { DataColumn } from "../browser/download";
 import { useUnits, type Unit } from "../browser/units";
 import { Loaded } from "../components/loading";
 import { Panel } from "../components/panel";
@@ -6,10 +7,12 @@ import { Speed } from "../components/speed";
 import { Time } from "../components/time";
 import { useResource } from "../data/resource";
 import { number } from "../format/numbers";
+import { rich, t, term } from "../messages/messages";
+import { SaveData } from "../plots/save-buttons";
 import type { Document } from "../schemas/machines";
 import type { ProbeVibration, Vibration, VibrationLimits } from "../schemas/vibration";
 import { slowRollText } from "../words/slow-roll";
-import { LEVEL_SIGNS, limitsText, vibrationLevel } from "../words/vibration-limits";
+import { LEVEL_SIGNS, limitsText, vibrationLevel, zoneBoundaries, zonesText } from "../words/vibration-limits";
 
 const POLL_MS = 2000;
 /** The longest bar ends before the panel does. */
@@ -19,17 +22,21 @@ export function VibrationBarsPanel({ machine }: { machine: Document }) {
   const { amplitude } = useUnits();
   const result = useResource<Vibration>(`/machines/${machine.id}/vibration?slow_roll=in_force`, POLL_MS);
   return (
-    <Panel title="Vibration at the probes" aside={<Newest found={result.data} />}>
+    <Panel title={t("vibrationAtTheProbes")} aside={<Newest found={result.data} />}>
       <Loaded result={result} lines={machine.probes.length + 2}>
         {(found) => (
           <>
-            <ol class="vibration-bars">
-              {found.probes.map((one) => (
-                <Bar key={one.channel} probe={one} limits={found.limits} full={fullScale(found)} unit={amplitude} />
-              ))}
-            </ol>
+            <div class="bars">
+              <ol class="vibration-bars">
+                {found.probes.map((one) => (
+                  <Bar key={one.channel} probe={one} limits={found.limits} full={fullScale(found)} fullGap={largestGap(found)} unit={amplitude} />
+                ))}
+              </ol>
+            </div>
             <p class="muted">
-              █ 1×, ▒ 2×; {slowRollText(found.slow_roll_version, Object.keys(found.slow_roll_left_out))}. {limitsText(found.limits, amplitude)}
+              {signs(found)}; {slowRollText(found.slow_roll_version, Object.keys(found.slow_roll_left_out))}. {limitsText(found.limits, amplitude)}{" "}
+              {zonesText(found.limits.severity_zones, amplitude)}
+              {found.probes.some((one) => one.gap_um !== null) && ` ${t("gapsExplained")}`}
             </p>
           </>
         )}
@@ -41,21 +48,40 @@ export function VibrationBarsPanel({ machine }: { machine: Document }) {
 /** When the newest of them was measured, and how fast the shaft turned. */
 function Newest({ found }: { found: Vibration | undefined }) {
   const newest = found?.probes.reduce<ProbeVibration | undefined>((one, other) => ((one?.time ?? "") > (other.time ?? "") ? one : other), undefined);
-  if (!newest?.time) return null;
+  if (!found || !newest?.time) return null;
   return (
-    <p class="muted">
-      <Time at={newest.time} /> at <Speed rpm={newest.speed_rpm} />
-    </p>
+    <div class="muted">
+      {rich("at", { time: <Time at={newest.time} />, speed: <Speed rpm={newest.speed_rpm} /> })}{" "}
+      <SaveData label={t("vibrationAtTheProbes")} columns={() => columnsOf(found.probes)} />
+    </div>
   );
 }
 
-function fullScale({ probes, limits }: Vibration): number {
-  const sizes = probes.flatMap((one) => [one.first?.amplitude_um_pp ?? 0, one.second?.amplitude_um_pp ?? 0]);
-  return HEADROOM * Math.max(1e-9, ...sizes, limits.alert_um_pp ?? 0, limits.danger_um_pp ?? 0);
+function signs({ probes }: Vibration): string {
+  const overall = probes.some((one) => one.overall_um_pp !== null) ? [t("overallSign")] : [];
+  return ["█ 1×", "▒ 2×", ...overall].join(", ");
 }
 
-function Bar({ probe, limits, full, unit }: { probe: ProbeVibration; limits: VibrationLimits; full: number; unit: Unit }) {
-  const { channel, first, second } = probe;
+function fullScale({ probes, limits }: Vibration): number {
+  const sizes = probes.flatMap((one) => [one.first?.amplitude_um_pp ?? 0, one.second?.amplitude_um_pp ?? 0, one.overall_um_pp ?? 0]);
+  return HEADROOM * Math.max(1e-9, ...sizes, limits.alert_um_pp ?? 0, limits.danger_um_pp ?? 0, limits.severity_zones?.c_d_um_pp ?? 0);
+}
+
+function largestGap({ probes }: Vibration): number {
+  return HEADROOM * Math.max(1e-9, ...probes.map((one) => Math.abs(one.gap_um ?? 0)));
+}
+
+interface BarProps {
+  probe: ProbeVibration;
+  limits: VibrationLimits;
+  /** Of the longest bar [µm pp], and of that of a gap [µm]. */
+  full: number;
+  fullGap: number;
+  unit: Unit;
+}
+
+function Bar({ probe, limits, full, fullGap, unit }: BarProps) {
+  const { channel, first, second, overall_um_pp: overall, zone, gap_um: gap } = probe;
   const level = vibrationLevel(first?.amplitude_um_pp, limits);
   const part = (value: number) => `${((100 * value) / full).toFixed(2)}%`;
   const told = (value: number) => `${number(value * unit.factor)} ${unit.label}`;
@@ -67,14 +93,47 @@ function Bar({ probe, limits, full, unit }: { probe: ProbeVibration; limits: Vib
       <span class="gauge" aria-hidden="true">
         {first && <span class="first" style={{ width: part(first.amplitude_um_pp) }} />}
         {second && <span class="second" style={{ width: part(second.amplitude_um_pp) }} />}
+        {overall !== null && <span class="overall" style={{ width: part(overall) }} />}
+        {overall !== null && zoneBoundaries(limits.severity_zones).map(([name, value]) => <span key={name} class="boundary" style={{ left: part(value) }} />)}
         {limits.alert_um_pp !== null && <span class="limit alert" style={{ left: part(limits.alert_um_pp) }} />}
         {limits.danger_um_pp !== null && <span class="limit danger" style={{ left: part(limits.danger_um_pp) }} />}
       </span>
       <span class="told">
-        {first ? `1× ${told(first.amplitude_um_pp)}, ${Math.round(first.phase_lag_deg) % 360}° lag` : "no good value"}
+        {first ? t("firstOrderText", { amplitude: told(first.amplitude_um_pp), lag: Math.round(first.phase_lag_deg) % 360 }) : t("noGoodValue")}
         {second && `; 2× ${told(second.amplitude_um_pp)}`}
-        {(level === "alert" || level === "danger") && <span class="hidden">: {level}</span>}
+        {overall !== null && `; ${t("overallText", { amplitude: told(overall) })}`}
+        {zone && t("inZone", { zone })}
+        {(level === "alert" || level === "danger") && <span class="hidden">: {term(level)}</span>}
       </span>
+      {gap !== null && <Gap gap={gap} full={fullGap} />}
     </li>
   );
+}
+
+/** The place of the shaft at a probe that sends gaps, from a zero of the probe's own; full: the longest bar. */
+function Gap({ gap, full }: { gap: number; full: number }) {
+  const { length } = useUnits();
+  return (
+    <span class="gap-of">
+      <span>{t("gapText", { gap: `${number(gap * length.factor, 4)} ${length.label}` })}</span>
+      <span class="gauge" aria-hidden="true">
+        <span class="first" style={{ width: `${((100 * Math.abs(gap)) / full).toFixed(2)}%` }} />
+      </span>
+    </span>
+  );
+}
+
+function columnsOf(probes: ProbeVibration[]): DataColumn[] {
+  return [
+    { name: "channel", values: probes.map((one) => one.channel) },
+    { name: "time", values: probes.map((one) => one.time) },
+    { name: "speed [rpm]", values: probes.map((one) => one.speed_rpm) },
+    { name: "1× [µm pp]", values: probes.map((one) => one.first?.amplitude_um_pp ?? null) },
+    { name: "1× lag [°]", values: probes.map((one) => one.first?.phase_lag_deg ?? null) },
+    { name: "2× [µm pp]", values: probes.map((one) => one.second?.amplitude_um_pp ?? null) },
+    { name: "2× lag [°]", values: probes.map((one) => one.second?.phase_lag_deg ?? null) },
+    { name: "overall [µm pp]", values: probes.map((one) => one.overall_um_pp) },
+    { name: "zone", values: probes.map((one) => one.zone) },
+    { name: "gap [µm]", values: probes.map((one) => one.gap_um) },
+  ];
 }

@@ -7,6 +7,7 @@ import { queryString } from "../data/http-client";
 import { useResource } from "../data/resource";
 import { number } from "../format/numbers";
 import { when } from "../format/times";
+import { rich, t, term } from "../messages/messages";
 import { CurveLegend } from "../plots/curve-legend";
 import { unwrapPhase } from "../plots/phase";
 import { Plot } from "../plots/plot";
@@ -17,6 +18,7 @@ import { withinTurn } from "../plots/read-out";
 import type { Document } from "../schemas/machines";
 import type { ProbeTrend, VibrationLimits, VibrationTrend } from "../schemas/vibration";
 import { slowRollText } from "../words/slow-roll";
+import { zoneBoundaries, zonesText } from "../words/vibration-limits";
 
 const POLL_MS = 30_000;
 
@@ -41,9 +43,9 @@ export function VibrationTrendPanels(props: Props) {
 
 function NoRuns({ found }: { found: VibrationTrend }) {
   return (
-    <Panel title="At running speed">
+    <Panel title={t("atRunningSpeed")}>
       <Empty>
-        No run of this period came to running speed{found.running_rpm !== null && <>, <Speed rpm={found.running_rpm} /></>}.
+        {t("noRunOfThisPeriod")}{found.running_rpm !== null && <>, <Speed rpm={found.running_rpm} /></>}.
       </Empty>
     </Panel>
   );
@@ -51,25 +53,27 @@ function NoRuns({ found }: { found: VibrationTrend }) {
 
 /** The runs of one kind, of the channels shown. */
 function Panels({ machine, channels, kind, found }: Props & { found: VibrationTrend }) {
-  const { amplitude } = useUnits();
+  const { amplitude, length } = useUnits();
   const shownKind = kind ?? found.probes[0]!.run_kind.at(-1)!;
   const probes = found.probes.filter((one) => channels.includes(one.channel)).map((one) => ofKind(one, shownKind));
   const limits = limitLines(found.limits, amplitude);
   return (
     <>
-      <Panel title={`At running speed, ${shownKind}s`} aside={<Basis found={found} />}>
+      <Panel title={t("atRunningSpeedKind", { kind: term(shownKind) })} aside={<Basis found={found} />}>
         <CurveLegend curves={probes.map(({ channel }) => ({ name: channel }))} />
         <div class="plots">
-          <Trend what="1× amplitude" probes={probes} unit={amplitude.label} column={(one) => inUnit(one.amplitude_um_pp, amplitude)} limits={limits} />
-          <Trend what="1× phase" probes={probes} unit="° lag" column={(one) => unwrapPhase(one.phase_lag_deg)} turn={360} />
-          <Trend what="2× amplitude" probes={probes} unit={amplitude.label} column={(one) => inUnit(one.amplitude_2x_um_pp, amplitude)} />
-          <Trend what="2× over 1×" probes={probes} unit="2×/1×" column={(one) => one.second_over_first} />
+          <Trend what={t("n1Amplitude")} probes={probes} unit={amplitude.label} column={(one) => inUnit(one.amplitude_um_pp, amplitude)} limits={limits} />
+          <Trend what={t("n1Phase")} probes={probes} unit="° lag" column={(one) => unwrapPhase(one.phase_lag_deg)} turn={360} />
+          <Trend what={t("n2Amplitude")} probes={probes} unit={amplitude.label} column={(one) => inUnit(one.amplitude_2x_um_pp, amplitude)} />
+          <Trend what={t("n2Over1")} probes={probes} unit="2×/1×" column={(one) => one.second_over_first} />
+          <Trend what={t("overallLevel")} probes={probes} unit={amplitude.label} column={(one) => inUnit(one.overall_um_pp, amplitude)} limits={zoneLines(found.limits, amplitude)} />
+          <Trend what={t("gap")} probes={probes} unit={length.label} column={(one) => inUnit(one.gap_um, length)} />
         </div>
+        <p class="muted">{zonesText(found.limits.severity_zones, amplitude)}</p>
       </Panel>
-      <Panel title="1× vectors and acceptance regions" aside={<p class="muted">Phase lag increases clockwise from the right.</p>}>
+      <Panel title={t("n1VectorsAndAcceptanceRegions")} aside={<p class="muted">{t("phaseLagIncreasesClockwiseFrom")}</p>}>
         <p class="muted">
-          Dashed: where the next run lies with 95 % while nothing happens, from the first {found.probes[0]!.regions[0]?.runs ?? "few"} runs of the
-          baseline; the arrow is the newest run.
+          {t("acceptanceExplained", { runs: found.probes[0]!.regions[0]?.runs ?? t("fewRuns") })}
         </p>
         <div class="polars">
           {probes.map((one, style) => (
@@ -79,7 +83,7 @@ function Panels({ machine, channels, kind, found }: Props & { found: VibrationTr
             </figure>
           ))}
         </div>
-        {machine.probes.length > probes.length && <p class="muted">Of {machine.probes.length} probes the chosen ones are shown.</p>}
+        {machine.probes.length > probes.length && <p class="muted">{t("chosenOfProbes", { count: machine.probes.length })}</p>}
       </Panel>
     </>
   );
@@ -88,14 +92,13 @@ function Panels({ machine, channels, kind, found }: Props & { found: VibrationTr
 function Basis({ found }: { found: VibrationTrend }) {
   return (
     <p class="muted">
-      Mean vectors within 2 % of <Speed rpm={found.running_rpm} />
-      {!found.running_speed_named && ", to which all of the runs came"}; {slowRollText(found.slow_roll_version, Object.keys(found.slow_roll_left_out))}
+      {rich("meanVectors", { speed: <Speed rpm={found.running_rpm} />, named: !found.running_speed_named && t("toWhichAllOfThe"), slow_roll: slowRollText(found.slow_roll_version, Object.keys(found.slow_roll_left_out)) })}
     </p>
   );
 }
 
 type TrendColumn = Exclude<{ [Name in keyof ProbeTrend]: ProbeTrend[Name] extends unknown[] ? Name : never }[keyof ProbeTrend], "regions">;
-const COLUMNS: TrendColumn[] = ["run", "run_kind", "measured_at", "speed_rpm", "amplitude_um_pp", "phase_lag_deg", "amplitude_2x_um_pp", "phase_2x_lag_deg", "second_over_first", "within"];
+const COLUMNS: TrendColumn[] = ["run", "run_kind", "measured_at", "speed_rpm", "amplitude_um_pp", "phase_lag_deg", "amplitude_2x_um_pp", "phase_2x_lag_deg", "second_over_first", "overall_um_pp", "zone", "gap_um", "within"];
 
 function ofKind(probe: ProbeTrend, kind: string): ProbeTrend {
   const kept = probe.run_kind.flatMap((one, at) => (one === kind ? [at] : []));
@@ -105,7 +108,11 @@ function ofKind(probe: ProbeTrend, kind: string): ProbeTrend {
 
 function limitLines(limits: VibrationLimits, unit: Unit): LimitLine[] {
   const named: [LimitLine["kind"], number | null][] = [["alert", limits.alert_um_pp], ["danger", limits.danger_um_pp], ["note", limits.balanced_um_pp]];
-  return named.flatMap(([kind, value]) => (value === null ? [] : [{ y: value * unit.factor, kind, words: kind === "note" ? "balanced" : kind }]));
+  return named.flatMap(([kind, value]) => (value === null ? [] : [{ y: value * unit.factor, kind, words: kind === "note" ? t("balancedLimit") : term(kind) }]));
+}
+
+function zoneLines({ severity_zones: zones }: VibrationLimits, unit: Unit): LimitLine[] {
+  return zoneBoundaries(zones).map(([name, value]): LimitLine => ({ y: value * unit.factor, kind: "note", words: name }));
 }
 
 interface TrendProps {
@@ -126,7 +133,7 @@ function Trend({ what, probes, unit, column, limits, turn }: TrendProps) {
         <figcaption>
           <strong>{what}</strong>
         </figcaption>
-        <Empty>The sources of this machine send none.</Empty>
+        <Empty>{t("sourcesSendNone")}</Empty>
       </figure>
     );
   }
@@ -138,7 +145,7 @@ function Trend({ what, probes, unit, column, limits, turn }: TrendProps) {
         <strong>{what}</strong>
       </figcaption>
       <Plot
-        label={`${what} at running speed over time, ${x.length} runs`}
+        label={t("atRunningSpeedOverTime", { what, runs: x.length })}
         x={x}
         time
         yUnit={unit}
@@ -158,7 +165,7 @@ function vectorCurves(probe: ProbeTrend, style: number, unit: Unit): PolarCurve[
   const amplitude = inUnit(probe.amplitude_um_pp, unit);
   const [region] = probe.regions;
   const last = amplitude.findLastIndex((one) => one !== null);
-  const points: PolarCurve = { name: "runs", style, rpm: probe.speed_rpm, amplitude, lag: probe.phase_lag_deg, line: false, unlabelled: true };
+  const points: PolarCurve = { name: t("runs"), style, rpm: probe.speed_rpm, amplitude, lag: probe.phase_lag_deg, line: false, unlabelled: true };
   if (region) {
     points.region = {
       real: region.centre_real_um_pp * unit.factor,
@@ -169,13 +176,13 @@ function vectorCurves(probe: ProbeTrend, style: number, unit: Unit): PolarCurve[
     };
   }
   if (last < 0) return [points];
-  const arrow: PolarCurve = { name: "newest run", style: 1, rpm: [0, 0], amplitude: [0, amplitude[last]!], lag: [probe.phase_lag_deg[last]!, probe.phase_lag_deg[last]!], line: true, vector: true };
+  const arrow: PolarCurve = { name: t("newestRun"), style: 1, rpm: [0, 0], amplitude: [0, amplitude[last]!], lag: [probe.phase_lag_deg[last]!, probe.phase_lag_deg[last]!], line: true, vector: true };
   return [points, arrow];
 }
 
 function regionText({ within, regions }: ProbeTrend): string {
-  if (regions.length === 0) return "No region yet: the baseline lacks runs of this kind.";
+  if (regions.length === 0) return t("noRegionYetTheBaseline");
   const outside = within.filter((one) => one === false).length;
-  const newest = within.at(-1) === false ? "The newest run lies outside." : "The newest run lies within.";
-  return outside > 0 ? `${newest} ${outside} of ${within.length} runs lie outside.` : newest;
+  const newest = within.at(-1) === false ? t("theNewestRunLiesOutside") : t("theNewestRunLiesWithin");
+  return outside > 0 ? t("runsOutside", { newest, outside, all: within.length }) : newest;
 }

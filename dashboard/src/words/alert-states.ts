@@ -1,20 +1,21 @@
 // An alert's states (ISA-18.2) in words, and the actions that each allows.
 import { findingLabel } from "../findings/findings";
 import { elementName } from "../format/names";
+import { t } from "../messages/messages";
 import type { Alert } from "../schemas/alerts";
 
 export type AlertAction = "acknowledge" | "instruct" | "reset" | "shelve" | "unshelve" | "comments";
 
 const STATES: Record<string, string> = {
-  unacknowledged: "unacknowledged",
-  acknowledged: "acknowledged",
-  returned: "returned to normal, unacknowledged",
-  latched_unacknowledged: "latched, unacknowledged",
-  latched_acknowledged: "latched, acknowledged: to be reset",
-  shelved: "shelved",
-  suppressed_by_design: "suppressed by design",
-  out_of_service: "out of service",
-  normal: "closed",
+  unacknowledged: t("unacknowledged"),
+  acknowledged: t("acknowledged"),
+  returned: t("returnedToNormalUnacknowledged"),
+  latched_unacknowledged: t("latchedUnacknowledged"),
+  latched_acknowledged: t("latchedAcknowledgedToBeReset"),
+  shelved: t("shelved"),
+  suppressed_by_design: t("suppressedByDesign"),
+  out_of_service: t("outOfService"),
+  normal: t("stateClosed"),
 };
 const UNACKNOWLEDGED = ["unacknowledged", "returned", "latched_unacknowledged"];
 
@@ -32,12 +33,12 @@ export function isUnacknowledged(alert: Alert): boolean {
 }
 
 export const ALERT_ACTIONS: Record<AlertAction, { button: string; title: string }> = {
-  acknowledge: { button: "Acknowledge", title: "Acknowledge" },
-  instruct: { button: "Instruct the crew …", title: "Instruct the crew" },
-  reset: { button: "Reset", title: "Reset" },
-  shelve: { button: "Shelve …", title: "Shelve: no notifications until then" },
-  unshelve: { button: "Unshelve", title: "Unshelve" },
-  comments: { button: "Comment …", title: "Comment" },
+  acknowledge: { button: t("acknowledge"), title: t("acknowledge") },
+  instruct: { button: t("instructTheCrewDots"), title: t("instructTheCrew") },
+  reset: { button: t("reset"), title: t("reset") },
+  shelve: { button: t("shelveDots"), title: t("shelveNoNotificationsUntilThen") },
+  unshelve: { button: t("unshelve"), title: t("unshelve") },
+  comments: { button: t("commentDots"), title: t("comment") },
 };
 
 export function availableActions(alert: Alert): AlertAction[] {
@@ -63,14 +64,14 @@ const LONGEST_COMMENT = 2000;
 /** Text that an instruction to the crew begins with: what was found, to be completed by who gives it. */
 export function instructionDraft(alert: Alert): string {
   const { actions = [], check = [] } = alert.advice ?? {};
-  const lines = [`For the crew: ${alertTitle(alert)}. ${alert.message}`];
+  const lines = [t("forTheCrew", { title: alertTitle(alert), message: alert.message })];
   for (const { opportunity, text } of actions) lines.push(`- ${opportunity}: ${text}`);
-  if (check.length > 0) lines.push(`To check: ${check.join("; ")}`);
+  if (check.length > 0) lines.push(t("toCheck", { what: check.join("; ") }));
   return lines.join("\n").slice(0, LONGEST_COMMENT);
 }
 
 /** The findings and elements that a suppression holds for. */
 export function suppressionScope({ rule, element }: { rule: string | null; element: string | null }): string {
-  if (!rule && !element) return "the whole machine";
+  if (!rule && !element) return t("theWholeMachine");
   return [rule && findingLabel(rule), element && elementName(element)].filter(Boolean).join(", ");
 }

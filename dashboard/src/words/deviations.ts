@@ -1,6 +1,7 @@
 // How far an element is from its baseline, in words.
 import { isCrossCoupled, isUnbalance, termName } from "../format/names";
 import { number, percent, quantity } from "../format/numbers";
+import { t } from "../messages/messages";
 import type { Deviations, ParameterDeviation } from "../schemas/trends";
 
 /** Elements less probable than this in the baseline state have changed. */
@@ -13,15 +14,15 @@ const PERHAPS = 0.05;
 
 /** Whether an element has changed, by the probability of its deviation without any change. */
 export function changeText(probability: number): string {
-  if (probability < CERTAIN) return "yes, certainly";
-  if (probability < CHANGED) return "yes";
-  return probability < PERHAPS ? "perhaps" : "no";
+  if (probability < CERTAIN) return t("yesCertainly");
+  if (probability < CHANGED) return t("yes");
+  return probability < PERHAPS ? t("perhaps") : t("no");
 }
 
 /** A probability as `one of 400`. */
 export function chanceText(probability: number): string {
-  if (probability < 1e-9) return "less than one of a billion";
-  return `one of ${number(1 / probability, 2)}`;
+  if (probability < 1e-9) return t("lessThanOneOfA");
+  return t("oneOf", { count: number(1 / probability, 2) });
 }
 
 /** A parameter's deviation in words: kxx +54 % (10.5 σ). */
@@ -30,11 +31,11 @@ export function deviationText(one: ParameterDeviation): string {
   const sigma = `${number(one.sigma, 2)} σ`;
   if (one.added !== null) {
     // A vector's change has a direction instead of a sign: balancing reduces an unbalance by adding one.
-    const part = `${number(one.per_cent, 2)} % of the baseline's`;
-    if (!isUnbalance(one.parameter)) return `${term}: changed by ${part}, as a vector (${sigma})`;
-    return `${term}: ${quantity(one.added, "kg m")} added at ${Math.round(one.added_angle_deg ?? 0) % 360}° (${part}, ${sigma})`;
+    const part = t("ofTheBaselines", { per_cent: number(one.per_cent, 2) });
+    if (!isUnbalance(one.parameter)) return t("changedAsVector", { term, part, sigma });
+    return t("addedAt2", { term, added: quantity(one.added, "kg m"), angle: Math.round(one.added_angle_deg ?? 0) % 360, part, sigma });
   }
-  return `${term} ${percent(one.per_cent / 100)}${isCrossCoupled(one.parameter) ? " of the direct terms" : ""} (${sigma})`;
+  return `${term} ${percent(one.per_cent / 100)}${isCrossCoupled(one.parameter) ? t("ofDirectTerms") : ""} (${sigma})`;
 }
 
 export function largestDeviation(deviations: Deviations, element: string): ParameterDeviation | undefined {

@@ -1,4 +1,5 @@
 // What a machine of the fleet needs from a person today, the most urgent first.
+import { t } from "../messages/messages";
 import type { FleetMachine } from "../schemas/machines";
 
 export interface Need {
@@ -13,11 +14,11 @@ export function needs(one: FleetMachine): Need[] {
   const add = (urgency: number, words: string) => found.push({ urgency, words });
   const waits = one.unacknowledged > 0;
   const worst = (one.open_alerts.danger ?? 0) > 0 ? "danger" : (one.open_alerts.alert ?? 0) > 0 ? "alert" : null;
-  if (worst && waits) add(worst === "danger" ? 6 : 5, `judge ${one.unacknowledged === 1 ? "an alert" : `${one.unacknowledged} alerts`}`);
-  if (worst === "danger" && !waits) add(4, "act on a danger");
-  if (one.happened.refused > 0) add(3, "mend its data: some were refused");
-  if (one.last_identification && !one.last_identification.accepted) add(2, "look at a run that the model does not fit");
-  if (worst === "alert" && !waits) add(1, "act on an alert");
+  if (worst && waits) add(worst === "danger" ? 6 : 5, t("judgeAlerts", { what: one.unacknowledged === 1 ? t("anAlert") : t("countedAlerts", { count: one.unacknowledged }) }));
+  if (worst === "danger" && !waits) add(4, t("actOnADanger"));
+  if (one.happened.refused > 0) add(3, t("mendItsDataSomeWere"));
+  if (one.last_identification && !one.last_identification.accepted) add(2, t("lookAtARunThat"));
+  if (worst === "alert" && !waits) add(1, t("actOnAnAlert"));
   return found.sort((a, b) => b.urgency - a.urgency);
 }
 

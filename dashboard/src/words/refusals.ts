@@ -1,4 +1,5 @@
 // Refused input in a person's words: what was refused, how much, and what is probably wrong.
+import { t, term } from "../messages/messages";
 import type { QuarantineEntry } from "../schemas/operation";
 
 export interface Refusal {
@@ -12,34 +13,38 @@ export interface Refusal {
 }
 
 const MEANINGS: Record<string, string> = {
-  too_large: "messages are larger than what is taken; send fewer samples in each",
-  bad_frame: "messages are cut off or damaged on their way",
-  undecodable: "messages cannot be read; the format is not one that the service knows",
-  future_schema: "the sender is newer than this service; update the service",
-  key_mismatch: "messages name another machine than their key; check the sender's configuration",
-  unknown_machine: "they name a machine that does not exist; create it, or correct the name",
-  unknown_channel: "they name a channel that the document does not have; correct either",
-  unknown_condition: "they name an operating condition that the document does not have; correct either",
-  wrong_unit: "they name a unit that is not known; correct the sender's configuration",
-  wrong_shape: "not every channel has a value; check the sender",
-  not_finite: "values are no numbers; check the sensor and its wiring",
-  speed_out_of_range: "the speed is beyond what the machine can reach; check the unit of the speed, and the pulses per turn",
-  speed_out_of_order: "the speed jumps; check the keyphasor",
-  amplitude_out_of_range: "the vibration is larger than a probe can see; check the unit of the amplitude",
-  sequence_out_of_range: "the counter of the source is beyond its range; restart the source",
-  time_out_of_range: "times are wrong; set the source's clock",
-  time_out_of_order: "times go back; check the source's clock",
-  unexpected_error: "the service failed at them; its log says why",
-  damaged_block: "the disk has damaged what was stored; restore a backup",
+  too_large: t("messagesAreLargerThanWhat"),
+  bad_frame: t("messagesAreCutOffOr"),
+  undecodable: t("messagesCannotBeReadThe"),
+  future_schema: t("theSenderIsNewerThan"),
+  key_mismatch: t("messagesNameAnotherMachineThan"),
+  unknown_machine: t("theyNameAMachineThat"),
+  unknown_channel: t("theyNameAChannelThat"),
+  unknown_condition: t("theyNameAnOperatingCondition"),
+  wrong_unit: t("theyNameAUnitThat"),
+  wrong_shape: t("notEveryChannelHasA"),
+  not_finite: t("valuesAreNoNumbersCheck"),
+  speed_out_of_range: t("theSpeedIsBeyondWhat"),
+  speed_out_of_order: t("theSpeedJumpsCheckThe"),
+  amplitude_out_of_range: t("theVibrationIsLargerThan"),
+  gap_out_of_range: t("gapsAreLargerThan"),
+  gap_undescribed: t("theDocumentDoesNotSayWhichWay"),
+  overall_out_of_range: t("overallLevelsAreLargerThan"),
+  retained: t("theBrokerKeptTheMessages"),
+  sequence_out_of_range: t("theCounterOfTheSource"),
+  time_out_of_range: t("timesAreWrongSetThe"),
+  time_out_of_order: t("timesGoBackCheckThe"),
+  unexpected_error: t("theServiceFailedAtThem"),
+  damaged_block: t("theDiskHasDamagedWhat"),
 };
 const OTHERS = /and (\d+) more in this batch/;
 const TIME_NS = /time (-?\d+) ns/;
 /** The year 2000 [s], and so in units that are taken for nanoseconds by mistake. */
 const YEAR_2000_S = 946_684_800;
 const UNITS: [number, string][] = [
-  [1, "seconds"],
-  [1e3, "milliseconds"],
-  [1e6, "microseconds"],
+  [1, t("seconds")],
+  [1e3, t("milliseconds")],
+  [1e6, t("microseconds")],
 ];
 
 /** One for each reason, the most frequent first. */
@@ -56,13 +61,13 @@ export function refusals(entries: QuarantineEntry[]): Refusal[] {
 
 /** `800 values refused: times look like milliseconds`. */
 export function refusalText({ count, words }: Refusal): string {
-  return `${count} refused: ${words}`;
+  return t("refusedBecause", { count, meaning: words });
 }
 
 function meaning(reason: string, detail: string): string {
   const time = reason === "time_out_of_range" ? Number(TIME_NS.exec(detail)?.[1]) : NaN;
   // A time of the present in a coarser unit is far too small a number of nanoseconds.
   const unit = UNITS.find(([factor]) => time >= YEAR_2000_S * factor && time < 10 * YEAR_2000_S * factor)?.[1];
-  if (unit) return `times look like ${unit}; they must be nanoseconds since 1970`;
-  return MEANINGS[reason] ?? reason.replaceAll("_", " ");
+  if (unit) return t("timesLookLike", { unit });
+  return MEANINGS[reason] ?? term(reason);
 }

@@ -2,11 +2,12 @@
 import { isCrossCoupled } from "../format/names";
 import { number, percent } from "../format/numbers";
 import { when } from "../format/times";
+import { t } from "../messages/messages";
 import type { Drift, TrendTest } from "../schemas/trends";
 
 /** Drifts that chance would make more often than this are not stated. */
 const SIGNIFICANT = 0.01;
-const COMPONENTS: Record<string, string> = { real: "real part", imaginary: "imaginary part" };
+const COMPONENTS: Record<string, string> = { real: t("realPart"), imaginary: t("imaginaryPart") };
 
 /** One sentence for each test that was passed over its limit. */
 export function trendTestTexts(parameter: string, tests: TrendTest[]): string[] {
@@ -22,34 +23,34 @@ export function trendTestTexts(parameter: string, tests: TrendTest[]): string[] 
 
 /** The quantity that per cent are of: a component is compared with its vector's length, a cross-coupled term with the direct ones. */
 function reference(parameter: string, component: string): string {
-  if (component) return " of the baseline's magnitude";
-  return isCrossCoupled(parameter) ? " of the direct terms" : "";
+  if (component) return t("ofBaselinesMagnitude");
+  return isCrossCoupled(parameter) ? t("ofDirectTerms") : "";
 }
 
 function steps(test: TrendTest): string[] {
-  const since = (began: string | null) => (began ? `, most likely since ${when(began)}` : "");
+  const since = (began: string | null) => (began ? t("mostLikelySince", { began: when(began) }) : "");
   return [
-    ...(test.step_up.passed ? [`step up${since(test.step_up.began)}`] : []),
-    ...(test.step_down?.passed ? [`step down${since(test.step_down.began)}`] : []),
+    ...(test.step_up.passed ? [t("stepUp", { since: since(test.step_up.began) })] : []),
+    ...(test.step_down?.passed ? [t("stepDown", { since: since(test.step_down.began) })] : []),
   ];
 }
 
 /** Since when a drift shows. */
 function drifted({ step_up: up, step_down: down }: TrendTest): string[] {
   const began = up.passed ? up.began : down?.passed ? down.began : null;
-  return began ? [`drifting, seen since ${when(began)}`] : [];
+  return began ? [t("driftingSeenSince", { began: when(began) })] : [];
 }
 
 function slowShift({ creep }: TrendTest): string[] {
-  return creep.passed ? [`mean of the newest runs ${creep.value > 0 ? "above" : "below"} the baseline`] : [];
+  return creep.passed ? [t("meanOfNewest", { where: creep.value > 0 ? t("aboveBaseline") : t("belowBaseline") })] : [];
 }
 
 function drift({ drift: found }: TrendTest, of: string): string[] {
   if (!found || found.probability >= SIGNIFICANT) return [];
-  return [`${percent(found.per_week / 100)}${of} per week (${number(found.lower, 2)} … ${number(found.upper, 2)})${forecast(found)}`];
+  return [t("driftPerWeek", { rate: percent(found.per_week / 100), of, lower: number(found.lower, 2), upper: number(found.upper, 2), forecast: forecast(found) })];
 }
 
 function forecast(found: Drift): string {
   const next = [found.alert, found.danger].find((one) => one?.expected !== null && one?.expected !== undefined && one.expected > 0);
-  return next ? `, reaches ${number(next.per_cent, 2)} % in ${number(next.expected, 2)} weeks` : "";
+  return next ? t("reachesIn", { per_cent: number(next.per_cent, 2), weeks: number(next.expected, 2) }) : "";
 }

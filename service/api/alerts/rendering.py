@@ -16,16 +16,16 @@ from storage.tables.alerting import AlertRow, SuppressionRow
 
 def alert(row: AlertRow, texts: SiteTexts) -> schemas.AlertOut:
     """Return an alert as the API shows it."""
-    return schemas.AlertOut(**_fields(row, alert_advice(row, texts)))
+    return schemas.AlertOut(**_fields(row, alert_advice(row, texts), texts))
 
 
 def alert_json(row: ListedAlert, texts: SiteTexts) -> dict[str, Any]:
     """Return the fields of `AlertOut` as JSON has them, for lists that are encoded without a model."""
     advice = alert_advice(row, texts)
-    return _fields(row, advice) | {"advice": None if advice is None else advice.model_dump()}
+    return _fields(row, advice, texts) | {"advice": None if advice is None else advice.model_dump()}
 
 
-def _fields(row: AlertRow | ListedAlert, advice: Advice | None) -> dict[str, Any]:
+def _fields(row: AlertRow | ListedAlert, advice: Advice | None, texts: SiteTexts) -> dict[str, Any]:
     return {
         "id": row.id,
         "machine": row.machine_id,
@@ -36,7 +36,7 @@ def _fields(row: AlertRow | ListedAlert, advice: Advice | None) -> dict[str, Any
         "severity": Severity(row.severity).label,
         "latching": row.latching,
         "suppressions": row.suppressions,
-        "message": alert_message(row, advice),
+        "message": alert_message(row, advice, texts),
         "advice": advice,
         "evidence": with_moved_in_per_cent(row.evidence, {}) if "moved" in row.evidence else row.evidence,
         "identification": row.identification_id,

@@ -74,6 +74,12 @@ class SubscriptionIn(StrictModel):
         return self
 
 
+class ReportsIn(StrictModel):
+    """How often a subscription gets the reports of its machines."""
+
+    reports: ReportInterval | None = Field(description="from the next whole week or month on; null: no more")
+
+
 class SubscriptionOut(BaseModel):
     """A subscription, without its secret."""
 

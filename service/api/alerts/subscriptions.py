@@ -6,7 +6,7 @@ from typing import cast
 
 from fastapi import APIRouter, Request, Response, status
 
-from estimator.errors import NotAllowed
+from estimator.errors import Invalid, NotAllowed
 from service.alerts.lifecycle import Forbidden
 from service.api.alerts import subscription_rendering as rendering
 from service.api.alerts import subscription_schemas as schemas
@@ -21,11 +21,16 @@ from service.delivery.signing import new_secret
 from service.delivery.signing_secrets import SigningSecrets
 from service.security.requirement import ADMIN, OPERATOR
 from storage.alerts import deliveries
+from storage.clock import now
 
 TryOut = Callable[[int], Awaitable[DeliveryOutcome]]
 """Function that sends a test message to a subscription."""
 
 router = APIRouter(prefix="/subscriptions", tags=["subscriptions"], responses=RESPONSES, dependencies=[OPERATOR])
+
+
+class ReportsNotSent(Invalid):
+    """Raised when a subscription of a kind that carries no reports is to get some."""
 
 
 @router.get("", operation_id="list_subscriptions")
@@ -111,6 +116,25 @@ def enable_subscription(
         row = deliveries.get(session, subscription_id)
         require(if_match, rendering.subscription(row, _secrets(request)))
         deliveries.enable(row)
+        return tagged(response, rendering.subscription(row, _secrets(request)))
+
+
+@router.put("/{subscription_id}/reports", operation_id="set_reports", dependencies=[ADMIN])
+def set_reports(
+    request: Request,
+    response: Response,
+    subscription_id: Number,
+    said: schemas.ReportsIn,
+    if_match: IfMatch = None,
+) -> schemas.SubscriptionOut:
+    """Set how often a subscription gets the reports of its machines by mail, from the next whole week or month on."""
+    with database(request).transaction() as session:
+        row = deliveries.get(session, subscription_id)
+        require(if_match, rendering.subscription(row, _secrets(request)))
+        if said.reports is not None and not channel_kind(row.kind).reporting:
+            raise ReportsNotSent(f"reports are sent by {schemas.REPORTING_CHANNELS} only, and '{row.name}' is {row.kind}")
+        if said.reports != row.reports:  # what was due before stays due
+            deliveries.send_reports(row, said.reports, moment=now())
         return tagged(response, rendering.subscription(row, _secrets(request)))
 
 

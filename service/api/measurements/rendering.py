@@ -41,6 +41,9 @@ def phasors(machine: Machine, samples: Samples, include: Collection[schemas.Phas
             else None
         ),
         gap_um=_columns(samples.gap / METRES["um"], np.isfinite(samples.gap)) if "gap" in include else None,
+        overall_um_pp=(
+            _columns(samples.overall / MICROMETRES, np.isfinite(samples.overall)) if "overall" in include else None
+        ),
         conditions={
             name: [value if math.isfinite(value) else None for value in column]
             for name, column in zip(machine.condition_names, samples.conditions.T.tolist(), strict=False)
@@ -61,6 +64,7 @@ def phasors_in_units(samples: Samples, units: Units, include: Collection[schemas
         phase_2x=None if second is None else [units.phases(channel) for channel in second],
         scatter=[units.amplitudes(channel) for channel in samples.scatter.T] if "scatter" in include else None,
         gap=[units.lengths(channel) for channel in samples.gap.T] if "gap" in include else None,
+        overall=[units.amplitudes(channel) for channel in samples.overall.T] if "overall" in include else None,
     )
 
 

@@ -29,7 +29,7 @@ def _split_values(given: Sequence[str]) -> list[str]:
 
 Include = Annotated[
     tuple[schemas.PhasorExtra, ...],
-    Field(max_length=4),
+    Field(max_length=5),
     BeforeValidator(_split_values),
     Query(description="what else the sources send of each value; repeated, or with commas between"),
 ]

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from sqlalchemy.orm import Session
 
-from estimator.arrays import Complexes
+from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine
 from estimator.phasors.harmonic_ratio import Orders
-from estimator.phasors.running_speed import running_speed_vectors
+from estimator.phasors.running_speed import mean_level, near_running_speed, running_speed_vectors
 from storage.encoding.sample_blocks import DamagedBlock
 from storage.machines import machines
 from storage.measurements import runs
@@ -20,6 +20,19 @@ from storage.tables.measurements import RunRow
 MOST_KEPT = 20_000
 """Runs kept; the vectors of one take some 500 bytes."""
 
+
+@dataclass(frozen=True)
+class ChannelVectors:
+    """What one channel of a run has at running speed, [m], NaN where there is none; gap: towards the probe."""
+
+    first: complex = complex(np.nan, np.nan)
+    second: complex = complex(np.nan, np.nan)
+    overall: float = np.nan
+    gap: float = np.nan
+
+
+Kept = tuple[float, dict[str, ChannelVectors]]
+"""Mean speed [rad/s], and the vectors by channel."""
 Key = tuple[int, int | None, int | None, float]
 """Run, its end, number of its samples, running speed: made anew by late samples, a run has other ones."""
 
@@ -28,7 +41,8 @@ Key = tuple[int, int | None, int | None, float]
 class RunVectors:
     """Vectors of one run at running speed, in the order of a document's channels; NaN for one that the run did not have.
 
-    ended_at: [ns]; direction: +1 or -1; speed: mean of the samples [rad/s]; first, second: 1× and 2× (m,) [m].
+    ended_at: [ns]; direction: +1 or -1; speed: mean of the samples [rad/s]; first, second: 1× and 2× (m,) [m]; overall, gap:
+    unfiltered levels, 0-to-peak, and places towards the probe (m,) [m].
     """
 
     run: int
@@ -38,13 +52,15 @@ class RunVectors:
     speed: float
     first: Complexes
     second: Complexes
+    overall: Floats
+    gap: Floats
 
 
 class KeptVectors:
     """Vectors of runs, by channel."""
 
     def __init__(self) -> None:
-        self._kept: OrderedDict[Key, tuple[float, dict[str, tuple[complex, complex]]] | None] = OrderedDict()
+        self._kept: OrderedDict[Key, Kept | None] = OrderedDict()
         self._lock = threading.Lock()
 
     def of_runs(self, session: Session, machine: Machine, rows: Sequence[RunRow], *, running_speed: float) -> list[RunVectors]:
@@ -61,14 +77,14 @@ class KeptVectors:
                 found.append(_ordered(row, machine, *kept))
         return found
 
-    def _keep(self, key: Key, vectors: tuple[float, dict[str, tuple[complex, complex]]] | None) -> None:
+    def _keep(self, key: Key, vectors: Kept | None) -> None:
         with self._lock:
             self._kept[key] = vectors
             while len(self._kept) > MOST_KEPT:
                 self._kept.popitem(last=False)
 
 
-def _read(session: Session, row: RunRow, speed: float) -> tuple[float, dict[str, tuple[complex, complex]]] | None:
+def _read(session: Session, row: RunRow, speed: float) -> Kept | None:
     try:
         held = runs.samples(session, row.id)
     except DamagedBlock:
@@ -80,11 +96,25 @@ def _read(session: Session, row: RunRow, speed: float) -> tuple[float, dict[str,
     if near is None:
         return None
     channels = machines.document(session, row.machine_id, row.revision).channels
-    return near.speed, {name: (complex(near.first[i]), complex(near.second[i])) for i, name in enumerate(channels)}
+    within = near_running_speed(held.speed, speed)
+    overall, gap = mean_level(held.overall[within]), mean_level(held.gap[within])
+    return near.speed, {
+        name: ChannelVectors(complex(near.first[i]), complex(near.second[i]), float(overall[i]), float(gap[i]))
+        for i, name in enumerate(channels)
+    }
 
 
-def _ordered(row: RunRow, machine: Machine, speed: float, vectors: dict[str, tuple[complex, complex]]) -> RunVectors:
-    none = complex(np.nan, np.nan)
-    both = np.array([vectors.get(channel, (none, none)) for channel in machine.channels], complex).reshape(-1, 2)
+def _ordered(row: RunRow, machine: Machine, speed: float, vectors: dict[str, ChannelVectors]) -> RunVectors:
+    found = [vectors.get(channel, ChannelVectors()) for channel in machine.channels]
     ended = row.time_first if row.time_last is None else row.time_last
-    return RunVectors(row.id, row.kind, ended, row.direction, speed, both[:, 0], both[:, 1])
+    return RunVectors(
+        run=row.id,
+        kind=row.kind,
+        ended_at=ended,
+        direction=row.direction,
+        speed=speed,
+        first=np.array([one.first for one in found], complex),
+        second=np.array([one.second for one in found], complex),
+        overall=np.array([one.overall for one in found]),
+        gap=np.array([one.gap for one in found]),
+    )

@@ -22,9 +22,10 @@ class PhasorsInUnits(BaseModel):
     phase_2x: list[list[float | None]] | None = Field(default=None, description="of the 2×, less than a turn of it")
     scatter: list[list[float | None]] | None = Field(default=None, description="an amplitude")
     gap: list[list[float | None]] | None = Field(default=None, description="in the amplitude's unit of length")
+    overall: list[list[float | None]] | None = Field(default=None, description="an amplitude")
 
 
-PhasorExtra = Literal["2x", "scatter", "status", "gap"]
+PhasorExtra = Literal["2x", "scatter", "status", "gap", "overall"]
 """Values that come with the 1× where a source sends them."""
 
 
@@ -51,6 +52,9 @@ class Phasors(BaseModel):
         default=None,
         description="mean place of the shaft on the probe's axis, towards the probe, from a zero of its own [µm], where "
         "`include=gap` asks for it; null: not sent",
+    )
+    overall_um_pp: list[list[float | None]] | None = Field(
+        default=None, description="unfiltered vibration, where `include=overall` asks for it; null: not sent"
     )
     in_units: PhasorsInUnits | None = Field(default=None, description="where `units` are asked for")
     slow_roll_version: int | None = Field(default=None, description="slow-roll vectors that were subtracted; null: raw")

@@ -7,9 +7,10 @@ from fastapi import APIRouter, Query, Request
 
 from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine
-from estimator.phasors.running_speed import speed_of_trend
+from estimator.machine.rules import SeverityZones
+from estimator.phasors.running_speed import near_running_speed, speed_of_trend
 from estimator.trends.acceptance_region import AcceptanceRegion, acceptance_region
-from estimator.units import RADIANS, rad_per_s_to_rpm, rpm_to_rad_per_s
+from estimator.units import METRES, RADIANS, rad_per_s_to_rpm, rpm_to_rad_per_s
 from service.api.conventions.dependencies import MachineId, Period, Reading
 from service.api.conventions.problems import RESPONSES
 from service.api.conventions.values import MICROMETRES
@@ -31,7 +32,10 @@ MOST_RUNS = 400
 
 @router.get("/{machine_id}/vibration", operation_id="read_vibration")
 def read_vibration(session: Reading, machine_id: MachineId, slow_roll: SlowRollChoice = "none") -> schemas.MachineVibration:
-    """Read the newest good 1× and 2× of each probe, as measured or without slow-roll vectors, and the document's limits."""
+    """Read the newest good 1× of each probe, as measured or without slow-roll vectors, and the document's limits.
+
+    2×, overall level and gap stand beside it where a source sends them.
+    """
     row = machines.get(session, machine_id)
     machine = machines.document(session, machine_id, row.revision)
     held = samples.latest(
@@ -50,7 +54,7 @@ def read_vibration(session: Reading, machine_id: MachineId, slow_roll: SlowRollC
         slow_roll_version=version,
         slow_roll_left_out=left_out,
         limits=_limits(machine),
-        probes=[_newest(channel, held, first[:, i], held.second[:, i]) for i, channel in enumerate(machine.channels)],
+        probes=[_newest(machine, i, held, first[:, i]) for i in range(len(machine.probes))],
     )
 
 
@@ -58,21 +62,52 @@ def _limits(machine: Machine) -> schemas.VibrationLimits:
     operation = machine.operation
     levels = operation.vibration_limit, operation.vibration_alert, operation.vibration_danger
     balanced, alert, danger = (None if level is None else level / MICROMETRES for level in levels)
-    return schemas.VibrationLimits(balanced_um_pp=balanced, alert_um_pp=alert, danger_um_pp=danger)
+    zones = operation.severity_zones
+    return schemas.VibrationLimits(
+        balanced_um_pp=balanced,
+        alert_um_pp=alert,
+        danger_um_pp=danger,
+        severity_zones=None
+        if zones is None
+        else schemas.SeverityZones(
+            source=zones.source,
+            a_b_um_pp=zones.a_b / MICROMETRES,
+            b_c_um_pp=zones.b_c / MICROMETRES,
+            c_d_um_pp=zones.c_d / MICROMETRES,
+        ),
+    )
 
 
-def _newest(channel: str, held: Samples, first: Complexes, second: Complexes) -> schemas.ProbeVibration:
+def _newest(machine: Machine, place: int, held: Samples, first: Complexes) -> schemas.ProbeVibration:
+    channel = machine.channels[place]
     good = np.flatnonzero(np.isfinite(first))
     if good.size == 0:
         return schemas.ProbeVibration(channel=channel)
     at = int(good[-1])
+    running = machine.operation.running_rpm
+    zones = machine.operation.severity_zones
+    if running is None or not near_running_speed(held.speed, rpm_to_rad_per_s(running))[at]:
+        zones = None
+    overall = float(held.overall[at, place])
     return schemas.ProbeVibration(
         channel=channel,
         time=to_datetime(int(held.time[at])),
         speed_rpm=rad_per_s_to_rpm(float(held.speed[at])),
         first=_vector(complex(first[at])),
-        second=_vector(complex(second[at])),
+        second=_vector(complex(held.second[at, place])),
+        overall_um_pp=_value(overall / MICROMETRES),
+        zone=_zone(zones, overall),
+        gap_um=_value(float(held.gap[at, place]) / METRES["um"]),
     )
+
+
+def _zone(zones: SeverityZones | None, overall: float) -> schemas.Zone | None:
+    """Return the zone of an overall level, 0-to-peak [m]; None without zones, and for NaN."""
+    return None if zones is None or not np.isfinite(overall) else zones.zone(overall)
+
+
+def _value(value: float) -> float | None:
+    return value if np.isfinite(value) else None
 
 
 def _vector(phasor: complex) -> schemas.VibrationVector | None:
@@ -117,14 +152,14 @@ def read_vibration_trend(
         slow_roll_left_out=left_out,
         limits=_limits(machine),
         probes=[
-            _trend(channel, found, i, offset[:, i], since=since, baseline_runs=request.app.state.baseline_runs)
-            for i, channel in enumerate(machine.channels)
+            _trend(machine, found, i, offset[:, i], since=since, baseline_runs=request.app.state.baseline_runs)
+            for i in range(len(machine.probes))
         ],
     )
 
 
 def _trend(
-    channel: str, found: list[RunVectors], place: int, offset: Complexes, *, since: int, baseline_runs: int
+    machine: Machine, found: list[RunVectors], place: int, offset: Complexes, *, since: int, baseline_runs: int
 ) -> schemas.ProbeTrend:
     first = np.array([one.first[place] for one in found], complex) - offset
     second = np.array([one.second[place] for one in found], complex)
@@ -140,10 +175,11 @@ def _trend(
         for kind, vector in zip(kinds, first, strict=True)
     ]
     known = np.isfinite(first)
+    overall = np.array([one.overall[place] for one in found], float)
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.abs(second) / np.abs(first)
     return schemas.ProbeTrend(
-        channel=channel,
+        channel=machine.channels[place],
         run=[one.run for one in found],
         run_kind=kinds,
         measured_at=[to_datetime(one.ended_at) for one in found],
@@ -153,6 +189,9 @@ def _trend(
         amplitude_2x_um_pp=_column(np.abs(second) / MICROMETRES),
         phase_2x_lag_deg=_column(np.where(np.isfinite(second), _lag(second), np.nan)),
         second_over_first=_column(ratio),
+        overall_um_pp=_column(overall / MICROMETRES),
+        zone=[_zone(machine.operation.severity_zones, level) for level in overall.tolist()],
+        gap_um=_column(np.array([one.gap[place] for one in found], float) / METRES["um"]),
         within=within,
         regions=[_region(kind, region, baseline_runs) for kind, region in regions.items()],
     )
@@ -163,7 +202,7 @@ def _lag(phasor: Complexes) -> Floats:
 
 
 def _column(values: Floats) -> list[float | None]:
-    return [float(value) if np.isfinite(value) else None for value in values]
+    return [_value(value) for value in values.tolist()]
 
 
 def _region(kind: str, region: AcceptanceRegion, count: int) -> schemas.Region:

@@ -1,8 +1,21 @@
 """Models of the vibration at the probes: newest values, and the trend at running speed."""
 
 from datetime import datetime
+from typing import Literal
 
 from pydantic import BaseModel, Field
+
+Zone = Literal["A", "B", "C", "D"]
+"""Zone of severity of an overall level."""
+
+
+class SeverityZones(BaseModel):
+    """Boundaries of severity zones from the document, for overall levels at running speed, peak-to-peak [µm]."""
+
+    source: str = Field(description="where the document has them from")
+    a_b_um_pp: float
+    b_c_um_pp: float
+    c_d_um_pp: float
 
 
 class VibrationLimits(BaseModel):
@@ -11,6 +24,9 @@ class VibrationLimits(BaseModel):
     balanced_um_pp: float | None = Field(description="largest that a balanced machine may have (operation.vibration_limit)")
     alert_um_pp: float | None = Field(description="from which a person should look (operation.vibration_alert)")
     danger_um_pp: float | None = Field(description="from which the machine is in danger (operation.vibration_danger)")
+    severity_zones: SeverityZones | None = Field(
+        default=None, description="of overall levels (operation.severity_zones); null where the document gives none"
+    )
 
 
 class VibrationVector(BaseModel):
@@ -21,13 +37,20 @@ class VibrationVector(BaseModel):
 
 
 class ProbeVibration(BaseModel):
-    """The newest good 1× of a probe with the 2× beside it; nothing where the newest samples hold none."""
+    """The newest good 1× of a probe with what was sent beside it; nothing where the newest samples hold none."""
 
     channel: str
     time: datetime | None = None
     speed_rpm: float | None = None
     first: VibrationVector | None = Field(default=None, description="1×")
     second: VibrationVector | None = Field(default=None, description="2×; null where the source sends none")
+    overall_um_pp: float | None = Field(default=None, description="unfiltered; null where the source sends none")
+    zone: Zone | None = Field(
+        default=None, description="of the overall level; null without one, without zones, or away from running speed"
+    )
+    gap_um: float | None = Field(
+        default=None, description="mean place of the shaft towards the probe, from a zero of the probe's own; null: not sent"
+    )
 
 
 class MachineVibration(BaseModel):
@@ -68,6 +91,9 @@ class ProbeTrend(BaseModel):
     amplitude_2x_um_pp: list[float | None]
     phase_2x_lag_deg: list[float | None]
     second_over_first: list[float | None]
+    overall_um_pp: list[float | None] = Field(description="unfiltered, mean over the samples; null where not sent")
+    zone: list[Zone | None] = Field(description="of the overall level; null without one, or without zones")
+    gap_um: list[float | None] = Field(description="mean place of the shaft towards the probe; null where not sent")
     within: list[bool | None] = Field(description="whether the 1× lies in the acceptance region; null where there is none")
     regions: list[Region] = Field(description="none until the baseline has its runs")
 

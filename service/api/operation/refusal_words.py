@@ -24,6 +24,7 @@ _MEANINGS: dict[Reason | InternalErrorReason, str] = {
     "time_out_of_order": "times go back: look at the source's clock",
     "gap_out_of_range": "the gap lies beyond what a probe can see, and is left out: look at its unit and sign",
     "gap_undescribed": "the document does not say which way the probe's gap grows, so it is left out: add `gap_grows`",
+    "overall_out_of_range": "the overall level is larger than a probe can see, and is left out: look at its unit",
     "retained": "the broker kept the message, and its age is unknown: publish samples without the retain flag",
     "unexpected_error": "the service failed at it: its log says why",
     "damaged_block": "the disk has damaged what was stored: restore a backup",

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from estimator.phasors.harmonic_ratio import Orders
-from estimator.phasors.running_speed import NEAR, running_speed_vectors, speed_of_trend
+from estimator.phasors.running_speed import NEAR, mean_level, running_speed_vectors, speed_of_trend
 
 SPEED = 300.0
 
@@ -40,3 +40,10 @@ def test_runs_are_compared_where_all_of_them_came() -> None:
     assert speed_of_trend(np.array([310.0, 300.0, 320.0])) == 300.0
     with pytest.raises(ValueError, match="zero-size"):
         speed_of_trend(np.array([]))
+
+
+def test_levels_are_averaged_where_there_are_some() -> None:
+    found = mean_level(np.array([[1.0, np.nan, np.nan], [3.0, 5.0, np.nan]]))
+    assert found[:2].tolist() == [2.0, 5.0]
+    assert np.isnan(found[2])
+    assert np.isnan(mean_level(np.empty((0, 2)))).all()

@@ -50,6 +50,7 @@ def test_phasors_are_exact_without_noise(speed: float, seconds: float | None, tu
         assert one.speed == pytest.approx(speed, rel=1e-9)
         assert one.residual[0] < 1e-9 * abs(FIRST)
         assert one.mean[0] == pytest.approx(2e-4, rel=1e-9)
+        assert abs(FIRST) - abs(SECOND) < one.overall[0] < abs(FIRST) + abs(SECOND)
         assert one.faults == (None,)
 
 

@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from service.advice.advice import FindingFacts, advice_of, plain_message
+from service.advice.advice_lines import advice_lines
 from service.advice.site_texts import SiteTexts
 from service.alerts.advice_message import Advice
 from service.alerts.lifecycle import Severity
@@ -49,7 +50,7 @@ def test_every_finding_says_what_it_is_and_what_to_do(kind: str, severity: Sever
     assert {action.opportunity for action in one.actions} >= {"in operation", "at the next stop"}
     urgent = severity is Severity.DANGER and finding_rule(kind).can_be_danger
     assert any(action.opportunity == "now" for action in one.actions) == urgent
-    assert "{" not in "".join(one.lines())
+    assert "{" not in "".join(advice_lines(one))
 
 
 def test_the_time_to_the_limit_has_its_interval() -> None:

@@ -115,8 +115,24 @@ def test_means_are_sent_as_gaps_only_where_the_configuration_says_so(client: zen
     assert np.isnan(found[:, 2:]).all()
 
 
-def test_without_that_no_gap_is_sent(undisturbed: Samples) -> None:
+def test_overall_levels_are_sent_where_the_configuration_says_so(client: zenoh.Session, tmp_path: Path) -> None:
+    """A line at ten times the speed is in the overall level, not in 1× and 2×."""
+    write(tmp_path / "run.npz")
+    configuration = configured(tmp_path, overall=True)
+    with started(client, configuration) as agent:
+        agent.read_files(threading.Event())
+    parts = [to_samples(one, machine(), received_at=2 * START_NS) for one in logged(configuration)]
+    assert all(not faults for _, _, faults in parts)
+    found = join([part for part, _, _ in parts], channels=4)
+    one, two = np.abs(found.phasor[:, :2]), np.abs(found.second[:, :2])
+    assert np.all(found.overall[:, :2] > one)
+    assert np.all(found.overall[:, :2] < 1.3 * (one + two))
+    assert np.isnan(found.overall[:, 2:]).all()
+
+
+def test_without_that_neither_gap_nor_overall_level_is_sent(undisturbed: Samples) -> None:
     assert np.isnan(undisturbed.gap).all()
+    assert np.isnan(undisturbed.overall).all()
 
 
 def interrupted(

@@ -62,7 +62,7 @@ class Weeks:
 
 def words_of(alert: ListedAlert) -> str:
     """What the alert says in one sentence."""
-    return alert_message(alert, alert_advice(alert, SiteTexts()))
+    return alert_message(alert, alert_advice(alert, SiteTexts()), SiteTexts())
 
 
 def identification_of(theta: Any, rng: np.random.Generator) -> Any:

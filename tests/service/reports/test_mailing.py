@@ -114,3 +114,31 @@ def test_only_mail_brings_reports(plant: Database) -> None:
         "POST", "/subscriptions", 201, json={"kind": "email", "name": "b", "target": "b@c.example", "reports": "monthly"}
     )
     assert made["reports"] == "monthly"
+
+
+def test_who_gets_reports_may_be_changed_and_nothing_is_sent_of_before(
+    plant: Database, server: tuple[ReportMailbox, int]
+) -> None:
+    box, port = server
+    api = Api(plant)
+    number = api("POST", "/subscriptions", 201, json={"kind": "email", "name": "b", "target": "b@c.example"})["id"]
+    path = f"/subscriptions/{number}/reports"
+    assert api("PUT", path, 200, json={"reports": "weekly"})["reports"] == "weekly"
+    work = mailing(plant, port)
+    work.send_due(to_datetime(now()))
+    assert box.mails == [], "the week in which it was asked for is not over"
+    assert api("PUT", path, 200, json={"reports": None})["reports"] is None
+    work.send_due(LATER)
+    assert box.mails == []
+    work.stop()
+    for wrong in ({"reports": "daily"}, {}, {"reports": "weekly", "more": 1}):
+        assert api.ask("PUT", f"/api/v1{path}", json=wrong).status_code == 422
+    assert api.ask("PUT", "/api/v1/subscriptions/999/reports", json={"reports": None}).status_code == 404
+
+
+def test_a_kind_that_carries_no_reports_gets_none(plant: Database) -> None:
+    api = Api(plant)
+    number = api("POST", "/subscriptions", 201, json={"kind": "zenoh", "name": "plant"})["id"]
+    refusal = api.ask("PUT", f"/api/v1/subscriptions/{number}/reports", json={"reports": "weekly"})
+    assert refusal.status_code == 422
+    assert "sent by email only, and 'plant' is zenoh" in refusal.text

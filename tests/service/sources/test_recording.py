@@ -223,6 +223,15 @@ def test_columns_may_be_gaps(tmp_path: Path) -> None:
         assert "come together" in refused(write(tmp_path, **wrong))
 
 
+def test_columns_may_be_overall_levels(tmp_path: Path) -> None:
+    rows = [f"{row},{value}" for row, value in zip(ROWS, ("120", "", "130"), strict=True)]
+    channels = [{**sidecar()["channels"][0]}, {**sidecar()["channels"][1], "overall": "direct"}]
+    path = write(tmp_path, rows=tuple(rows), header=f"{HEADER},direct", channels=channels)
+    assert read_recording(path).overall == [[None, 120.0], [None, None], [None, 130.0]]
+    channels[1]["overall"] = channels[1]["amplitude"]
+    assert "mapped twice" in refused(write(tmp_path, channels=channels))
+
+
 def test_a_written_recording_with_gaps_is_read_again(tmp_path: Path) -> None:
     probes = [{**probe, "gap_grows": "away"} for probe in document()["probes"]]
     pump = machine(probes=probes)
@@ -243,7 +252,7 @@ def test_a_written_recording_with_gaps_is_read_again(tmp_path: Path) -> None:
 @pytest.mark.parametrize("size", [1, 3, 10, 100])
 def test_pieces_are_the_whole(size: int) -> None:
     tables: dict[str, Any] = {
-        name: [[float(i)] * 4 for i in range(10)] for name in ("scatter", "amplitude_2x", "phase_2x", "gap")
+        name: [[float(i)] * 4 for i in range(10)] for name in ("scatter", "amplitude_2x", "phase_2x", "gap", "overall")
     }
     whole = batch(
         sweep_rpm(2990.0, 2900.0, 10),

@@ -51,6 +51,7 @@ def batches(draw: st.DrawFn) -> SampleBatch:
         return st.lists(st.lists(values, min_size=channels, max_size=channels), min_size=count, max_size=count)
 
     second, with_gap = draw(st.booleans()), draw(st.booleans())
+    with_overall = draw(st.booleans())
     names = draw(st.lists(st.sampled_from(["oil", "load", "Druck-ü"]), unique=True))
     values = st.lists(cells, min_size=count, max_size=count)
     return SampleBatch(
@@ -77,6 +78,7 @@ def batches(draw: st.DrawFn) -> SampleBatch:
         phase_2x=draw(table(cells)) if second else None,
         gap=draw(table(cells)) if with_gap else None,
         gap_unit=draw(st.sampled_from(AMPLITUDE_UNITS)) if with_gap else None,
+        overall=draw(table(cells)) if with_overall else None,
         conditions={name: draw(values) for name in names} or None,
     )
 

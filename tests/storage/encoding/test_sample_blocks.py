@@ -36,6 +36,7 @@ def any_samples(draw: st.DrawFn) -> Samples:
         second=draw(arrays.arrays(np.float64, (count, 2 * channels), elements=floats)).view(np.complex128),
         conditions=draw(arrays.arrays(np.float64, (count, conditions if count else 0), elements=floats)),
         gap=draw(st.just(np.full(table, np.nan)) | arrays.arrays(np.float64, table, elements=floats)),
+        overall=draw(st.just(np.full(table, np.nan)) | arrays.arrays(np.float64, table, elements=floats)),
     )
 
 
@@ -71,8 +72,9 @@ def test_a_block_of_usual_samples_is_smaller_than_its_numbers() -> None:
         pytest.param(lambda data: data[:12], id="only a header"),
         pytest.param(lambda data: data[:-5], id="cut off"),
         pytest.param(lambda data: b"XXXX" + data[4:], id="another file"),
-        pytest.param(lambda data: data[:4] + struct.pack("<H", 6) + data[6:], id="format of the future"),
+        pytest.param(lambda data: data[:4] + struct.pack("<H", 7) + data[6:], id="format of the future"),
         pytest.param(lambda data: data[:4] + struct.pack("<H", 5) + data[6:], id="a gap that is not there"),
+        pytest.param(lambda data: data[:4] + struct.pack("<H", 6) + data[6:], id="overall levels that are not there"),
         pytest.param(lambda data: data[:12] + bytes(len(data) - 12), id="zeros"),
         pytest.param(lambda data: data[:12] + zlib.compress(b"short"), id="too little inside"),
         pytest.param(lambda data: data[:8] + struct.pack("<I", 2**32 - 1) + data[12:], id="count too large"),
@@ -121,12 +123,18 @@ def test_blocks_of_older_releases_are_read() -> None:
     assert_same_samples(decode(as_an_older_release_wrote_it(warm, 3)), warm)
 
 
-def test_samples_without_a_gap_are_written_as_the_release_before_read_them_and_those_with_one_are_not() -> None:
+def test_what_samples_do_not_have_is_not_written_so_that_older_releases_read_them() -> None:
     held = samples(5)
     assert encode(held)[4:6] == struct.pack("<H", 4)
     with_gap = replace(held, gap=np.full(held.phasor.shape, 1e-4))
     assert encode(with_gap)[4:6] == struct.pack("<H", 5)
     assert np.isnan(decode(encode(held)).gap).all()
+    with_overall = replace(held, overall=np.full(held.phasor.shape, 3e-5))
+    assert encode(with_overall)[4:6] == struct.pack("<H", 6)
+    found = decode(encode(with_overall))
+    assert np.isnan(found.gap).all()
+    assert found.overall.tolist() == [[3e-5] * 4] * 5
+    assert np.isnan(decode(encode(with_gap)).overall).all()
 
 
 def test_joined_pieces_without_a_gap_have_none() -> None:

@@ -187,7 +187,7 @@ def test_a_batch_that_is_not_taken_is_answered_with_its_reason_and_kept(http: Ht
 
 def test_every_reason_for_a_whole_batch_has_been_tried() -> None:
     of_samples = {"not_finite", "speed_out_of_range", "speed_out_of_order", "amplitude_out_of_range"}
-    of_samples |= {"time_out_of_range", "time_out_of_order", "gap_out_of_range", "gap_undescribed"}
+    of_samples |= {"time_out_of_range", "time_out_of_order", "gap_out_of_range", "gap_undescribed", "overall_out_of_range"}
     assert set(get_args(Reason)) == {*REFUSED, "too_large", "bad_frame", "retained"} | of_samples
     assert set(ingestion.CATEGORY) <= set(get_args(Reason))
 

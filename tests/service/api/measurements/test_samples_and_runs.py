@@ -66,14 +66,18 @@ def test_what_a_source_sends_beside_the_1x_is_shown_where_it_is_asked_for(plant:
     held.scatter[:, 1] = 1e-6
     held.second[:, 2] = 2e-6 * np.exp(-1j * np.radians(40.0))
     held.gap[:, 3] = -4e-5
+    held.overall[:, 2] = 6e-5
     with plant.transaction() as session:
         key = SourceKey("pump-7", "monitor", 1)
         sample_store.add_block(session, key, revision=1, first_sequence=0, samples=held)
     plain = api.value("/machines/pump-7/samples")
-    assert plain["gap_um"] is None
+    assert (plain["gap_um"], plain["overall_um_pp"]) == (None, None)
     centreline = api.value("/machines/pump-7/samples", include="gap", units="mil_pp")
     assert centreline["gap_um"] == [*[[None] * 2] * 3, [pytest.approx(-40.0)] * 2]
     assert centreline["in_units"]["gap"] == [*[[None] * 2] * 3, [pytest.approx(-40.0 / 25.4)] * 2]
+    levels = api.value("/machines/pump-7/samples", include="overall", units="mil_pp")
+    assert levels["overall_um_pp"] == [[None] * 2, [None] * 2, [pytest.approx(120.0)] * 2, [None] * 2]
+    assert levels["in_units"]["overall"][2] == [pytest.approx(120.0 / 25.4)] * 2
     assert [plain[name] for name in ("amplitude_2x_um_pp", "phase_2x_lag_deg", "scatter_um_pp", "status")] == [None] * 4
     whole = api.value("/machines/pump-7/samples", include=["2x", "scatter", "status"])
     assert whole["status"] == [["not_available"] * 2, *[["good"] * 2] * 3]
@@ -82,7 +86,7 @@ def test_what_a_source_sends_beside_the_1x_is_shown_where_it_is_asked_for(plant:
     assert whole["phase_2x_lag_deg"][2] == pytest.approx([40.0] * 2)
     for commas in ("2x,scatter,status", ["2x,scatter", "status"]):
         assert api.value("/machines/pump-7/samples", include=commas) == whole
-    for wrong in ("3x", "2x,3x", "2x,", "2x,scatter,status,gap,2x"):
+    for wrong in ("3x", "2x,3x", "2x,", "2x,scatter,status,gap,overall,2x"):
         problem(api.get("/machines/pump-7/samples", include=wrong), 422)
 
 

@@ -52,14 +52,59 @@ def test_newest_values_stand_beside_the_limits(api: Api, plant: Database) -> Non
         key = SourceKey("pump-7", "monitor", 1)
         sample_store.add_block(session, key, revision=2, first_sequence=0, samples=held)
     found = api.value("/machines/pump-7/vibration")
+    assert found["limits"].pop("severity_zones") is None
     assert found["limits"] == pytest.approx({"balanced_um_pp": 50.0, "alert_um_pp": 80.0, "danger_um_pp": 120.0})
     none, _, third, fourth = found["probes"]
     assert (none["channel"], none["time"], none["first"]) == ("B2X", None, None)
     assert third["first"] == pytest.approx({"amplitude_um_pp": 100.0, "phase_lag_deg": 30.0})
     assert third["second"] == pytest.approx({"amplitude_um_pp": 4.0, "phase_lag_deg": 40.0})
     assert third["speed_rpm"] == pytest.approx(2000.0)
+    assert (third["overall_um_pp"], third["zone"], third["gap_um"]) == (None, None, None)
     assert fourth["speed_rpm"] == pytest.approx(1500.0)
     assert fourth["second"] is None
+
+
+ZONES = {"source": "contract 7, annex B", "a_b": 3e-5, "b_c": 5e-5, "c_d": 8e-5}
+
+
+def name_zones(database: Database) -> None:
+    with database.transaction() as session:
+        machines.revise(session, machine(operation={"running_rpm": RUNNING_RPM, "severity_zones": ZONES}))
+
+
+def test_overall_levels_have_a_zone_at_running_speed_and_gaps_stand_beside_them(api: Api, plant: Database) -> None:
+    name_zones(plant)
+    held = samples(3)
+    held.status[2, 3] = held.status[0, 0]  # its newest good value is at 1500 rpm, where zones do not hold
+    held.overall[:, 1:] = [2e-5, 5e-5, 6e-5]
+    held.gap[:, 2] = -4e-5
+    with plant.transaction() as session:
+        sample_store.add_block(session, SourceKey("pump-7", "monitor", 1), revision=3, first_sequence=0, samples=held)
+    found = api.value("/machines/pump-7/vibration")
+    zones = found["limits"]["severity_zones"]
+    assert zones.pop("source") == "contract 7, annex B"
+    assert zones == pytest.approx({"a_b_um_pp": 60.0, "b_c_um_pp": 100.0, "c_d_um_pp": 160.0})
+    _, second, third, fourth = found["probes"]
+    assert second["overall_um_pp"] == pytest.approx(40.0)
+    assert [one["zone"] for one in (second, third, fourth)] == ["A", "B", None], "a boundary belongs to the better zone"
+    assert fourth["overall_um_pp"] == pytest.approx(120.0)
+    assert [one["gap_um"] for one in (second, third)] == [None, pytest.approx(-40.0)]
+
+
+def test_overall_levels_and_gaps_have_a_trend(api: Api, plant: Database) -> None:
+    name_zones(plant)
+    for number, level in enumerate((2e-5, 9e-5)):
+        held = samples(40, start=START + number * HOUR, rpm=np.linspace(1000.0, RUNNING_RPM, 40).tolist())
+        held.overall[:, 2], held.gap[:, 2] = level, 1e-5 * number
+        held.overall[0, 2] = 1.0  # far from running speed
+        with plant.transaction() as session:
+            row = runs.open_run(session, "pump-7", revision=3, kind="run-up", direction=1, time_first=int(held.time[0]))
+            runs.close(row, samples=held, state=runs.CLOSED, reason="over")
+    found = trend_of(api, "B3X")
+    assert found["overall_um_pp"] == pytest.approx([40.0, 180.0])
+    assert found["zone"] == ["A", "D"]
+    assert found["gap_um"] == pytest.approx([0.0, 10.0])
+    assert trend_of(api, "B2Y")["overall_um_pp"] == [None, None]
 
 
 def test_a_machine_without_samples_has_no_values(api: Api) -> None:

@@ -1,0 +1,49 @@
+// The page's messages in its language. Every module that says something waits until they are there.
+import type { ComponentChildren } from "preact";
+import { en, type Key } from "./en";
+import { locale, type Locale } from "./locale";
+
+/** Catalogues beside the English one, loaded where they are wanted. */
+const CATALOGUES: Record<Exclude<Locale, "en">, () => Promise<Partial<Record<Key, string>>>> = {
+  de: async () => (await import("./de")).de,
+};
+
+async function catalogue(): Promise<Partial<Record<Key, string>>> {
+  if (locale === "en") return en;
+  try {
+    return await CATALOGUES[locale]();
+  } catch {
+    return en; // A page in another language is better than none.
+  }
+}
+
+const translated = await catalogue();
+document.documentElement.lang = translated === en ? "en" : locale;
+
+/** What a language lacks is said in English. */
+const MESSAGES: Readonly<Record<string, string | undefined>> = { ...en, ...translated };
+const PLACE = /\{(\w+)\}/;
+
+type PlacesIn<Text extends string> = Text extends `${string}{${infer Name}}${infer Rest}` ? Name | PlacesIn<Rest> : never;
+type Places<K extends Key> = PlacesIn<(typeof en)[K]>;
+type Value = string | number | null | undefined | false;
+type Values<K extends Key, V> = [Places<K>] extends [never] ? [] : [values: Record<Places<K>, V>];
+
+/** A message with values in its places; null, undefined and false are empty. */
+export function t<K extends Key>(key: K, ...[values]: Values<K, Value>): string {
+  return partsOf<Value>(key, values).map((one) => one || one === 0 ? String(one) : "").join("");
+}
+
+/** A message with elements in its places. */
+export function rich<K extends Key>(key: K, ...[values]: Values<K, ComponentChildren>): ComponentChildren {
+  return partsOf<ComponentChildren>(key, values);
+}
+
+function partsOf<V>(key: Key, values: Record<string, V> = {}): (V | string)[] {
+  return MESSAGES[key]!.split(PLACE).map((part, at) => (at % 2 === 0 ? part : (values[part] as V)));
+}
+
+/** An identifier of the API in words: `run-up` of `run_up`; with spaces where there are no words for it. */
+export function term(identifier: string): string {
+  return MESSAGES[`term.${identifier.replace(/[ -]/g, "_")}`] ?? identifier.replaceAll("_", " ");
+}

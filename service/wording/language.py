@@ -1,0 +1,80 @@
+"""Languages in which people are told of findings: their sentences, names and numbers. What one lacks is said in English."""
+
+import string
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from service.wording.english import ENGLISH_SENTENCES
+from service.wording.german import GERMAN_SENTENCES
+
+Locale = Literal["en", "de"]
+"""Languages that there are, as RFC 5646 writes them."""
+SENTENCES: Mapping[Locale, Mapping[str, str]] = {"en": ENGLISH_SENTENCES, "de": GERMAN_SENTENCES}
+
+
+class _Filling(string.Formatter):
+    """Fills places; fractions get the language's decimal mark."""
+
+    def __init__(self, mark: str) -> None:
+        self._mark = mark
+
+    def format_field(self, value: Any, format_spec: str) -> str:
+        text = str(super().format_field(value, format_spec))
+        return text.replace(".", self._mark) if isinstance(value, float) else text
+
+
+@dataclass(frozen=True)
+class Language:
+    """A language by its code."""
+
+    code: Locale = "en"
+
+    def say(self, key: str, /, **values: Any) -> str:
+        """Return a sentence with values in its places. Raises KeyError for an unknown key, or one without its value."""
+        return _Filling(self.say_mark()).vformat(self._sentence(key), (), values)
+
+    def say_mark(self) -> str:
+        """Return the decimal mark."""
+        return self._sentence("decimal_mark")
+
+    def digits(self, number: str) -> str:
+        """Return a written number with the language's decimal mark."""
+        return number.replace(".", self.say_mark())
+
+    def named(self, identifier: str) -> str:
+        """Return the word for an identifier of the API; the identifier with spaces where there is none."""
+        own = SENTENCES[self.code].get(f"name.{identifier}") or ENGLISH_SENTENCES.get(f"name.{identifier}")
+        return own or identifier.replace("_", " ")
+
+    def element(self, name: str) -> str:
+        """Return an element's name, such as `coupling C1` of `coupling.C1`."""
+        kind, _, own = name.partition(".")
+        return f"{self.named(kind)} {own}" if own else self.named(kind)
+
+    def _sentence(self, key: str) -> str:
+        return SENTENCES[self.code].get(key) or ENGLISH_SENTENCES[key]
+
+
+ENGLISH = Language("en")
+GERMAN = Language("de")
+LANGUAGES = tuple(Language(code) for code in SENTENCES)
+
+
+def asked_language(accepted: str, default: Language) -> Language:
+    """Return the language that an Accept-Language header (RFC 9110 §12.5.4) asks for; the default where it has none of ours."""
+    wishes: list[tuple[float, Locale]] = []
+    for part in accepted.split(","):
+        tag, _, quality = part.strip().partition(";")
+        for code in SENTENCES:
+            if tag.strip().lower().split("-")[0] == code:
+                wishes.append((_quality(quality), code))
+    best = max(wishes, key=lambda wish: wish[0], default=(0.0, default.code))
+    return Language(best[1]) if best[0] > 0.0 else default
+
+
+def _quality(said: str) -> float:
+    try:
+        return float(said.strip().removeprefix("q=")) if said.strip() else 1.0
+    except ValueError:
+        return 0.0
