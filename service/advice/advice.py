@@ -13,7 +13,7 @@ from service.alerts.advice_message import Action, Advice, Certainty, Figure
 from service.alerts.lifecycle import Severity
 from service.monitoring.finding_rules import RATE_RULE, is_finding, told_rule
 from service.wording.finding_texts import FindingTexts
-from service.wording.finding_words import UNITS, compared_words, part_words, rounded, told_parts
+from service.wording.finding_words import UNITS, compared_words, part_words, rounded, second_order_words, told_parts
 from service.wording.told_finding import ToldFinding
 
 logger = logging.getLogger(__name__)
@@ -121,10 +121,11 @@ def _certainty(told: ToldFinding) -> Certainty:
     next_best = plain_message(others[0]["kind"], others[0]["element"]) if others else None
     words = f"{sigma:.0f} σ for all of it" if sigma is not None and list(told.parts()) else "Certain beyond chance"
     words += "" if runs is None else f" over the newest {runs} runs together" if runs != 1 else " in the newest run"
-    if others and evidence is not None:
+    if others and evidence is not None and evidence >= others[0]["evidence"]:
         lead = evidence - others[0]["evidence"]
         factor = "more than a million" if lead > LARGEST_EXPONENT else rounded(2.718281828**lead, 2)
         words += f"; {factor} times more probable than the next explanation, {uncapitalised(next_best)}"
+    words += second_order_words(told, uncapitalised(next_best))
     return Certainty(words=words, sigma=sigma, runs=runs, evidence=evidence, next_best=next_best)
 
 

@@ -147,6 +147,20 @@ def compared_words(told: ToldFinding) -> str:
     return f"mean of the newest {runs} runs against the baseline"
 
 
+def second_order_words(told: ToldFinding, next_best: str) -> str:
+    """Return how the 2× speaks for a finding, and whether it has decided for it; empty where it says nothing."""
+    said = told.evidence.get("second_order")
+    if not said:
+        return ""
+    grown = (
+        f"the 2× at probe {said['probe']} has grown from {rounded(said['before_um'], 2)} to {rounded(said['now_um'], 2)} µm, "
+        "as beside a misaligned coupling, and at no probe elsewhere (common practice)"
+    )
+    if said["decided"]:
+        return f"; by 1× alone {next_best} explains it about as well: it is named because {grown}"
+    return f"; {grown}, which speaks for it rather than for the next explanation"
+
+
 def part_words(one: SizePart) -> str:
     """Return a figure with its interval and what it is of: `all coefficients of coupling C1 together +53 % (+49 to +57)`."""
     return f"{part_name(one.name)} {interval(one)}"
