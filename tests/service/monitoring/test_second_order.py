@@ -9,13 +9,19 @@ from estimator.diagnosis.bayes_factors import Diagnosis
 from estimator.diagnosis.finding_kind import Cause
 from estimator.diagnosis.observation import ObservedFit
 from estimator.fit.identify import Identification
+from estimator.updated_model.derived_quantities import Derived
 from service.monitoring.assess import assess
 from service.monitoring.assessment import WEEK, AssessedRun, AssessmentBasis, AssessmentContext, ComparedValue
+from service.monitoring.assessment_context import load_context
 from service.monitoring.limits import Limits
 from service.monitoring.second_order import Explanation, explained
 from service.wording.finding_words import second_order_words
 from service.wording.told_finding import ToldFinding
-from tests.estimator.diagnosis import watched_machine as plant
+from storage.database.engine import Database
+from storage.findings import derived
+from storage.machines import machines
+from tests.estimator.diagnosis import watched_machine
+from tests.plant import KEY, START, identification, store_identification
 
 BEARING, MISALIGNMENT = ("bearing", "bearing.B2"), ("misalignment", "coupling.C1")
 USUAL, GROWN = 2e-6, 5e-6
@@ -28,13 +34,13 @@ def second_orders(now: dict[str, float]) -> tuple[ComparedValue, ...]:
     before = [(USUAL * (1.0 + 0.02 * (number % 3 - 1)), 0.05e-6) for number in range(BASELINE)]
     return tuple(
         ComparedValue(f"probe.{one}.second_amplitude", f"probe.{one}", "m", now.get(one, USUAL), before)
-        for one in plant.motor_pump().channels
+        for one in watched_machine.motor_pump().channels
     )
 
 
 def context(now: dict[str, float], *, open_causes: Sequence[tuple[str, str]] = ()) -> AssessmentContext:
     return AssessmentContext(
-        machine=plant.motor_pump(),
+        machine=watched_machine.motor_pump(),
         limits=Limits(),
         basis=AssessmentBasis(None, None),
         baseline=(),
@@ -120,9 +126,27 @@ def fit(one: Identification) -> ObservedFit:
 
 
 def test_a_2x_that_grows_at_a_healthy_machine_raises_nothing() -> None:
-    identified = [plant.run(plant.true_machine(), seed) for seed in range(300, 300 + BASELINE + 2)]
+    identified = [watched_machine.run(watched_machine.true_machine(), seed) for seed in range(300, 300 + BASELINE + 2)]
     runs = [AssessedRun(number, number * WEEK, {}, fit(one)) for number, one in enumerate(identified)]
     whole = replace(context(BESIDE), baseline=tuple(runs[:BASELINE]), after=tuple(runs[BASELINE:]))
     diagnosis = assess(whole).diagnosis
     assert diagnosis is not None
     assert diagnosis.causes == ()
+
+
+def test_the_stored_2x_of_the_newest_run_and_of_its_baseline_are_compared(plant: Database) -> None:
+    with plant.transaction() as session:
+        channel = machines.document(session, KEY.machine).channels[0]
+        for number in range(BASELINE):
+            row = store_identification(session, identification(), run_id=number, measured_at=START + number)
+            size = 1e-6 * (number + 1)
+            told = [
+                Derived(f"probe.{channel}.{name}", "m", size, 0.9 * size, 1.1 * size) for name in ("second_amplitude", "other")
+            ]
+            derived.add(session, row, told)
+        loaded = load_context(session, row, baseline_runs=BASELINE - 1)
+        assert loaded is not None
+        (one,) = loaded.second_orders
+    assert (one.name, one.newest) == (f"probe.{channel}.second_amplitude", 6e-6)
+    assert [value for value, _ in one.baseline] == [1e-6, 2e-6, 3e-6, 4e-6, 5e-6]
+    assert one.baseline[0][1] == 1e-7
