@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from estimator.diagnosis.bayes_factors import Diagnosis
 from estimator.diagnosis.finding_kind import Cause
@@ -148,5 +149,5 @@ def test_the_stored_2x_of_the_newest_run_and_of_its_baseline_are_compared(plant:
         assert loaded is not None
         (one,) = loaded.second_orders
     assert (one.name, one.newest) == (f"probe.{channel}.second_amplitude", 6e-6)
-    assert [value for value, _ in one.baseline] == [1e-6, 2e-6, 3e-6, 4e-6, 5e-6]
-    assert one.baseline[0][1] == 1e-7
+    assert [value for value, _ in one.baseline] == pytest.approx([1e-6, 2e-6, 3e-6, 4e-6, 5e-6])
+    assert one.baseline[0][1] == pytest.approx(1e-7)
