@@ -117,16 +117,25 @@ def tolerated_changes(machine: Machine, changes: Sequence[AlignmentChange]) -> t
         allowed = allowed_alignment(machine, said.element_id).of(said.quantity)
         why = one.undefined or (prior_alone_reason(one.believed, one.unit) if prior_alone(one.error, one.believed) else None)
         value = one.value if why is None else None
-        beyond = 0.0 if why is not None else _beyond(one.value, one.error, allowed)
+        beyond = 0.0 if why is not None else probability_beyond(one.value, one.error, allowed)
         found.append(ToleratedChange(one.name, one.unit, value, CONFIDENCE_95 * one.error, allowed, beyond, why))
     return tuple(found)
 
 
-def _usual(rpm: float, values: Sequence[float]) -> float:
-    return math.exp(float(np.interp(math.log(rpm), np.log(USUAL_RPM), np.log(values))))
+def probability_beyond(value: float, error: float, allowed: float) -> float:
+    """Compute the probability that a normal variable's magnitude exceeds a limit (JCGM 106:2012).
 
+    Args:
+        value: Its mean [any unit].
+        error: Its standard error [same unit].
+        allowed: The limit [same unit].
 
-def _beyond(value: float, error: float, allowed: float) -> float:
-    """Return the probability that a normal variable's magnitude exceeds a limit."""
+    Returns:
+        Probability [-].
+    """
     size = max(error, 1e-12 * allowed)
     return float(scipy.special.ndtr((-allowed - value) / size) + scipy.special.ndtr((value - allowed) / size))
+
+
+def _usual(rpm: float, values: Sequence[float]) -> float:
+    return math.exp(float(np.interp(math.log(rpm), np.log(USUAL_RPM), np.log(values))))

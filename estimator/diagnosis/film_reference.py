@@ -11,7 +11,7 @@ from functools import cache
 
 import numpy as np
 
-from estimator.alignment.film_loads import FilmLoad, film_loads
+from estimator.alignment.film_loads import film_loads
 from estimator.alignment.healthy_films import coordinate_scales
 from estimator.alignment.run_likelihood import taken_off
 from estimator.arrays import Floats
@@ -26,7 +26,7 @@ from estimator.machine.parameter_description import SCALE_FACTORS, describe
 from estimator.machine.under_conditions import under_conditions
 from estimator.rotor.assembly import assemble_rotor
 from estimator.rotor.parameters import unknowns
-from estimator.updated_model.model import expected_model, model_at
+from estimator.updated_model.model import UpdatedModel, expected_model, model_at
 
 STILL = 1e-3
 """Run-to-run standard deviation of what stays the same, such as a clearance, as a part of what is believed of it [-]."""
@@ -73,10 +73,18 @@ def film_observation(fit: ObservedFit, machine: Machine, conditions: Mapping[str
     believed[known] = np.diag(precision)
 
     @cache
-    def loads() -> Sequence[FilmLoad]:
-        return film_loads(model_at(under_conditions(machine, conditions), fit.coordinates, fit.point, fit.covariance))
+    def model() -> UpdatedModel:
+        return model_at(under_conditions(machine, conditions), fit.coordinates, fit.point, fit.covariance)
 
-    return replace(said, reference=reference, gradient=gradient, information=information, believed=believed, loads=loads)
+    return replace(
+        said,
+        reference=reference,
+        gradient=gradient,
+        information=information,
+        believed=believed,
+        loads=cache(lambda: film_loads(model())),
+        model=model,
+    )
 
 
 def film_reference(machine: Machine, baseline: Sequence[Observation], variation: HealthyVariation) -> Reference:

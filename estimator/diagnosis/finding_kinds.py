@@ -30,6 +30,7 @@ from estimator.diagnosis.film_findings import (
 )
 from estimator.diagnosis.finding_kind import BaselineValues, Cause, ChangeSize, ExpectedChange, FindingKind, SizePart
 from estimator.diagnosis.growths import growth_parts, growth_quantities, growths
+from estimator.diagnosis.low_stability import low_stability
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.coupling_neighbours import neighbouring_bearings
 from estimator.machine.parameter_description import describe
@@ -284,6 +285,7 @@ FINDING_KINDS: tuple[FindingKind, ...] = (
     FindingKind("oil", ("machine",), "machine", changes=oils, size=oil_size),
     FindingKind("light_load", ("bearing",), "machine", data_fault=light_loads),
     FindingKind("heavy_load", ("bearing",), "machine", data_fault=heavy_loads),
+    FindingKind("low_stability", ("machine",), "machine", data_fault=low_stability),
     FindingKind("unbalance", ("disc",), "machine", changes=_unbalances, size=_unbalance_size, linear=True),
     FindingKind(
         "rotating_coupling",

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from estimator.alignment.film_loads import FilmLoad
     from estimator.fit.identification import Identification
+    from estimator.updated_model.model import UpdatedModel
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +42,7 @@ class Observation:
         believed: Precision (N,) that the fit took from what was believed beforehand, and that the information lacks [1/unit²];
             None for none.
         loads: Function that computes the loads on oil films; None of other trains.
+        model: Function that returns the model of a train on oil films that the fit led to; None of other trains.
     """
 
     names: tuple[str, ...]
@@ -57,6 +59,7 @@ class Observation:
     amplitude: dict[str, float]
     believed: Floats | None = None
     loads: "Callable[[], Sequence[FilmLoad]] | None" = None
+    model: "Callable[[], UpdatedModel] | None" = None
 
     @property
     def fitted(self) -> Floats:

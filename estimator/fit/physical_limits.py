@@ -144,6 +144,21 @@ class PhysicalLimits:
             if (slow := all_slow[self._is_root(all_slow)]).size
         )
 
+    def least_damped_below_speed(self, theta: Floats) -> tuple[LeastDampedMode, ...]:
+        """Return the least damped of the modes that oscillate more slowly than the shaft turns, at each speed.
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+
+        Returns:
+            The modes; none for a speed at which there is none.
+        """
+        return tuple(
+            LeastDampedMode(spin, complex(slow[np.argmin(damping_ratio(slow))]))
+            for spin, found in self._slow_modes(theta)
+            if (slow := found[self._is_root(found) & (found.imag > 0.0) & (found.imag < spin)]).size
+        )
+
     def grow(self, modes: Sequence[LeastDampedMode]) -> bool:
         """Return whether one of some modes grows.
 
@@ -198,12 +213,24 @@ class PhysicalLimits:
         Returns:
             Derivatives (n,), 0 for coordinates of other kinds [rad/s].
         """
+        return np.asarray(self.root_slopes(theta, mode).real)
+
+    def root_slopes(self, theta: Floats, mode: LeastDampedMode) -> Complexes:
+        """Compute the derivatives of λ by the coordinates of coefficients (Nelson 1976, doi:10.2514/3.7211).
+
+        Args:
+            theta: Fit coordinates θ (n,) [-].
+            mode: The mode.
+
+        Returns:
+            Derivatives (n,), 0 for coordinates of other kinds [rad/s].
+        """
         machine = self._scaled(theta)
         at = self.coordinates.at_speeds(np.array([mode.speed]))
         base = at.coefficients(theta).reshape(-1)
         shapes = self._shapes(machine, at, theta, base, mode)
-        by_coefficient = eigenvalue_slopes(machine, shapes, reduced_basis(machine, self.highest))[0].real
-        found = np.zeros(theta.size)
+        by_coefficient = eigenvalue_slopes(machine, shapes, reduced_basis(machine, self.highest))[0]
+        found = np.zeros(theta.size, dtype=complex)
         free = at.place >= 0
         np.add.at(found, at.place[free], (by_coefficient * np.where(at.logarithmic, base, at.scale))[free])
         for one in at.models:

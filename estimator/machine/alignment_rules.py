@@ -1,4 +1,4 @@
-"""Rules on the alignment of trains on oil films: what is allowed at a coupling, and how much a healthy machine varies."""
+"""Rules on the alignment of trains on oil films: what is allowed at couplings and aimed at, how healthy machines vary."""
 
 from typing import Annotated, Self
 
@@ -26,6 +26,43 @@ class AlignmentTolerance(Part):
     def _says_something(self) -> Self:
         if self.offset is None and self.angle is None:
             raise ValueError("gives neither offset [m] nor angle [rad]: one is needed")
+        return self
+
+
+Offset = Annotated[float, Field(ge=-LARGEST_OFFSET, le=LARGEST_OFFSET)]
+"""Offset of a coupling [m]."""
+Turn = Annotated[float, Field(ge=-LARGEST_ANGLE, le=LARGEST_ANGLE)]
+"""Angle of a coupling [rad]."""
+
+
+class CouplingPosition(Part):
+    """Offset and angle of a coupling, or how they grow; signs are those of the alignment that is identified."""
+
+    offset_vertical: Offset | None = Field(default=None, description="[m]")
+    offset_horizontal: Offset | None = Field(default=None, description="[m]")
+    angle_vertical: Turn | None = Field(default=None, description="[rad]")
+    angle_horizontal: Turn | None = Field(default=None, description="[rad]")
+
+    @property
+    def stated(self) -> dict[str, float]:
+        """Return what is given, by name [m, rad]."""
+        return {name: value for name in CouplingPosition.model_fields if (value := getattr(self, name)) is not None}
+
+
+class AlignmentTarget(Part):
+    """Target of the alignment at one coupling: as it was left cold, and how it is expected to grow until it works."""
+
+    coupling: Identifier
+    left_cold: CouplingPosition
+    growth: CouplingPosition = Field(default=CouplingPosition(), description="from cold to hot; without it no hot target")
+
+    @model_validator(mode="after")
+    def _grows_from_something(self) -> Self:
+        if not self.left_cold.stated:
+            raise ValueError("left_cold gives neither an offset [m] nor an angle [rad]: one is needed")
+        lacking = [name for name in self.growth.stated if name not in self.left_cold.stated]
+        if lacking:
+            raise ValueError(f"growth gives {', '.join(lacking)}, of which left_cold does not say where it begins")
         return self
 
 

@@ -97,7 +97,7 @@ def reference_problems(train: Train) -> Iterator[InitErrorDetails]:
     yield from _station_problems(train)
     yield from _speed_problems(train)
     yield from _coupling_problems(train)
-    yield from _tolerance_problems(train)
+    yield from _alignment_problems(train)
     yield from _pedestal_problems(train)
     yield from _dependence_problems(train)
     yield from _film_problems(train)
@@ -118,7 +118,7 @@ def naming_problems(train: Train) -> Iterator[InitErrorDetails]:
     yield from _condition_problems(train)
     yield from _station_problems(train)
     yield from _coupling_problems(train)
-    yield from _tolerance_problems(train)
+    yield from _alignment_problems(train)
     yield from _pedestal_problems(train)
 
 
@@ -202,15 +202,17 @@ def _coupling_problems(train: Train) -> Iterator[InitErrorDetails]:
                 yield _problem(("couplings", i, end), getattr(coupling, end), message)
 
 
-def _tolerance_problems(train: Train) -> Iterator[InitErrorDetails]:
+def _alignment_problems(train: Train) -> Iterator[InitErrorDetails]:
     known = [coupling.id for coupling in train.couplings]
-    named = Counter(one.coupling for one in train.operation.alignment_tolerances)
-    for i, one in enumerate(train.operation.alignment_tolerances):
-        place = ("operation", "alignment_tolerances", i, "coupling")
-        if one.coupling not in known:
-            yield _problem(place, one.coupling, f"'{one.coupling}' is not one of the couplings: {', '.join(known) or 'none'}")
-        elif named[one.coupling] > 1:
-            yield _problem(place, one.coupling, f"tolerances of coupling '{one.coupling}' stand here more than once")
+    for field, what in (("alignment_tolerances", "tolerances"), ("alignment_targets", "targets")):
+        said = getattr(train.operation, field)
+        named = Counter(one.coupling for one in said)
+        for i, one in enumerate(said):
+            place, there = ("operation", field, i, "coupling"), ", ".join(known) or "none"
+            if one.coupling not in known:
+                yield _problem(place, one.coupling, f"'{one.coupling}' is not one of the couplings: {there}")
+            elif named[one.coupling] > 1:
+                yield _problem(place, one.coupling, f"{what} of coupling '{one.coupling}' stand here more than once")
 
 
 def _pedestal_problems(train: Train) -> Iterator[InitErrorDetails]:

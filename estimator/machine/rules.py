@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from estimator.field_types import Identifier, NotNegative, Part, Positive, Text
-from estimator.machine.alignment_rules import AlignmentTolerance, HealthyVariation
+from estimator.machine.alignment_rules import AlignmentTarget, AlignmentTolerance, HealthyVariation
 
 
 class Condition(Part):
@@ -96,6 +96,9 @@ class Operation(Part):
     )
     alignment_tolerances: Annotated[tuple[AlignmentTolerance, ...], Field(max_length=20)] = Field(
         default=(), description="what is allowed at couplings of a train on oil films; by default what is usual at its speed"
+    )
+    alignment_targets: Annotated[tuple[AlignmentTarget, ...], Field(max_length=20)] = Field(
+        default=(), description="alignment of couplings of a train on oil films as left cold, and its expected growth"
     )
     healthy_variation: HealthyVariation = Field(
         default=HealthyVariation(), description="of a train on oil films, as long as nothing happens to it"

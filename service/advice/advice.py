@@ -13,7 +13,7 @@ from service.alerts.advice_message import Action, Advice, Certainty, Figure
 from service.alerts.lifecycle import Severity
 from service.monitoring.finding_rules import RATE_RULE, is_finding, told_rule
 from service.wording.finding_texts import FindingTexts
-from service.wording.finding_words import UNITS, compared_words, part_words, rounded, told_parts
+from service.wording.finding_words import UNITS, compared_words, part_words, rounded, second_order_words, told_parts
 from service.wording.language import ENGLISH, Language
 from service.wording.told_finding import ToldFinding
 
@@ -119,11 +119,12 @@ def _certainty(told: ToldFinding) -> Certainty:
     certain = sigma is not None and bool(list(told.parts()))
     words = language.say("sure.sigma", sigma=float(sigma)) if certain else language.say("sure.beyond_chance")
     words += "" if runs is None else language.say("sure.runs", runs=runs) if runs != 1 else language.say("sure.run")
-    if next_best is not None and evidence is not None:
+    if next_best is not None and evidence is not None and evidence >= others[0]["evidence"]:
         lead = evidence - others[0]["evidence"]
         many = lead > LARGEST_EXPONENT
         factor = language.say("sure.million") if many else rounded(2.718281828**lead, 2, language)
         words += language.say("sure.lead", factor=factor, next=_within(next_best, language))
+    words += second_order_words(told, "" if next_best is None else _within(next_best, language))
     return Certainty(words=words, sigma=sigma, runs=runs, evidence=evidence, next_best=next_best)
 
 

@@ -30,11 +30,12 @@ from service.monitoring.assessment import (
     MachineDiagnosis,
     RateAssessment,
 )
-from service.monitoring.diagnosis_rules import UNLIMITED_DELAY, danger_limit, delays
+from service.monitoring.diagnosis_rules import UNLIMITED_DELAY, cause_severity, danger_limit, delays
 from service.monitoring.finding_rules import MISALIGNMENT, RATE_OF_CHANGE
 from service.monitoring.load_changes import load_changes
 from service.monitoring.moved_parameters import adjusted_baseline, moved_parameters
 from service.monitoring.rate_of_change import RateFinding, rate_findings, with_limits_ahead
+from service.monitoring.second_order import Explanation, explained
 
 
 def assess(context: AssessmentContext) -> Assessment:
@@ -136,16 +137,38 @@ def _causes(context: AssessmentContext, compared: BaselineComparison, diagnosis:
     machine = context.machine
     amplitude = {probe.id: typical_amplitude(probe.id, compared.watch.baseline) for probe in machine.probes}
     causes = []
-    for cause, runners_up in zip(diagnosis.causes, diagnosis.runners_up, strict=True):
+    for number, named in enumerate(diagnosis.causes):
+        found = explained(context, diagnosis, number)
+        if found.cause is not named and not _reaches_limit(context, named, _size(context, compared, named, amplitude)):
+            found = Explanation(named, diagnosis.runners_up[number])  # a 2× raises no alert where there would be none
+        cause = found.cause
         size = _size(context, compared, cause, amplitude)
         place = compared.watch.began(cause, compared.observations)
-        others = [one for one in diagnosis.causes if one is not cause and one.names]
+        others = [one for one in diagnosis.causes if one is not named and one.names]
         progress = _progress(context, compared, SizedChange(cause, size, amplitude), others, place)
         began = compared.after[place]
         if cause.kind == MISALIGNMENT.name and compared.variation is None:
             size = replace(size, parts=(*size.parts, *load_changes(context, cause.element)))
-        causes.append(DiagnosedCause(cause, runners_up, size, change_form(cause), progress, began.measured_at, began.id))
+        causes.append(
+            DiagnosedCause(
+                cause,
+                found.runners_up,
+                size,
+                change_form(cause),
+                progress,
+                began.measured_at,
+                began.id,
+                second_order=found.second_order,
+            )
+        )
     return tuple(causes)
+
+
+def _reaches_limit(context: AssessmentContext, cause: Cause, size: ChangeSize) -> bool:
+    """Return whether a cause that has no open alert would raise one."""
+    sigma, element = cause.distance, cause.element
+    found = cause_severity(context.limits, kind=cause.kind, element=element, sigma=sigma, size=size, force=None, present=None)
+    return found is not None
 
 
 @dataclass(frozen=True)

@@ -54,8 +54,8 @@ class ComparedRuns:
 
 
 @dataclass(frozen=True)
-class CoupledLoad:
-    """A load in a coupling, such as `coupling.C1.misalignment_force`.
+class ComparedValue:
+    """A derived quantity of the newest run and of its baseline, such as `coupling.C1.misalignment_force`.
 
     unit: SI unit. newest: value of the newest run. baseline: value of each run of the baseline, with the half width of its
     95 % interval.
@@ -82,7 +82,8 @@ class AssessmentContext:
 
     baseline, after: oldest first; without a baseline nothing is diagnosed. open_causes: kind and element of the machine's open
     alerts of a diagnosis. history: None when rates of change are not assessed; open_rates: severity of the open alerts of that
-    rule by element. compared: of the newest run, None where it was not accepted. loads: in its couplings.
+    rule by element. compared: of the newest run, None where it was not accepted. loads: in its couplings. second_orders:
+    amplitudes of the 2× near running speed, of the probes that measure it.
     """
 
     machine: Machine
@@ -94,7 +95,8 @@ class AssessmentContext:
     history: BaselineHistory | None
     open_rates: Mapping[str, Severity]
     compared: ComparedRuns | None = None
-    loads: tuple[CoupledLoad, ...] = ()
+    loads: tuple[ComparedValue, ...] = ()
+    second_orders: tuple[ComparedValue, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -115,10 +117,25 @@ class MovedParameter:
 
 
 @dataclass(frozen=True)
+class SecondOrderGrowth:
+    """Growth of the 2× at a probe beside a coupling, and at none elsewhere.
+
+    before: in the baseline; now: in the newest run [m]. decided: whether it has decided between two explanations that are
+    about as good as each other.
+    """
+
+    probe: str
+    before: float
+    now: float
+    decided: bool = False
+
+
+@dataclass(frozen=True)
 class DiagnosedCause:
     """A cause, its runners-up as an explanation, its size, form and progress.
 
-    began_at, began: time [ns] and identification of the run with which it most probably began.
+    began_at, began: time [ns] and identification of the run with which it most probably began. second_order: where a growth of
+    the 2× speaks for it.
     """
 
     cause: "Cause"
@@ -128,6 +145,7 @@ class DiagnosedCause:
     progress: "ChangeProgress"
     began_at: int
     began: int
+    second_order: SecondOrderGrowth | None = None
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,8 @@ from service.monitoring.assessment import (
     AssessmentContext,
     BaselineHistory,
     ComparedRuns,
+    ComparedValue,
     Conditions,
-    CoupledLoad,
 )
 from service.monitoring.comparison import ComparisonTerms, baseline_of, compared_with, terms_of
 from service.monitoring.finding_rules import DIAGNOSIS_RULES, RATE_OF_CHANGE, is_finding
@@ -32,6 +32,8 @@ LOOKED_BACK = 60
 """Newest identifications of single runs that are assessed: enough to find when a change began, and for delays of up to 20."""
 COUPLED_LOADS = ("misalignment_force", "misalignment_moment")
 """Derived quantities of a coupling that a misalignment is told with."""
+SECOND_ORDER = "second_amplitude"
+"""Derived quantity of a probe that may decide between explanations."""
 
 
 @dataclass(frozen=True)
@@ -90,6 +92,7 @@ def load_context(session: Session, stored: IdentificationRow, *, baseline_runs: 
         open_rates={one.element: Severity(one.severity) for one in state.open_alerts if one.rule == RATE_OF_CHANGE.name},
         compared=_compared_runs(session, stored, baseline, compared_ids),
         loads=tuple(_coupled_loads(session, machine, stored, compared_ids)),
+        second_orders=tuple(_second_orders(session, machine, stored, compared_ids)),
     )
 
 
@@ -156,16 +159,33 @@ def _compared_runs(
     return ComparedRuns(_points(session, [row for row in baseline if row.id in ids]), newest)
 
 
-def _coupled_loads(session: Session, machine: Machine, stored: IdentificationRow, ids: Sequence[int]) -> Iterator[CoupledLoad]:
+def _coupled_loads(
+    session: Session, machine: Machine, stored: IdentificationRow, ids: Sequence[int]
+) -> Iterator[ComparedValue]:
     """Yield the loads in the couplings that an identification and all those of its baseline have."""
-    for coupling in machine.couplings if ids else ():
-        element = f"coupling.{coupling.id}"
+    for coupling in machine.couplings:
         for name in COUPLED_LOADS:
-            now = derived.one(session, stored.id, f"{element}.{name}")
-            before = [derived.one(session, number, f"{element}.{name}") for number in ids]
-            known = [(row.value, _half_width(row)) for row in before if row is not None and row.value is not None]
-            if now is not None and now.value is not None and len(known) == len(before):
-                yield CoupledLoad(f"{element}.{name}", element, now.unit, now.value, known)
+            yield from _compared_value(session, f"coupling.{coupling.id}", name, stored, ids)
+
+
+def _second_orders(
+    session: Session, machine: Machine, stored: IdentificationRow, ids: Sequence[int]
+) -> Iterator[ComparedValue]:
+    """Yield the amplitudes of the 2× that an identification and all those of its baseline have."""
+    for channel in machine.channels:
+        yield from _compared_value(session, f"probe.{channel}", SECOND_ORDER, stored, ids)
+
+
+def _compared_value(
+    session: Session, element: str, name: str, stored: IdentificationRow, ids: Sequence[int]
+) -> Iterator[ComparedValue]:
+    now = derived.one(session, stored.id, f"{element}.{name}") if ids else None
+    if now is None or now.value is None:
+        return
+    before = [derived.one(session, number, f"{element}.{name}") for number in ids]
+    known = [(row.value, _half_width(row)) for row in before if row is not None and row.value is not None]
+    if len(known) == len(before):
+        yield ComparedValue(f"{element}.{name}", element, now.unit, now.value, known)
 
 
 def _half_width(row: DerivedRow) -> float | None:

@@ -153,6 +153,7 @@ def _statement(found: DiagnosedCause, diagnosis: MachineDiagnosis, numbers: Stor
         progress=found.progress,
         moved=diagnosis.moved,
         not_estimable=numbers.not_estimable,
+        second_order=found.second_order,
     )
 
 

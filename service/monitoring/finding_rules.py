@@ -280,6 +280,23 @@ FINDING_RULES: tuple[FindingRule, ...] = (
         size_words,
     ),
     FindingRule(
+        "low_stability",
+        AlertRule("low_stability"),
+        FindingTexts(
+            what="The machine is close to whirling in its oil films: at running speed its least damped mode has a logarithmic "
+            "decrement below 0.1 (API 617), and less than half of what it had with such oil, {compared}, since {since}",
+            check=(
+                "Vibration below running speed, in a spectrum of another instrument",
+                "What has changed beside it: an alignment, a clearance, the oil and its temperature",
+            ),
+            in_operation=("Keep oil temperature within its limits, and do not raise the speed while this stands",),
+            at_next_stop=("Measure alignment, clearances and elevations of the bearings that carry least", NEW_BASELINE),
+            confirm=("Vibration at somewhat less than half the running speed",),
+            not_determined=("Which bearing it begins in",),
+        ),
+        size_words,
+    ),
+    FindingRule(
         "unbalance",
         UNBALANCE,
         FindingTexts(

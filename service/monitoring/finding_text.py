@@ -11,12 +11,15 @@ from storage.clock import to_datetime
 if TYPE_CHECKING:
     from estimator.diagnosis.change_progress import ChangeProgress
     from estimator.diagnosis.finding_kind import Cause, ChangeSize, SizePart
-    from service.monitoring.assessment import MovedParameter
+    from service.monitoring.assessment import MovedParameter, SecondOrderGrowth
 
 LARGEST_MOVES = 4
 """Parameters per element that are listed as moved: those that moved most certainly."""
 ELEVATIONS = ("elevation_x", "elevation_y")
 """Parameters that are not listed: a run leaves single elevations to what is believed of them, and knows the alignment."""
+
+MICROMETRES = 1e6
+"""Micrometres in a metre."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +28,8 @@ class Statement:
 
     since: when the first run that shows it was measured [ns]; first_identification: that run's. force: in the coupling at
     running speed [N], when known. form: of a misalignment, when the data determine it. progress: since it began. moved:
-    parameters of its elements as the newest run determines them; not_estimable: those that it does not.
+    parameters of its elements as the newest run determines them; not_estimable: those that it does not. second_order: growth
+    of the 2× that speaks for it.
     """
 
     cause: "Cause"
@@ -38,6 +42,7 @@ class Statement:
     progress: "ChangeProgress"
     moved: tuple["MovedParameter", ...]
     not_estimable: tuple[str, ...]
+    second_order: "SecondOrderGrowth | None" = None
 
     def evidence(self) -> dict[str, Any]:
         """Return the evidence: how far what has changed, how certainly, how fast, and the alternative explanations."""
@@ -59,6 +64,7 @@ class Statement:
             "moved": _changed_parameters(self.cause, self.moved),
             "not_estimable": [name for name in self.not_estimable if describe(name).element == self.cause.element],
             "runners_up": [{"kind": one.kind, "element": one.element, "evidence": one.evidence} for one in self.runners_up],
+            "second_order": None if self.second_order is None else _second_order(self.second_order),
         }
 
     def _parts(self) -> Iterator["SizePart"]:
@@ -67,6 +73,15 @@ class Statement:
             members = tuple(name for name in one.members if describe(name).whole not in self.not_estimable)
             if members or not one.members:
                 yield replace(one, members=members)
+
+
+def _second_order(one: "SecondOrderGrowth") -> dict[str, Any]:
+    return {
+        "probe": one.probe,
+        "before_um": MICROMETRES * one.before,
+        "now_um": MICROMETRES * one.now,
+        "decided": one.decided,
+    }
 
 
 def _changed_parameters(cause: "Cause", moved: Sequence["MovedParameter"]) -> list[dict[str, Any]]:

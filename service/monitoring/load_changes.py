@@ -7,20 +7,17 @@ import numpy as np
 from estimator.diagnosis.finding_kind import SizePart
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.trends.baseline_band import baseline_band
-from service.monitoring.assessment import AssessmentContext, CoupledLoad
-
-UNITS = {"N": "N", "N m": "N m"}
-"""Units that they are told in, by SI unit."""
+from service.monitoring.assessment import AssessmentContext, ComparedValue
 
 
 def load_changes(context: AssessmentContext, element: str) -> Iterator[SizePart]:
     """Yield the changes of the loads in a coupling that have left the band of the baseline, the larger in the band first."""
-    told = [(one, part) for one in context.loads if one.element == element and (part := _change(one)) is not None]
+    told = [(one, part) for one in context.loads if one.element == element and (part := left_band(one)) is not None]
     yield from sorted((part for _, part in told), key=lambda part: -abs(part.value) / max(part.upper - part.value, 1e-300))
 
 
-def _change(one: CoupledLoad) -> SizePart | None:
-    """Return the change of a load; None where it lies in the band of the baseline."""
+def left_band(one: ComparedValue) -> SizePart | None:
+    """Return the change of a value; None where it lies in the band of the baseline."""
     values = np.array([value for value, _ in one.baseline])
     errors = np.array([(half or 0.0) / CONFIDENCE_95 for _, half in one.baseline])
     band = baseline_band(one.name, values, errors)
@@ -29,4 +26,4 @@ def _change(one: CoupledLoad) -> SizePart | None:
         return None
     half = (band.upper - band.lower) / 2.0
     change = now - band.centre
-    return SizePart(one.name, UNITS[one.unit], change, change - half, change + half, before=band.centre)
+    return SizePart(one.name, one.unit, change, change - half, change + half, before=band.centre)

@@ -155,6 +155,17 @@ def compared_words(told: ToldFinding) -> str:
     return told.language.say("compared.mean", runs=runs)
 
 
+def second_order_words(told: ToldFinding, next_best: str) -> str:
+    """Return how the 2× speaks for a finding, and whether it has decided for it; empty where it says nothing."""
+    said, language = told.evidence.get("second_order"), told.language
+    if not said:
+        return ""
+    before, now = (rounded(said[name], 2, language) for name in ("before_um", "now_um"))
+    grown = language.say("second_order.grown", probe=said["probe"], before=before, now=now)
+    key = "second_order.decided" if said["decided"] else "second_order.speaks"
+    return language.say(key, grown=grown, next=next_best)
+
+
 def part_words(one: SizePart, language: Language = ENGLISH) -> str:
     """Return a figure with its interval and what it is of: `all coefficients of coupling C1 together +53 % (+49 to +57)`."""
     return f"{part_name(one.name, language)} {interval(one, language)}"

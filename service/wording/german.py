@@ -69,6 +69,10 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "sure.runs": " über die neuesten {runs} Läufe gemeinsam",
     "sure.run": " im neuesten Lauf",
     "sure.lead": "; {factor}-mal wahrscheinlicher als die nächste Erklärung: {next}",
+    "second_order.grown": "die 2× an der Messstelle {probe} ist von {before} auf {now} µm gewachsen, wie neben einer schlecht "
+    "ausgerichteten Kupplung, und an keiner Messstelle sonst (übliche Praxis)",
+    "second_order.decided": "; nach der 1× allein erklärt es {next} etwa ebenso gut: genannt wird dieser Befund, weil {grown}",
+    "second_order.speaks": "; {grown}; das spricht für diesen Befund und gegen die nächste Erklärung",
     "sure.million": "mehr als eine Million",
     # --- advice: how urgent
     "unit.allowed": "% des Zulässigen",

@@ -5,9 +5,9 @@ import { Scroll } from "../components/scroll";
 import { isComparable } from "../data/newest-identification";
 import { useResource } from "../data/resource";
 import { number, scaleOf } from "../format/numbers";
-import { t } from "../messages/messages";
+import { t, term } from "../messages/messages";
 import type { Identification } from "../schemas/identifications";
-import type { Alignment, AlignmentNumber, Determined } from "../schemas/model";
+import type { Alignment, AlignmentNumber, AlignmentTarget, Determined } from "../schemas/model";
 
 const QUANTITIES: Record<string, string> = {
   offset_vertical: t("offsetVertical"),
@@ -45,6 +45,7 @@ function baselineText({ baseline }: Alignment): string {
 }
 
 function Numbers({ numbers }: { numbers: AlignmentNumber[] }) {
+  const hasTargets = numbers.some((one) => one.target !== null);
   return (
     <Scroll label={t("table")}>
       <table>
@@ -55,6 +56,7 @@ function Numbers({ numbers }: { numbers: AlignmentNumber[] }) {
             <th class="number">{t("byItself")}</th>
             <th class="number">{t("change")}</th>
             <th class="number">{t("allowed")}</th>
+            {hasTargets && <th class="number">{t("offItsTarget")}</th>}
           </tr>
         </thead>
         <tbody>
@@ -65,6 +67,7 @@ function Numbers({ numbers }: { numbers: AlignmentNumber[] }) {
               <Cell told={one.absolute} unit={one.unit} />
               {one.change ? <Cell told={one.change} unit={one.unit} /> : <td class="number">–</td>}
               <td class="number">{allowedText(one)}</td>
+              {hasTargets && (one.target ? <TargetCell target={one.target} unit={one.unit} /> : <td class="number">–</td>)}
             </tr>
           ))}
         </tbody>
@@ -79,6 +82,19 @@ function allowedText({ allowed, beyond, unit }: AlignmentNumber): string {
   const scale = scaleOf(allowed, unit);
   const said = `${number(allowed * scale.factor)} ${scale.unit}`;
   return beyond !== null && beyond > 0.5 ? t("allowedExceeded", { allowed: said, per_cent: Math.floor(100 * beyond) }) : said;
+}
+
+/** By how much the alignment differs from what is aimed at, hot or cold, and where that is probably too much, how probably. */
+function TargetCell({ target: { state, target, off, beyond }, unit }: { target: AlignmentTarget; unit: string }) {
+  if (off.value === null) return <td class="number muted">{t("notDeterminedBecause", { reason: off.reason })}</td>;
+  const scale = scaleOf(Math.max(...[off.value, off.lower, off.upper, target].map((one) => Math.abs(one ?? 0))), unit);
+  const shown = (one: number | null) => number(one === null ? null : one * scale.factor);
+  const exceeded = beyond !== null && beyond > 0.5 && `; ${t("targetExceeded", { per_cent: Math.floor(100 * beyond) })}`;
+  return (
+    <td class="number">
+      {shown(off.value)} {scale.unit} <small class="muted">{`${shown(off.lower)} … ${shown(off.upper)}; `}{t("targetOf", { state: term(state), target: shown(target) })}{exceeded}</small>
+    </td>
+  );
 }
 
 function Cell({ told: { value, lower, upper, reason }, unit }: { told: Determined; unit: string }) {

@@ -108,6 +108,16 @@ export interface AlignmentNumber {
   allowed: number | null;
   /** Probability that the change is larger. */
   beyond: number | null;
+  target: AlignmentTarget | null;
+}
+
+/** What the document aims at in the state that such a run shows, and by how much the alignment is larger, in SI units. */
+export interface AlignmentTarget {
+  state: "cold" | "hot";
+  target: number;
+  off: Determined;
+  allowed: number;
+  beyond: number | null;
 }
 
 export interface Alignment {

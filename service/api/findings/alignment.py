@@ -1,11 +1,13 @@
 """Alignment of a machine's couplings, and by how much it has changed against the baseline."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import Literal
 
 from fastapi import APIRouter, Request
 from pydantic import BaseModel, Field
 
 from estimator.alignment.alignment_change import alignment_changes
+from estimator.alignment.targets import TargetedAlignment, targeted_alignment
 from estimator.alignment.tolerance import ToleratedChange, tolerated_changes
 from estimator.machine.film_speeds import follows_films
 from estimator.machine.parameter_description import describe
@@ -17,6 +19,7 @@ from service.api.findings.deviations import Which, chosen_comparison, compared_f
 from service.api.findings.model import cached_result, read_identified
 from service.identification.stored_model import Identified, identified
 from service.security.requirement import VIEWER
+from storage.machines import machines
 
 router = APIRouter(tags=["models"], responses=RESPONSES, dependencies=[VIEWER])
 
@@ -43,6 +46,19 @@ class AlignmentNumber(BaseModel):
     change: Determined | None = Field(description="against the baseline, with which it is known better; null: none")
     allowed: float | None = Field(description="how large the change may be, by the document or what is usual; null: no change")
     beyond: float | None = Field(description="probability that the change is larger; null where it is not determined")
+    target: "AlignmentTargetOut | None" = Field(
+        default=None, description="by the document, for a machine as warm as runs of this kind show it; null: none stated"
+    )
+
+
+class AlignmentTargetOut(BaseModel):
+    """Alignment that the document aims at, and by how much the identified one differs from it."""
+
+    state: Literal["cold", "hot"] = Field(description="cold: of a run-up; hot: of a run-down, with the growth expected")
+    target: float
+    off: Determined = Field(description="by how much the identified alignment is larger")
+    allowed: float = Field(description="how large the difference may be")
+    beyond: float | None = Field(description="probability that the difference is larger; null where it is not determined")
 
 
 class AlignmentOut(ComparedOut):
@@ -62,8 +78,10 @@ def read_alignment(request: Request, machine_id: MachineId, which: Which = None)
     ).reading() as session:  # not while the computation waits for its turn: it would hold back checkpoints
         compared = chosen_comparison(request, session, machine_id, which)
         fields = compared_fields(session, compared, {})
-        number = compared.identification.id
+        number, kind = compared.identification.id, compared.identification.run_kind
         baseline = () if compared.missing is not None else tuple(row.id for row in compared.baseline)
+        # Targets are those of today's document: an alignment may be left anew without another train.
+        today = machines.document(session, machine_id)
     if not follows_films(read_identified(request, number).machine):
         return AlignmentOut(**fields, numbers=[])
 
@@ -74,7 +92,8 @@ def read_alignment(request: Request, machine_id: MachineId, which: Which = None)
     _, (absolute, changes) = cached_result(request, number, ("alignment", baseline), _alignment, given=read_baseline)
     if baseline and not changes:
         fields["missing"] = "the baseline was identified with other unknowns: identify its runs again"
-    return AlignmentOut(**fields, numbers=list(_numbers(absolute, changes)))
+    targets = targeted_alignment(today, absolute, kind) if follows_films(today) else ()
+    return AlignmentOut(**fields, numbers=list(_numbers(absolute, changes, {one.name: one for one in targets})))
 
 
 def _alignment(one: Identified, baseline: list[Identified]) -> tuple[Quantities, tuple[ToleratedChange, ...]]:
@@ -85,7 +104,9 @@ def _alignment(one: Identified, baseline: list[Identified]) -> tuple[Quantities,
     return alignment_quantities(one.model), changes
 
 
-def _numbers(absolute: Quantities, changes: tuple[ToleratedChange, ...]) -> Iterator[AlignmentNumber]:
+def _numbers(
+    absolute: Quantities, changes: tuple[ToleratedChange, ...], targets: Mapping[str, TargetedAlignment]
+) -> Iterator[AlignmentNumber]:
     by_name = {one.name: one for one in changes}
     for one in absolute:
         said = describe(one.name)
@@ -99,7 +120,15 @@ def _numbers(absolute: Quantities, changes: tuple[ToleratedChange, ...]) -> Iter
             change=None if change is None else _changed(change),
             allowed=None if change is None else change.allowed,
             beyond=None if change is None or change.value is None else change.beyond,
+            target=None if one.name not in targets else _targeted(targets[one.name]),
         )
+
+
+def _targeted(one: TargetedAlignment) -> AlignmentTargetOut:
+    off, half = one.off, one.half
+    ends = (None, None) if off is None or half is None else (off - half, off + half)
+    told = Determined(value=off, lower=ends[0], upper=ends[1], reason=one.reason)
+    return AlignmentTargetOut(state=one.state, target=one.target, off=told, allowed=one.allowed, beyond=one.beyond)
 
 
 def _determined(one: Derived) -> Determined:

@@ -58,6 +58,15 @@ class RunnerUp(BaseModel):
     evidence: float
 
 
+class SecondOrderOut(BaseModel):
+    """A 2× near running speed that has grown beside a coupling, and at no probe elsewhere; it raises no alert by itself."""
+
+    probe: str
+    before_um: float = Field(description="amplitude in the baseline, 0-to-peak")
+    now_um: float = Field(description="amplitude in the newest run, 0-to-peak")
+    decided: bool = Field(description="whether it decided between two explanations that are about as good as each other")
+
+
 class SizeOut(BaseModel):
     """A figure of a cause's size with its 95 % interval."""
 
@@ -122,6 +131,9 @@ class CauseOut(BaseModel):
     )
     not_estimable: list[str] = Field(default_factory=list, description="parameters of its element that it does not determine")
     runners_up: list[RunnerUp] = Field(default_factory=list)
+    second_order: SecondOrderOut | None = Field(
+        default=None, description="growth of the 2× that speaks for it, rather than for an explanation that is nearly as good"
+    )
 
 
 class AlertedCause(CauseOut):

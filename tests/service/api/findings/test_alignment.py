@@ -10,6 +10,7 @@ import pytest
 from estimator.alignment.alignment_change import alignment_change_quantities
 from estimator.alignment.tolerance import allowed_alignment
 from estimator.arrays import Floats
+from estimator.machine.document import parse_machine
 from estimator.updated_model.derived_quantities import Derived, alignment_quantities
 from estimator.updated_model.model import UpdatedModel, expected_model
 from service.monitoring.assessment import WEEK
@@ -35,7 +36,7 @@ def raised(by: float) -> Floats:
     return point
 
 
-def file(database: Database, week: int, point: Floats) -> None:
+def file(database: Database, week: int, point: Floats, *, run_kind: str = "run-down") -> None:
     outcome = identification(
         estimates=(),
         coordinates=MODEL.coordinates,
@@ -44,7 +45,9 @@ def file(database: Database, week: int, point: Floats) -> None:
         channel_effects=None,
     )
     with database.transaction() as session:
-        store_identification(session, outcome, run_id=week, measured_at=START + week * WEEK, machine_id=MACHINE.id)
+        store_identification(
+            session, outcome, run_id=week, measured_at=START + week * WEEK, run_kind=run_kind, machine_id=MACHINE.id
+        )
 
 
 @pytest.fixture
@@ -96,6 +99,31 @@ def test_without_a_baseline_there_is_no_change_and_it_is_said(api: Api) -> None:
     assert found["missing"] == "identification 2 is part of the baseline"
     assert [one["change"] for one in found["numbers"]] == [None] * len(NAMES)
     assert found["numbers"][0]["absolute"]["value"] == pytest.approx(0.0, abs=1e-6)
+
+
+def test_hot_and_cold_runs_are_told_against_targets_of_their_own(api: Api) -> None:
+    assert {one["target"] for one in api.value(f"/machines/{MACHINE.id}/alignment")["numbers"]} == {None}
+    target = {"coupling": "C1", "left_cold": {"offset_vertical": -100e-6, "angle_vertical": 0.0}}
+    target["growth"] = {"offset_vertical": 120e-6}
+    said = MACHINE.model_dump(mode="json")
+    said["operation"]["alignment_targets"] = [target]
+    with api.database.transaction() as session:
+        machines.revise(session, parse_machine(said))
+    file(api.database, BASELINE + 2, raised(0.0), run_kind="run-up")
+
+    def told(which: int) -> dict[str, Any]:
+        numbers = api.value(f"/machines/{MACHINE.id}/alignment", identification=which)["numbers"]
+        return {one["quantity"]: one["target"] for one in numbers}
+
+    hot, cold = told(BASELINE + 1), told(BASELINE + 2)
+    assert (hot["offset_vertical"]["state"], cold["offset_vertical"]["state"]) == ("hot", "cold")
+    assert hot["offset_vertical"]["target"] == pytest.approx(20e-6)
+    assert hot["offset_vertical"]["off"]["value"] == pytest.approx(MOVED - 20e-6, abs=1e-6)
+    assert cold["offset_vertical"]["off"]["value"] == pytest.approx(100e-6, abs=1e-6)
+    assert cold["offset_vertical"]["beyond"] > 0.95
+    assert hot["angle_vertical"] is None  # of which no growth is stated
+    assert "hardly more" in cold["angle_vertical"]["off"]["reason"]
+    assert hot["offset_horizontal"] is None
 
 
 def test_a_train_without_films_has_no_numbers(api: Api) -> None:
