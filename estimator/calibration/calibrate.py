@@ -10,6 +10,7 @@ from estimator.arrays import Floats
 from estimator.calibration.calibrated_document import calibrated_document
 from estimator.calibration.calibration_runs import CalibrationRun, check_runs
 from estimator.calibration.chain_start import best_chains
+from estimator.calibration.likely_gains import unlikely_gains
 from estimator.calibration.mounted_problem import MountedProblem
 from estimator.calibration.undetermined import distinct_speeds, freed
 from estimator.calibration.variance_components import ScatterModel, ScatterSizes
@@ -110,7 +111,7 @@ def calibrate(machine: Machine, runs: Sequence[CalibrationRun], *, seed: int = 0
         problem, scatter, speeds = _problem(fitted, most)
         theta, sizes, converged = _settled(problem, scatter, problem.coordinates.theta(point), sizes)
     problem = scatter.applied(problem, sizes)
-    remarks = (*held, *remarks, *first.remarks)
+    remarks = (*held, *remarks, *first.remarks, *unlikely_gains(problem.coordinates.channels.gains(theta)))
     accepted, verdict = _verdict(problem, theta, converged)
     calibration = _calibration(problem, theta, runs, sizes, speeds=speeds, groups=scatter.group).model_copy(
         update={"verdict": "; ".join((verdict, *remarks))}
