@@ -14,6 +14,7 @@ from estimator.calibration.likely_gains import unlikely_gains
 from estimator.calibration.mounted_problem import MountedProblem
 from estimator.calibration.undetermined import distinct_speeds, freed
 from estimator.calibration.variance_components import ScatterModel, ScatterSizes
+from estimator.calibration.wrong_senses import explaining_senses
 from estimator.fit.coordinates import Coordinates
 from estimator.fit.goodness_of_fit import LARGEST_ESTIMATED_NOISE
 from estimator.fit.maximum_likelihood import descend
@@ -99,6 +100,15 @@ def calibrate(machine: Machine, runs: Sequence[CalibrationRun], *, seed: int = 0
         SingularCondensation: The train cannot be condensed at a speed.
     """
     remarks = check_runs(machine, runs)
+    found = _calibrated(machine, runs, remarks, seed)
+    if found.accepted:
+        return found
+    meant = explaining_senses(runs, lambda other: _calibrated(machine, other, (), seed).accepted)
+    return replace(found, verdict=f"{found.verdict} {meant}") if meant else found
+
+
+def _calibrated(machine: Machine, runs: Sequence[CalibrationRun], remarks: tuple[str, ...], seed: int) -> Calibrated:
+    """Return the calibration of runs that were checked, with the remarks on them."""
     few, most = (_gathered(runs, most) for most in MOST_OF_SWEEPS)
     fitted, held = freed(machine, most.measurement)
     problem, scatter, speeds = _problem(fitted, few)

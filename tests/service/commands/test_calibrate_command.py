@@ -111,5 +111,7 @@ def test_gains_that_no_chain_has_ask_for_the_unit_of_the_weights(tmp_path: Path)
 def test_runs_that_the_model_cannot_explain_write_nothing(tmp_path: Path) -> None:
     file = recording(tmp_path, "lead", held=False, phase_convention="lead", disc_scale={"counted": "against-rotation"})
     output = tmp_path / "none.yaml"
-    assert "NOT ACCEPTED" in run("calibrate", DOCUMENT, file, "--output", str(output), status=1)
+    text = run("calibrate", DOCUMENT, file, "--output", str(output), status=1)
+    assert "NOT ACCEPTED" in text
+    assert "It fits with the angles of the weights counted the other way round (`disc_scale`) or with the opposite sign" in text
     assert not output.exists()
