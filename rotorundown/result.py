@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from estimator.calibration.unbalance_since import UnbalanceSince, unbalance_since
 from estimator.close_matches import did_you_mean
 from estimator.fit.estimates import Estimate
 from estimator.fit.identification import Identification
@@ -68,6 +69,11 @@ class Result:
     def model(self) -> Model:
         """Return the model of the machine with the values found and their covariance."""
         return Model(updated_model(self.machine, self.identification))
+
+    @cached_property
+    def unbalance_gained(self) -> UnbalanceSince | None:
+        """Return the unbalance gained since the machine's calibration, with its covariance; None of one not calibrated."""
+        return unbalance_since(self.machine, self.identification)
 
     def __getitem__(self, name: str) -> Estimate:
         """Return the estimate of a name such as `coupling.C1.kxx`. Raises UnknownName with close matches."""

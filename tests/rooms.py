@@ -115,10 +115,11 @@ service/api/operation: service/api/conventions service/configuration service/htt
     storage/tables
 service/ingest: service/journal service/recovery service/replication service/resilience service/wire storage
     storage/database storage/machines storage/measurements
-service/api/findings: estimator estimator/alignment estimator/diagnosis estimator/fit estimator/machine estimator/modes
-    estimator/phasors estimator/rotor estimator/trends estimator/updated_model service/advice service/alerts
-    service/api/cache service/api/conventions service/http service/identification service/monitoring service/security
-    service/wording service/workers storage storage/alerts storage/findings storage/machines storage/tables
+service/api/findings: estimator estimator/alignment estimator/calibration estimator/diagnosis estimator/fit
+    estimator/machine estimator/modes estimator/phasors estimator/rotor estimator/trends estimator/updated_model
+    service/advice service/alerts service/api/cache service/api/conventions service/http service/identification
+    service/monitoring service/security service/wording service/workers storage storage/alerts storage/findings
+    storage/machines storage/tables
 service/api/machines: estimator estimator/calibration estimator/machine estimator/phasors estimator/runs
     estimator/updated_model service/alerts service/api/cache service/api/conventions service/balancing service/http
     service/identification service/monitoring service/reports service/runs service/security storage storage/database

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.calibration.influence_correction import equivalent_unbalance
+from estimator.calibration.equivalent_unbalance import equivalent_unbalance
 from estimator.calibration.measured_influence import measure_influence
 from estimator.calibration.trial_runs import TrialRuns
 from estimator.fit.estimates import CONFIDENCE_95
@@ -81,13 +81,28 @@ def simulated_runs(seed: int, *, noise: float) -> TrialRuns:
     """
     runs, rng = kit_runs(), np.random.default_rng(seed)
     influence = measure_influence(runs)
-
-    def scattered(*shape: int) -> Complexes:
-        return np.asarray((rng.standard_normal(shape) + 1j * rng.standard_normal(shape)) / np.sqrt(2.0))
-
-    moved = runs.added + MOUNTING_G_MM * scattered(*runs.added.shape)
+    moved = runs.added + MOUNTING_G_MM * _scattered(rng, *runs.added.shape)
     vector = influence.offset + moved @ influence.influence.T
-    vector += noise * np.sqrt(np.real(np.diag(influence.scatter))) * scattered(*vector.shape)
+    vector += noise * np.sqrt(np.real(np.diag(influence.scatter))) * _scattered(rng, *vector.shape)
+    return _shown(runs, vector)
+
+
+def runs_with_scatter(seed: int) -> TrialRuns:
+    """Return runs as the kit's, simulated with its coefficients and the scatter that its own runs have, point by point."""
+    runs, rng = kit_runs(), np.random.default_rng(seed)
+    influence = measure_influence(runs)
+    variance, direction = np.linalg.eigh(influence.scatter)
+    size = np.sqrt(np.maximum(variance, 0.0))
+    scatter = (size * _scattered(rng, *runs.vector.shape)) @ direction.T
+    return _shown(runs, influence.offset + runs.added @ influence.influence.T + scatter)
+
+
+def _scattered(rng: np.random.Generator, *shape: int) -> Complexes:
+    return np.asarray((rng.standard_normal(shape) + 1j * rng.standard_normal(shape)) / np.sqrt(2.0))
+
+
+def _shown(runs: TrialRuns, vector: Complexes) -> TrialRuns:
+    """Return runs with other vectors, where they show any."""
     return replace(runs, vector=np.where(np.isfinite(runs.vector), vector, complex(np.nan, np.nan)))
 
 

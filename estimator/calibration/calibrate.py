@@ -10,9 +10,11 @@ from estimator.arrays import Floats
 from estimator.calibration.calibrated_document import calibrated_document
 from estimator.calibration.calibration_runs import CalibrationRun, check_runs
 from estimator.calibration.chain_start import best_chains
+from estimator.calibration.likely_gains import unlikely_gains
 from estimator.calibration.mounted_problem import MountedProblem
 from estimator.calibration.undetermined import distinct_speeds, freed
 from estimator.calibration.variance_components import ScatterModel, ScatterSizes
+from estimator.calibration.wrong_senses import explaining_senses
 from estimator.fit.goodness_of_fit import LARGEST_ESTIMATED_NOISE
 from estimator.fit.maximum_likelihood import descend
 from estimator.fit.multistart import best_fit
@@ -98,6 +100,15 @@ def calibrate(machine: Machine, runs: Sequence[CalibrationRun], *, seed: int = 0
         SingularCondensation: The train cannot be condensed at a speed.
     """
     remarks = check_runs(machine, runs)
+    found = _calibrated(machine, runs, remarks, seed)
+    if found.accepted:
+        return found
+    meant = explaining_senses(runs, lambda other: _calibrated(machine, other, (), seed).accepted)
+    return replace(found, verdict=f"{found.verdict} {meant}") if meant else found
+
+
+def _calibrated(machine: Machine, runs: Sequence[CalibrationRun], remarks: tuple[str, ...], seed: int) -> Calibrated:
+    """Return the calibration of runs that were checked, with the remarks on them."""
     few, most = (_gathered(runs, most) for most in MOST_OF_SWEEPS)
     fitted, held = freed(machine, most.measurement)
     problem, scatter, speeds = _problem(fitted, few)
@@ -110,7 +121,7 @@ def calibrate(machine: Machine, runs: Sequence[CalibrationRun], *, seed: int = 0
         problem, scatter, speeds = _problem(fitted, most)
         theta, sizes, converged = _settled(problem, scatter, problem.coordinates.theta(point), sizes)
     problem = scatter.applied(problem, sizes)
-    remarks = (*held, *remarks, *first.remarks)
+    remarks = (*held, *remarks, *first.remarks, *unlikely_gains(problem.coordinates.channels.gains(theta)))
     accepted, verdict = _verdict(problem, theta, converged)
     calibration = _calibration(problem, theta, runs, sizes, speeds=speeds, groups=scatter.group).model_copy(
         update={"verdict": "; ".join((verdict, *remarks))}

@@ -11,12 +11,14 @@ from estimator.machine.document import Machine
 from estimator.machine.parts import Disc
 from estimator.phasors.measurement import Measurement, joined
 
-LARGEST_ECCENTRICITY = 0.05
+LARGEST_ECCENTRICITY = 0.01
 """Shift of a disc's centre of mass [m] beyond which a trial weight is most likely in another unit."""
 LIKELY_ECCENTRICITY = 1e-3
 """Shift of a disc's centre of mass [m] up to which a trial weight is likely."""
-UNITS = {"g mm": 1e-6, "kg mm": 1e-3}
-"""Smaller units of an unbalance, for what may be meant by a number in kg m [kg m]."""
+FACTORS = {"kg m": 1e-6, "kg mm": 1e-3, "oz in": 1e-6 / 7.2008e-4, "g in": 1e-6 / 2.54e-5}
+"""What a number is too large by that was meant in g mm and given in another unit [-]."""
+LEAST_ECCENTRICITY = 1e-6
+"""Shift of a disc's centre of mass [m] from which on a trial weight shows anything."""
 SAME_WEIGHT = 1e-6
 """Part of the largest trial weight up to which two are the same [-]."""
 
@@ -61,6 +63,7 @@ def check_runs(machine: Machine, runs: Sequence[CalibrationRun]) -> tuple[str, .
         raise CalibrationImpossible("a calibration needs runs: one as the machine is, and one with a known unbalance at least")
     for run in runs:
         _check_weights(machine, run)
+    _require_no_copies(runs)
     added = joined([run.measurement for run in runs]).added
     if added is None or not np.any(np.abs(added) > 0.0):
         raise CalibrationImpossible(
@@ -102,11 +105,34 @@ def _check_weights(machine: Machine, run: CalibrationRun) -> None:
 
 
 def _meant(disc: Disc, size: float) -> str:
-    """Name the unit in which the number would be likely."""
-    for unit, factor in UNITS.items():
-        if size * factor / disc.mass <= LIKELY_ECCENTRICITY:
-            return f": {size:g} {unit} is likely, so `unit: {unit}`"
-    return ": is the unit right?"
+    """Name what the weight would be if its number was meant in g mm."""
+    likely = [
+        (unit, 1e6 * factor * size)
+        for unit, factor in FACTORS.items()
+        if LEAST_ECCENTRICITY <= size * factor / disc.mass <= LIKELY_ECCENTRICITY
+    ]
+    if not likely:
+        return ": is the unit right?"
+    if len(likely) == 1:
+        return f": {likely[0][1]:.3g} g mm is likely, so `unit: g mm`"
+    return f": is `unit: g mm` meant ({', '.join(f'{number:.3g} g mm where {unit} was said' for unit, number in likely)})?"
+
+
+def _require_no_copies(runs: Sequence[CalibrationRun]) -> None:
+    """Raise CalibrationImpossible where the same samples stand in two runs, or in two mountings of one."""
+    seen: dict[bytes, tuple[int, str]] = {}
+    for number, run in enumerate(runs):
+        measurement = run.measurement
+        for row, mounting in enumerate(run.mounting):
+            if not measurement.usable[row].any():
+                continue
+            sample = np.r_[measurement.speed[row], np.where(measurement.usable[row], measurement.phasor[row], 0.0)].tobytes()
+            first, before = seen.setdefault(sample, (number, mounting))
+            if (first, before) != (number, mounting):
+                where = f"{before} and {mounting} of {run.name}" if first == number else f"{runs[first].name} and {run.name}"
+                raise CalibrationImpossible(
+                    f"{where} hold the same samples: one is a copy of the other, not a run with another trial weight"
+                )
 
 
 def _alike(machine: Machine, added: Complexes, differs: np.ndarray) -> tuple[str, ...]:

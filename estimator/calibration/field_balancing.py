@@ -144,8 +144,7 @@ def balance_from_trials(
     _require_weights(trials)
     speed = _speeds(machine, [*initial, *trials], asked)
     every, left_points = vectors_of(machine, [*initial, *trials], speed).determined()
-    mass = sum(mass_and_centre(assemble_rotor(machine), shaft.id)[0] for shaft in machine.shafts)
-    require_plausible_weights(every, mass=mass)
+    require_plausible_weights(every, mass=mass_of_rotors(machine))
     choice = choose_influence(every, model=_at_points(every, speed, machine, model), method=asked.method)
     separation = separate_planes(choice.influence.pick(_planes(machine, every, asked)))
     if not separation.planes:
@@ -172,6 +171,19 @@ def balance_from_trials(
         ),
     )
     return _with_residuals(found)
+
+
+def mass_of_rotors(machine: Machine) -> float:
+    """Compute the mass that trial weights are compared with.
+
+    Args:
+        machine: The machine.
+
+    Returns:
+        Mass of all rotors of the train [kg].
+    """
+    rotor = assemble_rotor(machine)
+    return float(sum(mass_and_centre(rotor, shaft.id)[0] for shaft in machine.shafts))
 
 
 def _require_weights(trials: Sequence[BalancingRun]) -> None:

@@ -110,7 +110,7 @@ def fit_influence(runs: TrialRuns, model: Complexes | None, method: InfluenceMet
     noise = _noise(runs, model)
     fits = [_fit_point(runs, model[point], noise[point], point, method) for point in range(len(runs.points))]
     left = np.stack([one.left for one in fits], axis=1)
-    scatter, freedom = estimate_scatter(runs, left, spent=float(np.mean([one.spent for one in fits])))
+    scatter, freedom, shares = estimate_scatter(runs, left, spent=float(np.mean([one.spent for one in fits])))
     if not np.isfinite(freedom):
         scatter = np.diag(noise).astype(complex)
     own = np.real(np.diag(scatter))
@@ -126,6 +126,7 @@ def fit_influence(runs: TrialRuns, model: Complexes | None, method: InfluenceMet
         spread=spread * grown[:, None, None],
         scatter=scatter,
         freedom=freedom,
+        shares=shares,
     )
 
 

@@ -17,9 +17,6 @@ from estimator.errors import Invalid
 from estimator.updated_model.balancing import least_squares_within
 from estimator.updated_model.uncertainty import PhasorBand
 
-LEAST_ALONE = 0.02
-"""Least variance of a point that no other shares, as a part of its own [-]: no points err in perfect unison."""
-
 
 class CorrectionUnusable(Invalid):
     """Raised for limits or weights of a correction that have another shape or are negative."""
@@ -101,56 +98,6 @@ def correct(
         before=influence.predicted(np.zeros(planes, dtype=complex)),
         after=influence.predicted(found),
     )
-
-
-def equivalent_unbalance(
-    influence: MeasuredInfluence, vector: Complexes, *, beside_offset: bool = False
-) -> tuple[Complexes, Complexes]:
-    """Estimate the unbalances in the planes that would cause a run's vectors.
-
-    Generalised least squares (Aitken, Proc. R. Soc. Edinb. 55 (1935) 42, doi:10.1017/S0370164600014346) with the scatter of
-    the runs: what all points show together in each run by itself is the rotor's settling, what one shows alone is noise.
-
-    Args:
-        influence: Influence coefficients.
-        vector: Vectors (K,) of a run; NaN where it shows none [m].
-        beside_offset: Estimate what was added to the state without trial weights, instead of all that makes the vibration.
-
-    Returns:
-        Unbalances (Q,) [kg m] and their covariance (Q, Q), E[e eᴴ] [kg² m²].
-    """
-    shown = np.isfinite(vector)
-    own = np.real(np.diag(influence.scatter))[shown]
-    correlation = _regularised(influence.correlation()[np.ix_(shown, shown)], freedom=influence.freedom / 2.0)
-    inverse = _weighted_inverse(influence.influence[shown], correlation, np.sqrt(own))
-    found = inverse @ (vector - influence.offset if beside_offset else vector)[shown]
-    # The error of the coefficients acts with the unbalance; that of the offset only where it was subtracted.
-    unknowns = np.concatenate([[1.0 if beside_offset else 0.0], found])
-    variance = np.real(np.einsum("i,kij,j->k", unknowns, influence.spread[shown], np.conj(unknowns)))
-    size = np.sqrt(np.maximum(variance, 0.0) + own)
-    return found, np.asarray(inverse @ (correlation * np.outer(size, size)) @ np.conj(inverse).T)
-
-
-def _regularised(correlation: Complexes, *, freedom: float) -> Complexes:
-    """Return correlations between points that few runs have shown, fit to weight by.
-
-    The part λ that Schäfer and Strimmer (Stat. Appl. Genet. Mol. Biol. 4 (2005) 32, doi:10.2202/1544-6115.1175) shrink by is
-    Σ Var(r) / Σ |r|², with Var(r) = (1 - |r|²)² / ν. Here correlations shrink by λ² only and each point gets λ of its own
-    beside them, a little more variance in all: weights chosen by estimated correlations err more than these say.
-    """
-    square = np.minimum(np.abs(correlation) ** 2, 1.0)[~np.eye(len(correlation), dtype=bool)]
-    total = float(np.sum(square))
-    part = float(np.sum((1.0 - square) ** 2)) / freedom / total if total > 0.0 and np.isfinite(freedom) else 0.0
-    part = min(max(part, LEAST_ALONE), 1.0)
-    return np.asarray((1.0 - part**2) * correlation + part * np.eye(len(correlation)))
-
-
-def _weighted_inverse(matrix: Complexes, correlation: Complexes, size: Floats) -> Complexes:
-    """Return (AᴴΣ⁻¹A)⁻¹AᴴΣ⁻¹; without weights where nothing is known of the scatter."""
-    if not np.all(size > 0.0):
-        return np.asarray(np.linalg.pinv(matrix))
-    whitened = np.linalg.solve(np.linalg.cholesky(correlation), np.diag(1.0 / size).astype(complex))
-    return np.asarray(np.linalg.pinv(whitened @ matrix) @ whitened)
 
 
 def _covariance(influence: MeasuredInfluence, found: Complexes, scale: Floats) -> Complexes:

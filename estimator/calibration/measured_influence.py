@@ -37,6 +37,8 @@ class MeasuredInfluence:
         spread: Covariance (K, Q + 1, Q + 1) of offset and coefficients of each point, E[e eᴴ] [m², m/(kg m)].
         scatter: Covariance (K, K) of the vectors of one run, E[e eᴴ] [m²].
         freedom: Real degrees of freedom of the scatter [-]; infinite where it is the expected one.
+        shares: What each of R runs adds to the scatter (R, K), whose squares are summed in it [m], NaN where it shows nothing;
+            None where the scatter is the expected one.
     """
 
     planes: tuple[str, ...]
@@ -46,6 +48,7 @@ class MeasuredInfluence:
     spread: Complexes
     scatter: Complexes
     freedom: float
+    shares: Complexes | None = None
 
     @property
     def widening(self) -> float:
@@ -118,6 +121,7 @@ class MeasuredInfluence:
             offset=(vector - self.influence @ weight)[shown],
             spread=spread,
             scatter=self.scatter[np.ix_(shown, shown)],
+            shares=None if self.shares is None else self.shares[:, shown],
         )
 
     def coefficient_error(self) -> Floats:
@@ -169,7 +173,7 @@ def measure_influence(runs: TrialRuns) -> MeasuredInfluence:
         scaled = np.linalg.lstsq(own, seen, rcond=None)[0]
         left[shown, point] = seen - own @ scaled
         solution[point] = scaled * unit
-    scatter, freedom = estimate_scatter(runs, left, spent=planes + 1.0)
+    scatter, freedom, shares = estimate_scatter(runs, left, spent=planes + 1.0)
     return MeasuredInfluence(
         planes=runs.planes,
         points=runs.points,
@@ -178,10 +182,11 @@ def measure_influence(runs: TrialRuns) -> MeasuredInfluence:
         spread=(np.real(np.diag(scatter))[:, None, None] * factor).astype(complex),
         scatter=scatter,
         freedom=freedom,
+        shares=shares,
     )
 
 
-def estimate_scatter(runs: TrialRuns, left: Complexes, *, spent: float) -> tuple[Complexes, float]:
+def estimate_scatter(runs: TrialRuns, left: Complexes, *, spent: float) -> tuple[Complexes, float, Complexes | None]:
     """Estimate the covariance of a run's vectors from the residuals of a fit, no smaller than the expected errors.
 
     Args:
@@ -190,18 +195,20 @@ def estimate_scatter(runs: TrialRuns, left: Complexes, *, spent: float) -> tuple
         spent: Unknowns that the fit has spent at each point [-].
 
     Returns:
-        Covariance (K, K) [m²], and its real degrees of freedom [-], infinite where it is the expected one.
+        Covariance (K, K) [m²], its real degrees of freedom [-], infinite where it is the expected one, and what each run adds
+        to it (R, K) [m].
     """
     square = expected_variance(runs)
     freedom = np.count_nonzero(np.isfinite(left), axis=0) - spent
     least = float(np.min(freedom))
     if least < LEAST_FREEDOM:
-        return np.diag(square).astype(complex), float("inf")
-    filled = np.where(np.isfinite(left), left, 0.0) / np.sqrt(freedom)
+        return np.diag(square).astype(complex), float("inf"), None
+    shares = left / np.sqrt(freedom)
+    filled = np.where(np.isfinite(left), shares, 0.0)
     found = filled.T @ np.conj(filled)
     # Few runs may agree by chance to better than a single vector is known.
     short = np.maximum(np.where(np.isfinite(square), square, 0.0) - np.real(np.diag(found)), 0.0)
-    return np.asarray(found + np.diag(short)), 2.0 * least
+    return np.asarray(found + np.diag(short)), 2.0 * least, shares
 
 
 def expected_variance(runs: TrialRuns) -> Floats:

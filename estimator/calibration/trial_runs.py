@@ -201,13 +201,28 @@ def require_plausible_weights(runs: TrialRuns, *, mass: float) -> None:
         TrialsUnusable: A weight would move the centre of mass by millimetres.
     """
     for name, row in zip(runs.names, runs.added, strict=True):
-        for plane, unbalance in zip(runs.planes, np.abs(row), strict=True):
-            shift = float(unbalance) / mass
-            if shift > LARGEST_SHIFT:
-                raise TrialsUnusable(
-                    f"{name}: {unbalance:.3g} kg m on {plane} would move the centre of mass of {mass:.3g} kg by "
-                    f"{1e3 * shift:.3g} mm; is it in another unit? {unbalance:.3g} g mm are {unbalance * 1e-6:.3g} kg m"
-                )
+        for plane, unbalance in zip(runs.planes, np.abs(row).tolist(), strict=True):
+            require_plausible_weight(unbalance, name=name, plane=plane, mass=mass)
+
+
+def require_plausible_weight(unbalance: float, *, name: str, plane: str, mass: float) -> None:
+    """Check that one trial weight is of a size that somebody would put on a rotor.
+
+    Args:
+        unbalance: Its unbalance [kg m].
+        name: Name of the run.
+        plane: Id of its plane.
+        mass: Mass of the rotors [kg].
+
+    Raises:
+        TrialsUnusable: It would move the centre of mass by millimetres.
+    """
+    shift = unbalance / mass
+    if shift > LARGEST_SHIFT:
+        raise TrialsUnusable(
+            f"{name}: {unbalance:.3g} kg m on {plane} would move the centre of mass of {mass:.3g} kg by "
+            f"{1e3 * shift:.3g} mm; is it in another unit? {unbalance:.3g} g mm are {unbalance * 1e-6:.3g} kg m"
+        )
 
 
 def weak_trials(runs: TrialRuns) -> tuple[str, ...]:

@@ -7,13 +7,29 @@ mounting (conditional Gaussian: Rasmussen and Williams, Gaussian Processes for M
 
 import math
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
 from estimator.fit.estimates import CONFIDENCE_95
-from estimator.fit.identification import Identification
 from estimator.machine.document import Machine
+
+
+class FittedPoint(Protocol):
+    """Fit at its end, just made or read from a store: names of its n coordinates, their values (n,), covariance (n, n)."""
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Return the names of the coordinates."""
+
+    @property
+    def point(self) -> Floats:
+        """Return their values (n,) in SI units [-]."""
+
+    @property
+    def covariance(self) -> Floats:
+        """Return their covariance (n, n) in SI units [-]."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +70,7 @@ class UnbalanceSince:
         return 180.0 if half >= size else math.degrees(math.asin(half / size))
 
 
-def unbalance_since(machine: Machine, found: Identification) -> UnbalanceSince | None:
+def unbalance_since(machine: Machine, found: FittedPoint) -> UnbalanceSince | None:
     """Compute the unbalance that a calibrated machine has gained since (Rasmussen and Williams 2006, app. A.2).
 
     Args:

@@ -121,6 +121,19 @@ def with_named_conventions(
     )
 
 
+def coarsely_better(machine: Machine, measurements: Sequence[Measurement]) -> tuple[WrongConvention, ...]:
+    """Find the wrong conventions that a refused fit would have tried in full: without any, none can be named.
+
+    Args:
+        machine: The machine.
+        measurements: Samples of its runs, run by run.
+
+    Returns:
+        The hypotheses, the best first; without those on amplitudes, which a fit must have found implausible first.
+    """
+    return tuple(_Trial(machine, (), measurements, None, gate=False).promising(None))
+
+
 def _telling(gated: GatedIdentification, verdict: str) -> GatedIdentification:
     assert gated.identification is not None
     return replace(gated, identification=replace(gated.identification, verdict=verdict))
@@ -153,7 +166,7 @@ class _Trial:
 
     def named(self, refused: Identification) -> tuple[NamedConvention, ...]:
         """Return the hypotheses that explain the runs, the best first."""
-        found = [(one, self._fitted(one)) for one in self._promising(refused)]
+        found = [(one, self._fitted(one)) for one in self.promising(refused)]
         fitted = [(one, result) for one, result in found if result is not None]
         before = self._misfit(refused, joined(list(self.measurements)))
         after = {one.words: self._misfit(result, self._whole(one)) for one, result in fitted}
@@ -169,8 +182,8 @@ class _Trial:
             if one.accepted == named[0].accepted and one.improvement * EQUALLY_WELL >= named[0].improvement
         )
 
-    def _promising(self, refused: Identification) -> list[WrongConvention]:
-        """Return the hypotheses that leave far less misfit in a coarse fit, the best first."""
+    def promising(self, refused: Identification | None) -> list[WrongConvention]:
+        """Return the hypotheses that leave far less misfit in a coarse fit, the best first; of amplitudes by a refused fit."""
         whole = joined(list(self.measurements))
         try:
             problem = coarse_problem(self.machine, whole)
@@ -181,7 +194,7 @@ class _Trial:
         tried += sorted(swapped_probes(self.machine), key=lambda one: linear_misfit(_permuted(problem, one)))[:LIKELIEST]
         good = self._better(tried, limit)
         # A factor on all amplitudes goes with much that is wrong: it is the reason only where nothing else is.
-        return good or self._better(self._amplitudes(refused, whole), limit)
+        return good if good or refused is None else self._better(self._amplitudes(refused, whole), limit)
 
     def _better(self, tried: Sequence[WrongConvention], limit: float) -> list[WrongConvention]:
         """Return those with no more misfit in a coarse fit, the best first."""

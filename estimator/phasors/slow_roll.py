@@ -184,6 +184,19 @@ def corrected(machine: Machine, measurement: Measurement, slow_roll: SlowRoll) -
     if not machine.noise.estimated and machine.calibration is None:  # which has found the scatter itself
         stated = error_size(machine.noise, np.abs(np.where(measurement.usable, measurement.phasor, 0.0)), scatter)
         scatter = np.where(slow_roll.known, stated, scatter)
+    return without_run_outs(machine, slow_roll), replace(subtracted(measurement, slow_roll), scatter=scatter)
+
+
+def without_run_outs(machine: Machine, slow_roll: SlowRoll) -> Machine:
+    """Prepare a document alone for measurements from which slow-roll vectors were subtracted, as `corrected` does.
+
+    Args:
+        machine: The machine.
+        slow_roll: The vectors.
+
+    Returns:
+        The document, a calibration's run-outs in it moved by the vectors.
+    """
     held = () if machine.calibration is None else machine.calibration.parameters
     probes = tuple(
         probe.model_copy(update={"run_out_spread": float(error)})
@@ -193,9 +206,8 @@ def corrected(machine: Machine, measurement: Measurement, slow_roll: SlowRoll) -
             machine.probes, machine.channels, slow_roll.known, slow_roll.standard_error, strict=True
         )
     )
-    without = replace(subtracted(measurement, slow_roll), scatter=scatter)
     calibration = None if machine.calibration is None else _moved(machine.calibration, machine.channels, slow_roll)
-    return machine.model_copy(update={"probes": probes, "calibration": calibration}), without
+    return machine.model_copy(update={"probes": probes, "calibration": calibration})
 
 
 def _moved(calibration: Calibration, channels: Sequence[str], slow_roll: SlowRoll) -> Calibration:

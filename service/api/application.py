@@ -26,6 +26,7 @@ from service.api.findings.bode import router as bode
 from service.api.findings.comparisons import router as comparisons
 from service.api.findings.deviations import router as deviations
 from service.api.findings.diagnoses import router as diagnoses
+from service.api.findings.gained_unbalance import router as gained_unbalance
 from service.api.findings.identifications import router as identifications
 from service.api.findings.model import router as model
 from service.api.findings.model_process import ModelProcess
@@ -211,6 +212,7 @@ def _routes() -> list[BaseRoute]:
         model,
         bode,
         shaft_line,
+        gained_unbalance,
         diagnoses,
         event_stream,
         suppressions,

@@ -12,6 +12,7 @@ import msgspec
 import numpy as np
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic_core import ErrorDetails
 
 from estimator.arrays import Complexes, Floats
 from estimator.field_types import Identifier, Positive
@@ -97,6 +98,10 @@ class Sidecar(BaseModel):
             for part in self.channels
             for one in (part.amplitude, part.phase, part.real, part.imaginary, part.scatter, part.gap, part.overall)
         ]
+        ids = [part.channel for part in self.channels]
+        again = sorted({one for one in ids if ids.count(one) > 1})
+        if again:
+            raise ValueError(f"channel {', '.join(again)} is listed twice: each probe of the document has one entry")
         mapped = [one for one in (self.speed, self.time, *columns) if one is not None]
         twice = sorted({one for one in mapped if mapped.count(one) > 1})
         if twice:
@@ -255,8 +260,26 @@ def read_sidecar(path: Path) -> Sidecar:
     try:
         return Sidecar.model_validate(read_yaml(path))
     except ValidationError as error:
-        problems = "\n".join(f"  {field_path(item['loc'])}: {item['msg']}" for item in error.errors())
+        problems = "\n".join(dict.fromkeys(f"  {_told(item['loc'], item['msg'])}" for item in _chosen(error)))
         raise UnreadableFile(f"{path} is not a recording's sidecar:\n{problems}") from error
+
+
+def _chosen(error: ValidationError) -> list[ErrorDetails]:
+    """Return what is wrong, without the alternatives of a field that was meant otherwise: `none`, where weights are listed."""
+    found = error.errors()
+    listed = {item["loc"][0] for item in found if _is_alternative(item["loc"][1:2], "dict[") and len(item["loc"]) > 2}
+    return [item for item in found if not (item["loc"][:1] and item["loc"][0] in listed and len(item["loc"]) == 2)]
+
+
+def _is_alternative(names: tuple[int | str, ...], kind: str) -> bool:
+    return bool(names) and str(names[0]).startswith(kind)
+
+
+def _told(location: tuple[int | str, ...], message: str) -> str:
+    """Return one fault: the field, where it is one field's, and what would be right."""
+    fields = tuple(one for one in location if not str(one).startswith(("dict[", "literal[", "constrained-", "function-")))
+    message = message.removeprefix("Value error, ")
+    return f"{field_path(fields)}: {message}" if fields else message
 
 
 def split(batch: SampleBatch, size: int) -> Iterator[SampleBatch]:

@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+import yaml
 
 import rotorundown as rd
 from rotorundown.calibration import NotCalibrated
@@ -17,12 +18,34 @@ def calibrated() -> rd.CalibratedMachine:
     return rd.calibrate(rd.read_machine(KIT), [DATA / "rk4_unbalance_1x.csv"])
 
 
+def without_stated_weights(folder: Path, condition: str) -> rd.MachineRun:
+    """The kit's records of one condition, whose weights nobody states."""
+    header, *rows = (DATA / "rk4_unbalance_1x.csv").read_text().splitlines()
+    file = folder / "later.csv"
+    file.write_text("\n".join([header, *(row for row in rows if row.startswith(f"{condition},"))]))
+    said = yaml.safe_load((DATA / "rk4_unbalance_1x.yaml").read_text())
+    del said["added_unbalance"]
+    file.with_suffix(".yaml").write_text(yaml.safe_dump(said))
+    return rd.read_run(file, machine=rd.read_machine(KIT))
+
+
 def test_the_measured_kit_is_calibrated_and_written(calibrated: rd.CalibratedMachine, tmp_path: Path) -> None:
     assert calibrated.accepted
     assert str(calibrated).startswith(calibrated.verdict)
     assert calibrated._repr_html_().startswith("<pre>")
     calibrated.write(tmp_path / "kit.yaml")
     assert rd.read_machine(tmp_path / "kit.yaml") == calibrated.machine
+
+
+def test_what_a_later_run_has_gained_is_told_of_a_calibrated_machine_only(
+    calibrated: rd.CalibratedMachine, tmp_path: Path
+) -> None:
+    pump = rd.read_machine(EXAMPLES / "motor-pump.yaml")
+    assert rd.identify(pump, rd.simulate(pump)).unbalance_gained is None
+    gained = rd.identify(calibrated.machine, without_stated_weights(tmp_path, "A005")).unbalance_gained
+    assert gained is not None
+    assert abs(gained.value[0] - 30e-6) < 2.5 * gained.standard_error(0), "30 g mm were on disc 1, at 0°"
+    assert 5e-6 < gained.standard_error(0) * 1.96 < 20e-6
 
 
 def test_one_that_is_not_accepted_is_not_written(calibrated: rd.CalibratedMachine, tmp_path: Path) -> None:

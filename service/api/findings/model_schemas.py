@@ -122,6 +122,30 @@ class PlaneCorrection(BaseModel):
     angle_deg: float = Field(description="from the keyphasor mark, in the sense +x to +y")
 
 
+class GainedUnbalance(BaseModel):
+    """Unbalance that a disc has gained, with 95 % half widths."""
+
+    disc: str
+    g_mm: float
+    half_width_g_mm: float = Field(description="of its part along any direction")
+    angle_deg: float = Field(description="from the keyphasor mark, in the sense +x to +y")
+    half_width_deg: float = Field(description="180 where the angle is open")
+    clear: bool = Field(description="whether more than the uncertainty and a new mounting explain, at 95 %")
+
+
+class UnbalanceGained(BaseModel):
+    """Unbalance gained since the calibration that the document held.
+
+    The intervals hold the uncertainty of the calibration, of this run and of a new mounting.
+    """
+
+    identification: int
+    machine: str
+    accepted: bool = Field(description="whether the identification passed its tests; else its values are not to be used")
+    calibration_runs: list[str] = Field(description="names of the runs that the machine was calibrated with")
+    discs: list[GainedUnbalance]
+
+
 class Vibration(BaseModel):
     """A channel's amplitude over the speeds, with its 95 % band."""
 

@@ -19,6 +19,8 @@ from service.security.principal import Author
 Angle = Annotated[
     float, Field(ge=-3600, le=3600, allow_inf_nan=False, description="on the disc's scale [°]; see `disc_scale`")
 ]
+SMALLEST = 1e-6
+"""Smallest amount of a weight, in any unit."""
 Size = Annotated[float, Field(ge=1e-6, le=1e9, allow_inf_nan=False)]
 RunNumber = Annotated[int, Field(ge=0, le=2**62)]
 
@@ -27,13 +29,17 @@ class WeightIn(StrictModel):
     """A weight on a disc: an unbalance, or a mass at a radius."""
 
     disc: Identifier
-    amount: Size = Field(description="an unbalance or a mass, in `unit`")
+    amount: Annotated[float, Field(ge=0.0, le=1e9, allow_inf_nan=False)] = Field(
+        description="an unbalance or a mass, in `unit`; not zero"
+    )
     unit: UnbalanceUnit | MassUnit
     radius_mm: Size | None = Field(default=None, description="at which a mass sits [mm]")
     angle_deg: Angle
 
     @model_validator(mode="after")
     def _whole(self) -> Self:
+        if self.amount < SMALLEST:
+            raise ValueError("a weight of zero is none: leave it out; `weights: []` where there was none")
         if (self.unit in KILOGRAMS) != (self.radius_mm is not None):
             raise ValueError("a mass (kg, g, oz) needs its radius_mm; an unbalance (g mm, kg mm, g in, oz in, kg m) has none")
         return self

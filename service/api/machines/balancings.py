@@ -18,7 +18,9 @@ from estimator.calibration.field_balancing import (
     FieldBalancing,
     ModelInfluence,
     balance_from_trials,
+    mass_of_rotors,
 )
+from estimator.calibration.trial_runs import require_plausible_weight
 from estimator.calibration.weight_places import WeightPlaces
 from estimator.errors import Conflict
 from estimator.machine.disc_scale import DiscScale
@@ -91,7 +93,8 @@ def add_trial(request: Request, machine_id: MachineId, balancing_id: Number, sai
         weights = _weights(session, row, said.weights)
         if said.run in [*row.steps["initial"], *(trial["run"] for trial in row.steps["trials"])]:
             raise Unsuitable(f"run {said.run} is part of this balancing already")
-        balancing_run(session, machine_id, row.revision, said.run, weights)
+        tried = balancing_run(session, machine_id, row.revision, said.run, weights)
+        _require_plausible(machines.document(session, machine_id, row.revision), tried)
         trial = {"run": said.run, "weights": [asdict(one) for one in weights], "by": said.by}
         balancings.record(row, balancings.TRIED, trials=[*row.steps["trials"], trial], correction=None, check=None)
         return _rendered(session, row)
@@ -146,6 +149,13 @@ def check_correction(
         row = _unmoved(session, machine_id, balancing_id, read)
         balancings.record(row, balancings.CHECKED, check=step)
         return _rendered(session, row)
+
+
+def _require_plausible(machine: Machine, run: BalancingRun) -> None:
+    """Raise TrialsUnusable for a weight in a wrong unit, before the next run is made."""
+    mass, added = mass_of_rotors(machine), run.added
+    for disc, one in zip(machine.discs, [] if added is None else np.abs(added).tolist(), strict=True):
+        require_plausible_weight(one, name=run.name, plane=disc.id, mass=mass)
 
 
 def _unmoved(session: Session, machine_id: str, balancing_id: int, read: int) -> BalancingRow:

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from estimator.arrays import Complexes, Floats
-from estimator.calibration.influence_correction import correct, equivalent_unbalance
+from estimator.calibration.equivalent_unbalance import equivalent_unbalance
+from estimator.calibration.influence_correction import correct
 from estimator.calibration.measured_influence import measure_influence
 from estimator.calibration.trial_runs import TrialRuns, TrialsUnusable, total_weights
 from tests.estimator.calibration.printed_cases import trial_runs

@@ -119,3 +119,16 @@ def test_the_model_of_the_same_runs_is_compared_with_the_trials(runs: list[str],
     again = [recorded(tmp_path, f"again-{disc}", {disc: (80.0, 120.0)}, seed=at) for at, disc in enumerate(TRIALS, 30)]
     text = run("balance", *runs, *again, "--model")
     assert re.search(r"Influence: .* taken, (which predicts best|no model predicts clearly better): .*model [\d.]+ %", text)
+
+
+def test_planes_that_cannot_be_told_apart_are_named(runs: list[str], tmp_path: Path) -> None:
+    """A weight on D1 whose sidecar says D2 does what D1 does: as in Darlow's second case one of them is left out."""
+    beside = recorded(tmp_path, "beside", {"D1": (90.0, 0.0)}, seed=7)
+    (tmp_path / "beside.yaml").write_text((tmp_path / "beside.yaml").read_text().replace("D1", "D2"))
+    text = run("balance", *runs[:3], beside)
+    assert len(correction(text)) == 1
+    assert re.search(r"Note: D\d cannot be told apart from D\d: only \d+ % of what it does at the measuring points", text)
+
+
+def test_a_file_that_is_given_twice_is_no_repeat(runs: list[str]) -> None:
+    assert "hold the same vectors: one is a copy" in run("balance", *runs, runs[2], status=1)

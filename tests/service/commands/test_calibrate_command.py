@@ -76,6 +76,10 @@ def test_a_covariance_that_was_cut_short_is_refused(calibrated: tuple[str, Path]
             {"added_unbalance": {"D1": {"amount": "U1_gmm", "unit": "kg m", "angle_deg": "U1_deg"}}},
             "60 kg m on disc D1 (0.8 kg) would move its centre of mass by 75 m: 60 g mm is likely, so `unit: g mm`",
         ),
+        (
+            {"added_unbalance": {"D1": {"amount": "U1_gmm", "unit": "kg mm", "angle_deg": "U1_deg"}}},
+            "is `unit: g mm` meant (60 g mm where kg mm was said, 83.3 g mm where oz in was said)?",
+        ),
         ({"added_unbalance": "none"}, "no run has a trial weight"),
         ({"kind": "sweep", "interval_s": 1.0}, "its sidecar says `kind: dwells`"),
     ],
@@ -86,8 +90,28 @@ def test_wrong_runs_are_named(tmp_path: Path, sidecar: dict[str, Any], words: st
     assert not (tmp_path / "none.yaml").exists()
 
 
+def test_a_file_that_is_given_twice_or_copied_is_no_further_run(tmp_path: Path) -> None:
+    first = recording(tmp_path, "first", held=False)
+    assert "first.csv and first.csv hold the same samples: one is a copy" in run("calibrate", DOCUMENT, first, first, status=1)
+    other = recording(tmp_path, "other", held=False, added_unbalance={"D1": {"amount": 5, "unit": "g mm", "angle_deg": 10}})
+    assert "first.csv and other.csv hold the same samples" in run("calibrate", DOCUMENT, first, other, status=1)
+
+
+def test_gains_that_no_chain_has_ask_for_the_unit_of_the_weights(tmp_path: Path) -> None:
+    """All weights in g in that are g mm: a factor on all of them is one on all gains, which no run contradicts."""
+    weights = {f"D{n}": {"amount": f"U{n}_gmm", "unit": "g in", "angle_deg": f"U{n}_deg"} for n in (1, 2)}
+    few = recording(tmp_path, "few", held=False, added_unbalance=weights)
+    header, *rows = Path(few).read_text().splitlines()
+    Path(few).write_text("\n".join([header, *(row for row in rows if row.startswith(("BASE", "A007", "A015")))]))
+    text = run("calibrate", DOCUMENT, few, "--output", str(tmp_path / "kit.yaml"))
+    assert "which no usual chain does: are the trial weights' units right (such as" in text
+    assert "g mm given as g in" in text
+
+
 def test_runs_that_the_model_cannot_explain_write_nothing(tmp_path: Path) -> None:
     file = recording(tmp_path, "lead", held=False, phase_convention="lead", disc_scale={"counted": "against-rotation"})
     output = tmp_path / "none.yaml"
-    assert "NOT ACCEPTED" in run("calibrate", DOCUMENT, file, "--output", str(output), status=1)
+    text = run("calibrate", DOCUMENT, file, "--output", str(output), status=1)
+    assert "NOT ACCEPTED" in text
+    assert "It fits with the angles of the weights counted the other way round (`disc_scale`) or with the opposite sign" in text
     assert not output.exists()

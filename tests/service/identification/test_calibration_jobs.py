@@ -114,8 +114,19 @@ def test_a_calibration_is_computed_kept_and_put_in_force(
         assert one.imaginary is not None
         true = rig.truth.unbalances[0] + added[0]
         assert abs(complex(one.value, one.imaginary) - true) < 0.03 * abs(true), "without calibration the gain is in it"
+        number = row.id
         notes = [one.text for one in timeline.of_machine(session, rig.machine.id, limit=10)]
         assert any("calibration 1 of the model is in force, as revision 2" in text for text in notes)
+    gained = api("GET", f"/identifications/{number}/model/unbalance-gained")
+    assert (gained["accepted"], len(gained["calibration_runs"])) == (True, 3)
+    first, second = gained["discs"]
+    assert (first["disc"], first["clear"], second["clear"]) == ("D1", True, False)
+    assert abs(first["g_mm"] - 1e6 * WEIGHT) < 2.0 * first["half_width_g_mm"], (
+        "the weight put on since, not the whole unbalance"
+    )
+    assert first["half_width_g_mm"] < 0.2e6 * WEIGHT
+    assert abs(first["angle_deg"] - 30.0) < 2.0 * first["half_width_deg"] < 20.0
+    assert second["g_mm"] < 2.0 * second["half_width_g_mm"]
 
 
 def _subtract_run_outs(rig: Rig) -> None:

@@ -108,8 +108,16 @@ def test_a_vector_may_come_in_parts_with_its_scatter(tmp_path: Path) -> None:
     ],
 )
 def test_wrong_weights_are_named(tmp_path: Path, weight: dict[str, Any], words: str) -> None:
-    assert words in refused(tmp_path, added_unbalance={"D1": {**weight, "angle_deg": 0}})
+    said = refused(tmp_path, added_unbalance={"D1": {**weight, "angle_deg": 0}})
+    assert words in said
+    assert "dict[" not in said, "the field's own name, not the validator's"
+    assert "'none'" not in said, "the alternative was not meant"
 
 
 def test_a_channel_has_one_pair_of_columns(tmp_path: Path) -> None:
     assert "amplitude and phase, or of real and imaginary" in refused(tmp_path, channels=[{"channel": "X", "real": "re"}])
+
+
+def test_a_probe_is_listed_once(tmp_path: Path) -> None:
+    twice = [{"channel": "X", "real": "re", "imaginary": "im"}, {"channel": "X", "real": "weight", "imaginary": "at"}]
+    assert "channel X is listed twice: each probe of the document has one entry" in refused(tmp_path, channels=twice)

@@ -157,7 +157,8 @@ def test_steps_in_a_wrong_order_and_runs_that_do_not_belong_are_refused(store: D
 @pytest.mark.parametrize(
     ("weight", "words"),
     [
-        ({"amount": 0}, "greater than or equal to"),
+        ({"amount": 0}, "a weight of zero is none: leave it out"),
+        ({"amount": -5}, "greater than or equal to 0"),
         ({"unit": "g"}, "a mass (kg, g, oz) needs its radius_mm"),
         ({"radius_mm": 30}, "an unbalance (g mm, kg mm, g in, oz in, kg m) has none"),
         ({"unit": "lb"}, "Input should be"),
@@ -169,14 +170,31 @@ def test_a_trial_weight_that_is_none_is_refused(api: Api, weight: dict[str, Any]
     assert any(words in one["message"] for one in answer["errors"])
 
 
-def test_a_weight_in_a_wrong_unit_is_named_when_the_correction_is_computed(store: Database, api: Api) -> None:
+def test_a_weight_in_a_wrong_unit_is_named_before_the_next_run_is_made(store: Database, api: Api) -> None:
     first, second = add_run(store, {}, number=1), add_run(store, {"D1": TRIALS["D1"]}, number=2)
     here = f"{PATH}/{api('POST', PATH, 201, json={'runs': [first], 'by': 'Ada'})['id']}"
     heavy = [WEIGHTS["D1"][0] | {"unit": "kg m"}]
-    api("POST", f"{here}/trials", json={"run": second, "weights": heavy, "by": "Ada"})
-    told = api("POST", f"{here}/correction", 422, json={"by": "Ada"})["detail"]
+    told = api("POST", f"{here}/trials", 422, json={"run": second, "weights": heavy, "by": "Ada"})["detail"]
     assert "would move the centre of mass" in told
-    assert "is it in another unit?" in told
+    assert "is it in another unit? 800 g mm are 0.0008 kg m" in told
+    assert api("GET", here)["trials"] == []
+
+
+def test_planes_that_cannot_be_told_apart_are_named_and_one_of_them_is_left_out(store: Database, api: Api) -> None:
+    """Darlow's second case: what a weight on one plane does is what another one on the other plane does."""
+    alike = np.exp(0.2j) * 0.9
+    unbalances = {"initial": 0.0, "D1": TRIALS["D1"][0], "D2": TRIALS["D2"][0] * alike}
+    made = {}
+    for number, (name, size) in enumerate(unbalances.items(), 1):
+        on_one = {"D1": (abs(size), float(np.degrees(np.angle(size))))}
+        made[name] = add_run(store, on_one, number=number)
+    here = f"{PATH}/{api('POST', PATH, 201, json={'runs': [made['initial']], 'by': 'Ada'})['id']}"
+    for disc in TRIALS:
+        body = {"run": made[disc], "weights": [WEIGHTS[disc][0] | {"angle_deg": 0.0}], "by": "Ada"}
+        api("POST", f"{here}/trials", json=body)
+    correction = api("POST", f"{here}/correction", json={"by": "Ada"})["correction"]
+    assert len(correction["planes"]) == 1
+    assert any("cannot be told apart from" in one and "is left out" in one for one in correction["notes"])
 
 
 def test_each_step_is_in_the_audit_trail_and_nothing_else_is_changed(store: Database, api: Api, begun: int) -> None:
