@@ -105,8 +105,11 @@ def raise_alert(session: Session, machine_id: str, *, rule: str, element: str, f
 
 
 def clear_alert(session: Session, row: AlertRow, *, comment: str = "") -> None:
-    """Record that the cause is gone."""
+    """Record that the cause is gone. A shelving until then ends."""
     _apply_event(session, row, Cleared(), "cleared", Person(SERVICE, comment))
+    for one in suppressions.of_alert(session, row.machine_id, rule=row.rule, element=row.element):
+        if one.until_cleared:
+            release(session, one, Person(SERVICE, "its cause is gone"))
 
 
 def acknowledge(session: Session, row: AlertRow, person: Person) -> None:
@@ -124,10 +127,10 @@ def comment(session: Session, row: AlertRow, person: Person) -> None:
     _record(session, row, "commented", row.state, person, at=now())
 
 
-def shelve(session: Session, row: AlertRow, person: Person, *, until: int) -> None:
+def shelve(session: Session, row: AlertRow, person: Person, *, until: int, until_cleared: bool = False) -> None:
     """Shelve an alert until a moment [ns]: it notifies nobody, nor does a later episode before then.
 
-    Raises Forbidden, and MomentRefused for a moment in the past or more than 30 days ahead: nothing is shelved for ever.
+    until_cleared: the shelving ends with this episode's cause, so that a later one calls. Raises Forbidden, and MomentRefused for a moment in the past or more than 30 days ahead: nothing is shelved for ever.
     """
     if row.closed_at is not None:
         raise Forbidden("the alert is closed: only an open alert is shelved")
@@ -136,7 +139,8 @@ def shelve(session: Session, row: AlertRow, person: Person, *, until: int) -> No
     moment = now()
     if not moment < until <= moment + LONGEST_SHELVING_NS:
         raise MomentRefused(f"an alert is shelved until a moment to come, at most {LONGEST_SHELVING_DAYS} days ahead")
-    suppress(session, row.machine_id, Suppression.SHELVED, person, rule=row.rule, element=row.element, until=until)
+    place = {"rule": row.rule, "element": row.element}
+    suppress(session, row.machine_id, Suppression.SHELVED, person, **place, until=until, until_cleared=until_cleared)
 
 
 def unshelve(session: Session, row: AlertRow, person: Person) -> None:
@@ -161,10 +165,19 @@ def suppress(
     rule: str | None = None,
     element: str | None = None,
     until: int | None = None,
+    until_cleared: bool = False,
 ) -> SuppressionRow:
     """Suppress the alerts of a machine, or those of a rule or an element, both open and future ones."""
     begun = suppressions.add(
-        session, machine_id, kind=kind, rule=rule, element=element, until=until, by=person.name, comment=person.comment
+        session,
+        machine_id,
+        kind=kind,
+        rule=rule,
+        element=element,
+        until=until,
+        by=person.name,
+        comment=person.comment,
+        until_cleared=until_cleared,
     )
     for row in _matching(session, begun):
         _apply_event(session, row, Suppressed(kind), kind.value, person)

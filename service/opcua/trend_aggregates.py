@@ -152,8 +152,10 @@ def _extreme_or_average(intervals: Intervals, start: int, counted: list[TrendVal
 def _status(intervals: Intervals, held: _Held) -> int:
     """Return the status by the shares of good and bad values."""
     good, whole = len(held.counted), len(held.counted) + held.bad
+    if good == 0 and intervals.function == COUNT:  # the count is then zero
+        return int(ua.StatusCodes.UncertainDataSubNormal if whole else ua.StatusCodes.Good)
     if good == 0:
-        return int(ua.StatusCodes.Good if intervals.function == COUNT and whole == 0 else ua.StatusCodes.BadNoData)
+        return int(ua.StatusCodes.BadNoData)
     if WHOLE_PERCENT * good >= intervals.percent_good * whole:
         return int(ua.StatusCodes.Good)
     bad = WHOLE_PERCENT * held.bad >= intervals.percent_bad * whole

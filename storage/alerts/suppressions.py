@@ -27,6 +27,7 @@ def add(
     until: int | None,
     by: str,
     comment: str,
+    until_cleared: bool = False,
 ) -> SuppressionRow:
     """Begin a suppression; `rule` and `element` None suppress all alerts of the machine."""
     row = SuppressionRow(
@@ -36,6 +37,7 @@ def add(
         kind=kind,
         since=now(),
         until=until,
+        until_cleared=until_cleared,
         by=by,
         comment=comment,
         ended_at=None,
