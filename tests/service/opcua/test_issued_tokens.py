@@ -4,9 +4,11 @@ import asyncio
 import json
 import time
 from collections.abc import Iterator
+from typing import Any
 
 import pytest
-from asyncua import Client, ua
+from asyncua import ua
+from asyncua.client.client import Client
 from asyncua.ua.uaerrors import UaError
 
 from service.configuration.settings import Settings
@@ -24,7 +26,7 @@ from tests.service.security.two_plants import HIDDEN, HIDDEN_PLANT, fill
 CLIENT = "urn:second-stack:client"
 
 
-class TokenClient(Client):
+class TokenClient(Client):  # type: ignore[misc]
     """A client of the library's that logs in by a token, as OPC 10000-4, 7.40.6 says."""
 
     token = ""
@@ -110,9 +112,9 @@ def test_a_token_says_who_somebody_is_and_what_they_may(
     ],
 )
 def test_what_the_issuer_did_not_sign_for_this_is_refused(
-    serving: tuple[OpcUaServing, Authority], issuer: Issuer, wrong: dict[str, object]
+    serving: tuple[OpcUaServing, Authority], issuer: Issuer, wrong: dict[str, Any]
 ) -> None:
-    claims = {"sub": "olga", "rundown_role": "operator", "rundown_plants": ["*"]} | wrong
+    claims: dict[str, Any] = {"sub": "olga", "rundown_role": "operator", "rundown_plants": ["*"]} | wrong
     with pytest.raises(UaError):
         asyncio.run(client(serving, issuer.token(**claims)))
     with pytest.raises(UaError):

@@ -84,7 +84,7 @@ def test_each_interval_has_its_aggregate(trends: TrendHistory, name: str, expect
 
 
 def test_what_counts_as_good_is_the_clients_to_say(trends: TrendHistory) -> None:
-    rules = {"TreatUncertainAsBad": False, "PercentDataGood": 70, "PercentDataBad": 100}
+    rules: dict[str, Any] = {"TreatUncertainAsBad": False, "PercentDataGood": 70, "PercentDataBad": 100}
     (found,) = read(trends, "Maximum", rules=rules)
     assert values(found) == pytest.approx([4.0, 9.0])
     assert statuses(found) == [CALCULATED, 0x400], "the greatest is at the interval's start: raw"
@@ -99,7 +99,7 @@ def test_backwards_the_newest_interval_comes_first_and_a_short_one_is_partial(tr
 
 
 def test_an_interval_without_values_says_so(trends: TrendHistory) -> None:
-    empty = {"begin": BEGIN + timedelta(days=1), "end": BEGIN + timedelta(days=2), "interval": 0.0}
+    empty: dict[str, Any] = {"begin": BEGIN + timedelta(days=1), "end": BEGIN + timedelta(days=2), "interval": 0.0}
     (found,) = read(trends, "Average", **empty)
     assert values(found) == [None]
     assert statuses(found) == [ua.StatusCodes.BadNoData | 0x400]
@@ -108,7 +108,7 @@ def test_an_interval_without_values_says_so(trends: TrendHistory) -> None:
 
 
 def test_ten_years_of_seconds_come_in_pages(trends: TrendHistory, monkeypatch: pytest.MonkeyPatch) -> None:
-    decade = {"begin": BEGIN, "end": BEGIN + timedelta(days=3652), "interval": 1000.0}
+    decade: dict[str, Any] = {"begin": BEGIN, "end": BEGIN + timedelta(days=3652), "interval": 1000.0}
     (found,) = read(trends, "Count", **decade)
     assert (len(values(found)), sum(values(found))) == (1000, 5)
     (rest,) = read(trends, "Count", continuation=found.ContinuationPoint, **decade)
