@@ -32,6 +32,10 @@ from storage.tables.alerting import AlertRow, SuppressionRow
 
 SERVICE = "rundown"
 """Author of events that no person causes."""
+EXPIRED_AT_ONCE = 20
+"""Suppressions that end in one transaction."""
+MOST_SUPPRESSIONS = 500
+"""In force on a machine."""
 LONGEST_SHELVING_DAYS = 30
 LONGEST_SHELVING_NS = LONGEST_SHELVING_DAYS * 86_400 * 1_000_000_000
 """Longest shelving: thirty days [ns]."""
@@ -130,7 +134,9 @@ def comment(session: Session, row: AlertRow, person: Person) -> None:
 def shelve(session: Session, row: AlertRow, person: Person, *, until: int, until_cleared: bool = False) -> None:
     """Shelve an alert until a moment [ns]: it notifies nobody, nor does a later episode before then.
 
-    until_cleared: the shelving ends with this episode's cause, so that a later one calls. Raises Forbidden, and MomentRefused for a moment in the past or more than 30 days ahead: nothing is shelved for ever.
+    until_cleared: the shelving ends with this episode's cause, so that a later one calls.
+
+    Raises Forbidden, and MomentRefused for a moment in the past or more than 30 days ahead: nothing is shelved for ever.
     """
     if row.closed_at is not None:
         raise Forbidden("the alert is closed: only an open alert is shelved")
@@ -167,7 +173,13 @@ def suppress(
     until: int | None = None,
     until_cleared: bool = False,
 ) -> SuppressionRow:
-    """Suppress the alerts of a machine, or those of a rule or an element, both open and future ones."""
+    """Suppress the alerts of a machine, or those of a rule or an element, both open and future ones.
+
+    Raises Forbidden where as many are in force on the machine as may be.
+    """
+    if suppressions.count_in_force(session, machine_id) >= MOST_SUPPRESSIONS:
+        many = f"{MOST_SUPPRESSIONS} suppressions of machine '{machine_id}' are in force"
+        raise Forbidden(f"{many}, as many as may: end some first")
     begun = suppressions.add(
         session,
         machine_id,
@@ -198,8 +210,8 @@ def release(session: Session, begun: SuppressionRow, person: Person) -> None:
 
 
 def release_expired(session: Session) -> int:
-    """End every expired suppression, and return their number."""
-    over = suppressions.expired(session, now())
+    """End expired suppressions, so many that the transaction is a short one, and return their number."""
+    over = suppressions.expired(session, now(), limit=EXPIRED_AT_ONCE)
     for one in over:
         release(session, one, Person(SERVICE, "its time is over"))
     return len(over)
@@ -207,7 +219,7 @@ def release_expired(session: Session) -> int:
 
 def any_expired(session: Session) -> bool:
     """Return whether any suppression has expired."""
-    return bool(suppressions.expired(session, now()))
+    return bool(suppressions.expired(session, now(), limit=1))
 
 
 def _matching(session: Session, one: SuppressionRow) -> list[AlertRow]:

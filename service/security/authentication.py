@@ -148,7 +148,7 @@ class Authentication:
         return found
 
     def token(self, text: str) -> Principal:
-        """Return the principal of an issuer's token. Blocks while keys are fetched. Raises Unauthenticated, KeysUnavailable."""
+        """Return the principal of an issuer's token; blocks for its keys. Raises Unauthenticated, KeysUnavailable."""
         if self._tokens is None:
             raise Unauthenticated("this is no API key, and tokens are not taken here: no issuer is configured")
         try:
