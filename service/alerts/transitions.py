@@ -32,6 +32,10 @@ from storage.tables.alerting import AlertRow, SuppressionRow
 
 SERVICE = "rundown"
 """Author of events that no person causes."""
+EXPIRED_AT_ONCE = 20
+"""Suppressions that end in one transaction."""
+MOST_SUPPRESSIONS = 500
+"""In force on a machine."""
 LONGEST_SHELVING_DAYS = 30
 LONGEST_SHELVING_NS = LONGEST_SHELVING_DAYS * 86_400 * 1_000_000_000
 """Longest shelving: thirty days [ns]."""
@@ -105,8 +109,11 @@ def raise_alert(session: Session, machine_id: str, *, rule: str, element: str, f
 
 
 def clear_alert(session: Session, row: AlertRow, *, comment: str = "") -> None:
-    """Record that the cause is gone."""
+    """Record that the cause is gone. A shelving until then ends."""
     _apply_event(session, row, Cleared(), "cleared", Person(SERVICE, comment))
+    for one in suppressions.of_alert(session, row.machine_id, rule=row.rule, element=row.element):
+        if one.until_cleared:
+            release(session, one, Person(SERVICE, "its cause is gone"))
 
 
 def acknowledge(session: Session, row: AlertRow, person: Person) -> None:
@@ -124,8 +131,10 @@ def comment(session: Session, row: AlertRow, person: Person) -> None:
     _record(session, row, "commented", row.state, person, at=now())
 
 
-def shelve(session: Session, row: AlertRow, person: Person, *, until: int) -> None:
+def shelve(session: Session, row: AlertRow, person: Person, *, until: int, until_cleared: bool = False) -> None:
     """Shelve an alert until a moment [ns]: it notifies nobody, nor does a later episode before then.
+
+    until_cleared: the shelving ends with this episode's cause, so that a later one calls.
 
     Raises Forbidden, and MomentRefused for a moment in the past or more than 30 days ahead: nothing is shelved for ever.
     """
@@ -136,7 +145,8 @@ def shelve(session: Session, row: AlertRow, person: Person, *, until: int) -> No
     moment = now()
     if not moment < until <= moment + LONGEST_SHELVING_NS:
         raise MomentRefused(f"an alert is shelved until a moment to come, at most {LONGEST_SHELVING_DAYS} days ahead")
-    suppress(session, row.machine_id, Suppression.SHELVED, person, rule=row.rule, element=row.element, until=until)
+    place = {"rule": row.rule, "element": row.element}
+    suppress(session, row.machine_id, Suppression.SHELVED, person, **place, until=until, until_cleared=until_cleared)
 
 
 def unshelve(session: Session, row: AlertRow, person: Person) -> None:
@@ -161,10 +171,25 @@ def suppress(
     rule: str | None = None,
     element: str | None = None,
     until: int | None = None,
+    until_cleared: bool = False,
 ) -> SuppressionRow:
-    """Suppress the alerts of a machine, or those of a rule or an element, both open and future ones."""
+    """Suppress the alerts of a machine, or those of a rule or an element, both open and future ones.
+
+    Raises Forbidden where as many are in force on the machine as may be.
+    """
+    if suppressions.count_in_force(session, machine_id) >= MOST_SUPPRESSIONS:
+        many = f"{MOST_SUPPRESSIONS} suppressions of machine '{machine_id}' are in force"
+        raise Forbidden(f"{many}, as many as may: end some first")
     begun = suppressions.add(
-        session, machine_id, kind=kind, rule=rule, element=element, until=until, by=person.name, comment=person.comment
+        session,
+        machine_id,
+        kind=kind,
+        rule=rule,
+        element=element,
+        until=until,
+        by=person.name,
+        comment=person.comment,
+        until_cleared=until_cleared,
     )
     for row in _matching(session, begun):
         _apply_event(session, row, Suppressed(kind), kind.value, person)
@@ -185,8 +210,8 @@ def release(session: Session, begun: SuppressionRow, person: Person) -> None:
 
 
 def release_expired(session: Session) -> int:
-    """End every expired suppression, and return their number."""
-    over = suppressions.expired(session, now())
+    """End expired suppressions, so many that the transaction is a short one, and return their number."""
+    over = suppressions.expired(session, now(), limit=EXPIRED_AT_ONCE)
     for one in over:
         release(session, one, Person(SERVICE, "its time is over"))
     return len(over)
@@ -194,7 +219,7 @@ def release_expired(session: Session) -> int:
 
 def any_expired(session: Session) -> bool:
     """Return whether any suppression has expired."""
-    return bool(suppressions.expired(session, now()))
+    return bool(suppressions.expired(session, now(), limit=1))
 
 
 def _matching(session: Session, one: SuppressionRow) -> list[AlertRow]:

@@ -20,6 +20,7 @@ from service.api.cache.computed_cache import ComputedCache
 from service.api.cache.response_cache import ResponseCache
 from service.api.conventions.error_handlers import add_handlers
 from service.api.conventions.lent_threads import another_thread
+from service.api.conventions.reading_places import ReadingPlaces
 from service.api.conventions.unknown_parameters import reject_unknown_parameters
 from service.api.findings.alignment import router as alignment
 from service.api.findings.bode import router as bode
@@ -133,6 +134,7 @@ def application(
     app.state.gauges = gauges
     app.state.machine_list = MachineList()
     app.state.overview = Overview(database)
+    app.state.reading_places = ReadingPlaces()
     app.state.computed_cache = ComputedCache(another_thread)
     app.state.model_process = ModelProcess()
     app.state.report_cache = ComputedCache(another_thread, entries=REPORTS)

@@ -136,11 +136,12 @@ class Dispatcher(SupervisedThread):
             self._resending = asyncio.create_task(remind(self._database, connections))
 
     def _expire(self) -> None:
-        with self._database.reading() as session:
-            if not transitions.any_expired(session):
-                return
-        with self._database.transaction() as session:
-            transitions.release_expired(session)
+        while True:
+            with self._database.reading() as session:
+                if not transitions.any_expired(session):
+                    return
+            with self._database.transaction() as session:
+                transitions.release_expired(session)
 
     async def try_out(self, subscription_id: int) -> DeliveryOutcome:
         """Send a test message to a subscription, from any event loop. Raises SubscriptionUnknown."""

@@ -16,7 +16,10 @@ from storage.tables.alerting import AlertEventRow, AlertRow
 
 @dataclass(frozen=True)
 class AlertReading:
-    """An alert after one of its events. Times in ns since 1970; shelved_until: None unless it is shelved."""
+    """An alert after one of its events. Times in ns since 1970; shelved_until: None unless it is shelved.
+
+    shelved_once: whether the shelving ends before then when the cause is gone.
+    """
 
     id: int
     plant: str
@@ -26,6 +29,7 @@ class AlertReading:
     status: AlertStatus
     is_open: bool
     shelved_until: int | None
+    shelved_once: bool
     identification: int
     event: int
     at: int
@@ -57,10 +61,12 @@ def _readings(session: Session, events: Sequence[AlertEventRow], texts: SiteText
 
 def _reading(session: Session, row: AlertRow, event: AlertEventRow, texts: SiteTexts) -> AlertReading:
     status = status_of(row)
-    until = None
+    until, once = None, False
     if Suppression.SHELVED in status.suppressions:
         matching = suppressions.of_alert(session, row.machine_id, rule=row.rule, element=row.element)
-        until = max((one.until for one in matching if one.kind == Suppression.SHELVED and one.until is not None), default=None)
+        shelvings = [one for one in matching if one.kind == Suppression.SHELVED]
+        until = max((one.until for one in shelvings if one.until is not None), default=None)
+        once = any(one.until_cleared for one in shelvings)
     return AlertReading(
         id=row.id,
         plant=machines.get(session, row.machine_id).plant,
@@ -70,6 +76,7 @@ def _reading(session: Session, row: AlertRow, event: AlertEventRow, texts: SiteT
         status=status,
         is_open=row.closed_at is None,
         shelved_until=until,
+        shelved_once=once,
         identification=row.identification_id,
         event=event.id,
         at=event.at,

@@ -3,6 +3,7 @@
 The library's sessions know no such limits; this one checks each service before the library's part of it runs.
 """
 
+import asyncio
 import secrets
 from collections.abc import Callable, Sequence
 from contextvars import ContextVar
@@ -12,8 +13,10 @@ from asyncua import ua
 from asyncua.common.utils import ServiceError
 from asyncua.server.internal_subscription import InternalSubscription
 
+from service.opcua.browsing import MOST_REFERENCES, BrowsePage, Browsing
 from service.opcua.client_users import ClientUser, named
 from service.opcua.event_filter import ConditionFilter, EventFilterWrong
+from service.opcua.issued_tokens import as_password
 from service.opcua.own_subscriptions import OwnSubscriptions
 from service.opcua.trend_history import TrendHistory
 from service.security.principal import Principal
@@ -28,11 +31,12 @@ current: ContextVar["ClientSession"] = ContextVar("opcua_session")
 
 
 class ClientSession(OwnSubscriptions):
-    """A session of a client; the server that creates it sets the first three attributes, the library `user`."""
+    """A session of a client; the server that creates it sets the first four attributes, the library `user`."""
 
     visible: Callable[[Principal, ua.NodeId], bool]
     require_trusted: Callable[[bytes | None, str | None], None]
     history: TrendHistory
+    browsing: Browsing
     user: Any
 
     def __init__(self, *arguments: Any, **named_arguments: Any) -> None:
@@ -73,6 +77,8 @@ class ClientSession(OwnSubscriptions):
         """Check the certificate of the channel and the user. Raises ServiceError."""
         # That of the channel, not the one that the client names when it creates the session: that one proves nothing.
         self.require_trusted(peer_certificate, self.application)
+        if ua.IssuedIdentityToken in self.iserver.supported_tokens:
+            as_password(params, encrypted=bool(peer_certificate))
         before = self.user if isinstance(self.user, ClientUser) else None
         result = super().activate_session(params, peer_certificate)
         user = named(cast(ClientUser, self.user), self.application or "")
@@ -94,13 +100,37 @@ class ClientSession(OwnSubscriptions):
         return [ua.StatusCode(ua.StatusCodes.BadNotWritable) for _ in params.NodesToWrite]
 
     async def browse(self, params: ua.BrowseParameters) -> list[ua.BrowseResult]:
-        """List references; those to what is not visible are left out."""
+        """List references, in pages; those to what is not visible are left out."""
         _at_most(params.NodesToBrowse, MOST_BROWSED)
-        found = await super().browse(params)
-        for asked, result in zip(params.NodesToBrowse, found, strict=True):
-            if not self.sees(asked.NodeId):
-                result.StatusCode, result.References = ua.StatusCode(ua.StatusCodes.BadNodeIdInvalid), []
-            result.References = [one for one in result.References if self.sees(one.NodeId)]
+        most = params.RequestedMaxReferencesPerNode
+        return await self._pages([BrowsePage.begun(one, most) for one in params.NodesToBrowse])
+
+    async def browse_next(self, parameters: ua.BrowseNextParameters) -> list[ua.BrowseResult]:
+        """List the references behind continuation points."""
+        points = parameters.ContinuationPoints
+        _at_most(points, MOST_BROWSED)
+        if parameters.ReleaseContinuationPoints:
+            return [ua.BrowseResult() for _ in points]
+        wanted: list[BrowsePage | None] = []
+        for one in points:
+            try:
+                wanted.append(BrowsePage.continued(one or b""))
+            except ValueError:
+                wanted.append(None)
+        return await self._pages(wanted)
+
+    async def _pages(self, wanted: Sequence[BrowsePage | None]) -> list[ua.BrowseResult]:
+        """Return pages; what they may hold together is bounded, and the rest is behind their continuation points."""
+        left, found = MOST_REFERENCES, []
+        for one in wanted:
+            if one is None:
+                invalid = ua.StatusCode(ua.StatusCodes.BadContinuationPointInvalid)
+                found.append(ua.BrowseResult(StatusCode=invalid))
+                continue
+            result = self.browsing.page(one, self.sees, most=left)
+            left -= len(result.References)
+            found.append(result)
+            await asyncio.sleep(0)  # others' requests between two nodes
         return found
 
     async def translate_browsepaths_to_nodeids(self, params: list[ua.BrowsePath]) -> list[ua.BrowsePathResult]:

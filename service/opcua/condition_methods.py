@@ -1,7 +1,7 @@
 """Methods of conditions, by which clients act on alerts: each is a change of an alert's life under the client's name.
 
-Source: OPC 10000-9, 5.5 to 5.8 and the result codes there. Acknowledge, Confirm and Reset, TimedShelve and Unshelve need the
-role operator, AddComment analyst, as over HTTP; the audit trail has the change in the same transaction, and refusals.
+Source: OPC 10000-9, 5.5 to 5.8 and the result codes there. Acknowledge, Confirm, Reset and shelving need the role operator,
+AddComment analyst, as over HTTP; the audit trail has the change in the same transaction, and refusals.
 """
 
 import asyncio
@@ -17,7 +17,7 @@ from sqlalchemy.orm import Session
 
 from service.alerts import transitions
 from service.alerts.lifecycle import Forbidden
-from service.alerts.transitions import MomentRefused, Person
+from service.alerts.transitions import LONGEST_SHELVING_NS, MomentRefused, Person
 from service.opcua.alert_conditions import AlertConditions
 from service.opcua.alert_reading import AlertReading
 from service.opcua.client_session import current
@@ -104,10 +104,7 @@ class ConditionMethods:
         if not math.isfinite(duration) or not 0 < duration <= LONGEST_SHELVING_MS:
             return ua.StatusCode(ua.StatusCodes.BadShelvingTimeOutOfRange)
 
-        def shelve(session: Session, row: AlertRow, person: Person) -> None:
-            transitions.shelve(session, row, person, until=now() + round(duration * 1e6))
-
-        return await self._done(parent, "shelve_alert", shelve)
+        return await self._shelved(parent, round(duration * 1e6))
 
     async def unshelve(self, parent: ua.NodeId, *given: ua.Variant) -> ua.StatusCode:
         """End a shelving."""
@@ -115,9 +112,16 @@ class ConditionMethods:
         return await self._done(parent, "unshelve_alert", transitions.unshelve)
 
     async def one_shot_shelve(self, parent: ua.NodeId, *given: ua.Variant) -> ua.StatusCode:
-        """Refuse to shelve: nothing is shelved without an end."""
-        del parent, given
-        return ua.StatusCode(ua.StatusCodes.BadNotSupported)
+        """Shelve an alert until its cause is gone, at most for the longest time."""
+        if given:
+            return ua.StatusCode(ua.StatusCodes.BadTooManyArguments)
+        return await self._shelved(parent, LONGEST_SHELVING_NS, until_cleared=True)
+
+    async def _shelved(self, parent: ua.NodeId, duration: int, *, until_cleared: bool = False) -> ua.StatusCode:
+        def shelve(session: Session, row: AlertRow, person: Person) -> None:
+            transitions.shelve(session, row, person, until=now() + duration, until_cleared=until_cleared)
+
+        return await self._done(parent, "shelve_alert", shelve)
 
     async def refresh(self, parent: ua.NodeId, *given: ua.Variant) -> ua.StatusCode:
         """Tell one of the session's subscriptions, or one item of it, of every open alert."""

@@ -22,7 +22,12 @@ SEVERITIES = {Severity.ALERT: 500, Severity.DANGER: 900}
 EVENT_ID = struct.Struct(">8sQQ")
 EVENT_MARK = b"rundown\0"
 LONGEST_SHELVING_MS = timedelta(days=LONGEST_SHELVING_DAYS).total_seconds() * 1e3
-UNSHELVED, TIMED_SHELVED = ua.ObjectIds.ShelvedStateMachineType_Unshelved, ua.ObjectIds.ShelvedStateMachineType_TimedShelved
+SHELVINGS = {
+    "Unshelved": ua.ObjectIds.ShelvedStateMachineType_Unshelved,
+    "Timed Shelved": ua.ObjectIds.ShelvedStateMachineType_TimedShelved,
+    "One Shot Shelved": ua.ObjectIds.ShelvedStateMachineType_OneShotShelved,
+}
+"""States of shelving by their words."""
 UNACKNOWLEDGED = frozenset({AlertCondition.UNACKNOWLEDGED, AlertCondition.RETURNED, AlertCondition.LATCHED_UNACKNOWLEDGED})
 STATES: dict[str, tuple[str, str]] = {
     "EnabledState": ("Enabled", "Disabled"),
@@ -114,11 +119,11 @@ def _event(alert: AlertReading, at: datetime, *, condition: ua.NodeId, source: u
 
 
 def _shelving(alert: AlertReading) -> Fields:
-    shelved = alert.shelved_until is not None
+    words = "Unshelved" if alert.shelved_until is None else "One Shot Shelved" if alert.shelved_once else "Timed Shelved"
     left = 0.0 if alert.shelved_until is None else max(0.0, (alert.shelved_until - now()) / 1e6)
     return {
-        "ShelvingState/CurrentState": text("Timed Shelved" if shelved else "Unshelved"),
-        "ShelvingState/CurrentState/Id": node(TIMED_SHELVED if shelved else UNSHELVED),
+        "ShelvingState/CurrentState": text(words),
+        "ShelvingState/CurrentState/Id": node(SHELVINGS[words]),
         "ShelvingState/UnshelveTime": ua.Variant(left, ua.VariantType.Double),
         "SuppressedOrShelved": ua.Variant(bool(alert.status.suppressions), ua.VariantType.Boolean),
         "MaxTimeShelved": ua.Variant(LONGEST_SHELVING_MS, ua.VariantType.Double),

@@ -18,6 +18,7 @@ from service.opcua.condition_state import SEVERITIES
 from service.opcua.engineering_units import engineering_unit
 from service.opcua.machine_reading import MachineReading, ValueReading
 from service.opcua.node_tree import COMPONENT, PROPERTY, NodeTree
+from service.opcua.trend_aggregates import FUNCTIONS
 from service.runs.collection_state import CollectionState
 from storage.clock import to_datetime
 
@@ -38,6 +39,11 @@ FIGURES: dict[str, dict[str, ua.VariantType]] = {
 }
 """Variables of a machine's folders that are no measured quantity."""
 SPEED = "Speed"
+AGGREGATE_FOLDERS = (
+    ua.ObjectIds.Server_ServerCapabilities_AggregateFunctions,
+    ua.ObjectIds.HistoryServerCapabilities_AggregateFunctions,
+)
+"""Where clients look for the aggregates that are computed."""
 NOTIFIER = ua.ObjectIds.HasNotifier
 """Reference from a plant to its machines: whose events pass on to it. It is hierarchical, as Organizes is."""
 LOWER, UPPER, ANGLE, QUALITY, REASON, UNIT = "Lower95", "Upper95", "AngleDeg", "Quality", "Reason", "EngineeringUnits"
@@ -58,6 +64,9 @@ class MachineNodes:
         root = self._names.root
         self._tree.add_object(root, objects, self._names.qualified("Rundown"), notifies=True, description="all plants")
         self._tree.refer(server, root, NOTIFIER)
+        for function in FUNCTIONS:
+            for place in AGGREGATE_FOLDERS:
+                self._tree.refer(ua.NodeId(place), ua.NodeId(function), ua.ObjectIds.Organizes)
 
     def node_of(self, machine: str, *parts: str) -> ua.NodeId:
         """Return the node of a machine that is shown, or of something of it. Raises KeyError."""

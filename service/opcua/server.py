@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, TypeVar
 
-from asyncua import Server, ua
+from asyncua import ua
 from asyncua.common.connection import TransportLimits
 from asyncua.common.utils import ServiceError
 from asyncua.crypto.permission_rules import User
@@ -19,10 +19,13 @@ from service.advice.site_texts import SiteTexts
 from service.configuration.release import VERSION
 from service.configuration.settings import Settings
 from service.opcua.alert_conditions import AlertConditions
+from service.opcua.browsing import Browsing
+from service.opcua.client_requests import ListeningServer
 from service.opcua.client_session import ClientSession
 from service.opcua.client_trust import ClientTrust, application_uri, load_own
 from service.opcua.client_users import ClientUser, ClientUsers
 from service.opcua.condition_methods import ConditionMethods
+from service.opcua.issued_tokens import text_of, token_policy
 from service.opcua.machine_nodes import MachineNodes
 from service.opcua.names import NAMESPACE, NodeNames
 from service.opcua.node_tree import NodeTree
@@ -30,6 +33,7 @@ from service.opcua.own_subscriptions import MOST_QUEUED
 from service.opcua.plant_reader import PlantNews, PlantReader
 from service.opcua.trend_history import TrendHistory
 from service.security.authentication import Authentication
+from service.security.configuration import Security
 from service.security.principal import Principal
 from storage.database.engine import Database
 
@@ -56,15 +60,35 @@ class ClientServer(InternalServer):
 
     def __init__(self, users: ClientUsers, trust: ClientTrust | None, history: TrendHistory) -> None:
         super().__init__(user_manager=users)
+        self._users = users
+        self._token_policy: ua.UserTokenPolicy | None = None
         self.names = NodeNames(0)
         self._trust = trust
         self._history = history
+        self._browsing = Browsing(self.aspace)
         self.max_connections = MOST_CONNECTIONS
         self.max_subscriptions = MOST_ALL_SUBSCRIPTIONS
         self.max_monitored_item_queue_size = MOST_QUEUED
         self.max_unacked_messages_per_subscription = 100
         self.allow_remote_admin = False
-        self.supported_tokens = (ua.AnonymousIdentityToken, ua.UserNameIdentityToken)
+        self.supported_tokens: tuple[type[ua.UserIdentityToken], ...] = (ua.AnonymousIdentityToken, ua.UserNameIdentityToken)
+
+    def offer(self, policy: ua.UserTokenPolicy | None) -> None:
+        """Offer logins by an issuer's tokens, at endpoints that encrypt."""
+        self._token_policy = policy
+        if policy is not None:
+            # An issued token is checked in the place of a password.
+            self.supported_tokens = (*self.supported_tokens, ua.IssuedIdentityToken)
+
+    def add_endpoint(self, endpoint: ua.EndpointDescription) -> None:
+        """Add an endpoint, with all ways to log in."""
+        if self._token_policy is not None and endpoint.SecurityMode == ua.MessageSecurityMode.SignAndEncrypt:
+            endpoint.UserIdentityTokens.append(self._token_policy)
+        super().add_endpoint(endpoint)
+
+    async def prepare(self, params: ua.ActivateSessionParameters) -> None:
+        """Fetch what checking an issued token needs, while others' requests are answered."""
+        await asyncio.to_thread(self._users.prepare, text_of(params.UserIdentityToken))
 
     def create_session(
         self,
@@ -74,7 +98,8 @@ class ClientServer(InternalServer):
     ) -> InternalSession:
         """Create a session of a client."""
         session = ClientSession(self, self.aspace, self.subscription_service, name, user=user or User(), external=external)
-        session.visible, session.require_trusted, session.history = self.visible, self.require_trusted, self._history
+        session.visible, session.require_trusted = self.visible, self.require_trusted
+        session.history, session.browsing = self._history, self._browsing
         return session
 
     def visible(self, who: Principal, node: ua.NodeId) -> bool:
@@ -107,11 +132,13 @@ class PlantServer:
 
     def __init__(self, database: Database, settings: Settings, texts: SiteTexts | None = None) -> None:
         self._settings = settings
-        self._users = ClientUsers(Authentication(database, required=settings.authentication == "required"))
+        security = Security.of(settings)
+        self._users = ClientUsers(Authentication(database, tokens=security.tokens, required=security.required))
         trust = ClientTrust(Path(settings.opcua_trusted)) if settings.opcua_trusted else None
         self._trust = trust
         self._core = ClientServer(self._users, trust, TrendHistory(database))
-        self._server = Server(iserver=self._core)
+        self._core.offer(token_policy(settings))
+        self._server = ListeningServer(iserver=self._core)
         self._reader = PlantReader(database, texts)
         self._database = database
         self._checked_at = 0.0

@@ -1,7 +1,8 @@
 """History of parameters: the points of trends, in pages.
 
 Source: OPC 10000-11, 6.5.3 (ReadRawModifiedDetails). A continuation point holds all that the rest of a read needs: nothing is
-kept for clients that never come back. Raw values are read, one a run; processed, modified and interpolated ones are not kept.
+kept for clients that never come back. Raw values, one a run, and aggregates of them are read (`trend_aggregates.py`); modified
+and interpolated ones are not kept.
 """
 
 import asyncio
@@ -17,6 +18,7 @@ from sqlalchemy.exc import DBAPIError
 from service.opcua.machine_nodes import LOWER, STATUS, UPPER
 from service.opcua.machine_reading import ACCEPTED, FOLDERS, NOT_ACCEPTED, NOT_ESTIMABLE, PARAMETERS
 from service.opcua.names import SEPARATOR
+from service.opcua.trend_aggregates import AggregateRefused, Intervals, TrendValue, aggregates
 from storage.clock import from_datetime, to_datetime
 from storage.database.engine import Database
 from storage.findings import trends
@@ -27,12 +29,16 @@ MOST_NODES = 100
 """Nodes in one request."""
 PAGE, MOST_VALUES = 1_000, 10_000
 """Values of one node, and of all, in one answer; more come behind a continuation point."""
+MOST_AGGREGATED = 100_000
+"""Raw values behind the aggregates of one answer."""
 MOST_WAITING = 20
 """Requests that wait for others: one is answered at a time, so that no read slows the service."""
 EARLIEST, LATEST = 0, 2**62
 UNSET = datetime(1601, 1, 2, tzinfo=UTC)
 """Times before this are OPC UA's way of saying none."""
 _CONTINUATION = struct.Struct(">B?qqIqq")
+_INTERVAL = struct.Struct(">BQ")
+"""Continuation point of aggregates: the next interval."""
 VERSION = 1
 
 
@@ -89,33 +95,49 @@ class TrendHistory:
             raise ServiceError(ua.StatusCodes.BadTooManyOperations)
         if params.ReleaseContinuationPoints:
             return [ua.HistoryReadResult() for _ in nodes]
-        if not isinstance(details, ua.ReadRawModifiedDetails) or details.IsReadModified:
+        functions: list[ua.NodeId | None] = [None] * len(nodes)
+        if isinstance(details, ua.ReadProcessedDetails):
+            functions = list(details.AggregateType)
+            if len(functions) != len(nodes):
+                raise ServiceError(ua.StatusCodes.BadAggregateListMismatch)
+        elif not isinstance(details, ua.ReadRawModifiedDetails) or details.IsReadModified:
             return [_failed(ua.StatusCodes.BadHistoryOperationUnsupported) for _ in nodes]
-        page = min(PAGE, MOST_VALUES // max(1, len(nodes)))
         self._waiting += 1
         try:
             async with self._turn:
-                return [await self._of_node(one, details, page) if sees(one.NodeId) else _unknown() for one in nodes]
+                return [
+                    await self._of_node(one, details, function, len(nodes)) if sees(one.NodeId) else _unknown()
+                    for one, function in zip(nodes, functions, strict=True)
+                ]
         finally:
             self._waiting -= 1
 
     async def _of_node(
-        self, asked: ua.HistoryReadValueId, details: ua.ReadRawModifiedDetails, page: int
+        self, asked: ua.HistoryReadValueId, details: ua.HistoryReadDetails, function: ua.NodeId | None, nodes: int
     ) -> ua.HistoryReadResult:
+        """Read one of so many nodes."""
         path = str(asked.NodeId.Identifier).split(SEPARATOR)
         if len(path) not in (4, 5) or path[2] not in FOLDERS or path[4:] not in ([], [LOWER], [UPPER]):
             return _failed(ua.StatusCodes.BadHistoryOperationUnsupported)
+        page = min(PAGE, MOST_VALUES // max(1, nodes))
         try:
-            given = asked.ContinuationPoint
+            if function is None:
+                return await asyncio.to_thread(self._raw, path, asked.ContinuationPoint, details, page)
+            most = MOST_AGGREGATED // max(1, nodes)
+            return await asyncio.to_thread(self._processed, path, asked.ContinuationPoint, details, function, page, most)
+        except DBAPIError:
+            return _failed(ua.StatusCodes.BadResourceUnavailable)
+
+    def _raw(
+        self, path: list[str], given: bytes | None, details: ua.ReadRawModifiedDetails, page: int
+    ) -> ua.HistoryReadResult:
+        try:
             wanted = PageRequest.continued(given) if given else PageRequest.begun(details)
         except ValueError:
             wrong = ua.StatusCodes.BadContinuationPointInvalid if given else ua.StatusCodes.BadHistoryOperationInvalid
             return _failed(wrong)
         size = min(page, wanted.left or page)
-        try:
-            points = await asyncio.to_thread(self._points, path[1], path[3], path[2] != PARAMETERS, wanted, size + 1)
-        except DBAPIError:
-            return _failed(ua.StatusCodes.BadResourceUnavailable)
+        points = self._points(path, wanted, size + 1)
         shown = points[:size]
         result = ua.HistoryReadResult()
         result.HistoryData = ua.HistoryData([_value(one, path[4] if path[4:] else "") for one in shown])
@@ -126,13 +148,51 @@ class TrendHistory:
             result.ContinuationPoint = rest.continuation()
         return result
 
-    def _points(self, machine: str, name: str, derived: bool, wanted: PageRequest, limit: int) -> Sequence[HistoryPoint]:
+    def _processed(
+        self,
+        path: list[str],
+        given: bytes | None,
+        details: ua.ReadProcessedDetails,
+        function: ua.NodeId,
+        page: int,
+        most: int,
+    ) -> ua.HistoryReadResult:
+        """Read aggregates of at most a page of intervals, from at most so many raw values."""
+        try:
+            intervals = Intervals.begun(function, _time(details.StartTime), _time(details.EndTime), details)
+            first = _INTERVAL.unpack(given)[1] if given else 0
+        except AggregateRefused as refused:
+            return _failed(refused.code)
+        except struct.error:
+            return _failed(ua.StatusCodes.BadContinuationPointInvalid)
+        if given and (given[0] != VERSION or not first < intervals.count):
+            return _failed(ua.StatusCodes.BadContinuationPointInvalid)
+        last = min(first + page, intervals.count)
+        # An interval's begin belongs to it, its end does not.
+        step = -1 if intervals.backwards else 1
+        begin = intervals.start(first)
+        end = (intervals.end if last == intervals.count else intervals.start(last)) - step
+        wanted = PageRequest(intervals.backwards, min(begin, end), max(begin, end), 0)
+        points = self._points(path, wanted, most + 1) if wanted.first <= wanted.last else []
+        if len(points) > most:  # so many intervals as are whole
+            last = intervals.number(points[most].measured_at)
+            if last == first:
+                return _failed(ua.StatusCodes.BadRequestTooLarge)
+        bound = path[4] if path[4:] else ""
+        values = (TrendValue(one.measured_at, _number(one, bound), one.accepted) for one in points)
+        result = ua.HistoryReadResult()
+        result.HistoryData = ua.HistoryData(list(aggregates(intervals, first, values, most=last - first)))
+        if last < intervals.count:
+            result.ContinuationPoint = _INTERVAL.pack(VERSION, last)
+        return result
+
+    def _points(self, path: list[str], wanted: PageRequest, limit: int) -> Sequence[HistoryPoint]:
         with self._database.reading() as session:
             return trends.page(
                 session,
-                machine,
-                name,
-                derived=derived,
+                path[1],
+                path[3],
+                derived=path[2] != PARAMETERS,
                 scope=RUN,
                 first=wanted.first,
                 last=wanted.last,
@@ -143,11 +203,15 @@ class TrendHistory:
 
 
 def _value(point: HistoryPoint, bound: str) -> ua.DataValue:
-    value = {LOWER: point.lower, UPPER: point.upper}.get(bound, point.value)
+    value = _number(point, bound)
     status = STATUS[NOT_ESTIMABLE if value is None else ACCEPTED if point.accepted else NOT_ACCEPTED]
     held = ua.Variant(None, ua.VariantType.Null) if value is None else ua.Variant(value, ua.VariantType.Double)
     at = to_datetime(point.measured_at)
     return ua.DataValue(held, ua.StatusCode(status), SourceTimestamp=at, ServerTimestamp=to_datetime(point.computed_at))
+
+
+def _number(point: HistoryPoint, bound: str) -> float | None:
+    return {LOWER: point.lower, UPPER: point.upper}.get(bound, point.value)
 
 
 def _time(at: datetime | None) -> int | None:

@@ -148,17 +148,19 @@ class Authentication:
             self._note_use(row.prefix)
         return found
 
-    def _checked(self, given: Credentials) -> Principal:
-        if given.bearer is None:
-            return self._session(given.cookie or "")
-        if given.bearer.startswith(api_keys.BEGIN):
-            return self.key(given.bearer)
+    def token(self, text: str) -> Principal:
+        """Return the principal of an issuer's token; blocks for its keys. Raises Unauthenticated, KeysUnavailable."""
         if self._tokens is None:
             raise Unauthenticated("this is no API key, and tokens are not taken here: no issuer is configured")
         try:
-            return self._tokens.principal(given.bearer)
+            return self._tokens.principal(text)
         except TokenRefused as error:
             raise Unauthenticated(f"the token is not valid: {error}; get a new one from the issuer") from error
+
+    def _checked(self, given: Credentials) -> Principal:
+        if given.bearer is None:
+            return self._session(given.cookie or "")
+        return self.key(given.bearer) if given.bearer.startswith(api_keys.BEGIN) else self.token(given.bearer)
 
     def _session(self, cookie: str) -> Principal:
         with self._database.reading() as session:

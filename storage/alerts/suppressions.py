@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from sqlalchemy import or_, select
+from sqlalchemy import func, or_, select
 from sqlalchemy.orm import Session
 
 from estimator.errors import Missing
@@ -27,6 +27,7 @@ def add(
     until: int | None,
     by: str,
     comment: str,
+    until_cleared: bool = False,
 ) -> SuppressionRow:
     """Begin a suppression; `rule` and `element` None suppress all alerts of the machine."""
     row = SuppressionRow(
@@ -36,6 +37,7 @@ def add(
         kind=kind,
         since=now(),
         until=until,
+        until_cleared=until_cleared,
         by=by,
         comment=comment,
         ended_at=None,
@@ -62,6 +64,12 @@ def in_force(
     return session.scalars(ordered(query, (SuppressionRow.id,), after, descending=False).limit(limit)).all()
 
 
+def count_in_force(session: Session, machine_id: str) -> int:
+    """Count the suppressions of a machine that have not ended."""
+    query = select(func.count()).where(SuppressionRow.machine_id == machine_id, SuppressionRow.ended_at.is_(None))
+    return session.scalar(query.select_from(SuppressionRow)) or 0
+
+
 def of_alert(session: Session, machine_id: str, *, rule: str, element: str) -> Sequence[SuppressionRow]:
     """Return the suppressions in force that apply to alerts of this rule and element."""
     query = (
@@ -73,15 +81,15 @@ def of_alert(session: Session, machine_id: str, *, rule: str, element: str) -> S
     return session.scalars(query.order_by(SuppressionRow.id)).all()
 
 
-def expired(session: Session, moment: int) -> Sequence[SuppressionRow]:
-    """Return the suppressions that have expired at a time [ns] but have not been ended yet.
+def expired(session: Session, moment: int, *, limit: int) -> Sequence[SuppressionRow]:
+    """Return some suppressions that have expired at a time [ns] but have not been ended yet.
 
     A suppression that begins in the future has expired too: the clock was set back since, and it would last longer than
     intended.
     """
     query = select(SuppressionRow).where(SuppressionRow.ended_at.is_(None), SuppressionRow.until.is_not(None))
     query = query.where(or_(SuppressionRow.until <= moment, SuppressionRow.since > moment + TOLERANCE))
-    return session.scalars(query.order_by(SuppressionRow.until, SuppressionRow.id)).all()
+    return session.scalars(query.order_by(SuppressionRow.until, SuppressionRow.id).limit(limit)).all()
 
 
 def end(row: SuppressionRow, *, by: str) -> None:

@@ -80,7 +80,10 @@ class AlertEventRow(Base):
 
 
 class SuppressionRow(Base):
-    """A shelving, a suppression by design or a removal from service of all that its fields match; null matches anything."""
+    """A shelving, a suppression by design or a removal from service of all that its fields match; null matches anything.
+
+    until_cleared: it ends before `until` when the cause is gone.
+    """
 
     __tablename__ = "suppressions"
     __table_args__ = (Index(None, "machine_id", "ended_at"),)
@@ -92,6 +95,7 @@ class SuppressionRow(Base):
     kind: Mapped[str] = mapped_column(Name(32))
     since: Mapped[int]
     until: Mapped[int | None]
+    until_cleared: Mapped[bool] = mapped_column(default=False, server_default=false())
     by: Mapped[str] = mapped_column(Name(120))
     comment: Mapped[str] = mapped_column(Text)
     ended_at: Mapped[int | None]

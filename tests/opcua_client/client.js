@@ -71,6 +71,23 @@ const requests = {
         const found = await session.browse({ nodeId: node, referenceTypeId: "HierarchicalReferences", includeSubtypes: true, resultMask: 63 });
         return { status: found.statusCode.name, names: (found.references || []).map((one) => one.browseName.name) };
     },
+    async browse_pages({ node, most }) {
+        session.requestedMaxReferencesPerNode = most;
+        const pages = [];
+        try {
+            let found = await session.browse({ nodeId: node, referenceTypeId: "HierarchicalReferences", includeSubtypes: true, resultMask: 63 });
+            for (;;) {
+                pages.push(found.references.map((one) => one.browseName.name));
+                if (!found.continuationPoint || found.continuationPoint.length === 0) return pages;
+                found = await session.browseNext(found.continuationPoint, false);
+            }
+        } finally {
+            session.requestedMaxReferencesPerNode = 0;
+        }
+    },
+    async browse_next({ point }) {
+        return (await session.browseNext(Buffer.from(point, "base64"), false)).statusCode.name;
+    },
     async read({ nodes, attribute }) {
         const attributeId = AttributeIds[attribute || "Value"];
         return (await session.read(nodes.map((nodeId) => ({ nodeId, attributeId })))).map(reading);
@@ -120,6 +137,12 @@ const requests = {
     async call({ object, method, values }) {
         const inputArguments = (values || []).map(([type, value]) => new Variant({ dataType: DataType[type], value }));
         return (await session.call({ objectId: object, methodId: method, inputArguments })).statusCode.name;
+    },
+    async aggregate({ node, begin, end, function: name, interval }) {
+        const found = await session.readAggregateValue(
+            { nodeId: node }, new Date(begin), new Date(end), opcua.AggregateFunction[name], interval);
+        if (found.statusCode.value >= 0x80000000) return found.statusCode.name;
+        return found.historyData.dataValues.map(reading);
     },
     async history({ node, begin, end, count, continuation }) {
         const details = new opcua.ReadRawModifiedDetails({

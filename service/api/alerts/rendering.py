@@ -59,6 +59,7 @@ def suppression(row: SuppressionRow) -> schemas.SuppressionOut:
         element=row.element,
         since=to_datetime(row.since),
         until=time_or_none(row.until),
+        until_cleared=row.until_cleared,
         by=row.by,
         comment=row.comment,
         ended_at=time_or_none(row.ended_at),

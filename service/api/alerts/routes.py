@@ -107,10 +107,10 @@ def reset_alert(
 def shelve_alert(
     request: Request, response: Response, alert_id: Number, said: schemas.Shelving, if_match: IfMatch = None
 ) -> schemas.AlertOut:
-    """Shelve an alert until a moment: it notifies nobody, nor does it when its cause returns before then."""
-    until = instant(said.until)
+    """Shelve an alert until a moment: it notifies nobody, nor, unless `until_cleared`, when its cause returns before then."""
+    until, once = instant(said.until), said.until_cleared
     change = AlertChange(request, response, alert_id, if_match)
-    return change.made(lambda session, row: transitions.shelve(session, row, _person(said), until=until))
+    return change.made(lambda session, row: transitions.shelve(session, row, _person(said), until=until, until_cleared=once))
 
 
 @router.post("/alerts/{alert_id}/unshelve", operation_id="unshelve_alert", dependencies=[OPERATOR], responses=CHANGES)

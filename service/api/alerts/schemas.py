@@ -59,6 +59,7 @@ class Shelving(By):
     """A request to shelve an alert for at most 30 days; none is shelved for ever."""
 
     until: Moment
+    until_cleared: bool = Field(default=False, description="it ends before then when the cause is gone: a new one calls")
 
 
 class SuppressionIn(By):
@@ -80,6 +81,7 @@ class SuppressionOut(BaseModel):
     element: str | None
     since: datetime
     until: datetime | None
+    until_cleared: bool = Field(description="whether it ends before `until` when the cause is gone")
     by: str
     comment: str
     ended_at: datetime | None

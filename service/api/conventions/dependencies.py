@@ -1,5 +1,6 @@
 """Dependencies of the endpoints: the database, read sessions, the client's identity, time ranges."""
 
+import asyncio
 from collections.abc import AsyncIterator
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -8,10 +9,10 @@ from typing import Annotated, cast
 
 from anyio import CancelScope
 from fastapi import Depends, Path, Query, Request
-from fastapi.concurrency import run_in_threadpool
 from fastapi.exceptions import RequestValidationError
 from sqlalchemy.orm import Session
 
+from service.api.conventions.reading_places import ReadingPlaces
 from service.api.conventions.times import Time
 from service.identification.job_options import Requester
 from service.identification.job_quota import JobQuota
@@ -40,12 +41,14 @@ def requester(request: Request, priority: int = ASKED) -> Requester:
 
 
 async def _reading(request: Request) -> AsyncIterator[Session]:
-    # Opening a session asks the database nothing yet; closing it may, and is left to a thread, whatever happens meanwhile.
-    with ExitStack() as opened:
-        yield opened.enter_context(database(request).reading())
-        closing = opened.pop_all()
-        with CancelScope(shield=True):
-            await run_in_threadpool(closing.close)
+    places = cast(ReadingPlaces, request.app.state.reading_places)
+    async with places.place(principal(request).identity):
+        # Opening a session asks the database nothing yet; closing it may, and is left to a thread, whatever happens meanwhile.
+        with ExitStack() as opened:
+            yield opened.enter_context(database(request).reading())
+            closing = opened.pop_all()
+            with CancelScope(shield=True):
+                await asyncio.to_thread(closing.close)
 
 
 def moment(value: datetime | None) -> int | None:
@@ -60,7 +63,8 @@ def instant(value: datetime) -> int:
 
 MICROSECOND = 1_000
 """Resolution of times in answers and queries [ns]."""
-Reading = Annotated[Session, Depends(_reading)]
+Reading = Annotated[Session, Depends(_reading, scope="function")]
+"""A session until the answer is made: whoever takes an answer slowly holds no connection."""
 MachineId = Annotated[str, Path(pattern=r"^[A-Za-z0-9_-]{1,64}$", description="id of the machine")]
 Number = Annotated[int, Path(ge=0, le=2**62)]
 From = Annotated[Time | None, Query(alias="from", description="RFC 3339; without a zone it counts as UTC")]

@@ -152,6 +152,41 @@ def test_a_shelved_alert_calls_nobody_until_its_time_is_over(plant: Database, fo
         assert kinds(session, row) == ["raised", "acknowledged", "shelved", "shelved_ended"]
 
 
+def test_a_shelving_until_the_cause_is_gone_ends_with_the_episode(plant: Database, found: IdentificationRow) -> None:
+    with plant.transaction() as session:
+        row = raised(session, found)
+        transitions.shelve(session, row, ANNA, until=time.time_ns() + 60 * SECOND, until_cleared=True)
+        transitions.clear_alert(session, row)
+        assert row.closed_at is not None
+        assert raised(session, found).state == "unacknowledged", "a new cause calls"
+
+
+def test_one_latched_meanwhile_calls_when_its_shelving_ends_with_the_cause(plant: Database, found: IdentificationRow) -> None:
+    with plant.transaction() as session:
+        row = transitions.raise_alert(session, MACHINE, rule="r", element="e", finding=finding(found, latching=True))
+        transitions.shelve(session, row, ANNA, until=time.time_ns() + 60 * SECOND, until_cleared=True)
+        transitions.clear_alert(session, row)
+        assert row.state == "latched_unacknowledged"
+        assert kinds(session, row) == ["raised", "shelved", "cleared", "shelved_ended"]
+
+
+def test_many_suppressions_that_end_at_once_keep_nobody_from_storing(plant: Database) -> None:
+    """Each transaction ends a few of them, however many have expired; and a machine has no more than so many."""
+    with plant.transaction() as session:
+        for number in range(transitions.MOST_SUPPRESSIONS):
+            transitions.suppress(session, MACHINE, Suppression.OUT_OF_SERVICE, ANNA, rule=f"r{number}", until=1)
+        with pytest.raises(Forbidden, match="end some first"):
+            transitions.suppress(session, MACHINE, Suppression.OUT_OF_SERVICE, ANNA, rule="one more")
+    rounds = 0
+    while True:
+        with plant.transaction() as session:
+            if not (ended := transitions.release_expired(session)):
+                break
+            assert ended <= transitions.EXPIRED_AT_ONCE
+            rounds += 1
+    assert rounds == transitions.MOST_SUPPRESSIONS / transitions.EXPIRED_AT_ONCE
+
+
 def test_a_shelving_outlives_the_episode(plant: Database, found: IdentificationRow) -> None:
     with plant.transaction() as session:
         row = raised(session, found)

@@ -1,5 +1,8 @@
 """The address space is the one that docs/opcua-address-space.json tells clients of."""
 
+import csv
+import json
+import subprocess
 from collections.abc import Iterator
 
 import pytest
@@ -9,9 +12,11 @@ from service.doctor.opcua_greeting import greet
 from service.opcua.engineering_units import CODES, engineering_unit
 from service.opcua.serving import OpcUaServing
 from storage.database.engine import Database
+from tests.paths import ROOT
 from tests.plant import wait_until
 from tests.ports import free_port
 from tests.service.opcua.address_space import FILE, text
+from tests.service.opcua.second_stack import FOLDER, require_node
 from tests.service.security.two_plants import fill
 
 
@@ -42,3 +47,38 @@ def test_units_have_their_text_and_a_number_where_there_is_a_code(unit: str) -> 
     found = engineering_unit(unit)
     assert found.DisplayName.Text == ("" if unit == "1" else unit)
     assert (found.UnitId > 0) is (unit in CODES)
+
+
+UNECE = ROOT / "tests" / "data" / "unece-units.csv"
+NODE_OPCUA_UNITS = {
+    "kg": "kilogram",
+    "m": "metre",
+    "N": "newton",
+    "deg": "degree",
+    "r/min": "revolutions_per_minute",
+}
+"""Units of which the second stack has a table."""
+
+
+def test_common_codes_are_those_of_the_recommendation() -> None:
+    """The table is another implementation's; its source stands in tests/data/README.md."""
+    with UNECE.open(encoding="utf-8", newline="") as file:
+        table = {row["unit"]: row for row in csv.DictReader(file)}
+    assert {unit: row["common code"] for unit, row in table.items()} == CODES
+    assert {unit: engineering_unit(unit).UnitId for unit in table} == {unit: int(row["id"]) for unit, row in table.items()}
+
+
+def test_common_codes_are_the_second_stacks() -> None:
+    require_node()
+    names = json.dumps(NODE_OPCUA_UNITS)
+    script = (
+        f"const d = require('node-opcua-data-access'); const names = {names}; const codes = {json.dumps(CODES)};"
+        "const table = Object.fromEntries(Object.entries(names).map(([unit, name]) => [unit, d.standardUnits[name].unitId]));"
+        "const rule = Object.fromEntries(Object.entries(codes).map(([unit, code]) => [unit, d.commonCodeToUInt(code)]));"
+        "console.log(JSON.stringify({ table, rule }))"
+    )
+    done = subprocess.run(["node", "-e", script], cwd=FOLDER, capture_output=True, text=True, check=True)
+    found = json.loads(done.stdout.splitlines()[-1])
+    ours = {unit: engineering_unit(unit).UnitId for unit in CODES}
+    assert found["rule"] == ours
+    assert found["table"] == {unit: ours[unit] for unit in NODE_OPCUA_UNITS}

@@ -93,6 +93,34 @@ def test_history_is_read_in_pages_forwards_and_backwards(operator: SecondStack) 
     )
 
 
+def test_another_stack_reads_aggregates_of_a_trend(operator: SecondStack) -> None:
+    raw = operator.ask("history", node=STIFFNESS, begin="2020-01-01", end="2030-01-01")["values"]
+    good = [one["value"] for one in raw if one["status"] == "Good"]
+    expected = {
+        "Average": math.fsum(good) / len(good),
+        "Minimum": min(good),
+        "Maximum": max(good),
+        "Count": len(good),
+    }
+    for function, value in expected.items():
+        asked = {"node": STIFFNESS, "begin": "2023-11-01", "end": "2024-01-01", "interval": 61 * 86_400_000.0}
+        (found,) = operator.ask("aggregate", function=function, **asked)
+        assert found["value"] == pytest.approx(value), function
+        assert found["source"] == "2023-11-01T00:00:00.000Z"
+    offered = operator.ask("browse", node="i=2997")["names"]
+    assert sorted(offered) == ["Average", "Count", "Maximum", "Minimum"]
+    asked = {"node": STIFFNESS, "begin": "2023-11-01", "end": "2024-01-01", "interval": 0.0}
+    assert operator.ask("aggregate", function="TimeAverage", **asked) == "BadAggregateNotSupported"
+
+
+def test_a_long_list_is_browsed_in_pages(operator: SecondStack) -> None:
+    whole = operator.ask("browse", node=f"{MACHINE}/Parameters")["names"]
+    pages = operator.ask("browse_pages", node=f"{MACHINE}/Parameters", most=3)
+    assert [name for page in pages for name in page] == whole
+    assert {len(page) for page in pages[:-1]} == {3}
+    assert operator.ask("browse_next", point="Zm9yZ2Vk") == "BadContinuationPointInvalid"
+
+
 def test_an_acknowledgement_is_the_clients_and_its_event_comes_within_a_second(
     operator: SecondStack, served: ServedPlants, store: Database
 ) -> None:
@@ -139,7 +167,7 @@ def test_comment_shelve_unshelve_and_confirm_change_the_alerts_life(
     assert operator.ask("call", object=shelving, method=shelve, values=[["Double", 60_000.0]]) == "BadConditionAlreadyShelved"
     wait_until(lambda: read(operator, f"{ALERT}/ShelvingState/CurrentState")["value"] == "Timed Shelved")
     (one_shot,) = operator.ask("find", node=ALERT, path=".ShelvingState.OneShotShelve")["nodes"]
-    assert operator.ask("call", object=shelving, method=one_shot) == "BadNotSupported"
+    assert operator.ask("call", object=shelving, method=one_shot) == "BadConditionAlreadyShelved"
     (unshelve,) = operator.ask("find", node=ALERT, path=".ShelvingState.Unshelve")["nodes"]
     assert operator.ask("call", object=shelving, method=unshelve) == "Good"
     assert operator.ask("call", object=ALERT, method=unshelve) == "BadConditionNotShelved"
@@ -158,6 +186,43 @@ def test_comment_shelve_unshelve_and_confirm_change_the_alerts_life(
     with store.reading() as session:
         kinds = [one.kind for one in alerts.history(session, served.harbour.alert_id)]
     assert kinds[-2:] == ["acknowledged", "reset"]
+
+
+def test_one_shot_shelving_ends_with_the_cause_and_a_new_one_calls(
+    operator: SecondStack, served: ServedPlants, store: Database
+) -> None:
+    def found() -> None:
+        with store.transaction() as session:
+            finding = AlertFinding({}, served.harbour.identification_id, now())
+            transitions.raise_alert(session, KEY.machine, rule="looseness", element="bearing.B1", finding=finding)
+
+    def standing() -> str:
+        with store.reading() as session:
+            row = alerts.open_alert(session, KEY.machine, rule="looseness", element="bearing.B1")
+            return "none" if row is None else row.state
+
+    found()
+    condition = f"{MACHINE}/Alerts/looseness bearing.B1"
+    wait_until(lambda: read(operator, f"{condition}/Retain")["value"] is True)
+    (one_shot,) = operator.ask("find", node=condition, path=".ShelvingState.OneShotShelve")["nodes"]
+    shelving = f"{condition}/ShelvingState"
+    assert operator.ask("call", object=shelving, method=one_shot, values=[["Double", 1.0]]) == "BadTooManyArguments"
+    assert operator.ask("call", object=shelving, method=one_shot) == "Good"
+    assert standing() == "shelved"
+    wait_until(lambda: read(operator, f"{shelving}/CurrentState")["value"] == "One Shot Shelved")
+    assert read(operator, f"{shelving}/CurrentState/Id")["value"] == "ns=0;i=2933"
+    left = read(operator, f"{shelving}/UnshelveTime")["value"]
+    assert 29.9 * 86_400_000 < left <= 30 * 86_400_000, "nothing is shelved for ever"
+    found()
+    assert standing() == "shelved", "the cause is still there"
+    with store.transaction() as session:
+        row = alerts.open_alert(session, KEY.machine, rule="looseness", element="bearing.B1")
+        assert row is not None
+        transitions.clear_alert(session, row)
+    assert standing() == "none", "nobody was called, so nobody need answer"
+    found()
+    assert standing() == "unacknowledged"
+    wait_until(lambda: read(operator, f"{shelving}/CurrentState")["value"] == "Unshelved")
 
 
 def test_what_has_become_worse_is_not_acknowledged_by_an_old_event(
@@ -181,4 +246,4 @@ def test_what_has_become_worse_is_not_acknowledged_by_an_old_event(
 
 
 def test_a_stacks_own_alarm_list_shows_the_alert(operator: SecondStack) -> None:
-    assert [one["name"] for one in operator.ask("alarms")] == ["misalignment coupling.C1"]
+    assert "misalignment coupling.C1" in [one["name"] for one in operator.ask("alarms")]

@@ -1,0 +1,79 @@
+"""The way of a client's request to its session: what the library's does not know, or would do in the event loop's time.
+
+The library (asyncua 2.1) has no BrowseNext, and checks users in the event loop; an issuer's keys may have to be fetched first.
+"""
+
+import asyncio
+from typing import Any
+
+from asyncua import Server, ua
+from asyncua.common.utils import ServiceError
+from asyncua.server.binary_server_asyncio import BinaryServer, OPCUAProtocol
+from asyncua.server.uaprocessor import UaProcessor
+from asyncua.ua.ua_binary import struct_from_binary
+
+BROWSE_NEXT = ua.NodeId(ua.ObjectIds.BrowseNextRequest_Encoding_DefaultBinary)
+ACTIVATE = ua.NodeId(ua.ObjectIds.ActivateSessionRequest_Encoding_DefaultBinary)
+
+
+class ClientRequests(UaProcessor):
+    """The requests of one connection."""
+
+    async def _process_message(self, typeid: ua.NodeId, requesthdr: Any, seqhdr: Any, body: Any) -> Any:
+        if typeid == ACTIVATE:
+            await self.iserver.prepare(struct_from_binary(ua.ActivateSessionParameters, body.copy()))
+        if typeid != BROWSE_NEXT:
+            return await super()._process_message(typeid, requesthdr, seqhdr, body)
+        if self.session is None or not self.session.is_activated():
+            raise ServiceError(ua.StatusCodes.BadSessionIdInvalid)
+        self.session.touch()
+        response = ua.BrowseNextResponse()
+        response.Parameters.Results = await self.session.browse_next(struct_from_binary(ua.BrowseNextParameters, body))
+        self.send_response(requesthdr.RequestHandle, seqhdr, response)
+        return True
+
+
+class ClientConnection(OPCUAProtocol):
+    """One connection."""
+
+    processor: UaProcessor | None
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Take a connection, or refuse it where there are too many."""
+        super().connection_made(transport)
+        if self.processor is not None:
+            requests = ClientRequests(self.iserver, self.transport, self.limits)
+            requests.set_policies(self.policies)
+            self.processor = requests
+
+
+class ClientListener(BinaryServer):
+    """The listening socket."""
+
+    def _make_protocol(self) -> OPCUAProtocol:
+        return ClientConnection(
+            iserver=self.iserver,
+            policies=self._policies,
+            clients=self.clients,
+            closing_tasks=self.closing_tasks,
+            limits=self.limits,
+        )
+
+
+class ListeningServer(Server):
+    """The library's server, whose connections are ours."""
+
+    async def start(self) -> None:
+        """Listen. Raises OSError."""
+        await self._setup_server_nodes()
+        await self.iserver.start()
+        host, port = self._get_bind_socket_info()
+        assert host is not None
+        assert port is not None
+        self.bserver = ClientListener(self.iserver, host, port, self.limits)
+        self.bserver.set_policies(self._policies)
+        try:
+            await self.bserver.start()
+        except BaseException:
+            await self.iserver.stop()
+            raise

@@ -1,0 +1,75 @@
+"""Many requests at once are all answered: none waits for another, and nobody's many keep another person's one waiting."""
+
+import asyncio
+from contextlib import AsyncExitStack
+
+import httpx
+import pytest
+
+from service.api.conventions.reading_places import ReadingPlaces
+from tests.api_in_process import PREFIX, Api
+
+AT_ONCE = 120
+"""More than there are connections and threads together."""
+PATIENCE_S = 20.0
+"""Less than a request waits for a connection before it fails."""
+
+
+@pytest.mark.parametrize("path", ["/sources", "/machines/pump-7/jobs", "/machines/pump-7/timeline", "/alerts"])
+def test_more_requests_at_once_than_connections_are_all_answered(api: Api, path: str) -> None:
+    async def ask() -> set[int]:
+        transport = httpx.ASGITransport(api.app)
+        async with httpx.AsyncClient(transport=transport, base_url="http://rundown") as client:
+            asked = [client.get(f"{PREFIX}{path}", params={"limit": 1 + number}) for number in range(AT_ONCE)]
+            return {answer.status_code for answer in await asyncio.gather(*asked)}
+
+    assert asyncio.run(asyncio.wait_for(ask(), PATIENCE_S)) == {200}
+
+
+def test_people_are_served_in_turn() -> None:
+    async def served() -> list[str]:
+        places, order = ReadingPlaces(1), []
+
+        async def one(who: str) -> None:
+            async with places.place(who):
+                order.append(who)
+                await asyncio.sleep(0)
+
+        impatient = [asyncio.create_task(one("impatient")) for _ in range(50)]
+        await asyncio.sleep(0)
+        others = [asyncio.create_task(one(who)) for who in ("anna", "bert")]
+        await asyncio.gather(*impatient, *others)
+        return order
+
+    order = asyncio.run(served())
+    assert max(order.index("anna"), order.index("bert")) <= 4
+
+
+def test_who_gives_up_waiting_leaves_no_place_taken() -> None:
+    async def left() -> None:
+        places = ReadingPlaces(1)
+        async with places.place("first"):
+            waiting = [asyncio.create_task(AsyncExitStack().enter_async_context(places.place("second"))) for _ in range(3)]
+            await asyncio.sleep(0)
+            for one in waiting:
+                one.cancel()
+            await asyncio.gather(*waiting, return_exceptions=True)
+        async with asyncio.timeout(1.0), places.place("third"):
+            pass
+
+    asyncio.run(left())
+
+
+def test_a_place_given_to_one_who_has_just_gone_goes_to_the_next() -> None:
+    async def passed_on() -> None:
+        places, held = ReadingPlaces(1), AsyncExitStack()
+        await held.enter_async_context(places.place("first"))
+        gone = asyncio.create_task(AsyncExitStack().enter_async_context(places.place("gone")))
+        await asyncio.sleep(0)
+        await held.aclose()
+        gone.cancel()  # its turn has come, and it does not know yet
+        await asyncio.gather(gone, return_exceptions=True)
+        async with asyncio.timeout(1.0), places.place("next"):
+            pass
+
+    asyncio.run(passed_on())
