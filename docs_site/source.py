@@ -6,6 +6,8 @@ from pathlib import Path
 
 from docs_site.cli_reference import cli_page
 from docs_site.document_reference import document_page
+from docs_site.error_reference import errors_page
+from docs_site.finding_reference import findings_page
 from docs_site.gallery import NOTEBOOKS, write_gallery
 from docs_site.python_reference import python_page
 from docs_site.rest_reference import rest_page
@@ -28,6 +30,8 @@ REFERENCES = {
     "reference-settings.md": settings_page,
     "reference-machine-document.md": document_page,
     "reference-rest.md": rest_page,
+    "reference-findings.md": findings_page,
+    "reference-errors.md": errors_page,
 }
 NAVIGATION: dict[str, tuple[str, ...]] = {
     "Start": ("index.md", "python.md"),

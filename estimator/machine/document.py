@@ -35,10 +35,10 @@ MOST_WITH_FURTHER = 100
 class Machine(Part):
     """One train. The document that a person writes and that everything else in the service is derived from."""
 
-    schema_version: Literal[1] = 1
+    schema_version: Literal[1] = Field(default=1, description="of the document's form; there is one so far")
     id: Identifier
     plant: Identifier
-    name: Annotated[Text, Field(min_length=1, max_length=200)]
+    name: Annotated[Text, Field(min_length=1, max_length=200)] = Field(description="what people call the machine")
     rotation: Literal["positive", "negative"] = Field(default="positive", description="positive turns +x towards +y")
     speed_range: SpeedRange
     materials: Annotated[dict[Identifier, Material], Field(min_length=1, max_length=50)]

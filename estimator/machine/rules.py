@@ -178,5 +178,5 @@ class ParameterRule(Part):
 class ImpactTest(Part):
     """Natural frequencies of the train at standstill, measured with a hammer."""
 
-    frequencies_hz: Annotated[tuple[Positive, ...], Field(min_length=1, max_length=100)]
+    frequencies_hz: Annotated[tuple[Positive, ...], Field(min_length=1, max_length=100)] = Field(description="[Hz]")
     relative_error: Annotated[float, Field(gt=0, lt=1)] = Field(default=0.01, description="rms [-]")
