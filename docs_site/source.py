@@ -6,9 +6,11 @@ from pathlib import Path
 
 from docs_site.cli_reference import cli_page
 from docs_site.document_reference import document_page
+from docs_site.equations import with_equations
 from docs_site.error_reference import errors_page
 from docs_site.finding_reference import findings_page
 from docs_site.gallery import NOTEBOOKS, write_gallery
+from docs_site.method_figures import with_figures
 from docs_site.python_reference import python_page
 from docs_site.rest_reference import rest_page
 from docs_site.settings_reference import settings_page
@@ -51,7 +53,19 @@ NAVIGATION: dict[str, tuple[str, ...]] = {
         "alerts.md",
     ),
     "Reference": tuple(REFERENCES),
-    "Explanation": ("analysts.md", "evidence.md", "evidence-films.md", "fleets.md", "faults.md"),
+    "Explanation": (
+        "method-model.md",
+        "method-run-downs.md",
+        "method-identification.md",
+        "method-uncertainty.md",
+        "method-alignment.md",
+        "method-diagnosis.md",
+        "analysts.md",
+        "evidence.md",
+        "evidence-films.md",
+        "fleets.md",
+        "faults.md",
+    ),
     "Project": (
         "developers.md",
         "rooms.md",
@@ -70,7 +84,8 @@ def write_source(folder: Path, *, short: bool) -> Path:
     pages = folder / "pages"
     shutil.copytree(DOCS, pages, ignore=shutil.ignore_patterns("*.json"))
     for page in pages.glob("*.md"):
-        page.write_text(site_links(page.read_text(encoding="utf-8"), DOCS), encoding="utf-8")
+        text = with_equations(site_links(page.read_text(encoding="utf-8"), DOCS))
+        page.write_text(with_figures(text, pages, short=short), encoding="utf-8")
     for place, name in ELSEWHERE.items():
         text = (ROOT / place).read_text(encoding="utf-8")
         (pages / name).write_text(site_links(text, (ROOT / place).parent), encoding="utf-8")

@@ -1,10 +1,12 @@
 """The documentation's site: every page is in its navigation, references have every name, and a broken link fails the build."""
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
 from typing import get_args
+from xml.etree import ElementTree
 
 import pytest
 
@@ -12,9 +14,11 @@ import rotorundown
 from docs_site import source
 from docs_site.cli_reference import cli_page
 from docs_site.document_reference import document_page
+from docs_site.equations import with_equations
 from docs_site.error_reference import errors_page, wordings
 from docs_site.finding_reference import findings_page, level_words
 from docs_site.gallery import FOLDER, NOTEBOOKS, cells, write_gallery
+from docs_site.method_figures import FIGURES, MARK, with_figures
 from docs_site.python_reference import python_page
 from docs_site.rest_reference import DOCUMENT, rest_page
 from docs_site.settings_reference import settings_page
@@ -49,7 +53,7 @@ def test_references_have_every_name() -> None:
 
 def test_the_machine_document_s_fields_have_unit_bounds_and_default() -> None:
     lines = document_page().splitlines()
-    assert "| `young_modulus` | number | needed | E [N/m²]; more than 0 | 2e+11 to 2.11e+11 |" in lines
+    assert "| `young_modulus` | number | needed | E [N/m²]; more than 0 | 2.06e+11 to 2.1e+11 |" in lines
     assert any(line.startswith("| `shafts` | list of [Shaft](#shaft) | needed | one shaft: sections from") for line in lines)
     assert any(line.startswith("| `rotation` | `positive` or `negative` | `positive` |") for line in lines)
     anchors = {line.removeprefix("## ").lower() for line in lines if line.startswith("## ")}
@@ -85,6 +89,39 @@ def test_every_error_has_its_texts_its_status_and_what_to_do() -> None:
     assert [reason for reason in get_args(Reason) if f"| `{reason}` |" not in page] == []
     assert len({one.name for one in wordings()}) > 80
     assert "- `--exposed is printed as text only`" in page
+
+
+METHOD = [page for page in NAVIGATION["Explanation"] if page.startswith("method-")]
+
+
+def test_the_method_is_six_pages_with_equations_a_figure_assumptions_limits_and_evidence() -> None:
+    assert len(METHOD) == 6
+    figures = []
+    for page in METHOD:
+        text = (DOCS / page).read_text()
+        headings = [line for line in text.splitlines() if line.startswith("## ")]
+        assert headings[0] == "## Equations"
+        assert headings[-3:] == ["## Assumptions", "## Limits", "## Evidence"]
+        assert with_equations(text).count("<math ") >= 2
+        figures += [name for name, _ in MARK.findall(text)]
+    assert sorted(figures) == sorted(FIGURES)
+
+
+def test_equations_become_mathml_that_is_well_formed() -> None:
+    for page in METHOD:
+        for one in re.findall("<math .*?</math>", with_equations((DOCS / page).read_text())):
+            assert ElementTree.fromstring(one).tag.endswith("math")
+            assert "\\" not in one
+    with pytest.raises(ValueError, match="not closed"):
+        with_equations("text\n\n$$\nx = 1\n")
+
+
+def test_figures_are_drawn_where_a_page_names_them(tmp_path: Path) -> None:
+    page = with_figures("# A\n\n<!-- figure: polar: two vectors -->\n\nText.\n", tmp_path, short=True)
+    assert "![two vectors](method-polar.svg)\n\n*Two vectors.*\n\nText." in page
+    assert (tmp_path / "method-polar.svg").read_text().startswith("<?xml")
+    with pytest.raises(KeyError, match="nothing"):
+        with_figures("<!-- figure: nothing: none -->", tmp_path, short=True)
 
 
 def test_links_lead_to_pages_of_the_site_or_become_names() -> None:

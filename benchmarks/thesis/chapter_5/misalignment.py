@@ -78,8 +78,8 @@ def misalignment_section(rig: Rig) -> str:
         "coefficient of bearings and coupling by half of that, an assumption. **frequencies**: the bearings of each shaft "
         "grow by what brings the rig's natural frequencies nearest to those of Table 5.5, with the coupling growing as the "
         "bearings of shaft 2, an assumption too. Baseline: three aligned runs (seeds 0 to 2); then "
-        f"{MISALIGNED_RUNS} runs per case, diagnosed in pairs as the service does (analysts.md); the first gives the changes "
-        "of single coefficients. Run-up of 200 speeds, 5 to 200 Hz, 1 % noise and 50 nm floor, no run-to-run scatter added; "
+        f"{MISALIGNED_RUNS} runs per case, diagnosed in pairs as the service does (method-diagnosis.md); the first gives the "
+        "changes of single coefficients. Run-up of 200 speeds, 5 to 200 Hz, 1 % noise and 50 nm floor, no run-to-run scatter added; "
         "the diagnosis itself expects it. Both readings let the bearings away from the coupling grow as well, which the "
         "diagnosis names beside the misalignment or takes for the season.\n\n"
         + table(header, rows)
