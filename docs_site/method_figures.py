@@ -48,7 +48,7 @@ def coverage(*, short: bool) -> "Figure":
         found = rd.identify(_pump(), run)
         for one in found.identification.estimates:
             true = (run.truth or {}).get(one.name)
-            if true is not None and one.estimable and one.imaginary is None and one.standard_error:
+            if true is not None and one.value is not None and one.imaginary is None and one.standard_error:
                 errors.append((one.value - true) / one.standard_error)
     drawn, axes = figure(1, 1)
     plot, grid = axes[0, 0], np.linspace(-4.0, 4.0, 161)

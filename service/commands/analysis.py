@@ -129,7 +129,7 @@ def model(
     Critical speeds, amplification factors and separation margins, coupling loads, balance and corrections, impact test. Where
     the document gives the film of each bearing, the static state comes first: loads, specific pressures, eccentricities,
     positions, Sommerfeld numbers and the speed from which on the train would whirl. Ends with status 1 when the fit is not
-    accepted. With --json the runs' results alone are printed, which need a run.
+    accepted. With --json the runs' results alone are printed; without any run the static state.
     """
     import threadpoolctl
 
@@ -138,10 +138,8 @@ def model(
     from service.commands.results.model_report import model_text
     from service.commands.results.result_content import model_content
 
-    if as_json and not files:
-        fail("--json needs a run: the static state on oil films is printed as text only")
-    if not as_json:
-        _print_films(machine, service_rpm, needed=not files)
+    if not (as_json and files):
+        _print_films(machine, service_rpm, needed=not files, as_json=as_json)
     if not files:
         return
     described, _, result = identified(machine, files, sidecar)
@@ -164,16 +162,19 @@ def model(
         say_lines(text)
 
 
-def _print_films(machine: Path, service_rpm: float | None, *, needed: bool) -> None:
+def _print_films(machine: Path, service_rpm: float | None, *, needed: bool, as_json: bool) -> None:
     """Print the static state on oil films of a document that describes them; needed: fail for one that does not."""
-    from service.commands.results.film_report import film_text, has_films
+    from service.commands.results.film_report import film_content, film_text, has_films
     from service.configuration.document_files import UnreadableFile, read_machine
 
     try:
         described = read_machine(machine)
         if has_films(described):
             speed = described.speed_range.maximum_rpm if service_rpm is None else service_rpm
-            say_lines(film_text(described, service_rpm=speed))
+            if as_json:
+                say_json(film_content(described, service_rpm=speed))
+            else:
+                say_lines(film_text(described, service_rpm=speed))
         elif needed:
             fail(f"{machine}: no run is given, and a bearing says nothing of its film: there is nothing to compute")
     except (UnreadableFile, Invalid) as error:

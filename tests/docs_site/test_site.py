@@ -88,7 +88,7 @@ def test_every_error_has_its_texts_its_status_and_what_to_do() -> None:
     assert "\n- `" in section
     assert [reason for reason in get_args(Reason) if f"| `{reason}` |" not in page] == []
     assert len({one.name for one in wordings()}) > 80
-    assert "- `--exposed is printed as text only`" in page
+    assert "- `name the keys to confirm, or say --all`" in page
 
 
 METHOD = [page for page in NAVIGATION["Explanation"] if page.startswith("method-")]
