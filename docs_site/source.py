@@ -36,7 +36,7 @@ REFERENCES = {
     "reference-errors.md": errors_page,
 }
 NAVIGATION: dict[str, tuple[str, ...]] = {
-    "Start": ("index.md", "python.md"),
+    "Start": ("index.md", "first-steps.md", "python.md"),
     "Tutorials": tuple(f"gallery-{name}.md" for name in NOTEBOOKS),
     "How to": (
         "operators.md",
@@ -116,7 +116,8 @@ def site_links(text: str, folder: Path) -> str:
             return f"[{words}]({place.relative_to(DOCS)}{end})"
         return f"{words} (`{inside}`)"
 
-    return re.sub(r"(?<!!)\[([^\]]+)\]\(([^)\s]+)\)", link, text)
+    linked = re.sub(r"(?<!!)\[([^\]]+)\]\(([^)\s]+)\)", link, text)
+    return re.sub(r"(!\[[^\]]*\]\()docs/", r"\1", linked) if folder == ROOT else linked
 
 
 def _configuration(pages: Path) -> str:

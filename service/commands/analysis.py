@@ -272,15 +272,26 @@ def _regress(
 def _runs(
     machine: Path, files: list[Path], sidecar: Path | None, slow_roll: str | None = None
 ) -> "tuple[Machine, list[tuple[RecordedRun, Measurement]]]":
-    """Read a document and its recorded runs, without the slow roll of a band where one is given."""
+    """Read a document and its recorded runs, without the slow roll of a band where one is given.
+
+    Tables without a sidecar are read as the library reads them, and it is said in which units.
+    """
+    from rotorundown.runs import read_run
     from service.commands.document_warnings import say_warnings
     from service.commands.results.identification_report import slow_roll_text
     from service.configuration.document_files import read_machine
     from service.sources.recorded_runs import read_runs, without_slow_roll
+    from service.sources.recording import sidecar_of
 
     described = read_machine(machine)
     say_warnings(described)
-    runs, left_out = read_runs(described, files, sidecar)
+    plain = [file for file in files if sidecar is None and file.suffix == ".csv" and not sidecar_of(file).exists()]
+    if plain:
+        read = [read_run(file, machine=described) for file in files]
+        runs = [(one.recorded, one.measurement) for one in read]
+        left_out = [f"{one.name}: read {one.units}" for one in read] + [line for one in read for line in one.left_out]
+    else:
+        runs, left_out = read_runs(described, files, sidecar)
     for line in left_out:
         say(line, err=True)
     if slow_roll is None:

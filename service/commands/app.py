@@ -6,6 +6,7 @@ Each imports what it needs by itself: web server, database and estimator take a 
 import json
 import logging
 import os
+import re
 import signal
 import threading
 import time
@@ -155,6 +156,8 @@ def worker(
     memory_mb: Annotated[int, typer.Option(min=256, help="memory that each process may hold of its own [MiB]")] = 2048,
 ) -> None:
     """Compute identifications for services that use a Dask cluster (`RUNDOWN_DASK_SCHEDULER`)."""
+    if not re.fullmatch(r"\w+://[^/\s]+:\d+", scheduler):
+        fail(f"'{scheduler}' is no scheduler's address: write protocol, host and port, such as tcp://10.0.0.5:8786")
     from service.identification.worker_tasks import TASKS
     from service.workers.dask_worker import work
 

@@ -45,6 +45,7 @@ def test_every_page_is_in_the_navigation_once() -> None:
 def test_references_have_every_name() -> None:
     assert [name for name in rotorundown.__all__ if f".{name}\n" not in python_page()] == []
     assert [name for name in EXAMPLES if f"### rundown {name}\n" not in cli_page()] == []
+    assert [one for one in EXAMPLES.values() if f"```sh\n{one}\n```" not in cli_page()] == []
     assert [name for name in Settings.model_fields if f"| `{name}` |" not in settings_page()] == []
     assert [name for name in Machine.model_fields if f"| `{name}` |" not in document_page()] == []
     paths = json.loads(DOCUMENT.read_text())["paths"]
