@@ -322,7 +322,7 @@ def _text(value: Any) -> Any:
 def _samples(
     session: Session, machine_id: str, revision: int, columns: Sequence[Column], written: Callable[[], None]
 ) -> Iterator[Rows]:
-    """Yield the samples run by run, in pieces, calling `written` after each. One that cannot be read is left out and logged."""
+    """Yield the samples run by run, in pieces, calling `written` after each; an unreadable one is left out and logged."""
     query = select(RunRow).where(RunRow.machine_id == machine_id, RunRow.revision == revision, RunRow.data.is_not(None))
     ordered = query.options(undefer(RunRow.data)).order_by(RunRow.time_first, RunRow.id).execution_options(yield_per=1)
     with session.scalars(ordered) as found:

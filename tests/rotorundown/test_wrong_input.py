@@ -1,7 +1,6 @@
 """What is given wrongly is named in one line that says what would be right, in Python and by command."""
 
 import shutil
-import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -58,14 +57,6 @@ def test_a_contradiction_of_a_machine_is_one_line(pump: Machine) -> None:
     said["couplings"] = [{**one, "driven": "nobody"} for one in said["couplings"]]
     with pytest.raises(WrongMachine, match=r"couplings\[0\].driven: 'nobody' is not one of the shafts: motor, pump") as raised:
         rd.read_machine(said)
-    one_line(raised)
-
-
-def test_plots_without_matplotlib_name_the_package(pump: Machine, run: rd.MachineRun, monkeypatch: pytest.MonkeyPatch) -> None:
-    result = rd.identify(pump, run)
-    monkeypatch.setitem(sys.modules, "matplotlib.pyplot", None)
-    with pytest.raises(ImportError, match="plots need matplotlib: pip install matplotlib") as raised:
-        result.plot_bode()
     one_line(raised)
 
 
