@@ -70,7 +70,7 @@ class Operation(Part):
         default=(), description="what is allowed at couplings of a train on oil films; by default what is usual at its speed"
     )
     healthy_variation: HealthyVariation = Field(
-        default=HealthyVariation(), description="of a train on oil films, as long as nothing happens to it"
+        default=HealthyVariation.model_construct(), description="of a train on oil films, as long as nothing happens to it"
     )
 
     @model_validator(mode="after")
@@ -113,7 +113,7 @@ class Collection(Part):
     delta_s: Positive | None = Field(
         default=None, description="… or when this time has passed since the last one kept [s]; by default every sample"
     )
-    rolling: RollingCollection = RollingCollection()
+    rolling: RollingCollection = RollingCollection.model_construct()
 
 
 class QualityRules(Part):

@@ -109,7 +109,7 @@ def _values(table: Table, row: Any) -> tuple[Any, ...]:
 
 
 class _Told:
-    """What has been told of the work's progress."""
+    """Count of the rows that are done, told as it grows."""
 
     def __init__(self, report: Callable[[int, int], None], total: int) -> None:
         self._report, self._total, self._done = report, total, 0
