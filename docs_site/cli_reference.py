@@ -32,7 +32,7 @@ def _command(title: str, command: Any, example: str | None) -> Iterator[str]:
     if example is not None:
         yield from ("", "```sh", example, "```")
     for name, one in within.items():
-        yield from _command(f"{title} {name}", one, None)
+        yield from _command(f"{title} {name}", one, EXAMPLES.get(f"{title} {name}".removeprefix("rundown ")))
 
 
 def _parameters(parameters: list[Any]) -> Iterator[str]:

@@ -1,25 +1,32 @@
 """The reference of the machine document, from the declarations of its parts: every field's meaning, unit and default."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
+
+from pydantic import BaseModel
 
 from docs_site.cli_reference import table_cell
 from estimator.machine.document import Machine
+from service.configuration.document_files import read_machine
 
 HEAD = """# Machine document: reference
 
 Every part and field that a document may have, in SI units unless a name ends in another. `rundown init` writes a commented
-one, `rundown check` names each wrong field. Axes: z along the train from driver to driven, x horizontal, y vertical.
+one, `rundown check` names each wrong field. Axes: z along the train from driver to driven, x horizontal, y vertical. The last
+column has the smallest and the largest number that the documents in `examples/` give, as a hint at what is usual.
 """
+EXAMPLES = Path(__file__).parents[1] / "examples"
 
 
 def document_page() -> str:
     """Return the page: the document, then its parts in the order in which they are met."""
     schema = Machine.model_json_schema()
     parts = schema["$defs"]
-    lines = [HEAD, *_part("Machine", schema)]
+    usual = _usual()
+    lines = [HEAD, *_part("Machine", schema, parts, usual)]
     for name in _met(schema, parts):
-        lines += _part(name, parts[name])
+        lines += _part(name, parts[name], parts, usual)
     return "\n".join([*lines, ""])
 
 
@@ -47,20 +54,57 @@ def _named(node: Any) -> Iterator[str]:
             yield from _named(one)
 
 
-def _part(name: str, schema: dict[str, Any]) -> Iterator[str]:
+def _usual() -> dict[tuple[str, str], list[float]]:
+    """Return the numbers that the examples give, by part and field."""
+    found: dict[tuple[str, str], list[float]] = {}
+
+    def look(name: str, field: str, value: Any) -> None:
+        if isinstance(value, BaseModel):
+            for one in value.model_fields_set:
+                look(type(value).__name__, one, getattr(value, one))
+        elif isinstance(value, Mapping | tuple | list):
+            for one in value.values() if isinstance(value, Mapping) else value:
+                look(name, field, one)
+        elif isinstance(value, int | float) and not isinstance(value, bool):
+            found.setdefault((name, field), []).append(float(value))
+
+    for file in sorted(EXAMPLES.glob("*.yaml")):
+        look("", "", read_machine(file))
+    return found
+
+
+def _part(
+    name: str, schema: dict[str, Any], parts: dict[str, Any], usual: dict[tuple[str, str], list[float]]
+) -> Iterator[str]:
     # A heading's anchor is its name in small letters.
     yield from ("", f"## {name}", "", schema.get("description", ""), "")
     if "properties" not in schema:
         if "enum" in schema:
             yield ", ".join(f"`{one}`" for one in schema["enum"])
         return
-    yield from ("| field | kind | default | meaning |", "|---|---|---|---|")
+    yield from ("| field | kind | default | meaning | in the examples |", "|---|---|---|---|---|")
     needed = set(schema.get("required", ()))
     for field, said in schema["properties"].items():
         default = "needed" if field in needed else _default(said.get("default"))
         bounds = _bounds(said)
-        meaning = "; ".join(part for part in (table_cell(said.get("description", "")), bounds) if part)
-        yield f"| `{field}` | {_kind(said)} | {default} | {meaning} |"
+        meaning = "; ".join(part for part in (table_cell(_meaning(said, parts)), bounds) if part)
+        yield f"| `{field}` | {_kind(said)} | {default} | {meaning} | {_range(usual.get((name, field), []))} |"
+
+
+def _meaning(said: dict[str, Any], parts: dict[str, Any]) -> str:
+    """Return what a field says of itself, else what the part says that it holds."""
+    if "description" in said:
+        return str(said["description"])
+    held = next(_named(said), None)
+    first = "" if held is None else str(parts[held].get("description", "")).partition("\n\n")[0]
+    return first[:1].lower() + first[1:].removesuffix(".")
+
+
+def _range(numbers: list[float]) -> str:
+    if not numbers:
+        return ""
+    least, most = min(numbers), max(numbers)
+    return f"{least:.6g}" if least == most else f"{least:.6g} to {most:.6g}"
 
 
 def _default(value: Any) -> str:

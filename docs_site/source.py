@@ -6,7 +6,11 @@ from pathlib import Path
 
 from docs_site.cli_reference import cli_page
 from docs_site.document_reference import document_page
+from docs_site.equations import with_equations
+from docs_site.error_reference import errors_page
+from docs_site.finding_reference import findings_page
 from docs_site.gallery import NOTEBOOKS, write_gallery
+from docs_site.method_figures import with_figures
 from docs_site.python_reference import python_page
 from docs_site.rest_reference import rest_page
 from docs_site.settings_reference import settings_page
@@ -28,9 +32,11 @@ REFERENCES = {
     "reference-settings.md": settings_page,
     "reference-machine-document.md": document_page,
     "reference-rest.md": rest_page,
+    "reference-findings.md": findings_page,
+    "reference-errors.md": errors_page,
 }
 NAVIGATION: dict[str, tuple[str, ...]] = {
-    "Start": ("index.md", "python.md"),
+    "Start": ("index.md", "first-steps.md", "python.md"),
     "Tutorials": tuple(f"gallery-{name}.md" for name in NOTEBOOKS),
     "How to": (
         "operators.md",
@@ -47,7 +53,19 @@ NAVIGATION: dict[str, tuple[str, ...]] = {
         "alerts.md",
     ),
     "Reference": tuple(REFERENCES),
-    "Explanation": ("analysts.md", "evidence.md", "evidence-films.md", "fleets.md", "faults.md"),
+    "Explanation": (
+        "method-model.md",
+        "method-run-downs.md",
+        "method-identification.md",
+        "method-uncertainty.md",
+        "method-alignment.md",
+        "method-diagnosis.md",
+        "analysts.md",
+        "evidence.md",
+        "evidence-films.md",
+        "fleets.md",
+        "faults.md",
+    ),
     "Project": (
         "developers.md",
         "rooms.md",
@@ -66,7 +84,8 @@ def write_source(folder: Path, *, short: bool) -> Path:
     pages = folder / "pages"
     shutil.copytree(DOCS, pages, ignore=shutil.ignore_patterns("*.json"))
     for page in pages.glob("*.md"):
-        page.write_text(site_links(page.read_text(encoding="utf-8"), DOCS), encoding="utf-8")
+        text = with_equations(site_links(page.read_text(encoding="utf-8"), DOCS))
+        page.write_text(with_figures(text, pages, short=short), encoding="utf-8")
     for place, name in ELSEWHERE.items():
         text = (ROOT / place).read_text(encoding="utf-8")
         (pages / name).write_text(site_links(text, (ROOT / place).parent), encoding="utf-8")
@@ -97,7 +116,8 @@ def site_links(text: str, folder: Path) -> str:
             return f"[{words}]({place.relative_to(DOCS)}{end})"
         return f"{words} (`{inside}`)"
 
-    return re.sub(r"(?<!!)\[([^\]]+)\]\(([^)\s]+)\)", link, text)
+    linked = re.sub(r"(?<!!)\[([^\]]+)\]\(([^)\s]+)\)", link, text)
+    return re.sub(r"(!\[[^\]]*\]\()docs/", r"\1", linked) if folder == ROOT else linked
 
 
 def _configuration(pages: Path) -> str:

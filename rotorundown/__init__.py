@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from rotorundown.environment.own_packages import require_own_packages
 
 if TYPE_CHECKING:
+    __version__: str
     from estimator.machine.document import Machine
     from rotorundown.calibration import CalibratedMachine, calibrate
     from rotorundown.comparison import CouplingComparison, compare
@@ -80,6 +81,10 @@ require_own_packages()
 
 def __getattr__(name: str) -> Any:
     """Return a public name, importing its module on first use. Raises AttributeError with close matches."""
+    if name == "__version__":
+        from service.configuration.release import VERSION
+
+        return VERSION
     if name not in _PLACES:
         from estimator.close_matches import did_you_mean
 

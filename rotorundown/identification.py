@@ -1,6 +1,7 @@
 """Identifies a machine from its runs, behind the same quality gate as the commands and the service."""
 
 from collections.abc import Sequence
+from typing import cast
 
 from pydantic import ValidationError
 
@@ -42,11 +43,28 @@ def identify(
         NothingToIdentify: The usable points do not allow an identification, or a rule is wrong.
         ValueError: No start leads anywhere, or the train cannot be condensed at a speed.
     """
-    several = [runs] if isinstance(runs, MachineRun) else list(runs)
+    one = isinstance(runs, MachineRun) or not isinstance(runs, Sequence)  # a data frame is one run that was not read
+    several = [cast(MachineRun, runs)] if one else list(cast(Sequence[MachineRun], runs))
     found = identify_behind_gate(machine, several, gate=gate, half_power=half_power, accepted_rpm=accepted_rpm)
     if found.identification is None:
         raise NothingToIdentify(found.error or "there is nothing to identify from")
     return Result(machine, tuple(several), found.identification, found.qualities)
+
+
+def _require_read(machine: Machine, runs: Sequence[MachineRun]) -> None:
+    """Raise NothingToIdentify for what is no machine or no run of it: files and tables have to be read first."""
+    if not isinstance(machine, Machine):
+        raise NothingToIdentify(f"the machine is a {type(machine).__name__}: read it first, with read_machine(…)")
+    if not runs:
+        raise NothingToIdentify("no run is given: identify needs one at least")
+    for run in runs:
+        if not isinstance(run, MachineRun):
+            raise NothingToIdentify(f"a run is a {type(run).__name__}: read it first, with read_run(…, machine=…)")
+        if run.channels != machine.channels:
+            raise NothingToIdentify(
+                f"run '{run.name}' has the channels {', '.join(run.channels)}, machine '{machine.id}' has "
+                f"{', '.join(machine.channels)}: read it with this machine"
+            )
 
 
 def identify_behind_gate(
@@ -73,8 +91,7 @@ def identify_behind_gate(
         NothingToIdentify: No run is given, or a rule is wrong.
         ValueError: No start leads anywhere, or the train cannot be condensed at a speed.
     """
-    if not runs:
-        raise NothingToIdentify("no run is given: identify needs one at least")
+    _require_read(machine, runs)
     rules = {"half_power": half_power, "accepted_rpm": accepted_rpm}
     given = {name: value for name, value in rules.items() if value is not None}
     try:

@@ -36,5 +36,6 @@ def read_machine(source: str | Path | Mapping[str, Any] | Machine) -> Machine:
     except UnreadableFile as error:
         raise WrongMachine(str(error)) from None
     except DocumentError as error:
-        problems = "\n".join(f"  {field}: {message}" for field, message in error.problems)
-        raise WrongMachine(f"this is not a machine document:\n{problems}") from None
+        problems = [f"{field}: {message}" for field, message in error.problems]
+        listed = f" {problems[0]}" if len(problems) == 1 else "".join(f"\n  {one}" for one in problems)
+        raise WrongMachine(f"this is not a machine document:{listed}") from None

@@ -12,19 +12,19 @@ from estimator.calibration.unbalance_since import UnbalanceSince, unbalance_sinc
 from estimator.close_matches import did_you_mean
 from estimator.fit.estimates import Estimate
 from estimator.fit.identification import Identification
-from estimator.identification.experiment_design import HelpfulProbe, HelpfulSpeed, helpful_probes, helpful_speeds
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import joined
 from estimator.phasors.quality import Quality
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
-from estimator.updated_model.model import updated_model
 from rotorundown.environment.optional_packages import optional_package
 from rotorundown.estimate_summary import element_lines
-from rotorundown.machine_model import Model
 from rotorundown.runs import MachineRun
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from estimator.identification.experiment_design import HelpfulProbe, HelpfulSpeed
+    from rotorundown.machine_model import Model
 
 CANDIDATE_SPEEDS = 60
 """Number of speeds of which the most helpful are chosen."""
@@ -66,8 +66,11 @@ class Result:
         return self.identification.verdict
 
     @cached_property
-    def model(self) -> Model:
+    def model(self) -> "Model":
         """Return the model of the machine with the values found and their covariance."""
+        from estimator.updated_model.model import updated_model
+        from rotorundown.machine_model import Model
+
         return Model(updated_model(self.machine, self.identification))
 
     @cached_property
@@ -92,15 +95,19 @@ class Result:
     def __contains__(self, name: object) -> bool:
         return any(one == name for one in self)
 
-    def helpful_speeds(self, *, count: int = 3) -> tuple[HelpfulSpeed, ...]:
+    def helpful_speeds(self, *, count: int = 3) -> "tuple[HelpfulSpeed, ...]":
         """Return the speeds of the machine's range at which one more sample each would help most, with the effect."""
+        from estimator.identification.experiment_design import helpful_speeds
+
         limits = self.machine.speed_range
         lowest, highest = rpm_to_rad_per_s(limits.minimum_rpm), rpm_to_rad_per_s(limits.maximum_rpm)
         candidates = np.linspace(lowest, highest, CANDIDATE_SPEEDS)
         return helpful_speeds(self.machine, self.identification, candidates=candidates, count=count)
 
-    def helpful_probes(self, *, count: int = 3) -> tuple[HelpfulProbe, ...]:
+    def helpful_probes(self, *, count: int = 3) -> "tuple[HelpfulProbe, ...]":
         """Return the probes that would have helped most in the same runs, with the effect."""
+        from estimator.identification.experiment_design import helpful_probes
+
         measured = joined([run.measurement for run in self.runs])
         return helpful_probes(self.machine, self.identification, measured, count=count)
 

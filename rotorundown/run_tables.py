@@ -1,7 +1,7 @@
 """Tables of a run without a sidecar: which columns hold what, and what is wrong with their numbers."""
 
 import csv
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -115,10 +115,21 @@ class RunTable:
             phase=_blank(phase),
         )
         samples, taken, faults = to_samples(batch, machine, received_at=now())
-        left_out = tuple(f"{name}, row {fault.index + 1} left out: {fault.detail}" for fault in faults)
+        left_out = tuple(self._foreign(machine, name)) + tuple(
+            f"{name}, row {fault.index + 1} left out: {fault.detail}" for fault in faults
+        )
         if not np.any(taken):
-            raise WrongRun(f"no sample of the run can be used: {left_out[0]}")
+            raise WrongRun(f"no sample of the run can be used: {left_out[-1]}")
         return samples.pick(taken), left_out
+
+    def _foreign(self, machine: Machine, name: str) -> Iterator[str]:
+        """Name the columns of amplitudes that are of no channel of the machine."""
+        for column in self.columns:
+            end = next((one for one in AMPLITUDE_ENDS if column.endswith(one)), None)
+            channel = "" if end is None else column.removesuffix(end)
+            if channel and channel not in machine.channels:
+                close = did_you_mean(channel, machine.channels)
+                yield f"{name}, column '{column}' left out: '{channel}' is no channel of '{machine.id}'{close}"
 
     def _of_channel(self, channel: str, ends: tuple[str, ...], what: str) -> Floats:
         return self.columns[self._first(tuple(f"{channel}{end}" for end in ends), f"the {what} of {channel}")]

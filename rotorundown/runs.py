@@ -94,7 +94,7 @@ class MachineRun:
         return optional_package("pandas", needed_for="data frames").DataFrame(columns)
 
     def __str__(self) -> str:
-        lines = [f"{self.name}: {len(self)} samples, {', '.join(self.channels)}; read as {self.units}"]
+        lines = [f"{self.name}: {len(self)} samples, {', '.join(self.channels)}; read {self.units}"]
         if len(self):
             lines.append(
                 f"{self.speed_rpm.min():.0f} to {self.speed_rpm.max():.0f} r/min; "
@@ -141,6 +141,8 @@ def read_run(
     Raises:
         WrongRun: The file cannot be read, or its columns or numbers cannot be a run of this machine.
     """
+    if not isinstance(machine, Machine):
+        raise WrongRun(f"machine is a {type(machine).__name__}: read it first, with read_machine(…)")
     units = TableUnits(speed_unit, amplitude_unit, amplitude_kind, phase_convention, phase_unit)
     if not isinstance(source, str | Path):
         return _run_of_table(RunTable.of(source), "run", machine, units)
@@ -164,4 +166,4 @@ def _run_of_table(table: RunTable, name: str, machine: Machine, units: TableUnit
     recorded = samples.recorded(machine.channels)
     if table.time is None:
         recorded = replace(recorded, time=None)
-    return MachineRun(name, machine.channels, recorded, samples.measurement(), left_out, units.words)
+    return MachineRun(name, machine.channels, recorded, samples.measurement(), left_out, f"as {units.words}")

@@ -55,5 +55,5 @@ def simulate(
     if place is not None:
         measurement = replace(measurement, gaps=MeasuredGaps(place, time, np.zeros(time.size, np.intp)))
     return MachineRun(
-        f"simulated {story}", machine.channels, recorded, measurement, units="simulated, SI", truth=of_run.parameters
+        f"simulated {story}", machine.channels, recorded, measurement, units="as simulated, in SI", truth=of_run.parameters
     )

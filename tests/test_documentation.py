@@ -37,9 +37,9 @@ def test_every_quarantine_reason_is_documented() -> None:
     assert [reason for reason in get_args(Reason) if f"`{reason}`" not in page] == []
 
 
-def test_every_command_that_the_readme_shows_exists() -> None:
+def test_every_command_that_the_first_steps_show_exists() -> None:
     known = {command.name or (command.callback.__name__ if command.callback else "") for command in app.registered_commands}
-    shown = set(re.findall(r"^rundown ([\w-]+)", (ROOT / "README.md").read_text(), re.MULTILINE))
+    shown = set(re.findall(r"^rundown ([\w-]+)", (ROOT / "docs" / "first-steps.md").read_text(), re.MULTILINE))
     assert shown
     assert shown <= known
 

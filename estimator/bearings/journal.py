@@ -41,7 +41,7 @@ class JournalForm(FormDefaults, Part):
 
     of_whole_train: ClassVar[bool] = True
 
-    form: Literal["journal"]
+    form: Literal["journal"] = Field(description="coefficients that follow from the bearing's film")
     clearance_spread: Spread = Field(default=0.15, description="how far the radial clearance may be off, relative rms [-]")
     viscosity_spread: Spread = Field(default=0.15, description="how far the film's viscosity may be off, relative rms [-]")
     viscosity_slope_spread: Spread = Field(

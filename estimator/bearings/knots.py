@@ -113,7 +113,9 @@ class SpeedDependence(FormDefaults, Part):
     polynomial through all of them. Direct terms follow in their logarithm, so that they stay positive.
     """
 
-    form: Literal["polynomial", "piecewise"]
+    form: Literal["polynomial", "piecewise"] = Field(
+        description="one polynomial through all knots, or straight lines from knot to knot"
+    )
     knots_rpm: Annotated[tuple[Positive, ...], Field(min_length=2, max_length=12)] = Field(description="ascending [r/min]")
     coefficients: tuple[str, ...] | None = Field(default=None, description="which of them, by default all, such as [kxx, kyy]")
 

@@ -169,7 +169,7 @@ class Table(FormDefaults, TableColumns):
         if term.direct
     )
 
-    form: Literal["table"]
+    form: Literal["table"] = Field(description="coefficients over speed, as its maker states them")
     speed_rpm: Speeds = Field(description="ascending, at least five [r/min]")
     over_load: tuple[ColumnsAtLoad, ...] | None = Field(
         default=None,

@@ -16,8 +16,6 @@ from estimator.fit.maximum_likelihood import fit
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.problem.gap_rows import ChannelGaps, GapRows, gap_rows, seen_noise
 from estimator.fit.reweighting import with_fitted_noise
-from estimator.statics.film_model import FilmModel
-from estimator.statics.shaft_centreline import ShaftCentreline, probe_views
 from estimator.units import METRES, rad_per_s_to_rpm
 
 LARGEST_JUMP = 1e-5
@@ -55,9 +53,14 @@ def with_gaps(problem: FitProblem, found: FitResult) -> GapVerdict:
     Returns:
         The fit with gaps; the one given where there are none to believe.
     """
-    placed = next((one for one in problem.coordinates.models if isinstance(one.model, FilmModel)), None)
     gaps, machine = problem.measurement.gaps, problem.train.machine
-    if placed is None or gaps is None or machine is None or not judge(problem, found).accepted:
+    if gaps is None or machine is None:
+        return GapVerdict(problem, found)
+    from estimator.statics.film_model import FilmModel  # films are loaded where a train has them
+    from estimator.statics.shaft_centreline import ShaftCentreline, probe_views
+
+    placed = next((one for one in problem.coordinates.models if isinstance(one.model, FilmModel)), None)
+    if placed is None or not judge(problem, found).accepted:
         return GapVerdict(problem, found)
     model = placed.model
     assert isinstance(model, FilmModel)

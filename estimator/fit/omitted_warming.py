@@ -16,7 +16,6 @@ from estimator.fit.problem.coordinates import PlacedModel
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.reweighting import with_fitted_noise
 from estimator.rotor.response import Sensitivity
-from estimator.statics.film_curves import FilmCurves
 
 LARGEST_SCORE = 3.3
 """Largest score in standard deviations [-]: 1 of 1000 is larger where viscosity is the same at every speed."""
@@ -58,6 +57,10 @@ def viscosity_trend(problem: FitProblem, found: FitResult, covariance: Floats) -
     Returns:
         The trend; None where no coefficients follow from films, or the data say nothing of it.
     """
+    if not problem.coordinates.models:
+        return None
+    from estimator.statics.film_curves import FilmCurves  # films are loaded where coefficients follow the speed
+
     final = with_fitted_noise(problem, found)
     placed = next((one for one in final.coordinates.models if isinstance(one.curves, FilmCurves)), None)
     if placed is None:
@@ -84,6 +87,8 @@ def _information(problem: FitProblem, theta: Floats, placed: PlacedModel) -> tup
 
 def _moved(placed: PlacedModel, theta: Floats, found: Sensitivity, block: slice) -> Complexes:
     """Return the derivatives (S, m) of phasors by the exponent."""
+    from estimator.statics.film_curves import FilmCurves
+
     if not isinstance(placed.curves, FilmCurves):
         raise TypeError("only films have a viscosity")
     by_exponent = placed.curves.viscosity_trend(placed.own(theta))[block]

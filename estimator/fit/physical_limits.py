@@ -6,6 +6,7 @@ worthless. Where the data allow a model without growing modes nearly as well, th
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
@@ -21,10 +22,10 @@ from estimator.machine.scaled_materials import with_scaled_materials
 from estimator.modes.eigenmodes import Modes, damping_ratio, eigenvalue_slopes
 from estimator.rotor.modal_reduction import reduced_basis
 from estimator.rotor.system_matrices import system_matrices
-from estimator.statics.equilibrium import FilmEquilibrium
-from estimator.statics.film_curves import FilmCurves
-from estimator.statics.pad_states import state_matrix_with_pads
 from estimator.units import rad_per_s_to_rpm
+
+if TYPE_CHECKING:
+    from estimator.statics.equilibrium import FilmEquilibrium
 
 SPEEDS = 5
 """Number of speeds of the range at which modes are looked at where coefficients follow the speed."""
@@ -244,6 +245,8 @@ class PhysicalLimits:
         tilted = _tilted(at, theta)
         if tilted is not None:
             # Pads are states of their own; that their own numbers change with θ is left out.
+            from estimator.statics.pad_states import state_matrix_with_pads
+
             state = state_matrix_with_pads(machine, tilted[0], basis, coefficients=base)
             left, _, right = np.linalg.svd(state - root * np.eye(len(state)))
             mass = system_matrices(machine, coefficients=base, basis=basis).mass
@@ -267,6 +270,8 @@ class PhysicalLimits:
         tilted = _tilted(self.coordinates, theta)
         for place, (speed, row) in enumerate(zip(self.speeds.tolist(), self._coefficients(theta), strict=True)):
             if tilted is not None:
+                from estimator.statics.pad_states import state_matrix_with_pads
+
                 state = state_matrix_with_pads(machine, tilted[place], basis, coefficients=row)
             else:
                 matrices = system_matrices(machine, coefficients=row, basis=basis)
@@ -284,8 +289,12 @@ class PhysicalLimits:
         return np.atleast_2d(self.coordinates.coefficients(theta))
 
 
-def _tilted(coordinates: Coordinates, theta: Floats) -> tuple[FilmEquilibrium, ...] | None:
+def _tilted(coordinates: Coordinates, theta: Floats) -> "tuple[FilmEquilibrium, ...] | None":
     """Return the equilibria of films with pads that tilt; None where there are none."""
+    if not coordinates.models:
+        return None
+    from estimator.statics.film_curves import FilmCurves  # films are loaded where coefficients follow the speed
+
     placed = ((one, one.curves) for one in coordinates.models)
     return next((curves.tilted(one.own(theta)) for one, curves in placed if isinstance(curves, FilmCurves)), None)
 

@@ -35,9 +35,9 @@ class MountingSpread(Part):
 class CalibrationRunRecord(Part):
     """Provenance of a calibration: one of its recordings."""
 
-    name: Name
-    samples: Annotated[int, Field(ge=1)]
-    mountings: Annotated[int, Field(ge=1)]
+    name: Name = Field(description="of the recording")
+    samples: Annotated[int, Field(ge=1)] = Field(description="number of its samples")
+    mountings: Annotated[int, Field(ge=1)] = Field(description="number of times that weights were mounted anew in it")
     sha256: Annotated[str, Field(pattern=r"^([0-9a-f]{64})?$")] = Field(default="", description="of the recording's file")
 
 
@@ -47,14 +47,16 @@ class Calibration(Part):
     Parameters are the real coordinates of a fit: positive ones as logarithms, complex ones as `.real` and `.imaginary`.
     """
 
-    parameters: Annotated[tuple[Name, ...], Field(min_length=1, max_length=MOST_PARAMETERS)]
+    parameters: Annotated[tuple[Name, ...], Field(min_length=1, max_length=MOST_PARAMETERS)] = Field(
+        description="names of the coordinates, in the order of `values`"
+    )
     values: Row = Field(description="[SI, logarithms of positive ones]")
     covariance: Annotated[tuple[Row, ...], Field(max_length=MOST_PARAMETERS)] = Field(description="[products of their units]")
     unbalances: tuple[Name, ...] = Field(default=(), description="parameters that later fits find anew: the machine's own")
     mounting: Annotated[tuple[MountingSpread, ...], Field(max_length=300)] = ()
     scatter: Annotated[tuple[ChannelScatter, ...], Field(max_length=2000)] = ()
     runs: Annotated[tuple[CalibrationRunRecord, ...], Field(max_length=1000)] = ()
-    verdict: Annotated[Text, Field(max_length=4000)] = ""
+    verdict: Annotated[Text, Field(max_length=4000)] = Field(default="", description="what the calibration said of its fit")
 
     @property
     def moved_by_mounting(self) -> NDArray[np.float64]:

@@ -37,10 +37,10 @@ MOST_WITH_FURTHER = 100
 class Machine(Part):
     """One train. The document that a person writes and that everything else in the service is derived from."""
 
-    schema_version: Literal[1] = 1
+    schema_version: Literal[1] = Field(default=1, description="of the document's form; there is one so far")
     id: Identifier
     plant: Identifier
-    name: Annotated[Text, Field(min_length=1, max_length=200)]
+    name: Annotated[Text, Field(min_length=1, max_length=200)] = Field(description="what people call the machine")
     rotation: Literal["positive", "negative"] = Field(default="positive", description="positive turns +x towards +y")
     speed_range: SpeedRange
     materials: Annotated[dict[Identifier, Material], Field(min_length=1, max_length=50)]
@@ -53,12 +53,13 @@ class Machine(Part):
     static_loads: Annotated[tuple[StaticLoad, ...], Field(max_length=60)] = ()
     probes: Annotated[tuple[Probe, ...], Field(min_length=1, max_length=120)]
     conditions: Annotated[tuple[Condition, ...], Field(max_length=16)] = ()
-    noise: Noise = Noise()
-    centreline: Centreline = Centreline()
-    operation: Operation = Operation()
-    collection: Collection = Collection()
-    quality: QualityRules = QualityRules()
-    damping: RayleighDamping = Field(default=RayleighDamping(), description="external damping of the shafts")
+    # Defaults are right as declared: validating them here would build each part's validator twice.
+    noise: Noise = Noise.model_construct()
+    centreline: Centreline = Centreline.model_construct()
+    operation: Operation = Operation.model_construct()
+    collection: Collection = Collection.model_construct()
+    quality: QualityRules = QualityRules.model_construct()
+    damping: RayleighDamping = Field(default=RayleighDamping.model_construct(), description="external damping of the shafts")
     parameters: Annotated[tuple[ParameterRule, ...], Field(max_length=200)] = ()
     calibration: Calibration | None = Field(default=None, description="what runs with known unbalances have shown")
     impact_test: ImpactTest | None = Field(default=None, description="compared with the updated model")

@@ -101,7 +101,7 @@ class Operation(Part):
         default=(), description="alignment of couplings of a train on oil films as left cold, and its expected growth"
     )
     healthy_variation: HealthyVariation = Field(
-        default=HealthyVariation(), description="of a train on oil films, as long as nothing happens to it"
+        default=HealthyVariation.model_construct(), description="of a train on oil films, as long as nothing happens to it"
     )
 
     @model_validator(mode="after")
@@ -150,7 +150,7 @@ class Collection(Part):
     delta_s: Positive | None = Field(
         default=None, description="… or when this time has passed since the last one kept [s]; by default every sample"
     )
-    rolling: RollingCollection = RollingCollection()
+    rolling: RollingCollection = RollingCollection.model_construct()
 
 
 class QualityRules(Part):
@@ -215,5 +215,5 @@ class ParameterRule(Part):
 class ImpactTest(Part):
     """Natural frequencies of the train at standstill, measured with a hammer."""
 
-    frequencies_hz: Annotated[tuple[Positive, ...], Field(min_length=1, max_length=100)]
+    frequencies_hz: Annotated[tuple[Positive, ...], Field(min_length=1, max_length=100)] = Field(description="[Hz]")
     relative_error: Annotated[float, Field(gt=0, lt=1)] = Field(default=0.01, description="rms [-]")

@@ -13,15 +13,15 @@ Metric = Annotated[Text, Field(min_length=1, max_length=200)]
 class SparkplugChannel(Part):
     """Names of the metrics of one probe."""
 
-    amplitude: Metric
-    phase: Metric
+    amplitude: Metric = Field(description="name of the metric that is its amplitude")
+    phase: Metric = Field(description="name of the metric that is its phase")
 
 
 class Sparkplug(Part):
     """Sources of the machine's metrics, `spBv1.0/<group>/…/<node>/<device>`, and what each is."""
 
-    group: Level
-    node: Level
+    group: Level = Field(description="of the edge node, as in its topics")
+    node: Level = Field(description="the edge node's own name")
     device: Level | None = Field(default=None, description="of the node; by default the node's own metrics")
     speed: Metric = Field(description="name of the metric that is the speed")
     channels: Annotated[dict[Identifier, SparkplugChannel], Field(min_length=1, max_length=120)] = Field(
@@ -30,8 +30,10 @@ class Sparkplug(Part):
     conditions: Annotated[dict[Identifier, Metric], Field(max_length=16)] = Field(
         default={}, description="names of metrics by operating condition of the document"
     )
-    speed_unit: Literal["rpm", "rad/s", "Hz"] = "rpm"
-    amplitude_unit: Literal["um", "mil", "mm", "m", "V"] = "um"
-    amplitude_kind: Literal["peak", "peak-to-peak"] = "peak-to-peak"
-    phase_convention: Literal["lag", "lead"] = "lag"
-    phase_unit: Literal["deg", "rad"] = "deg"
+    speed_unit: Literal["rpm", "rad/s", "Hz"] = Field(default="rpm", description="what the speed is sent in")
+    amplitude_unit: Literal["um", "mil", "mm", "m", "V"] = Field(default="um", description="what amplitudes are sent in")
+    amplitude_kind: Literal["peak", "peak-to-peak"] = Field(
+        default="peak-to-peak", description="whether amplitudes are from zero or from peak to peak"
+    )
+    phase_convention: Literal["lag", "lead"] = Field(default="lag", description="whether phases lag or lead")
+    phase_unit: Literal["deg", "rad"] = Field(default="deg", description="what phases are sent in")

@@ -129,7 +129,7 @@ def model(
     Critical speeds, amplification factors and separation margins, coupling loads, balance and corrections, impact test. Where
     the document gives the film of each bearing, the static state comes first: loads, specific pressures, eccentricities,
     positions, Sommerfeld numbers and the speed from which on the train would whirl. Ends with status 1 when the fit is not
-    accepted. With --json the runs' results alone are printed, which need a run.
+    accepted. With --json the runs' results alone are printed; without any run the static state.
     """
     import threadpoolctl
 
@@ -138,10 +138,8 @@ def model(
     from service.commands.results.model_report import model_text
     from service.commands.results.result_content import model_content
 
-    if as_json and not files:
-        fail("--json needs a run: the static state on oil films is printed as text only")
-    if not as_json:
-        _print_films(machine, service_rpm, needed=not files)
+    if not (as_json and files):
+        _print_films(machine, service_rpm, needed=not files, as_json=as_json)
     if not files:
         return
     described, _, result = identified(machine, files, sidecar)
@@ -164,16 +162,19 @@ def model(
         say_lines(text)
 
 
-def _print_films(machine: Path, service_rpm: float | None, *, needed: bool) -> None:
+def _print_films(machine: Path, service_rpm: float | None, *, needed: bool, as_json: bool) -> None:
     """Print the static state on oil films of a document that describes them; needed: fail for one that does not."""
-    from service.commands.results.film_report import film_text, has_films
+    from service.commands.results.film_report import film_content, film_text, has_films
     from service.configuration.document_files import UnreadableFile, read_machine
 
     try:
         described = read_machine(machine)
         if has_films(described):
             speed = described.speed_range.maximum_rpm if service_rpm is None else service_rpm
-            say_lines(film_text(described, service_rpm=speed))
+            if as_json:
+                say_json(film_content(described, service_rpm=speed))
+            else:
+                say_lines(film_text(described, service_rpm=speed))
         elif needed:
             fail(f"{machine}: no run is given, and a bearing says nothing of its film: there is nothing to compute")
     except (UnreadableFile, Invalid) as error:
@@ -271,15 +272,26 @@ def _regress(
 def _runs(
     machine: Path, files: list[Path], sidecar: Path | None, slow_roll: str | None = None
 ) -> "tuple[Machine, list[tuple[RecordedRun, Measurement]]]":
-    """Read a document and its recorded runs, without the slow roll of a band where one is given."""
+    """Read a document and its recorded runs, without the slow roll of a band where one is given.
+
+    Tables without a sidecar are read as the library reads them, and it is said in which units.
+    """
+    from rotorundown.runs import read_run
     from service.commands.document_warnings import say_warnings
     from service.commands.results.identification_report import slow_roll_text
     from service.configuration.document_files import read_machine
     from service.sources.recorded_runs import read_runs, without_slow_roll
+    from service.sources.recording import sidecar_of
 
     described = read_machine(machine)
     say_warnings(described)
-    runs, left_out = read_runs(described, files, sidecar)
+    plain = [file for file in files if sidecar is None and file.suffix == ".csv" and not sidecar_of(file).exists()]
+    if plain:
+        read = [read_run(file, machine=described) for file in files]
+        runs = [(one.recorded, one.measurement) for one in read]
+        left_out = [f"{one.name}: read {one.units}" for one in read] + [line for one in read for line in one.left_out]
+    else:
+        runs, left_out = read_runs(described, files, sidecar)
     for line in left_out:
         say(line, err=True)
     if slow_roll is None:

@@ -6,6 +6,7 @@ Each imports what it needs by itself: web server, database and estimator take a 
 import json
 import logging
 import os
+import re
 import signal
 import threading
 import time
@@ -26,7 +27,7 @@ from service.commands.keys import audit_app, key_app
 from service.commands.report import report
 from service.commands.retention import retention_app
 from service.commands.storage import backup, export, move, restore
-from service.commands.terminal import say, say_lines
+from service.commands.terminal import say, say_lines, working
 from service.configuration.log_format import log_to_terminal
 from service.configuration.release import VERSION
 from service.configuration.settings import DEFAULT_ZENOH_ENDPOINT, Role, Settings, SettingsWrong, settings_of
@@ -132,10 +133,8 @@ def doctor(
     from service.secrets.files import read_secret
 
     settings = _settings({})
-    if exposed and as_json:
-        fail("--exposed is printed as text only")
     if exposed:
-        report(settings, url=url)
+        report(settings, url=url, as_json=as_json)
         return
     key = None if api_key_file is None else read_secret(str(api_key_file))
     found = []
@@ -157,6 +156,8 @@ def worker(
     memory_mb: Annotated[int, typer.Option(min=256, help="memory that each process may hold of its own [MiB]")] = 2048,
 ) -> None:
     """Compute identifications for services that use a Dask cluster (`RUNDOWN_DASK_SCHEDULER`)."""
+    if not re.fullmatch(r"\w+://[^/\s]+:\d+", scheduler):
+        fail(f"'{scheduler}' is no scheduler's address: write protocol, host and port, such as tcp://10.0.0.5:8786")
     from service.identification.worker_tasks import TASKS
     from service.workers.dask_worker import work
 
@@ -252,11 +253,13 @@ def replay(
                 return
             with Source(session, Key(batch.plant, batch.machine), name=batch.source) as source:
                 began, first = time.monotonic(), batch.time_ns[0]
-                for piece in split(batch, BATCH_SAMPLES):
-                    due = began + (piece.time_ns[-1] - first) / 1e9 / speedup
-                    if stop.wait(max(0.0, due - time.monotonic())):
-                        return
-                    source.publish(piece)
+                with working(f"publishing {file.name}") as report:
+                    for piece in split(batch, BATCH_SAMPLES):
+                        due = began + (piece.time_ns[-1] - first) / 1e9 / speedup
+                        if stop.wait(max(0.0, due - time.monotonic())):
+                            return
+                        source.publish(piece)
+                        report(source.sequence, len(batch.time_ns))
                 logging.getLogger(__name__).info("%d samples published", source.sequence)
                 stop.wait(LINGER_S)  # to answer replay queries
     except (UnreadableFile, StreamUnusable, AccessUnusable) as error:
@@ -305,6 +308,7 @@ def sample(
     samples: Annotated[int, typer.Option(min=10)] = 200,
     seed: Annotated[int, typer.Option(min=0, help="of the machine: the same one in every run")] = 1,
     run_seed: Annotated[int, typer.Option(min=0, help="of the run: its scatter and noise")] = 1,
+    as_json: JsonWanted = False,
 ) -> None:
     """Write one simulated run-down as a recording, to try the commands on."""
     from rotorundown.simulation import simulate as simulate_run
@@ -326,6 +330,10 @@ def sample(
         )
     except (UnreadableFile, ValueError, OSError) as error:
         fail(str(error))
+    if as_json:
+        say_json({"machine": described.id, "story": story, "file": file, "samples": len(run), "truth": run.truth})
+    else:
+        say(f"{file} is written with {len(run)} samples of '{described.id}', {story}, and its sidecar beside it")
 
 
 app.command()(init)

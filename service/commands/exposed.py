@@ -1,6 +1,7 @@
 """`rundown doctor --exposed`: the endpoints that somebody on the network could reach, with the reasons."""
 
 from service.commands.exit import fail
+from service.commands.json_output import say_json
 from service.commands.terminal import say, say_lines
 from service.configuration.settings import Settings
 from service.doctor.endpoint_probes import probe_endpoints
@@ -8,17 +9,20 @@ from service.doctor.exposed_endpoints import credentials_asked, endpoint_lines, 
 from storage.database.claim import DatabaseUnusable
 
 
-def report(settings: Settings, *, url: str | None = None) -> None:
+def report(settings: Settings, *, url: str | None = None, as_json: bool = False) -> None:
     """Print every endpoint, worst first, with the results of probing; end with status 1 when one is open."""
     try:
         found = exposed_endpoints(settings)
         asked, _ = credentials_asked(settings)
     except DatabaseUnusable as error:
         fail(str(error))
-    for door in found:
-        say_lines(endpoint_lines(door))
+    if not as_json:
+        for door in found:
+            say_lines(endpoint_lines(door))
     looks = list(probe_endpoints(settings, asked=asked, url=url))
-    for look in looks:
+    if as_json:
+        say_json({"endpoints": found, "tried": looks})
+    for look in looks if not as_json else ():
         say(f"{look.level:9s} tried: {look.what}: {look.words}")
     open_doors = sum(door.level == "open" for door in found) + sum(look.level == "open" for look in looks)
     if open_doors:

@@ -26,6 +26,8 @@ def init(
     try:
         with file.open("x", encoding="utf-8") as written:
             written.write(re.sub(rf"\b{PLACEHOLDER}\b", name, text))
+    except FileExistsError:
+        fail(f"{file} is there already: name another file, or delete it first")
     except OSError as error:
         fail(f"{file}: {error.strerror}")
     say(f"{file} is written; edit it, then: rundown check {file}")

@@ -17,29 +17,36 @@ PANELS: dict[str, tuple[str, ...]] = {
 EXAMPLES: dict[str, str] = {
     "demo": "rundown demo --exit",
     "init": "rundown init pump-12.yaml",
-    "check": "rundown check pump-12.yaml run.csv",
-    "document": "rundown document examples/motor-pump.yaml",
-    "sample": "rundown sample examples/motor-pump.yaml:misalignment later.csv --run-seed 2",
-    "identify": "rundown identify examples/motor-pump.yaml healthy.csv --advice",
-    "model": "rundown model examples/motor-pump.yaml healthy.csv --service-rpm 2980",
-    "compare": "rundown compare examples/motor-pump.yaml healthy.csv later.csv --coupling C1",
+    "check": "rundown check pump-12.yaml healthy.csv",
+    "document": "rundown document pump-12.yaml",
+    "sample": "rundown sample pump-12.yaml:misalignment later.csv --run-seed 2",
+    "identify": "rundown identify pump-12.yaml healthy.csv --advice",
+    "model": "rundown model pump-12.yaml healthy.csv --service-rpm 2980",
+    "compare": "rundown compare pump-12.yaml healthy.csv later.csv --coupling C1",
     "calibrate": "rundown calibrate examples/rk4-rotor-kit-four-probes.yaml tests/data/rk4_unbalance_1x.csv",
     "balance": "rundown balance pump-12.yaml initial.csv trial-1.csv trial-2.csv --check check.csv",
-    "slow-roll": "rundown slow-roll examples/motor-pump.yaml healthy.csv 300:400",
+    "slow-roll": "rundown slow-roll pump-12.yaml healthy.csv 300:400",
     "serve": "rundown serve --config rundown.toml --port 8080",
     "doctor": "rundown doctor --url http://localhost:8080",
     "edge": "rundown edge edge.yaml --exit",
     "replay": "rundown replay healthy.csv --speedup 10",
-    "simulate": "rundown simulate examples/motor-pump.yaml:misalignment --rate 200",
+    "simulate": "rundown simulate pump-12.yaml:misalignment --rate 200",
     "router": "rundown router --listen tcp/127.0.0.1:7446",
     "backup": "rundown backup /backup/monday",
     "restore": "rundown restore /backup/monday",
     "move": "rundown move sqlite:///rundown.db postgresql+psycopg://rundown@db/rundown",
-    "export": "rundown export motor-pump /export/motor-pump",
-    "report": "rundown report motor-pump --output motor-pump.pdf",
+    "export": "rundown export pump-12 /export/pump-12",
+    "report": "rundown report pump-12 --output pump-12.pdf",
     "worker": "rundown worker tcp://10.0.0.5:8786 --processes 4",
+    "key create": "rundown key create historian --role viewer --plant north",
+    "key list": "rundown key list --json",
+    "key rotate": "rundown key rotate 1a2b3c4d --overlap-days 7",
+    "key confirm": "rundown key confirm --all",
+    "key revoke": "rundown key revoke 1a2b3c4d",
+    "audit verify": "rundown audit verify --json",
+    "retention confirm": "rundown retention confirm",
 }
-"""An example of each command that has no commands of its own."""
+"""An example of each command, those within a group too; the first ones go together, in an empty folder."""
 
 
 class PanelledGroup(TyperGroup):
@@ -58,6 +65,8 @@ class PanelledGroup(TyperGroup):
         panel = next((panel for panel, names in PANELS.items() if cmd_name in names), None)
         if panel is not None:
             found.rich_help_panel = panel  # type: ignore[attr-defined]
-        if cmd_name in EXAMPLES:
-            found.epilog = f"Example: `{EXAMPLES[cmd_name]}`"
+        within = {f"{cmd_name} {name}": one for name, one in getattr(found, "commands", {}).items()}
+        for name, one in {cmd_name: found, **within}.items():
+            if name in EXAMPLES:
+                one.epilog = f"Example: `{EXAMPLES[name]}`"
         return found

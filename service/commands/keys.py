@@ -209,7 +209,8 @@ def _open_store(url: str | None, *, new: bool = False) -> "Iterator[Database]":
             require_file(chosen)
         database = Database(chosen)
     except (DatabaseUnusable, SettingsWrong) as error:
-        fail(str(error))
+        how = "; --database with its URL makes a new one" if new else ""
+        fail(f"{error}{how}")
     try:
         yield database
     except DBAPIError as error:

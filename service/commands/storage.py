@@ -41,6 +41,7 @@ def restore(
     without_keys: Annotated[
         bool, typer.Option("--without-keys", help="though the backup has no API key: nobody is asked who they are")
     ] = False,
+    as_json: JsonWanted = False,
 ) -> None:
     """Replace the database by a backup, while no service runs."""
     from storage.backup import backup as backups
@@ -53,6 +54,9 @@ def restore(
     except (BackupUnusable, DatabaseUnusable) as error:
         fail(str(error))
     found, access = restored.backup, restored.access
+    if as_json:
+        say_json({"made_at": found.made_at, "rows": found.rows, "access": access})
+        return
     say(f"{sum(found.rows.values())} rows of {found.made_at} restored")
     if access.sessions:
         say(f"{access.sessions} browser sessions of the backup are over: people log in again")
@@ -83,8 +87,8 @@ def move(
     from storage.database.claim import DatabaseUnusable
 
     try:
-        with working("moving the data"):
-            moved = move_data(source, target)
+        with working("moving the data") as report:
+            moved = move_data(source, target, report)
     except (TransferFailed, DatabaseUnusable) as error:
         fail(str(error))
     except DBAPIError as error:
@@ -123,8 +127,8 @@ def export(
     except DatabaseUnusable as error:
         fail(str(error))
     try:
-        with working("writing the history"):
-            written = export_history(opened, machine, folder)
+        with working("writing the history") as report:
+            written = export_history(opened, machine, folder, report)
         if as_json:
             say_json({"machine": machine, "folder": folder, "rows": written})
         else:

@@ -4,7 +4,7 @@ Escaped are control characters (C0, DEL, C1) and those that reverse the directio
 """
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import typer
@@ -23,16 +23,29 @@ def say_lines(text: str, *, err: bool = False) -> None:
 
 
 @contextmanager
-def working(what: str) -> Iterator[None]:
-    """Show within the block that work goes on, and for how long, where a person looks at the standard error output."""
+def working(what: str) -> Iterator[Callable[[int, int], None]]:
+    """Show within the block that work goes on, and for how long, where a person looks at the standard error output.
+
+    Yields a function that is told how much of how much is done, for work that knows it; a bar is shown from then on.
+    """
     if not sys.stderr.isatty():
-        yield
+        yield _untold
         return
     # Only here: it takes a tenth of a second, and programs never see it.
     from rich.console import Console
-    from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+    from rich.progress import BarColumn, Progress, SpinnerColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
 
-    columns = (SpinnerColumn(), TextColumn("{task.description}", markup=False), TimeElapsedColumn())
+    columns = (
+        SpinnerColumn(),
+        TextColumn("{task.description}", markup=False),
+        BarColumn(),
+        TaskProgressColumn(),
+        TimeElapsedColumn(),
+    )
     with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
-        progress.add_task(plain_text(what), total=None)
-        yield
+        task = progress.add_task(plain_text(what), total=None)
+        yield lambda done, total: progress.update(task, completed=done, total=max(total, 1))
+
+
+def _untold(_done: int, _total: int) -> None:
+    """Tell nobody: the output goes to a file or a program."""

@@ -1,13 +1,14 @@
 """Exports a machine's history as CSV and Parquet files, with `columns.json` to explain each column."""
 
+import itertools
 import json
 import logging
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-from sqlalchemy import select
+from sqlalchemy import func, select
 from sqlalchemy.orm import Session, undefer
 
 from estimator.machine.document import Machine, parse_machine
@@ -240,11 +241,15 @@ _TABLES: tuple[tuple[str, tuple[Column, ...], type[Base], tuple[str, ...]], ...]
 """File name, columns, source table, and order of the rows."""
 
 
-def export(database: Database, machine_id: str, folder: Path) -> dict[str, int]:
+def export(
+    database: Database, machine_id: str, folder: Path, report: Callable[[int, int], None] = lambda _done, _all: None
+) -> dict[str, int]:
     """Write a machine's history as of one moment into a new or empty folder, for its owner only; return the rows of each file.
 
     It holds the documents, the samples of the runs, the results and everything that people recorded. It omits samples outside
-    of runs, and data needed only to repeat an identification. Raises MachineUnknown, ParquetMissing, OSError.
+    of runs, and data needed only to repeat an identification. report: is told how many runs of how many are written.
+
+    Raises MachineUnknown, ParquetMissing, OSError.
     """
     folder.mkdir(PRIVATE_FOLDER, parents=True, exist_ok=True)
     if any(folder.iterdir()):
@@ -257,12 +262,19 @@ def export(database: Database, machine_id: str, folder: Path) -> dict[str, int]:
         for name, columns, table, order in _TABLES:
             written[name] = write(folder, name, columns, _rows(session, table, machine_id, columns, order))
             described[name] = columns
+        total = session.scalar(select(func.count()).where(RunRow.machine_id == machine_id, RunRow.data.is_not(None))) or 0
+        done = itertools.count(1)
         documents = select(RevisionRow).where(RevisionRow.machine_id == machine_id).order_by(RevisionRow.revision)
         for row in session.scalars(documents).all():
             _write(folder / f"machine-{row.revision}.json", json.dumps(row.document, indent=1))
             name = f"samples-{row.revision}"
             columns = sample_columns(parse_machine(row.document))
-            written[name] = write(folder, name, columns, _samples(session, machine_id, row.revision, columns))
+            written[name] = write(
+                folder,
+                name,
+                columns,
+                _samples(session, machine_id, row.revision, columns, lambda: report(next(done), total)),
+            )
             described[name] = columns
     _describe(folder, machine_id, described)
     return written
@@ -308,8 +320,10 @@ def _text(value: Any) -> Any:
     return json.dumps(value, ensure_ascii=False) if isinstance(value, dict | list) else value
 
 
-def _samples(session: Session, machine_id: str, revision: int, columns: Sequence[Column]) -> Iterator[Rows]:
-    """Yield the samples run by run, in pieces. A run that cannot be read is left out and logged."""
+def _samples(
+    session: Session, machine_id: str, revision: int, columns: Sequence[Column], written: Callable[[], None]
+) -> Iterator[Rows]:
+    """Yield the samples run by run, in pieces, calling `written` after each; an unreadable one is left out and logged."""
     query = select(RunRow).where(RunRow.machine_id == machine_id, RunRow.revision == revision, RunRow.data.is_not(None))
     ordered = query.options(undefer(RunRow.data)).order_by(RunRow.time_first, RunRow.id).execution_options(yield_per=1)
     with session.scalars(ordered) as found:
@@ -323,6 +337,7 @@ def _samples(session: Session, machine_id: str, revision: int, columns: Sequence
                 for first in range(0, len(held), AT_ONCE):
                     yield _sample_rows(row.id, held.pick(slice(first, first + AT_ONCE)), len(columns))
             session.expunge(row)
+            written()
 
 
 def _sample_rows(run: int, held: Samples, width: int) -> Rows:

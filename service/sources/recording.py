@@ -36,7 +36,7 @@ LONGEST_S = 1e9
 class RecordedChannel(BaseModel):
     """The columns of one channel."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", defer_build=True)
 
     channel: Identifier
     amplitude: str | None = None
@@ -60,7 +60,7 @@ class RecordedChannel(BaseModel):
 class Sidecar(BaseModel):
     """Description of a recording's columns; `FILE.yaml` beside `FILE.csv`."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", defer_build=True)
 
     plant: Identifier
     machine: Identifier
@@ -84,7 +84,7 @@ class Sidecar(BaseModel):
     added_unbalance: dict[Identifier, TrialWeight] | Literal["none"] | None = Field(
         default=None, description="trial weights that were on: disc, and what they add to its unbalance; `none` for none"
     )
-    disc_scale: DiscScale = DiscScale()
+    disc_scale: DiscScale = DiscScale.model_construct()
     mounting: str | None = Field(
         default=None,
         description="column that tells rows apart between which the machine was taken apart or stood; "

@@ -17,7 +17,7 @@ Cell = Callable[[str], float]
 class TrialWeight(BaseModel):
     """A known unbalance that was on a disc: numbers, or names of the columns that hold them."""
 
-    model_config = ConfigDict(extra="forbid")
+    model_config = ConfigDict(extra="forbid", defer_build=True)
 
     magnitude: NotNegative | None = Field(default=None, description="[kg m]; or amount with its unit")
     amount: NotNegative | str | None = Field(default=None, description="an unbalance or a mass, in `unit`; or a column")

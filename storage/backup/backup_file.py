@@ -46,6 +46,8 @@ def read(file: Path) -> Backup:
         values: dict[str, Any] = json.loads(description_path(file).read_text())
         found = Backup(**values)
         digest = synced_digest(file)
+    except FileNotFoundError as error:
+        raise BackupUnusable(f"{file} is no backup: there is no file {error.filename}") from error
     except (OSError, ValueError, TypeError) as error:
         raise BackupUnusable(f"{file} is no backup: {error}") from error
     if found.format != FORMAT:

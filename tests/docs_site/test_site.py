@@ -1,9 +1,12 @@
 """The documentation's site: every page is in its navigation, references have every name, and a broken link fails the build."""
 
 import json
+import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import get_args
+from xml.etree import ElementTree
 
 import pytest
 
@@ -11,14 +14,23 @@ import rotorundown
 from docs_site import source
 from docs_site.cli_reference import cli_page
 from docs_site.document_reference import document_page
+from docs_site.equations import with_equations
+from docs_site.error_reference import errors_page, wordings
+from docs_site.finding_reference import findings_page, level_words
 from docs_site.gallery import FOLDER, NOTEBOOKS, cells, write_gallery
+from docs_site.method_figures import FIGURES, MARK, with_figures
 from docs_site.python_reference import python_page
 from docs_site.rest_reference import DOCUMENT, rest_page
 from docs_site.settings_reference import settings_page
 from docs_site.source import DOCS, ELSEWHERE, NAVIGATION, REFERENCES, site_links, write_source
+from estimator.errors import DomainError
 from estimator.machine.document import Machine
 from service.commands.help_panels import EXAMPLES
 from service.configuration.settings import Settings
+from service.http.error_status import STATUS
+from service.monitoring.finding_rules import FINDING_RULES, RATE_RULE
+from service.wire.rejection import Reason
+from storage.measurements.runs import SamplesReleased
 from tests.paths import ROOT
 
 LISTED = [page for names in NAVIGATION.values() for page in names]
@@ -33,6 +45,7 @@ def test_every_page_is_in_the_navigation_once() -> None:
 def test_references_have_every_name() -> None:
     assert [name for name in rotorundown.__all__ if f".{name}\n" not in python_page()] == []
     assert [name for name in EXAMPLES if f"### rundown {name}\n" not in cli_page()] == []
+    assert [one for one in EXAMPLES.values() if f"```sh\n{one}\n```" not in cli_page()] == []
     assert [name for name in Settings.model_fields if f"| `{name}` |" not in settings_page()] == []
     assert [name for name in Machine.model_fields if f"| `{name}` |" not in document_page()] == []
     paths = json.loads(DOCUMENT.read_text())["paths"]
@@ -41,12 +54,75 @@ def test_references_have_every_name() -> None:
 
 def test_the_machine_document_s_fields_have_unit_bounds_and_default() -> None:
     lines = document_page().splitlines()
-    assert "| `young_modulus` | number | needed | E [N/m²]; more than 0 |" in lines
-    assert "| `shafts` | list of [Shaft](#shaft) | needed |  |" in lines
+    assert "| `young_modulus` | number | needed | E [N/m²]; more than 0 | 2.06e+11 to 2.1e+11 |" in lines
+    assert any(line.startswith("| `shafts` | list of [Shaft](#shaft) | needed | one shaft: sections from") for line in lines)
     assert any(line.startswith("| `rotation` | `positive` or `negative` | `positive` |") for line in lines)
     anchors = {line.removeprefix("## ").lower() for line in lines if line.startswith("## ")}
     links = {part.partition(")")[0] for line in lines for part in line.split("](#")[1:]}
     assert links <= anchors
+
+
+def test_every_field_of_a_document_has_a_meaning() -> None:
+    rows = [line.split(" | ") for line in document_page().splitlines() if line.startswith("| `")]
+    assert len(rows) > 200
+    assert [row[0] for row in rows if not row[3].strip()] == []
+
+
+def test_every_finding_has_its_texts_and_limits() -> None:
+    page = findings_page()
+    for rule in (*FINDING_RULES, RATE_RULE):
+        assert f"> {rule.texts.what}\n" in page
+        assert f"| name | `{rule.kind}`, rule `{rule.rule.name}` |" in page
+        if rule.rule.limits is not None:
+            assert f"| alert | {level_words(rule.rule.limits.alert)} |" in page
+    assert "| alert | 4 standard deviations and 8 % against the baseline |" in page
+
+
+def test_every_error_has_its_texts_its_status_and_what_to_do() -> None:
+    page = errors_page()
+    for kind, status in STATUS.items():
+        assert f"| {status.value} {status.phrase} | `{kind.__name__}` |" in page
+        assert kind.remedy in page
+    assert all(kind.remedy for kind in DomainError.__subclasses__())
+    section = page.partition(f"### {SamplesReleased.__name__}\n")[2].partition("\n### ")[0]
+    assert "HTTP 410. What to do: " in section
+    assert "\n- `" in section
+    assert [reason for reason in get_args(Reason) if f"| `{reason}` |" not in page] == []
+    assert len({one.name for one in wordings()}) > 80
+    assert "- `name the keys to confirm, or say --all`" in page
+
+
+METHOD = [page for page in NAVIGATION["Explanation"] if page.startswith("method-")]
+
+
+def test_the_method_is_six_pages_with_equations_a_figure_assumptions_limits_and_evidence() -> None:
+    assert len(METHOD) == 6
+    figures = []
+    for page in METHOD:
+        text = (DOCS / page).read_text()
+        headings = [line for line in text.splitlines() if line.startswith("## ")]
+        assert headings[0] == "## Equations"
+        assert headings[-3:] == ["## Assumptions", "## Limits", "## Evidence"]
+        assert with_equations(text).count("<math ") >= 2
+        figures += [name for name, _ in MARK.findall(text)]
+    assert sorted(figures) == sorted(FIGURES)
+
+
+def test_equations_become_mathml_that_is_well_formed() -> None:
+    for page in METHOD:
+        for one in re.findall("<math .*?</math>", with_equations((DOCS / page).read_text())):
+            assert ElementTree.fromstring(one).tag.endswith("math")
+            assert "\\" not in one
+    with pytest.raises(ValueError, match="not closed"):
+        with_equations("text\n\n$$\nx = 1\n")
+
+
+def test_figures_are_drawn_where_a_page_names_them(tmp_path: Path) -> None:
+    page = with_figures("# A\n\n<!-- figure: polar: two vectors -->\n\nText.\n", tmp_path, short=True)
+    assert "![two vectors](method-polar.svg)\n\n*Two vectors.*\n\nText." in page
+    assert (tmp_path / "method-polar.svg").read_text().startswith("<?xml")
+    with pytest.raises(KeyError, match="nothing"):
+        with_figures("<!-- figure: nothing: none -->", tmp_path, short=True)
 
 
 def test_links_lead_to_pages_of_the_site_or_become_names() -> None:

@@ -1,4 +1,4 @@
-"""The commands of the README, run as printed."""
+"""The commands of README and first steps, run as printed."""
 
 import os
 import re
@@ -13,11 +13,15 @@ from tests.ports import free_port
 
 SCRIPT = EXAMPLES / "by-hand.sh"
 LONGEST_S = 240.0
+LARGEST_PICTURE = 150_000
 
 
-def blocks(language: str) -> list[str]:
-    """Return the README's blocks in a language."""
-    return re.findall(rf"^```{language}\n(.*?)^```", (ROOT / "README.md").read_text(), re.MULTILINE | re.DOTALL)
+FIRST_STEPS = ROOT / "docs" / "first-steps.md"
+
+
+def blocks(language: str, page: Path) -> list[str]:
+    """Return a page's blocks in a language."""
+    return re.findall(rf"^```{language}\n(.*?)^```", page.read_text(), re.MULTILINE | re.DOTALL)
 
 
 @pytest.fixture(scope="module")
@@ -32,8 +36,28 @@ def checkout(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def test_the_readme_prints_the_script() -> None:
-    assert any(block in SCRIPT.read_text() for block in blocks("sh"))
+def test_the_first_steps_print_the_script() -> None:
+    _, script = blocks("sh", FIRST_STEPS)
+    assert script in SCRIPT.read_text()
+
+
+def test_the_readme_fits_a_screen_and_its_picture_is_small() -> None:
+    readme = (ROOT / "README.md").read_text()
+    assert len(readme.splitlines()) <= 60
+    (picture,) = re.findall(r"!\[[^\]]+\]\(([^)]+)\)", readme)
+    assert (ROOT / picture).read_bytes().startswith(b"\x89PNG")
+    assert (ROOT / picture).stat().st_size < LARGEST_PICTURE
+
+
+def test_the_first_steps_run_as_printed_in_an_empty_folder(checkout: Path, tmp_path: Path) -> None:
+    around = os.environ | {"PATH": f"{checkout / 'bin'}:{os.environ['PATH']}", "PYTHONPATH": str(ROOT)}
+    script = "set -e\n" + blocks("sh", FIRST_STEPS)[0]
+    done = subprocess.run(
+        ["sh", "-c", script], cwd=tmp_path, env=around, capture_output=True, text=True, timeout=LONGEST_S, check=False
+    )
+    assert done.returncode == 0, done.stderr[-3000:]
+    assert done.stderr == ""
+    assert "changed coefficients: better than equivalent load" in done.stdout
 
 
 def test_by_hand_runs_as_printed_and_python_after_it(checkout: Path) -> None:
@@ -52,7 +76,7 @@ def test_by_hand_runs_as_printed_and_python_after_it(checkout: Path) -> None:
     assert "changed coefficients: better than equivalent load" in done.stdout
     assert '"parameter":"coupling.C1.kxx"' in done.stdout
     assert (checkout / "by-hand" / "monday.db").stat().st_size > 0
-    (python,) = blocks("python")
+    (python,) = blocks("python", ROOT / "README.md")
     shown = subprocess.run(
         [sys.executable, "-c", python],
         cwd=checkout,

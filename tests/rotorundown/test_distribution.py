@@ -8,6 +8,7 @@ import tomllib
 import pytest
 import yaml
 
+import rotorundown
 from rotorundown.environment.example_machines import examples_folder
 from service.configuration.release import VERSION
 from tests.paths import ROOT
@@ -33,6 +34,7 @@ def test_developers_have_every_extra() -> None:
 
 def test_the_version_is_everywhere_the_same() -> None:
     assert "version" not in PROJECT
+    assert rotorundown.__version__ == VERSION
     assert yaml.safe_load((ROOT / "CITATION.cff").read_text())["version"] == VERSION
     assert f"## {VERSION}\n" in (ROOT / "CHANGELOG.md").read_text()
 

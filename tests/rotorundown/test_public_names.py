@@ -4,8 +4,10 @@ import inspect
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
+from pydantic import BaseModel
 
 import rotorundown as rd
 from tests.paths import ROOT
@@ -57,6 +59,27 @@ def test_each_name_is_documented(name: str) -> None:
     found = getattr(rd, name)
     assert callable(found)
     assert len(inspect.getdoc(found) or "") > 20
+
+
+def parts(name: str) -> list[tuple[str, Any]]:
+    """A public name, and where it is a class of ours the methods and properties that users see, each as a function."""
+    found = getattr(rd, name)
+    if not isinstance(found, type):
+        return [(name, found)]
+    inherited = vars(BaseModel).keys() | vars(object).keys()
+    own = [(key, one) for key, one in vars(found).items() if not key.startswith("_") and key not in inherited]
+    functions = [(key, getattr(one, "fget", None) or getattr(one, "func", None) or one) for key, one in own]
+    return [(f"{name}.{key}", one) for key, one in functions if inspect.isfunction(one)]
+
+
+@pytest.mark.parametrize("name", SURFACE)
+def test_each_function_and_method_is_documented_and_typed(name: str) -> None:
+    for title, function in parts(name):
+        assert inspect.getdoc(function), title
+        signature = inspect.signature(function)
+        assert signature.return_annotation is not inspect.Signature.empty, title
+        named = [one for key, one in signature.parameters.items() if key != "self"]
+        assert [one.name for one in named if one.annotation is inspect.Parameter.empty] == [], title
 
 
 def test_a_wrong_name_gets_its_close_matches() -> None:

@@ -11,6 +11,7 @@ process over speed by which the document says that films deviate (derived here).
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,8 +20,10 @@ from estimator.arrays import Floats
 from estimator.bearings.deviation_shapes import DeviationShapes
 from estimator.machine.rules import Centreline
 from estimator.phasors.measurement import MeasuredGaps
-from estimator.statics.film_model import FilmModel
-from estimator.statics.shaft_centreline import ShaftCentreline
+
+if TYPE_CHECKING:
+    from estimator.statics.film_model import FilmModel
+    from estimator.statics.shaft_centreline import ShaftCentreline
 
 ANY_ZERO = 1e-2
 """Prior standard deviation of a probe's zero: it may be anywhere [m]."""
@@ -110,7 +113,7 @@ class GapRows:
         channels: Gaps of each channel and run.
     """
 
-    centreline: ShaftCentreline
+    centreline: "ShaftCentreline"
     places: NDArray[np.intp]
     channels: tuple[ChannelGaps, ...]
 
@@ -167,8 +170,8 @@ class GapRows:
 
 
 def gap_rows(
-    model: FilmModel,
-    centreline: ShaftCentreline,
+    model: "FilmModel",
+    centreline: "ShaftCentreline",
     gaps: MeasuredGaps,
     *,
     rules: Centreline,
@@ -218,7 +221,7 @@ def seen_noise(place: Floats) -> float:
     return float(np.median(np.abs(np.diff(place, 2)))) / NORMAL_MEDIAN / math.sqrt(6.0)
 
 
-def _by_deviations(model: FilmModel, centreline: ShaftCentreline, speed: Floats, fitted: Floats) -> Floats:
+def _by_deviations(model: "FilmModel", centreline: "ShaftCentreline", speed: Floats, fitted: Floats) -> Floats:
     """Return what deviations of the films' forces move at the probes (S, m, r), each with a factor of unit variance [m]."""
     nominal = model.nominal
     shapes = DeviationShapes(nominal.slowest, nominal.fastest).at(np.clip(speed, nominal.slowest, nominal.fastest))

@@ -2,7 +2,6 @@
 
 from estimator.rotor.coefficient_models import GoverningModel, governing_models
 from estimator.rotor.condensation import CondensedTrain
-from estimator.statics.film_model import film_model
 
 
 def train_models(train: CondensedTrain) -> tuple[GoverningModel, ...]:
@@ -18,6 +17,8 @@ def train_models(train: CondensedTrain) -> tuple[GoverningModel, ...]:
     found = governing_models(coefficients)
     if train.machine is None or not any(one.form.of_whole_train for one in coefficients):
         return found
+    from estimator.statics.film_model import film_model  # films take as long to load as all of a fit without them
+
     index = {one.name: k for k, one in enumerate(coefficients)}
     model = film_model(train.machine)
     films = GoverningModel(model, tuple(index[name] for name in model.coefficients))

@@ -40,7 +40,7 @@ class AlignmentNumber(BaseModel):
 
     name: str = Field(description="such as coupling.C1.offset_vertical, as in trends")
     coupling: str
-    quantity: str = Field(description="offset or angle, vertical or horizontal: signs and zero in docs/analysts.md")
+    quantity: str = Field(description="offset or angle, vertical or horizontal: signs and zero in docs/method-alignment.md")
     unit: str
     absolute: Determined = Field(description="of this identification by itself")
     change: Determined | None = Field(description="against the baseline, with which it is known better; null: none")

@@ -2,6 +2,8 @@
 
 import math
 from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -9,7 +11,7 @@ from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.document import Machine
 from estimator.machine.film_speeds import reported_rpm
 from estimator.statics.equilibrium import FilmEquilibrium, FilmTrain, film_train
-from estimator.statics.film_stability import least_damped_whirl, whirl_onset
+from estimator.statics.film_stability import LeastDampedWhirl, least_damped_whirl, whirl_onset
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 from estimator.updated_model.film_results import film_results
 from estimator.updated_model.model import UpdatedModel
@@ -22,6 +24,51 @@ MEGAPASCAL = 1e6
 def has_films(machine: Machine) -> bool:
     """Return whether every bearing of a document says what its film is."""
     return all(bearing.film is not None for bearing in machine.bearings)
+
+
+@dataclass(frozen=True)
+class JournalState:
+    """State of one journal in its film, in SI units.
+
+    Attributes:
+        bearing: Id of its bearing.
+        load_x: Force of the film along x [N].
+        load_y: Force along y [N].
+        specific_pressure: Load over diameter times length [Pa].
+        eccentricity: Distance from the bearing's centre over the clearance [-].
+        journal_x: Place along x [m].
+        journal_y: Place along y [m].
+        thinnest_film: Least thickness of the film [m].
+        sommerfeld: Sommerfeld number [-].
+        lifted: Whether something else lifts it at this speed, so that the film's model does not hold.
+    """
+
+    bearing: str
+    load_x: float
+    load_y: float
+    specific_pressure: float
+    eccentricity: float
+    journal_x: float
+    journal_y: float
+    thinnest_film: float
+    sommerfeld: float
+    lifted: bool
+
+
+def film_content(machine: Machine, *, service_rpm: float) -> dict[str, Any]:
+    """Return the states and the stability for JSON, in SI units. Raises Invalid as `film_text`."""
+    train = film_train(machine)
+    mode, onset = _whirl(machine, train, service_rpm)
+    return {
+        "machine": machine.id,
+        "states": [
+            {"speed_rpm": rpm, "equilibria": [list(journal_states(machine, train, one)) for one in found]}
+            for rpm, found in _equilibria(machine, train, service_rpm)
+        ],
+        "service_rpm": service_rpm,
+        "log_decrement": None if mode is None else mode.log_decrement,
+        "whirl_from_rpm": None if onset is None else rad_per_s_to_rpm(onset),
+    }
 
 
 def film_text(machine: Machine, *, service_rpm: float) -> str:
@@ -63,9 +110,7 @@ def _states(machine: Machine, train: FilmTrain, service_rpm: float) -> Iterator[
         "Static state on oil films as the document describes them: bearing, load x and y [N], specific pressure [MPa], "
         "eccentricity, position x and y [µm], thinnest film [µm], Sommerfeld number"
     )
-    for rpm in dict.fromkeys((machine.speed_range.minimum_rpm, service_rpm)):
-        speed = rpm_to_rad_per_s(rpm)
-        found = train.equilibria(speed)
+    for rpm, found in _equilibria(machine, train, service_rpm):
         if not found:
             yield f"  at {rpm:g} r/min: no equilibrium with films of at least a twentieth of the clearance; the journals touch"
             continue
@@ -76,7 +121,13 @@ def _states(machine: Machine, train: FilmTrain, service_rpm: float) -> Iterator[
             yield from _bearings(machine, train, one)
 
 
-def _bearings(machine: Machine, train: FilmTrain, found: FilmEquilibrium) -> Iterator[str]:
+def _equilibria(machine: Machine, train: FilmTrain, service_rpm: float) -> Iterator[tuple[float, tuple[FilmEquilibrium, ...]]]:
+    for rpm in dict.fromkeys((machine.speed_range.minimum_rpm, service_rpm)):
+        yield rpm, tuple(train.equilibria(rpm_to_rad_per_s(rpm)))
+
+
+def journal_states(machine: Machine, train: FilmTrain, found: FilmEquilibrium) -> Iterator[JournalState]:
+    """Yield the state of each journal in one equilibrium."""
     for bearing, journal, place, force in zip(machine.bearings, train.bearings, found.position, found.force, strict=True):
         below = rad_per_s_to_rpm(found.speed) < journal.said.valid_above_rpm
         load = float(np.hypot(*force))
@@ -84,17 +135,43 @@ def _bearings(machine: Machine, train: FilmTrain, found: FilmEquilibrium) -> Ite
         turns = found.speed / (2 * math.pi)
         viscous = float(journal.oil.at(found.speed)) * turns * (journal.radius / journal.clearance) ** 2
         number = viscous / pressure if pressure > 0.0 else math.inf
-        yield (
-            f"    {bearing.id:<10} {force[0]:z9.0f} {force[1]:z9.0f} {pressure / MEGAPASCAL:7.3f} "
-            f"{float(np.hypot(*place)) / journal.clearance:6.3f} {1e6 * place[0]:z8.1f} {1e6 * place[1]:z8.1f} "
-            f"{1e6 * journal.thinnest(place):7.1f} {number:8.3f}{'  lifted by other means here' if below else ''}"
+        yield JournalState(
+            bearing.id,
+            float(force[0]),
+            float(force[1]),
+            pressure,
+            float(np.hypot(*place)) / journal.clearance,
+            float(place[0]),
+            float(place[1]),
+            float(journal.thinnest(place)),
+            number,
+            below,
         )
 
 
-def _stability(machine: Machine, train: FilmTrain, service_rpm: float) -> Iterator[str]:
-    service = rpm_to_rad_per_s(service_rpm)
-    equilibrium = train.equilibrium(service)
+def _bearings(machine: Machine, train: FilmTrain, found: FilmEquilibrium) -> Iterator[str]:
+    for one in journal_states(machine, train, found):
+        yield (
+            f"    {one.bearing:<10} {one.load_x:z9.0f} {one.load_y:z9.0f} {one.specific_pressure / MEGAPASCAL:7.3f} "
+            f"{one.eccentricity:6.3f} {1e6 * one.journal_x:z8.1f} {1e6 * one.journal_y:z8.1f} "
+            f"{1e6 * one.thinnest_film:7.1f} {one.sommerfeld:8.3f}{'  lifted by other means here' if one.lifted else ''}"
+        )
+
+
+def _whirl(machine: Machine, train: FilmTrain, service_rpm: float) -> tuple[LeastDampedWhirl | None, float | None]:
+    """Return the least damped mode at the service speed, and the speed from which on the train would whirl [rad/s]."""
+    equilibrium = train.equilibrium(rpm_to_rad_per_s(service_rpm))
     mode = None if equilibrium is None else least_damped_whirl(machine, equilibrium)
+    lowest = rpm_to_rad_per_s(machine.speed_range.minimum_rpm)
+    return mode, whirl_onset(machine, train, first=lowest, last=rpm_to_rad_per_s(_highest_rpm(machine)))
+
+
+def _highest_rpm(machine: Machine) -> float:
+    return LARGEST_ONSET * machine.speed_range.maximum_rpm
+
+
+def _stability(machine: Machine, train: FilmTrain, service_rpm: float) -> Iterator[str]:
+    mode, onset = _whirl(machine, train, service_rpm)
     if mode is None:
         yield f"Stability at {service_rpm:g} r/min: no mode to judge"
     else:
@@ -102,10 +179,7 @@ def _stability(machine: Machine, train: FilmTrain, service_rpm: float) -> Iterat
             f"Stability at {service_rpm:g} r/min: least damped mode {rad_per_s_to_rpm(mode.frequency):.0f} cycles per minute, "
             f"log decrement {mode.log_decrement:.3f}"
         )
-    last = LARGEST_ONSET * machine.speed_range.maximum_rpm
-    lowest = rpm_to_rad_per_s(machine.speed_range.minimum_rpm)
-    onset = whirl_onset(machine, train, first=lowest, last=rpm_to_rad_per_s(last))
     if onset is None:
-        yield f"The train would not whirl up to {last:.0f} r/min"
+        yield f"The train would not whirl up to {_highest_rpm(machine):.0f} r/min"
     else:
         yield f"The train would whirl from {rad_per_s_to_rpm(onset):.0f} r/min"

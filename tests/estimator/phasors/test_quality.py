@@ -42,7 +42,7 @@ def test_every_flag_has_its_own_bit_name_and_meaning() -> None:
     assert len({one.label for one in Flag}) == len(Flag)
     assert Flag.SWEEP_RATE_BEAT.label == "sweep-rate-beat"
     assert max(Flag) < 2**16
-    page = (ROOT / "docs" / "analysts.md").read_text()
+    page = (ROOT / "docs" / "method-run-downs.md").read_text()
     assert [one.label for one in Flag if f"`{one.label}`" not in page] == []
 
 

@@ -16,6 +16,7 @@ from service.commands.app import app
 from service.commands.json_output import plain
 from service.commands.terminal import working
 from service.sources.recording import write_recording
+from storage.backup.transfer import move
 from storage.database.engine import Database
 from storage.machines import machines
 from tests.paths import EXAMPLES
@@ -23,7 +24,7 @@ from tests.plant import machine
 
 PUMP = str(EXAMPLES / "motor-pump.yaml")
 PRINTING = (
-    "identify model compare calibrate balance slow-roll check doctor backup move export",
+    "identify model compare calibrate balance slow-roll check sample doctor backup restore move export",
     "key list",
     "audit verify",
 )
@@ -112,6 +113,43 @@ def test_stores_and_keys(tmp_path: Path) -> None:
     assert moved["rows"]["machines"] == 1
 
 
+def test_a_restore(tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path / 'rundown.db'}"
+    database = Database(url)
+    with database.transaction() as session:
+        machines.create(session, machine())
+    database.close()
+    printed("backup", str(tmp_path / "monday.db"), "--database", url)
+    found = printed(
+        "restore", str(tmp_path / "monday.db"), "--database", f"sqlite:///{tmp_path / 'other.db'}", "--without-keys"
+    )
+    assert found["rows"]["machines"] == 1
+    assert found["access"]["waiting"] == []
+
+
+def test_a_static_state_on_oil_films() -> None:
+    found = printed("model", str(EXAMPLES / "motor-compressor.yaml"))
+    (state,) = next(one["equilibria"] for one in found["states"] if one["speed_rpm"] == found["service_rpm"])
+    assert [one["bearing"] for one in state] == ["B1", "B2", "B3", "B4"]
+    assert all(0.0 < one["eccentricity"] < 1.0 and one["load_y"] > 0.0 for one in state)
+    assert found["log_decrement"] > 0.0
+
+
+def test_a_sample_says_what_it_wrote(tmp_path: Path) -> None:
+    found = printed("sample", f"{PUMP}:unbalance", str(tmp_path / "run.csv"), "--samples", "30")
+    assert (found["machine"], found["story"], found["samples"]) == ("motor-pump", "unbalance", 30)
+    assert found["truth"]["coupling.C1.kxx"] > 0.0
+    told = CliRunner().invoke(app, ["sample", PUMP, str(tmp_path / "run.csv"), "--samples", "30"])
+    assert "run.csv is written with 30 samples of 'motor-pump', healthy" in told.stdout
+
+
+def test_what_could_be_reached() -> None:
+    ended = CliRunner().invoke(app, ["doctor", "--exposed", "--json"])
+    found = json.loads(ended.stdout)
+    assert {"level", "what", "address", "reach"} <= found["endpoints"][0].keys()
+    assert isinstance(found["tried"], list)
+
+
 def test_values_become_what_json_has() -> None:
     class Colour(Enum):
         RED = 1
@@ -138,3 +176,21 @@ def test_work_is_shown_only_to_people(capsys: pytest.CaptureFixture[str], monkey
     shown = capsys.readouterr()
     assert shown.out == ""
     assert "identifying [r/min]" in shown.err
+
+
+def test_work_of_a_known_size_is_shown_as_a_part(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True, raising=False)
+    with working("moving") as report:
+        report(3, 12)
+    assert "25%" in capsys.readouterr().err
+
+
+def test_moving_tells_how_far_it_is(tmp_path: Path) -> None:
+    database = Database(url := f"sqlite:///{tmp_path / 'rundown.db'}")
+    with database.transaction() as session:
+        machines.create(session, machine())
+    database.close()
+    told: list[tuple[int, int]] = []
+    move(url, f"sqlite:///{tmp_path / 'new.db'}", lambda done, total: told.append((done, total)))
+    assert told[-1][0] == told[-1][1] > 0
+    assert told == sorted(told)

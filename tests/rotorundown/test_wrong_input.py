@@ -1,0 +1,127 @@
+"""What is given wrongly is named in one line that says what would be right, in Python and by command."""
+
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import rotorundown as rd
+from estimator.machine.document import Machine
+from rotorundown.identification import NothingToIdentify
+from rotorundown.machine_files import WrongMachine
+from rotorundown.run_tables import WrongRun
+from service.commands.app import app
+from tests.paths import EXAMPLES
+
+PUMP = EXAMPLES / "motor-pump.yaml"
+
+
+def one_line(raised: pytest.ExceptionInfo[Any]) -> str:
+    """The message of an error, which is one line."""
+    assert "\n" not in str(raised.value)
+    return str(raised.value)
+
+
+def test_what_was_not_read_is_told_how_to_read_it(pump: Machine, run: rd.MachineRun) -> None:
+    wrong: Any
+    for wrong in (run.to_frame(), "run.csv", [run.to_frame()]):
+        with pytest.raises(NothingToIdentify, match=r"read it first, with read_run\(…, machine=…\)") as raised:
+            rd.identify(pump, wrong)
+        one_line(raised)
+    unread: Any = str(PUMP)
+    with pytest.raises(NothingToIdentify, match=r"the machine is a str: read it first, with read_machine\(…\)"):
+        rd.identify(unread, run)
+    with pytest.raises(WrongRun, match=r"machine is a str: read it first, with read_machine\(…\)"):
+        rd.read_run(run.to_frame(), machine=unread)
+
+
+def test_a_run_of_another_machine_is_refused(run: rd.MachineRun) -> None:
+    with pytest.raises(NothingToIdentify, match=r"has the channels B1L.* 'thesis-chapter-3' has B1X") as raised:
+        rd.identify(rd.read_machine(EXAMPLES / "thesis-chapter-3.yaml"), run)
+    one_line(raised)
+
+
+def test_a_column_of_no_channel_is_left_out_and_named(pump: Machine, run: rd.MachineRun) -> None:
+    frame = run.to_frame()
+    read = rd.read_run(frame.assign(B9L_um_pp=frame["B1L_um_pp"]), machine=pump)
+    (said,) = read.left_out
+    assert "column 'B9L_um_pp' left out: 'B9L' is no channel of 'motor-pump'; did you mean" in said
+
+
+def test_a_contradiction_of_a_machine_is_one_line(pump: Machine) -> None:
+    said = pump.model_dump()
+    said["couplings"] = [{**one, "driven": "nobody"} for one in said["couplings"]]
+    with pytest.raises(WrongMachine, match=r"couplings\[0\].driven: 'nobody' is not one of the shafts: motor, pump") as raised:
+        rd.read_machine(said)
+    one_line(raised)
+
+
+def invoked(*arguments: str, **environment: str) -> Any:
+    """A command's end, in a terminal without colours."""
+    return CliRunner().invoke(app, arguments, env={"NO_COLOR": "1", "TERM": "dumb", **environment})
+
+
+def written(file: Path, frame: Any) -> str:
+    """A table as a file without a sidecar."""
+    frame.to_csv(file, index=False)
+    return str(file)
+
+
+def test_a_command_reads_a_table_as_the_library_does_and_says_its_units(run: rd.MachineRun, tmp_path: Path) -> None:
+    ended = invoked("identify", str(PUMP), written(tmp_path / "plain.csv", run.to_frame()))
+    assert ended.exit_code == 0, ended.output
+    assert "plain.csv: read as rpm, um peak-to-peak, phase lag in deg" in ended.stderr
+    assert "accepted: χ²/dof" in ended.stdout
+
+
+def in_radians(frame: Any) -> Any:
+    return frame.apply(lambda one: np.radians(one) if one.name.endswith("_lag_deg") else one)
+
+
+TABLES: dict[str, tuple[Callable[[Any], Any], str]] = {
+    "no rows": (lambda frame: frame[:0], "has no rows below a header line"),
+    "wrong columns": (lambda frame: frame.rename(columns={"speed_rpm": "n"}), "no column holds the speed: name it speed"),
+    "no channel": (lambda frame: frame[["speed_rpm"]], "no column holds an amplitude of a channel of 'motor-pump'"),
+    "radians": (in_radians, "which looks like radians"),
+    "a speed in Hz": (
+        lambda frame: frame.assign(speed=frame["speed_rpm"] / 60.0).drop(columns="speed_rpm"),
+        "are these in rad/s or Hz? Say so with speed_unit",
+    ),
+    "decimal commas": (lambda frame: frame.map(lambda one: f"{one}".replace(".", ",")), "write numbers with a decimal point"),
+}
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_a_command_names_what_is_wrong_with_a_table(run: rd.MachineRun, tmp_path: Path, name: str) -> None:
+    change, words = TABLES[name]
+    ended = invoked("identify", str(PUMP), written(tmp_path / "run.csv", change(run.to_frame())))
+    assert ended.exit_code == 1
+    (line,) = ended.stderr.splitlines()
+    assert line.startswith("rundown: ")
+    assert words in line
+
+
+def test_an_empty_file_and_one_with_semicolons(run: rd.MachineRun, tmp_path: Path) -> None:
+    empty, other = tmp_path / "empty.csv", tmp_path / "semicolons.csv"
+    empty.touch()
+    run.to_frame().to_csv(other, index=False, sep=";", decimal=",")
+    for file, words in ((empty, "has no rows"), (other, "write it with commas, and numbers with a decimal point")):
+        ended = invoked("identify", str(PUMP), str(file))
+        assert (ended.exit_code, len(ended.stderr.splitlines())) == (1, 1)
+        assert words in ended.stderr
+
+
+def test_nothing_is_coloured_where_the_terminal_has_no_colours() -> None:
+    for arguments in (("--help",), ("identify", "--help"), ("identify",), ("nothing",)):
+        assert "\x1b" not in invoked(*arguments).output
+
+
+def test_what_is_there_already_or_no_address_is_said(tmp_path: Path) -> None:
+    shutil.copy(PUMP, tmp_path / "pump-12.yaml")
+    assert "is there already: name another file" in invoked("init", str(tmp_path / "pump-12.yaml")).stderr
+    assert "write protocol, host and port, such as tcp://" in invoked("worker", "nowhere").stderr
+    assert "there is no file" in invoked("restore", str(tmp_path / "none.db")).stderr
