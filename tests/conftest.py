@@ -25,8 +25,15 @@ FIRST = (
     "browser",
     "service/identification",
     "storage/backup",
+    "service/api/test_contract.py",
+    "benchmarks/test_fleet.py",
+    "film_plant_tests",
+    "estimator/identification",
+    "estimator/diagnosis",
+    "test_house_figures.py",
+    "test_places_to_touch.py",
 )
-"""Folders of which a few tests take as long as hundreds of others: last, they would leave one process alone with them.
+"""Folders and files that take as long as hundreds of other tests: last, they would leave one process alone with them.
 
 One file of the browser's makes the store that all of them look at; the others come when it is there.
 """

@@ -15,7 +15,7 @@ from sqlalchemy import make_url
 
 from storage.database.engine import Database
 from tests.plant import sqlite_url
-from tests.postgresql import Server
+from tests.postgresql import Server, version
 
 Kind = Literal["sqlite", "postgresql"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
@@ -23,6 +23,8 @@ KIND_ASKED_FOR = "RUNDOWN_TEST_DATABASE"
 """Environment variable that names a kind; unset, it is SQLite."""
 NUMBERS = itertools.count(1)
 """Of databases: a server outlives those who make them."""
+FIRST_WITH_STRATEGIES = 15
+"""Version of PostgreSQL."""
 NewDatabase = Callable[[str], Database]
 """A copy of a template, open until the test is over."""
 
@@ -95,8 +97,13 @@ class PostgresqlDatabases:
 
     def _create(self, path: Path, template: str) -> str:
         name = f"{path.stem}_{next(NUMBERS)}"
-        self._server.execute(f'CREATE DATABASE "{name}" TEMPLATE "{template}"')
+        self._server.execute(f'CREATE DATABASE "{name}" TEMPLATE "{template}" {copying()}')
         return self._server.database(name)
+
+
+def copying() -> str:
+    """How the server copies a template: file by file, with less work than by its log, the default since version 15."""
+    return "STRATEGY FILE_COPY" if version() >= FIRST_WITH_STRATEGIES else ""
 
 
 @contextlib.contextmanager

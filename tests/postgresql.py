@@ -4,8 +4,10 @@ The server refuses to be run by root, who runs it as the user `postgres` that it
 """
 
 import contextlib
+import functools
 import os
 import pwd
+import re
 import shutil
 import signal
 import subprocess
@@ -142,6 +144,13 @@ def program(name: str) -> str:
     """A program of the server, which distributions keep out of the path; the newest one, empty where there is none."""
     versions = sorted(Path("/usr/lib/postgresql").glob(f"*/bin/{name}"), key=lambda path: int(path.parts[-3]))
     return str(versions[-1]) if versions else shutil.which(name) or ""
+
+
+@functools.cache
+def version() -> int:
+    """Version of the server's programs."""
+    told = subprocess.run([program("postgres"), "--version"], capture_output=True, text=True, check=True).stdout
+    return int(re.findall(r"\d+", told)[0])
 
 
 def _user() -> str | None:

@@ -4,6 +4,7 @@ Of a deleted log nothing is lost; of one that was cut off, what stood behind the
 pages of the log hold what a damaged one held, nothing is lost and it goes on; otherwise nothing more is taken.
 """
 
+import itertools
 import os
 import sqlite3
 import subprocess
@@ -15,9 +16,11 @@ import httpx
 import pytest
 
 from service.wire import JSON, encode_body
+from storage.database.engine import Database
+from storage.machines import machines
 from tests.end_to_end.processes import Service, rundown, until
 from tests.faults.measured import SIZE, expected, measured, stored
-from tests.plant import KEY, assert_same_samples, document
+from tests.plant import KEY, assert_same_samples, document, machine, sqlite_url
 from tests.ports import free_port
 
 BEFORE, TOLD_S = 15, 3.0
@@ -69,33 +72,35 @@ def stopped(started: "subprocess.Popen[bytes]") -> None:
     assert started.wait(20) == 0
 
 
-def survives(
-    folder: Path,
-    ends: tuple[str, ...],
-    meanwhile: Callable[[Service], None],
-    ended: Callable[["subprocess.Popen[bytes]"], None],
-) -> None:
-    service = Service(folder)
-    with service.running() as started:
-        assert service.client.post("/machines", json=document()).status_code == 201
-        count = acknowledged(service, 0, BEFORE)
-        assert count == BEFORE
-        for end in ends:
-            (folder / f"rundown.db{end}").unlink()
-        count = acknowledged(service, count, 2 * BEFORE)
-        until(lambda: service.client.get("/ready").status_code == 503, within_s=TOLD_S, what="it is said")
-        told = service.client.get("/health").json()["parts"]["database"]
-        assert "was deleted or replaced" in told
-        assert "is saved in" in told
-        assert service.client.get("/alive").status_code == 503
-        refused = send(service, count)
-        assert refused.status_code == 503
-        assert "was deleted or replaced" in refused.json()["detail"]
-        meanwhile(service)
-        ended(started)
+Meanwhile = Callable[[Service], None]
+Ended = Callable[["subprocess.Popen[bytes]"], None]
+
+
+def survives(folder: Path, ends: tuple[str, ...], *times: tuple[Meanwhile, Ended]) -> None:
+    """Delete the log of a store that many times: each start goes on where the one before has ended."""
+    service, count = Service(folder), 0
+    for meanwhile, ended in times:
+        with service.running() as started:
+            if count == 0:
+                assert service.client.post("/machines", json=document()).status_code == 201
+            else:
+                require_all(service, count)
+            assert acknowledged(service, count, count + BEFORE) == count + BEFORE
+            for end in ends:
+                (folder / f"rundown.db{end}").unlink()
+            count = acknowledged(service, count + BEFORE, count + 2 * BEFORE)
+            until(lambda: service.client.get("/ready").status_code == 503, within_s=TOLD_S, what="it is said")
+            told = service.client.get("/health").json()["parts"]["database"]
+            assert "was deleted or replaced" in told
+            assert "is saved in" in told
+            assert service.client.get("/alive").status_code == 503
+            refused = send(service, count)
+            assert refused.status_code == 503
+            assert "was deleted or replaced" in refused.json()["detail"]
+            meanwhile(service)
+            ended(started)
     with service.running():
-        (row,) = service.get("/sources")
-        assert (row["received"], row["lost"]) == (count * SIZE, 0)
+        require_all(service, count)
         assert send(service, count).status_code == 200
     service.client.close()
     numbers, samples = stored(folder / "rundown.db")
@@ -103,19 +108,31 @@ def survives(
     assert_same_samples(samples, expected((count + 1) * SIZE))
 
 
+def require_all(service: Service, count: int) -> None:
+    """Everything that was acknowledged is stored, and nothing counts as lost."""
+    (row,) = service.get("/sources")
+    assert (row["received"], row["lost"]) == (count * SIZE, 0)
+
+
 def test_after_it_was_told_a_kill_loses_nothing(tmp_path: Path) -> None:
-    survives(tmp_path, ("-wal",), doctor, killed)
+    survives(tmp_path, ("-wal",), (doctor, killed))
+
+
+@pytest.fixture
+def place(tmp_path: Path) -> Service:
+    """Where a service runs whose machine is in the main file, and not in the log."""
+    database = Database(sqlite_url(tmp_path / "rundown.db"))
+    with database.transaction() as session:
+        machines.create(session, machine())
+    database.close()
+    return Service(tmp_path)
 
 
 @pytest.mark.parametrize("ended", [killed, stopped])
-def test_of_a_log_that_was_cut_off_the_store_stays_whole(
-    tmp_path: Path, ended: Callable[["subprocess.Popen[bytes]"], None]
-) -> None:
+def test_of_a_log_that_was_cut_off_the_store_stays_whole(tmp_path: Path, place: Service, ended: Ended) -> None:
     """Its source sends again what the service says that it lacks."""
-    service = Service(tmp_path)
+    service = place
     with service.running() as started:
-        assert service.client.post("/machines", json=document()).status_code == 201
-    with service.running() as started:  # the machine is in the main file by now
         assert acknowledged(service, 0, BEFORE) == BEFORE
         os.truncate(tmp_path / "rundown.db-wal", (tmp_path / "rundown.db-wal").stat().st_size // 2)
         until(lambda: service.client.get("/ready").status_code == 503, within_s=TOLD_S, what="it is said")
@@ -137,16 +154,9 @@ def test_of_a_log_that_was_cut_off_the_store_stays_whole(
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("ended", [killed, stopped])
-@pytest.mark.parametrize("meanwhile", [nobody, doctor, another_program])
 @pytest.mark.parametrize("ends", [("-wal",), ("-shm",), ("-wal", "-shm")])
-def test_whatever_is_deleted_and_done_meanwhile(
-    tmp_path: Path,
-    ends: tuple[str, ...],
-    meanwhile: Callable[[Service], None],
-    ended: Callable[["subprocess.Popen[bytes]"], None],
-) -> None:
-    survives(tmp_path, ends, meanwhile, ended)
+def test_whatever_is_deleted_and_done_meanwhile(tmp_path: Path, ends: tuple[str, ...]) -> None:
+    survives(tmp_path, ends, *itertools.product([nobody, doctor, another_program], [killed, stopped]))
 
 
 def overwritten(service: Service, count: int, *, complete: bool) -> None:
@@ -165,14 +175,10 @@ def overwritten(service: Service, count: int, *, complete: bool) -> None:
 
 
 @pytest.mark.parametrize("ended", [killed, stopped])
-def test_a_backup_copied_over_the_open_store_is_not_mixed_with_its_log(
-    tmp_path: Path, ended: Callable[["subprocess.Popen[bytes]"], None]
-) -> None:
+def test_a_backup_copied_over_the_open_store_is_not_mixed_with_its_log(tmp_path: Path, place: Service, ended: Ended) -> None:
     """What came since the backup is gone with the file; its source sends again what the service says that it lacks."""
-    service = Service(tmp_path)
+    service = place
     with service.running() as started:
-        assert service.client.post("/machines", json=document()).status_code == 201
-    with service.running() as started:  # the log has not all pages of the file any more
         assert acknowledged(service, 0, BEFORE) == BEFORE
         overwritten(service, BEFORE, complete=False)
         ended(started)
