@@ -1,4 +1,4 @@
-"""Coefficients that follow the speed through numbers at the same knots, evaluated together: many, and each by itself a trifle."""
+"""Coefficients that follow the speed through numbers at the same knots, evaluated together: each by itself is a trifle."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
