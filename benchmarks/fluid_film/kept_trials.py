@@ -4,7 +4,7 @@ import json
 import subprocess
 from collections.abc import Callable
 from contextvars import ContextVar
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
@@ -55,9 +55,9 @@ class KeptTrials:
         found = self._known.get((what, seed))
         if found is None:
             found = self._known[what, seed] = compute()
-            row = {"commit": self._commit, "what": what, "seed": seed, "trial": asdict(found)}
+            row = {"commit": self._commit, "what": what, "seed": seed, "trial": vars(found)}
             with self._file.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(row, default=float) + "\n")
+                file.write(json.dumps(row, default=bool) + "\n")
         return found
 
 

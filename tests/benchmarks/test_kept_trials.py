@@ -1,7 +1,10 @@
 """Trials kept in a file: a run goes on where it was stopped, on the same commit only."""
 
 import json
+from collections import defaultdict
 from pathlib import Path
+
+import numpy as np
 
 from benchmarks.fluid_film.kept_trials import FilmTrial, KeptTrials, commit
 
@@ -11,7 +14,9 @@ def test_a_kept_trial_is_not_computed_again_but_another_commits_is(tmp_path: Pat
 
     def compute() -> FilmTrial:
         made.append(1)
-        return FilmTrial(True, "accepted", 0.5, inside={"load": [True, False]}, errors={"a": 0.9}, widths=(1.1, 1.2))
+        return FilmTrial(
+            True, "accepted", 0.5, inside=defaultdict(list, load=[np.True_, False]), errors={"a": 0.9}, widths=(1.1, 1.2)
+        )
 
     first = KeptTrials(file).trial("lobes", 3, compute)
     assert KeptTrials(file).trial("lobes", 3, compute) == first
