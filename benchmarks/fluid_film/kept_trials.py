@@ -62,7 +62,7 @@ class KeptTrials:
 
 
 KEEPING: ContextVar[KeptTrials | None] = ContextVar("KEEPING", default=None)
-"""Where trials are kept; None for nowhere."""
+"""Keeper of trials; None where none are kept."""
 
 
 def commit() -> str:
