@@ -4,17 +4,19 @@ The plants are those of `tests/film_plant`: films from finite volumes, truths dr
 where one falls short. `--short` takes one plant, only the parts of seconds, and less than a minute; coverage and errors are
 judged from 20 plants on. `--write` writes docs/evidence-films.md from the parts that were run.
 
-    python -m benchmarks.fluid_film [--short] [--plants N] [--only NAME …] [--write]
+    python -m benchmarks.fluid_film [--short] [--plants N] [--only NAME …] [--keep FILE] [--write]
 """
 
 import argparse
 from collections.abc import Callable, Sequence
+from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
 from benchmarks.fluid_film.film_fits import film_fits
 from benchmarks.fluid_film.films import films
-from benchmarks.fluid_film.kinds_of_trains import lobes, pads, pedestals, warming_oils
+from benchmarks.fluid_film.kept_trials import KEEPING, KeptTrials
+from benchmarks.fluid_film.kinds_of_trains import lobes, other_trains, pads, pedestals, warming_oils
 from benchmarks.fluid_film.linear_forms import own_forms, wrong_forms
 from benchmarks.fluid_film.page import write_page
 from benchmarks.fluid_film.reference_arrays import reference_response, reference_statics
@@ -34,12 +36,13 @@ PARTS: dict[str, Callable[[int], list[ReportLine]]] = {
     "warming-oil": warming_oils,
     "lobes": lobes,
     "pads": pads,
+    "other-trains": other_trains,
     "wrong-documents": wrong_documents,
     "wrong-forms": wrong_forms,
     "own-forms": own_forms,
 }
 SHORT_PLANTS = 1
-LONG_PARTS = ("sweep", "pedestals", "lobes", "pads", "wrong-documents", "wrong-forms")
+LONG_PARTS = ("sweep", "pedestals", "lobes", "pads", "other-trains", "wrong-documents", "wrong-forms")
 """Parts that are left out where few plants are asked for, unless they are named."""
 
 
@@ -50,7 +53,10 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--plants", type=int, default=100, help="number of random plants, seeds 0, 1, …")
     parser.add_argument("--only", nargs="*", choices=tuple(PARTS))
     parser.add_argument("--write", action="store_true", help="write docs/evidence-films.md with its figures")
+    parser.add_argument("--keep", type=Path, help="file of trials by films, from which a run of this commit goes on")
     chosen = parser.parse_args(arguments)
+    if chosen.keep is not None:
+        KEEPING.set(KeptTrials(chosen.keep))
     plants = SHORT_PLANTS if chosen.short else chosen.plants
     parts = chosen.only or [name for name in PARTS if not (chosen.short and name in LONG_PARTS)]
     found: dict[str, list[ReportLine]] = {}

@@ -6,13 +6,13 @@ import numpy as np
 
 from benchmarks.fluid_film.film_trials import (
     KINDS,
-    FilmTrial,
     coverage_by_kind,
     kind_of,
     mean_coverage,
     told_coverage,
     trials_of,
 )
+from benchmarks.fluid_film.kept_trials import FilmTrial
 from benchmarks.fluid_film.report_line import ReportLine
 from tests.film_plant.discrepancy import DiscrepancySize
 from tests.film_plant.plant import Plant
@@ -31,8 +31,8 @@ MOTOR_COMPRESSORS = 5
 
 def film_fits(plants: int) -> list[ReportLine]:
     """Return how often right documents are accepted, how many intervals hold, errors over their bound, and times."""
-    own = trials_of(_random, range(plants), bounded=True)
-    others = trials_of(_motor_compressor, range(max(1, plants // MOTOR_COMPRESSORS)), bounded=True)
+    own = trials_of("film-fits", _random, range(plants), bounded=True)
+    others = trials_of("motor-compressors", _motor_compressor, range(max(1, plants // MOTOR_COMPRESSORS)), bounded=True)
     rows = _figures(f"films of {len(own)} foreign plants", own) + _figures(f"films of {len(others)} motor-compressors", others)
     cold = float(np.median([one.took for one in own]))
     warm = float(np.median([one.again for one in own if one.accepted] or [np.inf]))

@@ -3,12 +3,13 @@
 import time
 from collections import defaultdict
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from benchmarks.fluid_film.film_bound import film_bound
+from benchmarks.fluid_film.kept_trials import KEEPING, FilmTrial
 from estimator.fit.identification import Identification, Options
 from estimator.fit.identify import identify
 from estimator.machine.document import parse_machine
@@ -26,32 +27,6 @@ KINDS = ("clearance", "viscosity", "unbalance", "elevation", "load", "stiffness"
 """Kinds of quantities whose intervals are judged."""
 ASKED_KINDS = tuple(one for one in KINDS if one != "elevation")
 """Kinds over whose coverage the mean is taken."""
-
-
-@dataclass(frozen=True)
-class FilmTrial:
-    """One identification by films.
-
-    Attributes:
-        accepted: Whether it was accepted.
-        verdict: Its verdict.
-        took: Processor time of the identification [s].
-        again: Processor time of the identification of another run that starts from this one's end [s]; 0 where it was refused.
-        inside: By kind, which intervals hold the truth; empty where it was refused.
-        errors: By name, with the place of a speed in its stead, error over the bound; empty where it was refused or no bound
-            was asked for.
-        widths: Standard errors of direct stiffness terms over their bounds.
-        failed: Whether it ended with an error of the linear algebra in place of a verdict.
-    """
-
-    accepted: bool
-    verdict: str
-    took: float
-    again: float = 0.0
-    inside: dict[str, list[bool]] = field(default_factory=dict)
-    errors: dict[str, float] = field(default_factory=dict)
-    widths: tuple[float, ...] = ()
-    failed: bool = False
 
 
 Describe = Callable[[Plant, int], dict[str, Any]]
@@ -140,10 +115,20 @@ def mean_coverage(trials: Sequence[FilmTrial]) -> float:
 
 
 def trials_of(
-    make: Callable[[int], Plant], seeds: Sequence[int], *, bounded: bool = False, document: Describe = by_films
+    what: str,
+    make: Callable[[int], Plant],
+    seeds: Sequence[int],
+    *,
+    bounded: bool = False,
+    document: Describe = by_films,
 ) -> list[FilmTrial]:
-    """Return the trials of a plant for each seed."""
-    return [film_trial(make(seed), seed=seed, bounded=bounded, document=document) for seed in seeds]
+    """Return the trials of a plant for each seed; those that are kept under this name are taken from there."""
+    kept = KEEPING.get()
+
+    def computed(seed: int) -> FilmTrial:
+        return film_trial(make(seed), seed=seed, bounded=bounded, document=document)
+
+    return [computed(seed) if kept is None else kept.trial(what, seed, partial(computed, seed)) for seed in seeds]
 
 
 def _of_kind(truth: Truths, kind: str) -> Truths:

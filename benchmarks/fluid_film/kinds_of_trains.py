@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.fluid_film.film_trials import FilmTrial, mean_coverage, told_coverage, trials_of
+from benchmarks.fluid_film.film_trials import mean_coverage, told_coverage, trials_of
+from benchmarks.fluid_film.kept_trials import FilmTrial
 from benchmarks.fluid_film.report_line import ReportLine
 from tests.film_plant.discrepancy import DiscrepancySize
 from tests.film_plant.documents import film_document, with_pedestals
@@ -35,7 +36,9 @@ def pedestals(plants: int) -> list[ReportLine]:
         return with_pedestals(film_document(plant), plant, spread=PEDESTAL_SPREAD, seed=seed)
 
     design, seeds = Design(pedestals=True), _seeds(plants)
-    trials = trials_of(lambda seed: random_plant(seed, design=design, discrepancy=DiscrepancySize()), seeds, document=document)
+    trials = trials_of(
+        "pedestals", lambda seed: random_plant(seed, design=design, discrepancy=DiscrepancySize()), seeds, document=document
+    )
     return _figures("unknown pedestals, resonances in the range", trials)
 
 
@@ -43,7 +46,9 @@ def warming_oils(plants: int) -> list[ReportLine]:
     """Return the same of trains whose oil warms by another heat balance than the document's."""
     design, seeds = Design(heated=True), _seeds(plants)
     trials = trials_of(
-        lambda seed: random_plant(seed, design=design, discrepancy=DiscrepancySize(), alter=_other_balance), seeds
+        "warming-oil",
+        lambda seed: random_plant(seed, design=design, discrepancy=DiscrepancySize(), alter=_other_balance),
+        seeds,
     )
     return _figures("oil that warms by another balance", trials)
 
@@ -54,6 +59,7 @@ def lobes(plants: int) -> list[ReportLine]:
     for profile in BORES:
         design = Design(profile=profile, slenderness=OTHER_SLENDERNESS)
         trials = trials_of(
+            profile,
             lambda seed, design=design: random_plant(seed, design=design, discrepancy=DiscrepancySize()),  # type: ignore[misc]
             _seeds(plants),
         )
@@ -64,8 +70,22 @@ def lobes(plants: int) -> list[ReportLine]:
 def pads(plants: int) -> list[ReportLine]:
     """Return the same of trains on tilting pads: five offset pads in each bearing, loaded between two."""
     design = Design(profile="five_pads", slenderness=(0.5,))
-    trials = trials_of(lambda seed: random_plant(seed, design=design, discrepancy=DiscrepancySize()), _seeds(plants))
+    trials = trials_of("pads", lambda seed: random_plant(seed, design=design, discrepancy=DiscrepancySize()), _seeds(plants))
     return _figures("tilting pads", trials)
+
+
+def other_trains(plants: int) -> list[ReportLine]:
+    """Return the same of trains of one to three shafts of other proportions, bores, loads and speeds."""
+
+    def document(plant: Plant, seed: int) -> dict[str, Any]:
+        said = film_document(plant)
+        standing = any(one.pedestal is not None for one in plant.train.bearings)
+        return with_pedestals(said, plant, spread=PEDESTAL_SPREAD, seed=seed) if standing else said
+
+    def make(seed: int) -> Plant:
+        return random_plant(seed, design=None, discrepancy=DiscrepancySize())
+
+    return _figures("trains of other proportions", trials_of("other-trains", make, range(plants), document=document))
 
 
 def _seeds(plants: int) -> range:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from benchmarks.fluid_film.drawings import coefficients_over_speed, coverage_by_kind
 from benchmarks.fluid_film.film_fits import FEWEST, MOTOR_COMPRESSORS
+from benchmarks.fluid_film.kept_trials import commit
 from benchmarks.fluid_film.kinds_of_trains import FIRST_SEED, MOST_PLANTS
 from benchmarks.fluid_film.report_line import ReportLine
 from benchmarks.fluid_film.wrong_documents import FIRST_SEED as FIRST_WRONG_SEED
@@ -39,6 +40,7 @@ SECTIONS = {
     "warming-oil": "Oil that warms",
     "lobes": "Bores that are not round",
     "pads": "Trains on tilting pads",
+    "other-trains": "Trains of other proportions",
     "wrong-documents": "Documents with one thing wrong",
     "wrong-forms": "Linear forms on films",
     "own-forms": "Linear forms that are right",
@@ -70,6 +72,8 @@ def seeds(part: str, plants: int) -> str:
     if part in ("pedestals", "warming-oil", "lobes", "pads"):
         each = ", for each bore" if part == "lobes" else ""
         return f"Random plants of seeds {_span(FIRST_SEED, min(plants, MOST_PLANTS))}{each}."
+    if part == "other-trains":
+        return f"Random trains of seeds {_span(0, plants)}."
     if part == "wrong-documents":
         return f"Random plants of seeds {_span(FIRST_WRONG_SEED, plants)}, for each line."
     if part in ("wrong-forms", "own-forms"):
@@ -86,8 +90,8 @@ def _run(found: Mapping[str, Sequence[ReportLine]], plants: int, left_out: Seque
     short = sum(not one.kept for figures in found.values() for one in figures)
     fallen = f"{short} of its figures {'falls' if short == 1 else 'fall'}" if short else "none of its figures falls"
     parts = [
-        f"This page was written by `python -m benchmarks.fluid_film{only} --plants {plants} --write`: {fallen} short of what "
-        "was asked, as far as they are judged.",
+        f"This page was written by `python -m benchmarks.fluid_film{only} --plants {plants} --write` on commit {commit()}:",
+        f"{fallen} short of what was asked, as far as they are judged.",
     ]
     if plants < FEWEST:
         parts.append(

@@ -4,7 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from benchmarks.fluid_film.film_trials import FilmTrial, coverage_by_kind, mean_coverage, trials_of
+from benchmarks.fluid_film.film_trials import coverage_by_kind, mean_coverage, trials_of
+from benchmarks.fluid_film.kept_trials import FilmTrial
 from benchmarks.fluid_film.report_line import ReportLine
 from tests.film_plant.discrepancy import DiscrepancySize
 from tests.film_plant.plant import Plant
@@ -29,8 +30,8 @@ WRONG: dict[str, tuple[Alteration, Design]] = {
 def wrong_documents(plants: int) -> list[ReportLine]:
     """Return what becomes of documents with one thing wrong, and of right ones."""
     seeds = range(FIRST_SEED, FIRST_SEED + plants)
-    rows = [_wrong(name, trials_of(_altered(alteration, design), seeds)) for name, (alteration, design) in WRONG.items()]
-    right = trials_of(lambda seed: random_plant(seed, discrepancy=DiscrepancySize()), seeds, bounded=True)
+    rows = [_wrong(name, trials_of(name, _altered(alteration, design), seeds)) for name, (alteration, design) in WRONG.items()]
+    right = trials_of("right", lambda seed: random_plant(seed, discrepancy=DiscrepancySize()), seeds, bounded=True)
     good = float(np.mean([one.accepted and np.median(one.widths) <= WIDEST for one in right]))
     widths = [float(np.median(one.widths)) for one in right if one.accepted]
     told = f"{good:.0%}, {np.median(widths):.2f}"

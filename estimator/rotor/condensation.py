@@ -78,10 +78,10 @@ class CondensedTrain:
         """Return the forces (S, n, 2E) per real and imaginary part of each excitation [N and N m per unit]."""
         return self.shafts.force()
 
-    @cached_property
+    @property
     def owner(self) -> NDArray[np.intp]:
         """Return the coefficient (T,) that each term belongs to, ascending."""
-        return np.repeat(np.arange(len(self.unknowns.coefficients)), [len(c.pairs) for c in self.unknowns.coefficients])
+        return self.unknowns.order_of_terms[0]
 
     @cached_property
     def order(self) -> NDArray[np.intp]:
@@ -98,8 +98,8 @@ class CondensedTrain:
             Z (S, n, n) [N/m, N, N m/rad].
         """
         whole = self.known
-        order = self.order[self.owner]
-        value = coefficients[..., self.owner]
+        owner, order = self.unknowns.order_of_terms
+        value = coefficients[..., owner]
         for power in np.unique(order):
             which = order == power
             part = (self.left[:, which] * value[..., None, which]) @ self.right[:, which].T

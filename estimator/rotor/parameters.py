@@ -9,6 +9,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -183,6 +184,12 @@ class Unknowns:
     def names(self) -> tuple[str, ...]:
         """Return the names of all coefficients, then of all excitations."""
         return tuple([item.name for item in self.coefficients] + [item.name for item in self.excitations])
+
+    @cached_property
+    def order_of_terms(self) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Return the coefficient (T,) that each pair of vectors belongs to, ascending, and the power (T,) of jω with it."""
+        owner = np.repeat(np.arange(len(self.coefficients)), [len(one.pairs) for one in self.coefficients])
+        return owner, np.array([one.order for one in self.coefficients], dtype=np.intp)[owner]
 
     @property
     def unbalances(self) -> tuple[Excitation, ...]:

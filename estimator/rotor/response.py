@@ -92,7 +92,7 @@ def sensitivity(train: CondensedTrain, *, coefficients: Floats, excitations: Com
     displacement: Complexes = np.asarray(
         np.linalg.solve(stiffness, train.force_of(excitations)[..., None])[..., 0], dtype=complex
     )
-    rate = (1j * train.speed[:, None]) ** train.order[train.owner]  # (S, T)
+    rate = (1j * train.speed[:, None]) ** train.unknowns.order_of_terms[1]  # (S, T)
     strain = -(displacement @ train.right) * rate  # (S, T)
     by_term = np.moveaxis(receptance @ train.left, 2, 0) * strain.T[:, :, None]  # (T, S, m)
     scales = (

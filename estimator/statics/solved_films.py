@@ -68,7 +68,8 @@ class NominalFilms:
             if one is None:
                 raise FilmTooThin(
                     f"at {rad_per_s_to_rpm(speed):.0f} r/min a journal would be within a twentieth of the clearance of its "
-                    "bearing: are geometry and oil right? Below the speed at which films carry, give valid_above_rpm"
+                    f"bearing: are geometry and oil right? {_most_loaded(self.train)}. Below the speed at which films carry, "
+                    "give valid_above_rpm"
                 )
             found.append(one)
         return tuple(found)
@@ -83,6 +84,15 @@ class NominalFilms:
             if found is not None:
                 return found
         return self.train.over(self.speed)
+
+
+def _most_loaded(train: FilmTrain) -> str:
+    """State which bearing has the highest pressure at rest."""
+    loads = np.linalg.norm(train.statics.film_force(train.elevation), axis=1)
+    pressures = loads / [one.said.diameter * one.said.length for one in train.bearings]
+    worst = int(np.argmax(pressures))
+    carried = f"{loads[worst]:.3g} N on bearing '{train.bearings[worst].name}'"
+    return f"{carried} at rest are {1e-6 * pressures[worst]:.3g} MPa over diameter and length; usual is 0.5 to 3 MPa"
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
+from estimator.bearings.mixed_coefficient import MixedCoefficient
 from estimator.bearings.model import ChainedCurves, CoefficientCurves, CoefficientModel, ModelParameter, ReadingModel
 from estimator.fit.problem.channel_coordinates import ChannelCoordinates
+from estimator.fit.problem.knot_coefficients import KnotCoefficients, gathered
 from estimator.fit.problem.prior import Prior, calibrated_prior
 from estimator.fit.problem.train_models import train_models
 from estimator.machine.calibration import Calibration
@@ -187,6 +189,17 @@ class Coordinates:
         found[: len(self.parameters)] = [one.nuisance for one in self.parameters]
         return found
 
+    @cached_property
+    def at_knots(self) -> tuple[KnotCoefficients, ...]:
+        """Return the coefficients that are weighted sums of numbers at knots, those of the same weights together."""
+        pairs = ((one, one.curves) for one in self.models)
+        return gathered([(one.coefficients[0], one.places, own) for one, own in pairs if isinstance(own, MixedCoefficient)])
+
+    @cached_property
+    def apart(self) -> tuple[PlacedModel, ...]:
+        """Return the models of all other coefficients that follow the speed."""
+        return tuple(one for one in self.models if not isinstance(one.curves, MixedCoefficient))
+
     @property
     def size(self) -> int:
         """Return the number of coordinates n."""
@@ -262,9 +275,12 @@ class Coordinates:
         constant = np.where(self.logarithmic, self.expected * np.exp(exponent), self.scale * at)
         if not self.models:
             return constant
-        following = [one.values(theta) for one in self.models]
-        whole = np.repeat(constant[None, :], len(following[0]), axis=0)
-        for one, values in zip(self.models, following, strict=True):
+        at_knots = [one.values(theta) for one in self.at_knots]
+        others = [one.values(theta) for one in self.apart]
+        whole = np.repeat(constant[None, :], len((at_knots or others)[0]), axis=0)
+        for knots, values in zip(self.at_knots, at_knots, strict=True):
+            whole[:, knots.coefficients] = values
+        for one, values in zip(self.apart, others, strict=True):
             whole[:, one.coefficients] = values
         return whole
 

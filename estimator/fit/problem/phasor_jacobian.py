@@ -42,6 +42,8 @@ def _add_coefficients(
     by_coefficient = found.by_coefficient * slope
     for k in np.flatnonzero(coordinates.place >= 0).tolist():
         whole[coordinates.place[k]] += by_coefficient[k]  # tied coefficients share a coordinate
-    for one in coordinates.models:
+    for knots in coordinates.at_knots:
+        knots.add_derivatives(whole, theta, block, found.by_coefficient)
+    for one in coordinates.apart:
         along = one.chained(theta, block, found.by_coefficient[list(one.coefficients)])
         whole[one.numbers] += along
