@@ -3,7 +3,7 @@
 Each plant is identified seven times, six of them as a baseline before its coupling moves; runs differ by 1 % in stiffness, 5 %
 in damping and 5 % in the viscosity of their oil. One half of the plants are motors and compressors around the reference, the
 other half of random proportions. One line a figure; status 1 where one falls short. Coverage is judged from 20 plants on.
-`--short` takes one plant of each kind and less than a minute.
+`--short` takes one plant of each kind and about a minute. Run-outs of couplings are tried on two machines of each kind.
 
 `--fleet N` lets N machines of each kind live through weeks of run-downs for each thing that can happen, through the gate and
 the service's own assessment; with `--results FOLDER` what was computed is not computed again.
@@ -13,17 +13,20 @@ the service's own assessment; with `--results FOLDER` what was computed is not c
 """
 
 import argparse
+import itertools
 from collections.abc import Sequence
 from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
 from benchmarks.alignment.alignment_figures import figures
-from benchmarks.alignment.fleet_figures import fleet_figures
+from benchmarks.alignment.fleet_figures import fleet_figures, run_out_figures
 from tests.film_plant.motor_compressor import CouplingKind
 
 KINDS: tuple[CouplingKind, ...] = ("rigid", "flexible")
 SHORT_PLANTS = 1
+RUN_OUT_PLANTS = 2
+"""Number of plants whose coupling's run-outs are tried; a fleet tries as many as it has machines."""
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -45,7 +48,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
                 if chosen.fleet is None
                 else fleet_figures(kind, chosen.fleet, weeks=chosen.weeks, folder=chosen.results)
             )
-            for figure in told:
+            for figure in told if chosen.fleet is not None else itertools.chain(told, run_out_figures(kind, RUN_OUT_PLANTS)):
                 print(figure, flush=True)
                 kept &= figure.kept
     if not kept:

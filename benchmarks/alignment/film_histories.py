@@ -26,10 +26,15 @@ from tests.film_plant.plants import Priors, motor_compressor_plant, random_plant
 from tests.film_plant.proportions import Design
 from tests.film_plant.train import ConstantOil, Train
 
-Happening = Literal["healthy", "step", "beyond", "within", "wear", "unbalance", "gain"]
-HAPPENINGS: tuple[Happening, ...] = ("healthy", "step", "beyond", "within", "wear", "unbalance", "gain")
+Happening = Literal["healthy", "step", "beyond", "within", "wear", "unbalance", "gain", "bore", "face"]
+HAPPENINGS: tuple[Happening, ...] = ("healthy", "step", "beyond", "within", "wear", "unbalance", "gain", "bore", "face")
 """Events of a history: nothing; the second shaft sinks by the step that is asked, by twice and by half of what is allowed; a
-clearance grows by 15 %, an unbalance by half, a probe's gain by 10 %."""
+clearance grows by 15 %, an unbalance by half, a probe's gain by 10 %; the coupling's bore or face runs out by `RUN_OUTS`."""
+RUN_OUTS: dict[Happening, dict[CouplingKind, tuple[float, float]]] = {
+    "bore": {"rigid": (2e-6, 0.0), "flexible": (5e-6, 0.0)},
+    "face": {"rigid": (0.0, 10e-6), "flexible": (0.0, 50e-6)},
+}
+"""Run-outs of a coupling that are asked to be seen: offset of its bore [m], angle of its face [rad]."""
 STEPS: dict[CouplingKind, float] = {"rigid": 20e-6, "flexible": 100e-6}
 """Steps of the offset that are asked to be seen [m]."""
 BELIEVED = Priors(elevation=150e-6, rigid_elevation=150e-6)
@@ -127,6 +132,9 @@ class FilmHistory:
             train = _worn(train, self.number, 1.15)
         if week >= self.onset and self.happening == "unbalance":
             train = _unbalanced(train, self.number, 1.5)
+        if week >= self.onset and self.happening in RUN_OUTS:
+            turned = np.exp(1j * np.random.default_rng([self.seed, 4]).uniform(0.0, 2.0 * math.pi))
+            train = _running_out(train, *(complex(turned * one) for one in RUN_OUTS[self.happening][self.kind]))
         return replace(self.plant, train=train)
 
     @property
@@ -144,6 +152,8 @@ class FilmHistory:
             "wear": ("wear", f"bearing.B{self.number + 1}"),
             "unbalance": ("unbalance", f"disc.D{self.number + 1}"),
             "gain": ("sensor", f"probe.{self.machine.probes[self.number].id}"),
+            "bore": ("rotating_coupling", "coupling.C1"),
+            "face": ("rotating_coupling", "coupling.C1"),
         }
         return rules.get(self.happening)
 
@@ -177,3 +187,8 @@ def _unbalanced(train: Train, number: int, factor: float) -> Train:
         replace(one, unbalance=factor * one.unbalance) if place == number else one for place, one in enumerate(train.discs)
     )
     return replace(train, discs=discs)
+
+
+def _running_out(train: Train, offset: complex, angle: complex) -> Train:
+    couplings = (replace(train.couplings[0], run_out=(offset, angle)), *train.couplings[1:])
+    return replace(train, couplings=couplings)

@@ -6,14 +6,22 @@ from pathlib import Path
 import numpy as np
 
 from benchmarks.alignment.film_fleet import BASELINE, FleetRecord, record_of
-from benchmarks.alignment.film_histories import HAPPENINGS, WEEKS_A_YEAR, FilmHistory, Happening
+from benchmarks.alignment.film_histories import HAPPENINGS, RUN_OUTS, WEEKS_A_YEAR, FilmHistory, Happening
 from benchmarks.fleet.report import part_interval, rate_bound
 from benchmarks.fluid_film.report_line import ReportLine
 from tests.film_plant.motor_compressor import CouplingKind
 
-SOON: dict[Happening, int] = {"step": 3, "beyond": 4, "wear": 3, "unbalance": 3, "gain": 3}
+SOON: dict[Happening, int] = {"step": 3, "beyond": 4, "wear": 3, "unbalance": 3, "gain": 3, "bore": 3, "face": 3}
 """Runs within which what happens is asked to be named."""
-PARTS: dict[Happening, float] = {"step": 0.99, "beyond": 0.95, "wear": 0.9, "unbalance": 0.9, "gain": 0.9}
+PARTS: dict[Happening, float] = {
+    "step": 0.99,
+    "beyond": 0.95,
+    "wear": 0.9,
+    "unbalance": 0.9,
+    "gain": 0.9,
+    "bore": 0.95,
+    "face": 0.95,
+}
 """Part of the machines in which that is asked; of the disturbances as the lower end of its interval [-]."""
 NOTHING_MOVED = 0.125
 """Part of what is allowed up to which a misalignment that is told is a false one [-]: half of what is told."""
@@ -39,6 +47,19 @@ def fleet_figures(kind: CouplingKind, machines: int, *, weeks: int, folder: Path
     yield _sizes([*found["step"], *found["beyond"]])
     yield from _alarms(found["beyond"], found["within"])
     yield from _false(found)
+
+
+def run_out_figures(kind: CouplingKind, machines: int) -> Iterator[ReportLine]:
+    """Yield of a few machines, each no longer watched than is asked, whether run-outs of their coupling are named."""
+    for happening in RUN_OUTS:
+        soon = SOON[happening]
+        onset = BASELINE + 1
+        histories = [FilmHistory(seed, kind, happening, onset) for seed in range(machines)]
+        found = [record_of(one, weeks=onset + soon, folder=None) for one in histories]
+        yield _named(happening, found, soon)
+        others = {(alert.rule, alert.element) for one in found for alert in one.opened} - {found[0].named}
+        told = ", ".join(f"{rule} {element}" for rule, element in sorted(others)) or "nothing"
+        yield ReportLine("        called otherwise", "nothing", told, not others)
 
 
 def _beside(kind: CouplingKind, every: Sequence[FleetRecord]) -> Iterator[ReportLine]:

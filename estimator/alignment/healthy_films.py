@@ -162,7 +162,7 @@ def learnt_variation(baseline: Sequence[UpdatedModel]) -> HealthyVariation:
         for one in seen:
             drawn = spread**2 * (ways.T @ (one.vector - one.information @ machine))
             along = ways * spread**2
-            left = np.einsum("ni,nm,mi->i", along, one.information - one.information @ common @ one.information, along)
+            left = np.sum(along * ((one.information - one.information @ common @ one.information) @ along), axis=0)
             squares += drawn**2 + spread**2 - left
         variation = _shrunk(stated, numbers, sizes, squares / len(runs), count=len(runs))
     return variation

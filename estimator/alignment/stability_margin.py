@@ -10,7 +10,6 @@ import numpy as np
 
 from estimator.fit.physical_limits import PhysicalLimits
 from estimator.machine.film_speeds import follows_films, reported_rpm
-from estimator.modes.eigenmodes import log_decrement
 from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model.model import UpdatedModel
 from estimator.updated_model.uncertainty import standard_errors
@@ -56,8 +55,7 @@ def stability_margin(model: UpdatedModel) -> StabilityMargin | None:
     mode = next(iter(limits.least_damped_below_speed(theta)), None)
     if mode is None:
         return None
-    root = mode.eigenvalue
-    decrement = float(log_decrement(np.array(root)))
+    root, decrement = mode.eigenvalue, mode.log_decrement
     by_root = limits.root_slopes(theta, mode)
     slope = -2.0 * np.pi * by_root.real / root.imag - decrement * by_root.imag / root.imag
     covariance = model.covariance / np.outer(coordinates.unit, coordinates.unit)

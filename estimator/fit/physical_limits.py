@@ -19,7 +19,7 @@ from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.reweighting import with_fitted_noise
 from estimator.machine.document import Machine
 from estimator.machine.scaled_materials import with_scaled_materials
-from estimator.modes.eigenmodes import Modes, damping_ratio, eigenvalue_slopes
+from estimator.modes.eigenmodes import Modes, damping_ratio, eigenvalue_slopes, log_decrement
 from estimator.rotor.modal_reduction import reduced_basis
 from estimator.rotor.system_matrices import system_matrices
 from estimator.units import rad_per_s_to_rpm
@@ -85,6 +85,11 @@ class LeastDampedMode:
     def damping_ratio(self) -> float:
         """Return the damping ratio [-]; negative where the mode grows."""
         return float(damping_ratio(np.array(self.eigenvalue)))
+
+    @property
+    def log_decrement(self) -> float:
+        """Return its logarithmic decrement [-]; negative where the mode grows."""
+        return float(log_decrement(np.array(self.eigenvalue)))
 
     @property
     def lacking(self) -> float:

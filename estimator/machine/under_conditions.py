@@ -8,6 +8,11 @@ from estimator.machine.document import Machine
 from estimator.machine.films import Oil, StaticLoad
 from estimator.machine.parts import Bearing
 
+FAR = 40.0
+"""Largest difference of an oil's temperature from the stated one that a run may well have [K]: seasons bring 10."""
+NEAR = 12.0
+"""Difference from the stated temperature up to which one that was read as °F explains the other [K]."""
+
 
 class ConditionImpossible(ValueError):
     """Raised when an operating condition has a value that no machine has."""
@@ -33,6 +38,30 @@ def under_conditions(machine: Machine, conditions: Mapping[str, float | None]) -
     if bearings == machine.bearings and loads == machine.static_loads:
         return machine
     return machine.model_copy(update={"bearings": bearings, "static_loads": loads})
+
+
+def require_celsius(machine: Machine, conditions: Mapping[str, float | None]) -> None:
+    """Check that temperatures of oil are not sent in °F: far from what the document states, and near it when they are.
+
+    Args:
+        machine: The machine as its document describes it.
+        conditions: Value of each operating condition [unit of the document]; None where it was not measured.
+
+    Raises:
+        ConditionImpossible: One probably is.
+    """
+    for bearing in machine.bearings:
+        oil = None if bearing.film is None else bearing.film.oil
+        stated = None if oil is None else oil.temperature_c if oil.inlet_c is None else oil.inlet_c
+        sent = None if oil is None or oil.temperature_from is None else conditions.get(oil.temperature_from)
+        if oil is None or stated is None or sent is None:
+            continue
+        celsius = (sent - 32.0) / 1.8
+        if sent - stated > FAR and abs(celsius - stated) < NEAR:
+            raise ConditionImpossible(
+                f"operating condition '{oil.temperature_from}' is {sent:.4g}, where the document states {stated:.4g} °C for "
+                f"the oil of bearing {bearing.id}: were °F sent ({celsius:.0f} °C)? It must come in °C"
+            )
 
 
 def _bearing(bearing: Bearing, known: Mapping[str, float]) -> Bearing:

@@ -11,7 +11,7 @@ from estimator.identification.convention_trials import ConventionVerdict, with_n
 from estimator.identification.pooling import combine
 from estimator.identification.quality_gate import GatedIdentification, identify_gated
 from estimator.machine.document import Machine, parse_machine
-from estimator.machine.under_conditions import under_conditions
+from estimator.machine.under_conditions import require_celsius, under_conditions
 from estimator.modes.nominal_critical_speeds import crossed_critical_speeds
 from estimator.phasors.harmonic_ratio import Orders
 from estimator.phasors.measurement import Measurement
@@ -41,6 +41,8 @@ def compute(task: IdentificationTask) -> IdentificationOutcome:
         machine = parse_machine(task.document)
         runs = [decode(block) for block in task.runs]
         names = machine.condition_names
+        for one in runs:
+            require_celsius(machine, mean_conditions([one], names))
         judged = [_judged(under_conditions(machine, mean_conditions([one], names)), one, task) for one in runs]
         gated = [_with_findings(machine, one, _with_conventions(one, task), task) for one in judged]
         qualities = tuple(one.qualities[0] for one in gated)

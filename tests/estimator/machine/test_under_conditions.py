@@ -6,7 +6,7 @@ import pytest
 import yaml
 
 from estimator.machine.document import DocumentError, Machine, parse_machine
-from estimator.machine.under_conditions import ConditionImpossible, under_conditions
+from estimator.machine.under_conditions import ConditionImpossible, require_celsius, under_conditions
 from estimator.statics.equilibrium import film_train
 from estimator.units import rpm_to_rad_per_s
 from tests.paths import EXAMPLES
@@ -82,6 +82,17 @@ def test_loads_and_positions_are_those_of_a_document_that_states_the_values(mach
 def test_a_temperature_that_no_oil_has_is_refused(machine: Machine) -> None:
     with pytest.raises(ConditionImpossible, match="operating condition 'oil' is 850 °C, from which the oil of bearing B1"):
         under_conditions(machine, {"oil": 850.0})
+
+
+@pytest.mark.parametrize("sent", [107.0, 122.0, 140.0])  # 42, 50 and 60 °C
+def test_an_oil_temperature_in_fahrenheit_is_named(machine: Machine, sent: float) -> None:
+    with pytest.raises(ConditionImpossible, match=r"'oil' is .* where the document states 50 °C .*were °F sent"):
+        require_celsius(machine, {"oil": sent})
+
+
+@pytest.mark.parametrize("sent", [None, 15.0, 40.0, 60.0, 85.0, 100.0, 180.0])
+def test_oil_that_is_cold_or_hot_is_not_called_fahrenheit(machine: Machine, sent: float | None) -> None:
+    require_celsius(machine, {"oil": sent, "power": 122.0})
 
 
 @pytest.mark.parametrize(

@@ -69,6 +69,13 @@ def test_a_temperature_that_is_said_wrong_is_not_taken_for_the_documents(train: 
         computed(train, told=650.0)
 
 
+def test_a_temperature_that_was_sent_in_fahrenheit_is_named_and_nothing_is_identified(train: Machine) -> None:
+    (film, *_) = (one.film for one in train.bearings if one.film is not None)
+    assert film.oil.temperature_c is not None
+    with pytest.raises(ConditionImpossible, match="were °F sent"):
+        computed(train, told=1.8 * film.oil.temperature_c + 32.0)
+
+
 def test_a_stored_model_has_the_conditions_of_its_runs(database: Database, train: Machine) -> None:
     outcome = computed(train, told=MEASURED)
     assert outcome.identification is not None
