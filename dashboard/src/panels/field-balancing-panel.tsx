@@ -8,7 +8,7 @@ import { useResource } from "../data/resource";
 import { BalancingDialog, type BalancingStep } from "../dialogs/balancing-dialogs";
 import { angleConvention, angleText } from "../format/angles";
 import { number } from "../format/numbers";
-import type { CheckRun, FieldBalancing, ProposedCorrection, Residual } from "../schemas/balancings";
+import type { CheckRun, FieldBalancing, ProposedCorrection, Residual, Weight } from "../schemas/balancings";
 import type { Document } from "../schemas/machines";
 import { BalancingVectors } from "./balancing-vectors";
 
@@ -16,7 +16,7 @@ const STEPS: Record<FieldBalancing["state"], [step: BalancingStep, name: string]
   begun: [["trial", "Add a trial run …"]],
   tried: [["trial", "Add a trial run …"], ["correction", "Compute the correction …"]],
   proposed: [["correction", "Compute anew …"], ["check", "Compare a check run …"]],
-  checked: [["check", "Compare another check run …"]],
+  checked: [["check", "Compare another check run …"], ["correction", "Compute anew …"]],
 };
 
 export function FieldBalancingPanel({ machine }: { machine: Document }) {
@@ -64,7 +64,7 @@ export function FieldBalancingPanel({ machine }: { machine: Document }) {
           )
         }
       </Loaded>
-      {step && <BalancingDialog machine={machine} step={step} balancing={step === "begin" ? null : (shown?.id ?? null)} onClose={() => setStep(null)} />}
+      {step && <BalancingDialog machine={machine} step={step} balancing={step === "begin" ? null : (shown ?? null)} onClose={() => setStep(null)} />}
     </Panel>
   );
 }
@@ -79,7 +79,7 @@ function Steps({ found, onStep }: { found: FieldBalancing; onStep: (step: Balanc
         <li>Initial run {found.initial.join(", ")}</li>
         {found.trials.map((one) => (
           <li key={one.run}>
-            Trial run {one.run}: {one.weights.map((weight) => `${number(weight.g_mm)} g·mm on ${weight.disc} at ${Math.round(weight.scale_deg)}°`).join(", ")}
+            Trial run {one.run}: {weightsText(one.weights)}
           </li>
         ))}
       </ul>
@@ -220,11 +220,15 @@ function residualText(one: Residual): string {
   return `${number(one.g_mm)} g·mm, below ${number(one.upper_g_mm)}: ${one.verdict}`;
 }
 
+function weightsText(weights: Weight[]): string {
+  return weights.map((one) => `${number(one.g_mm)} g·mm on ${one.disc} at ${Math.round(one.scale_deg)}°`).join(", ") || "none on";
+}
+
 function Check({ found }: { found: CheckRun }) {
   return (
     <p>
-      Check run {found.run}, <Time at={found.at} /> by {found.by}: {found.points_kept} of {found.points} points within the prediction. To trim, add{" "}
-      {found.trim.map((one) => `${number(one.g_mm)} g·mm on ${one.disc} at ${Math.round(one.scale_deg)}°`).join(", ")}.
+      Check run {found.run}, <Time at={found.at} /> by {found.by}, {found.weights === null ? "with the weights proposed" : `with ${weightsText(found.weights)}`}: {found.points_kept} of {found.points} points within the prediction. To trim, add{" "}
+      {weightsText(found.trim)}.
     </p>
   );
 }
