@@ -113,5 +113,7 @@ def test_runs_that_the_model_cannot_explain_write_nothing(tmp_path: Path) -> Non
     output = tmp_path / "none.yaml"
     text = run("calibrate", DOCUMENT, file, "--output", str(output), status=1)
     assert "NOT ACCEPTED" in text
-    assert "It fits with the angles of the weights counted the other way round (`disc_scale`) or with the opposite sign" in text
+    assert (
+        "It fits with the angles of the weights counted the other way round (`disc_scale`) or with the opposite sign" in text
+    )
     assert not output.exists()
