@@ -17,7 +17,7 @@ from estimator.calibration.variance_components import ScatterModel, ScatterSizes
 from estimator.calibration.wrong_senses import explaining_senses
 from estimator.fit.goodness_of_fit import LARGEST_ESTIMATED_NOISE
 from estimator.fit.maximum_likelihood import descend
-from estimator.fit.multistart import best_fit
+from estimator.fit.multistart import FitFailed, best_fit
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.machine.calibration import Calibration, CalibrationRunRecord, ChannelScatter, MountingSpread
 from estimator.machine.document import Machine
@@ -25,6 +25,7 @@ from estimator.machine.rules import Noise
 from estimator.phasors.measurement import Measurement, joined
 from estimator.phasors.noise import error_size
 from estimator.rotor.condensation import condense
+from estimator.rotor.elimination import SingularCondensation
 from estimator.units import rad_per_s_to_rpm
 
 STATED_ECCENTRICITY = 4e-6
@@ -100,16 +101,26 @@ def calibrate(machine: Machine, runs: Sequence[CalibrationRun], *, seed: int = 0
         SingularCondensation: The train cannot be condensed at a speed.
     """
     remarks = check_runs(machine, runs)
-    found = _calibrated(machine, runs, remarks, seed)
+    found = _calibrated(machine, runs, remarks, seed, MOST_OF_SWEEPS)
     if found.accepted:
         return found
-    meant = explaining_senses(runs, lambda other: _calibrated(machine, other, (), seed).accepted)
+    meant = explaining_senses(runs, lambda other: _is_accepted(machine, other, seed))
     return replace(found, verdict=f"{found.verdict} {meant}") if meant else found
 
 
-def _calibrated(machine: Machine, runs: Sequence[CalibrationRun], remarks: tuple[str, ...], seed: int) -> Calibrated:
-    """Return the calibration of runs that were checked, with the remarks on them."""
-    few, most = (_gathered(runs, most) for most in MOST_OF_SWEEPS)
+def _is_accepted(machine: Machine, runs: Sequence[CalibrationRun], seed: int) -> bool:
+    """Return whether other runs calibrate, by a part of the samples of their sweeps."""
+    try:
+        return _calibrated(machine, runs, (), seed, (MOST_OF_SWEEPS[0],) * 2).accepted
+    except (FitFailed, SingularCondensation):
+        return False
+
+
+def _calibrated(
+    machine: Machine, runs: Sequence[CalibrationRun], remarks: tuple[str, ...], seed: int, of_sweeps: tuple[int, int]
+) -> Calibrated:
+    """Return the calibration of runs that were checked, with the remarks on them. of_sweeps: as `MOST_OF_SWEEPS`."""
+    few, most = (_gathered(runs, most) for most in of_sweeps)
     fitted, held = freed(machine, most.measurement)
     problem, scatter, speeds = _problem(fitted, few)
     sizes = scatter.stated

@@ -57,7 +57,8 @@ def _shown_by_runs(influence: MeasuredInfluence, shown: NDArray[np.bool_], grown
     """
     shares = influence.shares
     whole = np.zeros(0, dtype=np.intp) if shares is None else np.flatnonzero(np.isfinite(shares[:, shown]).all(axis=1))
-    if shares is None or len(whole) < FEWEST_RUNS:
+    known_scatter = np.real(np.diag(influence.scatter))[shown]
+    if shares is None or len(whole) < FEWEST_RUNS or not np.all(known_scatter > 0.0):
         return expected
     known = np.where(np.isfinite(shares), shares, 0.0)
     errors = np.array([inverse @ (known[run, shown] * grown) for run, inverse in _left_out(influence, known, shown, whole)])

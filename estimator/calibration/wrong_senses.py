@@ -12,6 +12,8 @@ import numpy as np
 from estimator.calibration.calibration_runs import CalibrationRun
 from estimator.phasors.measurement import Measurement
 
+WEIGHTS = "the angles of the weights counted the other way round (`disc_scale`)"
+
 
 def explaining_senses(runs: Sequence[CalibrationRun], accepted: Callable[[Sequence[CalibrationRun]], bool]) -> str:
     """Find the wrong senses without which runs that no model explains are explained.
@@ -24,9 +26,11 @@ def explaining_senses(runs: Sequence[CalibrationRun], accepted: Callable[[Sequen
         The senses in words; empty where none explains the runs.
     """
     senses = {
-        "the angles of the weights counted the other way round (`disc_scale`)": _with_weights_turned,
+        WEIGHTS: _with_weights_turned,
         "the opposite sign of the phases (`phase_convention`)": _with_phases_turned,
     }
+    if all(run.measurement.added is None or np.isrealobj(np.real_if_close(run.measurement.added)) for run in runs):
+        del senses[WEIGHTS]  # weights at 0° and 180° only have no sense
     right = [words for words, undone in senses.items() if accepted([_changed(run, undone) for run in runs])]
     return f"It fits with {' or with '.join(right)}" if right else ""
 

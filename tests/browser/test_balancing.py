@@ -90,12 +90,30 @@ def test_a_machine_is_balanced_from_the_page(seen: Seen, service: Service) -> No
     expect(seen.page.locator(".polars figure")).to_have_count(8)
     expect(seen.page.get_by_role("heading", name="Residual unbalance as of rigid rotors, ISO 21940-11 G 2.50")).to_be_visible()
     dialog = _step(seen, "Compare a check run …")
-    dialog.get_by_label("Run with the proposed weights").select_option(str(runs[2]))
+    dialog.locator("select[name=run]").select_option(str(runs[2]))
     _send(dialog, "Compare")
     expect(dialog).to_have_count(0)
     expect(seen.page.get_by_text("points within the prediction. To trim, add")).to_be_visible()
+    expect(seen.page.get_by_text("with the weights proposed:")).to_be_visible()
     expect(seen.page.get_by_text("more than promised").first).to_be_visible()
-    assert service.get(f"/machines/{COPY}/balancings")[0]["state"] == "checked"
+    first = service.get(f"/machines/{COPY}/balancings")[0]
+    assert first["state"] == "checked"
+    dialog = _step(seen, "Compare another check run …")
+    dialog.locator("select[name=run]").select_option(str(runs[2]))
+    dialog.locator("select[name=installed]").select_option("trimmed")
+    _send(dialog, "Compare")
+    expect(dialog).to_have_count(0)
+    expect(seen.page.get_by_text("with the weights proposed:")).to_have_count(0)
+    second = service.get(f"/machines/{COPY}/balancings")[0]["check"]
+    assert len(second["weights"]) == 2, "those of the correction, and the trim"
+    dialog = _step(seen, "Compare another check run …")
+    dialog.locator("select[name=run]").select_option(str(runs[2]))
+    dialog.locator("select[name=installed]").select_option("others")
+    _send(dialog, "Compare")
+    expect(dialog).to_have_count(0)
+    expect(seen.page.get_by_text("with none on:")).to_be_visible()
+    third = service.get(f"/machines/{COPY}/balancings")[0]["check"]
+    assert third["weights"] == []
     assert seen.errors == []
 
 

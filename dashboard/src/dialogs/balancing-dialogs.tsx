@@ -3,6 +3,7 @@ import { post, type IdempotencyKeys } from "../data/http-client";
 import { refetch, useResource } from "../data/resource";
 import { when } from "../format/times";
 import { t, term } from "../messages/messages";
+import type { FieldBalancing, Weight } from "../schemas/balancings";
 import type { Document } from "../schemas/machines";
 import type { Run } from "../schemas/runs";
 import { author, CommentField, FormDialog } from "./form-dialog";
@@ -17,7 +18,7 @@ interface Props {
   machine: Document;
   step: BalancingStep;
   /** The balancing that goes on; null to begin one. */
-  balancing: number | null;
+  balancing: FieldBalancing | null;
   onClose: () => void;
 }
 
@@ -32,10 +33,11 @@ export function BalancingDialog({ machine, step, balancing, onClose }: Props) {
   const [title, button] = TITLES[step];
   const list = `/machines/${machine.id}/balancings`;
   const discs = machine.discs.map((one) => one.id);
+  const last = balancing?.trials.at(-1);
   const submit = async (form: FormData, keys: IdempotencyKeys) => {
-    const path = { begin: list, trial: `${list}/${balancing}/trials`, correction: `${list}/${balancing}/correction`, check: `${list}/${balancing}/check` }[step];
+    const path = { begin: list, trial: `${list}/${balancing?.id}/trials`, correction: `${list}/${balancing?.id}/correction`, check: `${list}/${balancing?.id}/check` }[step];
     try {
-      await post(path, bodyOf(step, form, discs), null, keys);
+      await post(path, bodyOf(step, form, discs, balancing), null, keys);
     } finally {
       refetch(list);
     }
@@ -47,13 +49,15 @@ export function BalancingDialog({ machine, step, balancing, onClose }: Props) {
       {step === "begin" && <CommentField />}
       {step === "trial" && <RunField machine={machine.id} label={t("runWithTheWeight")} />}
       {step === "trial" && <WeightFields machine={machine} />}
+      {step === "trial" && last && <KeptField trial={last} />}
       {step === "correction" && <CorrectionFields machine={machine} />}
-      {step === "check" && <RunField machine={machine.id} label={t("runWithTheProposedWeights")} />}
+      {step === "check" && <RunField machine={machine.id} label={t("checkRun")} />}
+      {step === "check" && <InstalledFields discs={discs} trimmed={balancing?.check != null} />}
     </FormDialog>
   );
 }
 
-function bodyOf(step: BalancingStep, form: FormData, discs: string[]): unknown {
+function bodyOf(step: BalancingStep, form: FormData, discs: string[], balancing: FieldBalancing | null): unknown {
   const by = author(form);
   const run = Number(form.get("run"));
   switch (step) {
@@ -63,12 +67,34 @@ function bodyOf(step: BalancingStep, form: FormData, discs: string[]): unknown {
       const unit = String(form.get("unit"));
       const radius = MASSES.includes(unit) ? { radius_mm: Number(form.get("radius")) } : {};
       const weight = { disc: form.get("disc"), amount: Number(form.get("amount")), unit, angle_deg: Number(form.get("angle")), ...radius };
-      return { run, weights: [weight], by };
+      const kept = form.get("kept") ? (balancing?.trials.at(-1)?.weights ?? []).map(stated) : [];
+      return { run, weights: [...kept, weight], by };
     }
     case "correction":
       return { criterion: form.get("criterion"), grade: Number(form.get("grade")), limits_g_mm: limitsOf(form, discs), places: placesOf(form, discs), by };
     case "check":
-      return { run, by };
+      return { run, weights: installedOf(form, discs, balancing), by };
+  }
+}
+
+/** A weight of an answer as a request states it. */
+function stated(weight: Weight): unknown {
+  return { disc: weight.disc, amount: weight.g_mm, unit: "g mm", angle_deg: weight.scale_deg };
+}
+
+/** All that is on during a check run; null for the proposed weights. */
+function installedOf(form: FormData, discs: string[], balancing: FieldBalancing | null): unknown[] | null {
+  switch (form.get("installed")) {
+    case "trimmed": {
+      const before = balancing?.check?.weights ?? balancing?.correction?.planes ?? [];
+      return [...before, ...(balancing?.check?.trim ?? [])].filter((one) => one.g_mm > 0).map(stated);
+    }
+    case "others":
+      return discs
+        .filter((disc) => Number(form.get(`on ${disc}`)) > 0)
+        .map((disc) => ({ disc, amount: Number(form.get(`on ${disc}`)), unit: "g mm", angle_deg: Number(form.get(`at ${disc}`)) }));
+    default:
+      return null;
   }
 }
 
@@ -141,7 +167,7 @@ function WeightFields({ machine }: { machine: Document }) {
         </select>
       </label>
       <label>
-        {t("amountAllThatIsOn")}
+        {t("amount")}
         <input name="amount" type="number" step="any" min="0" required />
       </label>
       <label>
@@ -160,6 +186,46 @@ function WeightFields({ machine }: { machine: Document }) {
         {t("angleOnTheDiscS")}
         <input name="angle" type="number" step="any" min="-360" max="360" required />
       </label>
+    </>
+  );
+}
+
+/** Whether what was on in the trial before stayed on. */
+function KeptField({ trial }: { trial: { run: number } }) {
+  return (
+    <label>
+      <input name="kept" type="checkbox" /> {t("trialWeightsStillOn", { run: trial.run })}
+    </label>
+  );
+}
+
+/** What is on during a check run: as proposed, trimmed since, or what could be put on. */
+function InstalledFields({ discs, trimmed }: { discs: string[]; trimmed: boolean }) {
+  return (
+    <>
+      <label>
+        {t("weightsThatAreOn")}
+        <select name="installed">
+          <option value="proposed">{t("thoseProposed")}</option>
+          {trimmed && <option value="trimmed">{t("thoseTrimmed")}</option>}
+          <option value="others">{t("othersStatedBelow")}</option>
+        </select>
+      </label>
+      <details>
+        <summary>{t("othersDiscByDisc")}</summary>
+        {discs.map((disc) => (
+          <div key={disc}>
+            <label>
+              {t("onDisc", { disc })}
+              <input name={`on ${disc}`} type="number" step="any" min="0" />
+            </label>
+            <label>
+              {t("atOnTheDiscsScale")}
+              <input name={`at ${disc}`} type="number" step="any" min="-360" max="360" />
+            </label>
+          </div>
+        ))}
+      </details>
     </>
   );
 }

@@ -9,7 +9,7 @@ import { BalancingDialog, type BalancingStep } from "../dialogs/balancing-dialog
 import { angleConvention, angleText } from "../format/angles";
 import { number } from "../format/numbers";
 import { rich, t, term } from "../messages/messages";
-import type { CheckRun, FieldBalancing, ProposedCorrection, Residual } from "../schemas/balancings";
+import type { CheckRun, FieldBalancing, ProposedCorrection, Residual, Weight } from "../schemas/balancings";
 import type { Document } from "../schemas/machines";
 import { BalancingVectors } from "./balancing-vectors";
 
@@ -17,7 +17,7 @@ const STEPS: Record<FieldBalancing["state"], [step: BalancingStep, name: string]
   begun: [["trial", t("addATrialRunDots")]],
   tried: [["trial", t("addATrialRunDots")], ["correction", t("computeTheCorrectionDots")]],
   proposed: [["correction", t("computeAnew")], ["check", t("compareACheckRunDots")]],
-  checked: [["check", t("compareAnotherCheckRun")]],
+  checked: [["check", t("compareAnotherCheckRun")], ["correction", t("computeAnew")]],
 };
 
 export function FieldBalancingPanel({ machine }: { machine: Document }) {
@@ -65,7 +65,7 @@ export function FieldBalancingPanel({ machine }: { machine: Document }) {
           )
         }
       </Loaded>
-      {step && <BalancingDialog machine={machine} step={step} balancing={step === "begin" ? null : (shown?.id ?? null)} onClose={() => setStep(null)} />}
+      {step && <BalancingDialog machine={machine} step={step} balancing={step === "begin" ? null : (shown ?? null)} onClose={() => setStep(null)} />}
     </Panel>
   );
 }
@@ -80,7 +80,7 @@ function Steps({ found, onStep }: { found: FieldBalancing; onStep: (step: Balanc
         <li>{t("initialRun", { runs: found.initial.join(", ") })}</li>
         {found.trials.map((one) => (
           <li key={one.run}>
-            {t("trialRun", { run: one.run, weights: one.weights.map((weight) => t("weightOnDisc", { amount: number(weight.g_mm), disc: weight.disc, angle: Math.round(weight.scale_deg) })).join(", ") })}
+            {t("trialRun", { run: one.run, weights: weightsText(one.weights) })}
           </li>
         ))}
       </ul>
@@ -220,10 +220,14 @@ function residualText(one: Residual): string {
   return t("residualVerdict", { amount: number(one.g_mm), upper: number(one.upper_g_mm), verdict: one.verdict });
 }
 
+function weightsText(weights: Weight[]): string {
+  return weights.map((one) => t("weightOnDisc", { amount: number(one.g_mm), disc: one.disc, angle: Math.round(one.scale_deg) })).join(", ") || t("noneOn");
+}
+
 function Check({ found }: { found: CheckRun }) {
   return (
     <p>
-      {rich("checkRunText", { run: found.run, time: <Time at={found.at} />, by: found.by, kept: found.points_kept, points: found.points, weights: found.trim.map((one) => t("weightOnDisc", { amount: number(one.g_mm), disc: one.disc, angle: Math.round(one.scale_deg) })).join(", ") })}
+      {rich("checkRunText", { run: found.run, time: <Time at={found.at} />, by: found.by, on: found.weights === null ? t("withTheWeightsProposed") : t("withWeights", { weights: weightsText(found.weights) }), kept: found.points_kept, points: found.points, weights: weightsText(found.trim) })}
     </p>
   );
 }

@@ -68,6 +68,8 @@ export interface CheckRun {
   by: string;
   at: string;
   run: number;
+  /** All that was on; null where those proposed were. */
+  weights: Weight[] | null;
   points: number;
   points_kept: number;
   channels: { channel: string; check_um_pp: number | null; kept: boolean | null }[];
