@@ -27,7 +27,7 @@ def test_the_document_is_checked_without_a_warning(pump: Path) -> None:
 
 def test_nothing_is_overwritten(pump: Path) -> None:
     pump.write_text("mine")
-    assert "File exists" in run("init", str(pump), status=1)
+    assert "is there already" in run("init", str(pump), status=1)
     assert pump.read_text() == "mine"
 
 
