@@ -73,7 +73,9 @@ def _annotations(event: AlertEvent, language: Language) -> dict[str, str]:
 
 def _open(row: SubscriptionRow, connections: Connections) -> Alertmanager:
     settings = connections.settings
-    return Alertmanager(connections.client, row.target, tuple(settings.delivery_networks), settings.public_url, connections.texts.language)
+    return Alertmanager(
+        connections.client, row.target, tuple(settings.delivery_networks), settings.public_url, connections.texts.language
+    )
 
 
 ALERTMANAGER = ChannelKind(

@@ -102,9 +102,7 @@ def coupling_run_out_words(told: ToldFinding) -> Mapping[str, str]:
     """Return the change of a coupling's run-out at bore and face, each with its angle."""
     q, language = told.quantities, told.language
     parts = [
-        language.say(
-            f"size.{what}", size=rounded(q[f"{name}_{unit}"], 2, language), unit=UNITS[unit], angle=q[f"{name}_deg"]
-        )
+        language.say(f"size.{what}", size=rounded(q[f"{name}_{unit}"], 2, language), unit=UNITS[unit], angle=q[f"{name}_deg"])
         for what, name, unit in (("bore", "offset", "um"), ("face", "angle", "urad"))
         if f"{name}_{unit}" in q
     ]

@@ -10,9 +10,7 @@ BALANCE_LATER = (
 )
 NEW_BASELINE = "Nach der Arbeit eine Wartung in die Chronik der Maschine eintragen: ein neuer Referenzzustand beginnt"
 TAKE_RUN_DOWN = "Bei nächster Gelegenheit einen Auslauf aufnehmen: er zeigt, ob die Änderung wächst"
-STATED_FILMS = (
-    "Ob es {id} selbst ist oder die Last darauf, wo das Dokument den Ölfilm nicht durch Geometrie und Öl beschreibt"
-)
+STATED_FILMS = "Ob es {id} selbst ist oder die Last darauf, wo das Dokument den Ölfilm nicht durch Geometrie und Öl beschreibt"
 
 GERMAN_FINDINGS: Mapping[str, FindingTexts] = {
     "misalignment": FindingTexts(
@@ -137,9 +135,7 @@ GERMAN_FINDINGS: Mapping[str, FindingTexts] = {
         what="Lager {id} trägt mehr als 5 MPa seiner Fläche, das Höchste, was Weißmetall verträgt (ISO 7902-3), {compared}, "
         "seit {since}",
         check=("Metalltemperatur von Lager {id} jetzt, und ihr Alarmgrenzwert",),
-        in_operation=(
-            "Last verringern, wo der Betrieb es kann; Metalltemperatur von Lager {id} in jeder Schicht beobachten",
-        ),
+        in_operation=("Last verringern, wo der Betrieb es kann; Metalltemperatur von Lager {id} in jeder Schicht beobachten",),
         at_next_stop=("Ausrichtung neben Lager {id} und seine Höhe messen; sein Weißmetall ansehen",),
         confirm=("Hohe Metalltemperatur an Lager {id}",),
         not_determined=("Um wie viel Lager {id} darüber liegt",),
@@ -176,7 +172,7 @@ GERMAN_FINDINGS: Mapping[str, FindingTexts] = {
         in_operation=(TAKE_RUN_DOWN,),
         at_next_stop=(
             "Rund- und Planlauf beider Naben von Kupplung {id} mit Messuhren messen, während die Welle gedreht wird",
-            "Nach einer schief sitzenden Nabe, falschen Schraubenlängen und Schmutz in der Zentrierung von Kupplung {id} suchen",
+            "An Kupplung {id} nach schief sitzender Nabe, falschen Schraubenlängen und Schmutz in der Zentrierung suchen",
             BALANCE_LATER,
             NEW_BASELINE,
         ),
@@ -212,9 +208,7 @@ GERMAN_FINDINGS: Mapping[str, FindingTexts] = {
             "Spaltspannung, Stecker, Kabel und Oszillator (Driver) von Aufnehmer {id}",
             "Einstellungen des Kanals {id} im Gerät",
         ),
-        in_operation=(
-            "Nicht auf das allein handeln, was Kanal {id} sagt; ihn nach den Regeln des Werks aus Alarmen nehmen",
-        ),
+        in_operation=("Nicht auf das allein handeln, was Kanal {id} sagt; ihn nach den Regeln des Werks aus Alarmen nehmen",),
         at_next_stop=("Aufnehmer {id} mit eigenem Kabel und Oszillator kalibrieren, oder sie ersetzen",),
         confirm=("Eine Kalibrierkurve von Aufnehmer {id}, die um ebenso viel abweicht",),
         not_determined=("Welcher Teil der Messkette es ist: Aufnehmer, Kabel, Oszillator oder Eingang",),
@@ -248,9 +242,7 @@ GERMAN_FINDINGS: Mapping[str, FindingTexts] = {
     ),
     "rate_of_change": FindingTexts(
         what="{parameter} driftet um {size} über die letzten {runs} Läufe",
-        check=(
-            "Ob Last, Temperatur oder Öl mitdriften: dann nimmt eine Betriebsbedingung im Dokument das heraus",
-        ),
+        check=("Ob Last, Temperatur oder Öl mitdriften: dann nimmt eine Betriebsbedingung im Dokument das heraus",),
         in_operation=("Öfter Ausläufe aufnehmen, solange es driftet",),
         at_next_stop=("{element} ansehen",),
         if_danger=("Mit dem Betrieb einen Stillstand für {element} vereinbaren, bevor der Grenzwert erreicht ist",),

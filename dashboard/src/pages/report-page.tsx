@@ -9,6 +9,7 @@ import { API_PREFIX, queryString } from "../data/http-client";
 import { useResource } from "../data/resource";
 import { dayOf, daysLater, isDay, midnight } from "../format/days";
 import { date, when } from "../format/times";
+import { locale } from "../messages/locale";
 import { t } from "../messages/messages";
 import { ReportBody } from "../reports/report-body";
 import type { Document, MachineRevision } from "../schemas/machines";
@@ -60,7 +61,7 @@ function Report({ machine, revision }: { machine: Document; revision: number }) 
       <header>
         <p class="buttons screen">
           <a href={link(["machines", machine.id])}>{t("backToTheMachine")}</a>{" "}
-          <a href={`${API_PREFIX}/machines/${machine.id}/report.pdf${queryString({ from: from.toISOString(), to: to.toISOString() })}`}>{t("asPdf")}</a>
+          <a href={`${API_PREFIX}/machines/${machine.id}/report.pdf${queryString({ from: from.toISOString(), to: to.toISOString(), locale })}`}>{t("asPdf")}</a>
         </p>
         <h1>{machine.name}</h1>
         <p>
