@@ -316,7 +316,6 @@ export const de: Record<Key, string> = {
   pooled: "gemeinsam",
   thePeriodSFirstDay: "Der erste Tag des Zeitraums liegt nach dem letzten.",
   backToTheMachine: "Zurück zur Maschine",
-  asPdf: "Als PDF",
   reportHeader: "{plant} / {id}, Dokumentrevision {revision}. {from} bis {to}. Erstellt {created}. Zeiten sind Ortszeit von {zone}.",
   printOrSaveAsPdf: "Drucken oder als PDF sichern",
   bodeAndPolar: "Bode und Ortskurve",

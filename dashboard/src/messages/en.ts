@@ -315,7 +315,6 @@ export const en = {
   pooled: "pooled",
   thePeriodSFirstDay: "The period's first day is after its last.",
   backToTheMachine: "Back to the machine",
-  asPdf: "As PDF",
   reportHeader: "{plant} / {id}, document revision {revision}. {from} to {to}. Created {created}. Times are local time of {zone}.",
   printOrSaveAsPdf: "Print, or save as PDF",
   bodeAndPolar: "Bode and polar",
