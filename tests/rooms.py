@@ -46,6 +46,7 @@ storage/findings: estimator estimator/diagnosis estimator/fit estimator/machine 
     storage/tables
 storage/operation: estimator storage storage/alerts storage/database storage/encoding storage/findings storage/machines
     storage/tables
+service/wording: estimator/diagnosis estimator/fit estimator/machine
 service/export: estimator/machine estimator/phasors storage storage/database storage/encoding storage/machines
     storage/measurements storage/tables
 service/wire: estimator estimator/machine estimator/phasors storage storage/encoding
@@ -67,11 +68,10 @@ rotorundown: estimator estimator/calibration estimator/diagnosis estimator/fit e
     rotorundown/environment rotorundown/plots service/configuration service/sources service/wire storage
     storage/encoding
 service/balancing: estimator estimator/calibration estimator/fit estimator/machine estimator/phasors
-    estimator/updated_model storage/alerts storage/machines storage/measurements
+    estimator/updated_model service/wording storage/alerts storage/machines storage/measurements
 service/workers: service/configuration
 service/edge: estimator estimator/machine estimator/phasors estimator/signal service/configuration service/sources
     service/wire storage
-service/wording: estimator/diagnosis estimator/fit estimator/machine
 service/monitoring: estimator estimator/alignment estimator/diagnosis estimator/fit estimator/machine estimator/rotor
     estimator/trends estimator/updated_model service/alerts service/configuration service/replication
     service/resilience service/wording service/workers storage storage/alerts storage/database storage/findings
@@ -79,8 +79,8 @@ service/monitoring: estimator estimator/alignment estimator/diagnosis estimator/
 service/advice: estimator estimator/diagnosis service/alerts service/configuration service/monitoring service/wording
     storage storage/alerts storage/tables
 service/delivery: estimator service/advice service/alerts service/configuration service/replication service/resilience
-    service/secrets storage storage/alerts storage/backup storage/database storage/encoding storage/machines
-    storage/operation storage/tables
+    service/secrets service/wording storage storage/alerts storage/backup storage/database storage/encoding
+    storage/machines storage/operation storage/tables
 service/runs: estimator estimator/machine estimator/runs service/replication service/resilience storage
     storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
 service/security: estimator service/configuration service/http service/resilience storage storage/database
@@ -94,8 +94,8 @@ service/identification: estimator estimator/calibration estimator/fit estimator/
     storage/findings storage/machines storage/measurements storage/tables
 service/reports: estimator estimator/alignment estimator/machine estimator/phasors estimator/statics
     estimator/updated_model service/advice service/alerts service/balancing service/configuration service/delivery
-    service/identification service/monitoring service/replication service/resilience service/workers storage
-    storage/alerts storage/database storage/findings storage/machines storage/measurements storage/tables
+    service/identification service/monitoring service/replication service/resilience service/wording service/workers
+    storage storage/alerts storage/database storage/findings storage/machines storage/measurements storage/tables
 service/journal: estimator estimator/machine service/replication service/resilience service/runs service/wire
     storage/database storage/encoding storage/machines storage/measurements storage/tables
 service/mqtt: estimator/machine service/advice service/alerts service/configuration service/journal service/replication
@@ -104,7 +104,7 @@ service/mqtt: estimator/machine service/advice service/alerts service/configurat
 service/maintenance: service/configuration service/replication service/resilience service/runs storage storage/backup
     storage/database storage/machines storage/measurements storage/operation
 service/api/conventions: estimator estimator/machine service/export service/http service/identification service/secrets
-    service/security storage storage/findings
+    service/security service/wording storage storage/findings
 service/recovery: service/journal service/replication service/resilience service/wire storage/encoding
 service/api/cache: estimator service/api/conventions service/http storage/database
 service/api/measurements: estimator estimator/machine estimator/phasors estimator/trends service/api/conventions
@@ -122,14 +122,14 @@ service/api/findings: estimator estimator/alignment estimator/calibration estima
     storage/machines storage/tables
 service/api/machines: estimator estimator/calibration estimator/machine estimator/phasors estimator/runs
     estimator/updated_model service/alerts service/api/cache service/api/conventions service/balancing service/http
-    service/identification service/monitoring service/reports service/runs service/security storage storage/database
-    storage/encoding storage/findings storage/machines storage/measurements storage/tables
+    service/identification service/monitoring service/reports service/runs service/security service/wording storage
+    storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
 service/api/trends: estimator estimator/trends estimator/updated_model service/api/cache service/api/conventions
     service/export service/monitoring service/security storage storage/database storage/findings storage/machines
     storage/tables
 service/api/alerts: estimator service/advice service/alerts service/api/cache service/api/conventions
-    service/api/findings service/delivery service/reports service/resilience service/secrets service/security storage
-    storage/alerts storage/database storage/machines storage/tables
+    service/api/findings service/delivery service/reports service/resilience service/secrets service/security
+    service/wording storage storage/alerts storage/database storage/machines storage/tables
 service/api: service/advice service/api/alerts service/api/cache service/api/conventions service/api/findings
     service/api/machines service/api/measurements service/api/operation service/api/trends service/configuration
     service/delivery service/http service/identification service/journal service/reports service/resilience

@@ -55,7 +55,14 @@ class SeverityZones(Part):
         return self
 
     def zone(self, level: float) -> Literal["A", "B", "C", "D"]:
-        """Return the zone of an overall level, 0-to-peak [m]; a boundary belongs to the better zone."""
+        """Return the zone of an overall level; a boundary belongs to the better zone.
+
+        Args:
+            level: The level, 0-to-peak [m].
+
+        Returns:
+            Its zone, A to D [-].
+        """
         if level <= self.a_b:
             return "A"
         if level <= self.b_c:

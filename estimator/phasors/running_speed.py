@@ -51,7 +51,15 @@ def running_speed_vectors(run: Orders, *, running_speed: float) -> RunningSpeedV
 
 
 def near_running_speed(speed: Floats, running_speed: float) -> NDArray[np.bool_]:
-    """Return which speeds (S,) are within NEAR of the running speed [rad/s]."""
+    """Return which speeds are within NEAR of the running speed.
+
+    Args:
+        speed: Speeds (S,) [rad/s].
+        running_speed: The running speed [rad/s].
+
+    Returns:
+        For each (S,) whether it is [-].
+    """
     return np.asarray(np.abs(speed - running_speed) <= NEAR * running_speed)
 
 

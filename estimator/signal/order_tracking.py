@@ -214,7 +214,6 @@ def track_block(
     signals = np.where(lost[:, None], 0.0, signals) if lost.any() else signals
     mean = signals.mean(axis=1)
     signals = signals - mean[:, None]
-    overall = np.where(lost, math.nan, np.ptp(signals, axis=1) / 2.0)
     inverse = np.linalg.inv(normal)
     coefficients = (signals @ columns.T) @ inverse
     mean = np.where(lost, math.nan, mean + coefficients[:, MEAN])
@@ -225,7 +224,12 @@ def track_block(
     steps = _converter_steps(signals, phasors[:, 0], residual, lost)
     scatter = np.hypot(_scatter(rest, residual, columns, np.diag(inverse), turned), steps[:, None])
     speed = 2.0 * math.pi * turned / (end - begin)
-    return Block(middle, speed, turned, time.size, phasors, scatter, residual, mean, overall, faults)
+    return Block(middle, speed, turned, time.size, phasors, scatter, residual, mean, _half_range(signals, lost), faults)
+
+
+def _half_range(signals: Floats, lost: NDArray[np.bool_]) -> Floats:
+    """Compute half of the largest less the smallest value (C,) of each signal, NaN for lost channels."""
+    return np.asarray(np.where(lost, math.nan, np.ptp(signals, axis=1) / 2.0))
 
 
 def _converter_steps(signals: Floats, phasors: Complexes, residual: Floats, lost: NDArray[np.bool_]) -> Floats:

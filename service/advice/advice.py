@@ -116,8 +116,9 @@ def _certainty(told: ToldFinding) -> Certainty:
     runs, sigma, evidence = said.get("runs"), said.get("sigma"), said.get("evidence")
     others = said.get("runners_up") or []
     next_best = plain_message(others[0]["kind"], others[0]["element"], language) if others else None
-    certain = sigma is not None and bool(list(told.parts()))
-    words = language.say("sure.sigma", sigma=float(sigma)) if certain else language.say("sure.beyond_chance")
+    words = language.say("sure.beyond_chance")
+    if sigma is not None and list(told.parts()):
+        words = language.say("sure.sigma", sigma=float(sigma))
     words += "" if runs is None else language.say("sure.runs", runs=runs) if runs != 1 else language.say("sure.run")
     if next_best is not None and evidence is not None and evidence >= others[0]["evidence"]:
         lead = evidence - others[0]["evidence"]

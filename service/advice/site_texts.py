@@ -18,7 +18,7 @@ from estimator.close_matches import did_you_mean
 from service.configuration.document_files import UnreadableFile, read_yaml
 from service.monitoring.finding_rules import FINDING_RULES, RATE_RULE, told_rule
 from service.wording.finding_texts import LISTS, MOST_TEXTS, FindingTexts, TextsWrong
-from service.wording.language import ENGLISH, LANGUAGES, Language
+from service.wording.language import ENGLISH, LANGUAGES, Language, Locale
 
 KINDS = (*(one.kind for one in FINDING_RULES), RATE_RULE.kind)
 """Kinds of findings that have texts."""
@@ -52,16 +52,16 @@ class SiteTexts:
         return texts
 
 
-def read_texts(file: str) -> SiteTexts:
-    """Read a site's texts; those of the service where no file is named. Raises TextsWrong."""
+def read_texts(file: str, locale: Locale = "en") -> SiteTexts:
+    """Read a site's texts; those of the service where no file is named. locale: of readers. Raises TextsWrong."""
     if not file:
-        return SiteTexts()
+        return SiteTexts(language=Language(locale))
     try:
         content = read_yaml(Path(file))
     except UnreadableFile as error:
         raise TextsWrong(f"finding texts: {error}") from error
     try:
-        return SiteTexts(parsed_texts(content))
+        return SiteTexts(parsed_texts(content), Language(locale))
     except TextsWrong as error:
         raise TextsWrong(f"finding texts of {file}:\n{error}") from error
 
@@ -70,8 +70,8 @@ def parsed_texts(content: Any) -> Mapping[str, Written]:
     """Return the texts of a decoded file, by language. Raises TextsWrong, which names all that is wrong."""
     if not isinstance(content, dict):
         raise TextsWrong("  the file must have the kinds of findings at its top, such as misalignment")
-    by_language = {one.code: content[one.code] for one in LANGUAGES if one.code in content}
-    parts = {"": {kind: said for kind, said in content.items() if kind not in by_language}, **by_language}
+    by_language: dict[str, Any] = {one.code: content[one.code] for one in LANGUAGES if one.code in content}
+    parts: dict[str, Any] = {"": {kind: said for kind, said in content.items() if kind not in by_language}, **by_language}
     problems: list[str] = []
     found: dict[str, Written] = {}
     for code, said in parts.items():

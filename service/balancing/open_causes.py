@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from sqlalchemy.orm import Session
 
 from estimator.errors import Conflict
+from service.wording.language import ENGLISH, Language
 from storage.alerts import alerts
 from storage.alerts.alerts import ListedAlert
 
@@ -21,12 +22,12 @@ class SomethingElseWrong(Conflict):
     """Raised when no masses are proposed because an open alert names another cause of the vibration."""
 
 
-def require_nothing_else(session: Session, machine_id: str) -> None:
-    """Raise SomethingElseWrong while an open alert of the machine has a present cause that no weight mends."""
+def require_nothing_else(session: Session, machine_id: str, language: Language = ENGLISH) -> None:
+    """Raise SomethingElseWrong while an open alert of the machine has a present cause that no weight mends, in a language."""
     found = alerts.find(session, machine_id=machine_id, only_open=True, limit=MOST)
     other = [one for one in found if one.condition not in GONE and not _is_of_unbalance(one)]
     if other:
-        raise SomethingElseWrong(_words(other))
+        raise SomethingElseWrong(_words(other, language))
 
 
 def _is_of_unbalance(alert: ListedAlert) -> bool:
@@ -34,8 +35,12 @@ def _is_of_unbalance(alert: ListedAlert) -> bool:
     return alert.rule in BALANCED_AWAY or (alert.rule == rule and alert.element.startswith(element))
 
 
-def _words(other: Sequence[ListedAlert]) -> str:
-    names = dict.fromkeys(alert.element.rpartition(".")[2] or "what is wrong" for alert in other)
-    told = "; ".join(f"alert {alert.id}: {alert.rule.replace('_', ' ')} of {alert.element}" for alert in other[:3])
-    more = f"; and {len(other) - 3} more" if len(other) > 3 else ""
-    return f"mend {', '.join(names)} first, no masses are proposed while something else is wrong: {told}{more}"
+def _words(other: Sequence[ListedAlert], language: Language) -> str:
+    names = dict.fromkeys(alert.element.rpartition(".")[2] or language.say("balance.what_is_wrong") for alert in other)
+    told = "; ".join(language.say("balance.alert", id=alert.id, finding=_finding(alert, language)) for alert in other[:3])
+    more = language.say("balance.more", count=len(other) - 3) if len(other) > 3 else ""
+    return language.say("balance.first", names=", ".join(names), alerts=told + more)
+
+
+def _finding(alert: ListedAlert, language: Language) -> str:
+    return language.say("finding_of", finding=language.named(alert.rule), element=alert.element)

@@ -2,7 +2,7 @@
 
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -10,12 +10,16 @@ from service.commands.exit import fail
 from service.commands.storage import DatabaseUrl, database_url
 from service.commands.terminal import say
 
+if TYPE_CHECKING:
+    from service.wording.language import Locale
+
 
 def report(
     machine: Annotated[str, typer.Argument(help="id of the machine")],
     output: Annotated[Path, typer.Option(help="PDF file to write")] = Path("report.pdf"),
     begin: Annotated[datetime | None, typer.Option("--from", help="UTC; by default a year before the end")] = None,
     end: Annotated[datetime | None, typer.Option("--to", help="UTC; by default now")] = None,
+    locale: Annotated[str | None, typer.Option(help="language, en or de; by default the setting RUNDOWN_LOCALE")] = None,
     database: DatabaseUrl = None,
 ) -> None:
     """Write a machine's report as PDF: findings and what to do, trends, plots, alignment, balance, history."""
@@ -34,7 +38,10 @@ def report(
     try:
         url = database_url(database)
         settings = settings_of()
-        texts, period = read_texts(settings.finding_texts), asked_period(first, last, moment=now())
+        texts, period = (
+            read_texts(settings.finding_texts, _asked(locale) or settings.locale),
+            asked_period(first, last, moment=now()),
+        )
         require_file(url)
         opened = Database(url)
     except (DatabaseUnusable, PeriodEmpty, SettingsWrong, TextsWrong) as error:
@@ -50,3 +57,14 @@ def report(
     finally:
         opened.close()
     say(f"{output}: {len(contents.open_alerts)} open alerts, {output.stat().st_size / 1e3:.0f} kB")
+
+
+def _asked(locale: str | None) -> "Locale | None":
+    from service.wording.language import LANGUAGES
+
+    if locale is None:
+        return None
+    found = [one.code for one in LANGUAGES if one.code == locale]
+    if not found:
+        fail(f"there is no language '{locale}': there are {', '.join(one.code for one in LANGUAGES)}")
+    return found[0]

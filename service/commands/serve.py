@@ -47,7 +47,7 @@ def serve(settings: Settings) -> None:
     asked_to_stop = _note_signals()
     share_one_heap()
     stream_security = StreamSecurity.of(settings)
-    texts = read_texts(settings.finding_texts)
+    texts = read_texts(settings.finding_texts, settings.locale)
     with ExitStack() as closing:
         database = _claimed_database(settings, closing)
         secrets = opened_secrets(database, settings)

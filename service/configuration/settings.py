@@ -96,6 +96,10 @@ class Settings(MqttSettings, OpcUaSettings):
     finding_texts: str = Field(
         default="", description="file of the site's own texts of findings (YAML): what to check and to do, in its own words"
     )
+    locale: Literal["en", "de"] = Field(
+        default="en",
+        description="language of mails, webhooks and reports, and of answers to those who ask for no other: en, de",
+    )
     public_url: str = Field(default="", description="where people reach this service: for links in messages, logging in")
     smtp_host: str = Field(default="", description="mail server for e-mail subscriptions; none by default")
     smtp_port: Annotated[int, Field(ge=1, le=65535)] = Field(default=25, description="its port")

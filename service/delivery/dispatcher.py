@@ -155,7 +155,7 @@ class Dispatcher(SupervisedThread):
             channel = open_channel(
                 row, Connections(client, self._session, self._settings, self._secrets, self._broker, self._texts)
             )
-            return await within_deadline(channel.send(trial_message()))
+            return await within_deadline(channel.send(trial_message(self._texts.language)))
 
 
 async def _send(one: Delivery) -> DeliveryOutcome:

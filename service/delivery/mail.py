@@ -7,11 +7,13 @@ import ssl
 from dataclasses import dataclass
 from email.message import EmailMessage
 
+from service.advice.advice_lines import advice_lines
 from service.configuration.settings import Settings
 from service.delivery.channel import DeliveryOutcome, EventMessage
 from service.delivery.channel_kind import ChannelKind, Connections
 from service.delivery.cloud_event import event_id
 from service.delivery.daemon_threads import DaemonThreads
+from service.wording.language import ENGLISH, Language
 from storage.tables.alerting import SubscriptionRow
 
 TIMEOUT_S = 15.0
@@ -31,11 +33,12 @@ class Mail:
 
     settings: Settings
     target: str
+    language: Language = ENGLISH
 
     async def send(self, message: EventMessage) -> DeliveryOutcome:
         """Send a mail."""
         try:
-            mail = letter(self.settings, self.target, message)
+            mail = letter(self.settings, self.target, message, self.language)
             await asyncio.get_running_loop().run_in_executor(MAILING, post, self.settings, mail)
         except (OSError, smtplib.SMTPException, NoMailServer) as error:
             return DeliveryOutcome("failed", f"{type(error).__name__}: {error}")
@@ -59,29 +62,32 @@ def post(settings: Settings, mail: EmailMessage) -> None:
         server.send_message(mail)
 
 
-def letter(settings: Settings, target: str, message: EventMessage) -> EmailMessage:
+def letter(settings: Settings, target: str, message: EventMessage, language: Language = ENGLISH) -> EmailMessage:
     """Compose the mail for an event. All mails of an alert share a thread; a repeated one has the same Message-ID."""
     event = message.event
     domain = settings.smtp_sender.rpartition("@")[2]
     mail = EmailMessage()
     mail["From"] = settings.smtp_sender
     mail["To"] = target
-    mail["Subject"] = f"[{event.severity}] {event.machine} {event.element}: {event.rule} {event.state.replace('_', ' ')}"
+    rule, severity, state, kind = (language.named(one) for one in (event.rule, event.severity, event.state, event.kind))
+    mail["Subject"] = language.say(
+        "mail.subject", severity=severity, machine=event.machine, element=event.element, rule=rule, state=state
+    )
     mail["Message-ID"] = f"<{event_id(message)}@{domain}>"
     mail["In-Reply-To"] = mail["References"] = f"<alert-{event.alert}@{domain}>"
-    lines = [
-        event.message,
-        "",
-        f"machine    {message.plant}/{event.machine}",
-        f"element    {event.element}",
-        f"state      {event.state_before} -> {event.state} ({event.kind} by {event.by}, {event.at:%Y-%m-%d %H:%M:%S} UTC)",
-        f"severity   {event.severity}",
-        f"open since {event.opened_at:%Y-%m-%d %H:%M:%S} UTC",
+    at = f"{event.at:%Y-%m-%d %H:%M:%S}"
+    before = language.named(event.state_before)
+    facts = [
+        ("machine", f"{message.plant}/{event.machine}"),
+        ("element", event.element),
+        ("state", language.say("mail.changed", before=before, now=state, kind=kind, by=event.by, at=at)),
+        ("severity", severity),
+        ("open_since", f"{event.opened_at:%Y-%m-%d %H:%M:%S} UTC"),
+        *([("comment", event.comment)] if event.comment else []),
     ]
-    if event.comment:
-        lines.append(f"comment    {event.comment}")
+    lines = [event.message, "", *(f"{language.say(f'mail.{name}'):<11}{said}" for name, said in facts)]
     if event.advice is not None:
-        lines += ["", *event.advice.lines()]
+        lines += ["", *advice_lines(event.advice, language)]
     if settings.public_url:
         places = f"#/machines/{event.machine}", f"api/v1/alerts/{event.alert}"
         lines += ["", *(f"{settings.public_url}/{one}" for one in places)]
@@ -90,7 +96,7 @@ def letter(settings: Settings, target: str, message: EventMessage) -> EmailMessa
 
 
 def _open(row: SubscriptionRow, connections: Connections) -> Mail:
-    return Mail(connections.settings, row.target)
+    return Mail(connections.settings, row.target, connections.texts.language)
 
 
 def _check_target(target: str) -> None:

@@ -8,6 +8,7 @@ from service.alerts import transitions
 from service.alerts.event_message import AlertEvent
 from service.alerts.lifecycle import Severity
 from service.delivery.channel import EventMessage
+from service.wording.language import ENGLISH, Language
 from storage.clock import now, to_datetime
 from storage.machines import machines
 from storage.tables.alerting import AlertEventRow
@@ -18,7 +19,7 @@ def message_of(session: Session, event: AlertEventRow, texts: SiteTexts) -> Even
     return EventMessage(alert_event(event, texts), machines.get(session, event.machine_id).plant)
 
 
-def trial_message() -> EventMessage:
+def trial_message(language: Language = ENGLISH) -> EventMessage:
     """Return a test message."""
     moment = to_datetime(now())
     event = AlertEvent(
@@ -33,7 +34,7 @@ def trial_message() -> EventMessage:
         state_before="normal",
         state="normal",
         severity=Severity.ALERT.label,
-        message="This is a test of Rundown's alert delivery; no machine is meant.",
+        message=language.say("mail.test"),
         by=transitions.SERVICE,
         comment="",
         opened_at=moment,

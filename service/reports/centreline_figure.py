@@ -11,6 +11,7 @@ from estimator.units import METRES
 from estimator.updated_model.film_results import placed_films
 from service.identification.stored_model import Identified
 from service.reports.plot_frame import BEFORE, FITTED, GRID, INK, curve, dots, label, segment, svg
+from service.wording.language import ENGLISH, Language
 
 SIZE, RADIUS = 215.0, 80.0
 SPEEDS = 15
@@ -43,7 +44,9 @@ def journal_paths(one: Identified) -> list[JournalPath]:
     ]
 
 
-def centreline_figure(now: JournalPath, before: JournalPath | None, speed_rpm: tuple[float, float]) -> str:
+def centreline_figure(
+    now: JournalPath, before: JournalPath | None, speed_rpm: tuple[float, float], language: Language = ENGLISH
+) -> str:
     """Return one bearing's picture. speed_rpm: at the ends of the paths [r/min]."""
     scale = RADIUS / max(now.clearance, 0.0 if before is None else before.clearance)
     parts = [segment(-RADIUS, 0, RADIUS, 0, GRID), segment(0, -RADIUS, 0, RADIUS, GRID)]
@@ -53,7 +56,7 @@ def centreline_figure(now: JournalPath, before: JournalPath | None, speed_rpm: t
     end = now.position * scale
     for at, rpm in ((0, speed_rpm[0]), (-1, speed_rpm[1])):
         parts.append(label(end[at, 0] + 4, -end[at, 1] - 3, f"{rpm:.0f}", anchor="start", size=7))
-    parts.append(label(0, RADIUS + 13, f"clearance {now.clearance:.0f} µm"))
+    parts.append(label(0, RADIUS + 13, language.say("plot.clearance", clearance=now.clearance)))
     return svg("".join(parts), SIZE, SIZE, left=-SIZE / 2, top=-SIZE / 2)
 
 

@@ -10,6 +10,7 @@ from estimator.arrays import Floats
 from estimator.machine.document import Machine
 from service.alerts.event_message import AlertEvent
 from service.identification.stored_model import Identified, UsedRun
+from service.wording.language import ENGLISH, Language
 
 
 @dataclass(frozen=True)
@@ -87,7 +88,7 @@ class ReportContents:
     """All that is told of a machine and a period.
 
     not_to_balance: why no weights are proposed; None where nothing else is wrong. left_out: what there is more of than a
-    report shows, in words.
+    report shows, in words. language: of the report; advice and messages are in it already.
     """
 
     machine: Machine
@@ -104,6 +105,7 @@ class ReportContents:
     fit: ReportedFit | None
     not_to_balance: str | None
     left_out: tuple[str, ...]
+    language: Language = ENGLISH
 
     @property
     def open_alerts(self) -> list[ReportedAlert]:

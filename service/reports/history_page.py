@@ -5,36 +5,39 @@ from collections.abc import Iterator
 from service.alerts.event_message import AlertEvent
 from service.reports.contents import ReportContents, ReportedAlert
 from service.reports.page_parts import muted, section, shown_time, table
+from service.wording.language import Language
 
 
 def history_page(contents: ReportContents) -> str:
     """Return the page."""
-    return section("History", "".join(_parts(contents)))
+    return section(contents.language.say("report.history"), "".join(_parts(contents, contents.language)))
 
 
-def _parts(contents: ReportContents) -> Iterator[str]:
+def _parts(contents: ReportContents, language: Language) -> Iterator[str]:
+    say = language.say
     if contents.alerts:
-        yield table(("Alert", "severity", "state", "opened", "closed"), map(_alert, contents.alerts))
+        heads = [say(f"report.{one}") for one in ("alert", "severity", "state", "opened", "closed")]
+        yield table(heads, (_alert(one, language) for one in contents.alerts))
     else:
-        yield muted("No alert was open in this period.")
+        yield muted(say("report.no_alert"))
     if contents.events:
-        yield table(("When (UTC)", "alert", "what happened", "by", "comment"), map(_event, contents.events))
+        heads = [say(f"report.{one}") for one in ("when", "alert_column", "what_happened", "by_whom", "comment")]
+        yield table(heads, (_event(one, language) for one in contents.events))
     if contents.notes:
-        yield table(
-            ("When (UTC)", "kind", "by", "note or maintenance"),
-            ((shown_time(one.at), one.kind, one.by, one.text) for one in contents.notes),
-        )
+        heads = [say(f"report.{one}") for one in ("when", "kind", "by_whom", "note")]
+        rows = ((shown_time(one.at), language.named(one.kind), one.by, one.text) for one in contents.notes)
+        yield table(heads, rows)
     else:
-        yield muted("No notes or maintenance in this period.")
+        yield muted(say("report.no_notes"))
     if contents.left_out:
-        yield muted(f"Not shown: {', '.join(contents.left_out)}.")
+        yield muted(say("report.left_out", what=", ".join(contents.left_out)))
 
 
-def _alert(one: ReportedAlert) -> tuple[str, ...]:
-    state = one.last.state.replace("_", " ")
-    return one.last.message, one.last.severity, state, shown_time(one.last.opened_at), shown_time(one.closed_at)
+def _alert(one: ReportedAlert, language: Language) -> tuple[str, ...]:
+    severity, state = language.named(one.last.severity), language.named(one.last.state)
+    return one.last.message, severity, state, shown_time(one.last.opened_at), shown_time(one.closed_at)
 
 
-def _event(one: AlertEvent) -> tuple[str, ...]:
-    became = f"{one.kind.replace('_', ' ')}: {one.severity}, {one.state.replace('_', ' ')}"
-    return shown_time(one.at), f"{one.rule.replace('_', ' ')} {one.element}", became, one.by, one.comment
+def _event(one: AlertEvent, language: Language) -> tuple[str, ...]:
+    kind, severity, state = (language.named(each) for each in (one.kind, one.severity, one.state))
+    return shown_time(one.at), f"{language.named(one.rule)} {one.element}", f"{kind}: {severity}, {state}", one.by, one.comment

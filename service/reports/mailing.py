@@ -152,17 +152,21 @@ def report_letter(
 ) -> EmailMessage:
     """Compose the mail with a report. missing: why there is none."""
     alerts = contents.open_alerts
-    count = f"{len(alerts)} open alert{'' if len(alerts) == 1 else 's'}" if alerts else "no open alert"
+    say = contents.language.say
+    key = "report_mail.none" if not alerts else "report_mail.one" if len(alerts) == 1 else "report_mail.many"
+    count = say(key) if len(alerts) < 2 else say(key, count=len(alerts))
     until = f"{contents.last:%Y-%m-%d}"
     mail = EmailMessage()
     mail["From"] = settings.smtp_sender
     mail["To"] = report.target
-    mail["Subject"] = f"{report.interval.capitalize()} report of {contents.plant}/{report.machine} until {until}: {count}"
+    mail["Subject"] = say(
+        f"report_mail.subject.{report.interval}", machine=f"{contents.plant}/{report.machine}", until=until, count=count
+    )
     domain = settings.smtp_sender.rpartition("@")[2]
     mail["Message-ID"] = f"<report-{report.number}-{report.machine}-{report.period.last}@{domain}>"
-    lines = [f"{one.last.severity}: {one.last.message}" for one in alerts] or [calm_words(contents)]
+    lines = [f"{contents.language.named(one.last.severity)}: {one.last.message}" for one in alerts] or [calm_words(contents)]
     if pdf is None:
-        lines.append(f"The report itself is missing: {missing}")
+        lines.append(say("report_mail.missing", reason=missing))
     if settings.public_url:
         lines += ["", f"{settings.public_url}/#/machines/{report.machine}"]
     mail.set_content("\n".join(lines) + "\n")

@@ -5,12 +5,13 @@ import numpy as np
 from estimator.arrays import Complexes, Floats
 from estimator.phasors.probe_axes import ProbeStation
 from service.reports.plot_frame import BEFORE, FITTED, GRID, INK, curve, dots, label, round_step, segment, svg
+from service.wording.language import ENGLISH, Language
 
 SIZE, RADIUS = 215.0, 80.0
 POINTS = 120
 
 
-def orbit_figure(place: ProbeStation, now: Complexes, before: Complexes | None) -> str:
+def orbit_figure(place: ProbeStation, now: Complexes, before: Complexes | None, language: Language = ENGLISH) -> str:
     """Return a station's orbit with the keyphasor's dot. now, before: phasors (m,) of all channels [µm pp]."""
     paths = [(colour, _path(place, one)) for colour, one in ((BEFORE, before), (FITTED, now)) if one is not None]
     largest = max(float(np.abs(one).max()) for _, one in paths)
@@ -27,7 +28,7 @@ def orbit_figure(place: ProbeStation, now: Complexes, before: Complexes | None) 
         parts.append(dots(path[:1, 0] * scale, -path[:1, 1] * scale, colour, radius=2.6))
     bar = step * scale
     parts.append(segment(-bar / 2, RADIUS + 14, bar / 2, RADIUS + 14, INK, width=1.2))
-    parts.append(label(bar / 2 + 4, RADIUS + 17, f"{step:.3g} µm", anchor="start"))
+    parts.append(label(bar / 2 + 4, RADIUS + 17, language.digits(f"{step:.3g} µm"), anchor="start"))
     return svg("".join(parts), SIZE, SIZE, left=-SIZE / 2, top=-SIZE / 2)
 
 

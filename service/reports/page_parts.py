@@ -5,10 +5,12 @@ import unicodedata
 from collections.abc import Iterable, Sequence
 from datetime import datetime
 
+from service.wording.language import Language
+
 STYLE = """
 @page { size: A4; margin: 15mm 14mm 16mm 14mm;
   @bottom-left { content: string(machine); font: 8px "DejaVu Sans", sans-serif; color: #666 }
-  @bottom-right { content: "page " counter(page) " of " counter(pages); font: 8px "DejaVu Sans", sans-serif; color: #666 } }
+  @bottom-right { content: "PAGE " counter(page) " OF " counter(pages); font: 8px "DejaVu Sans", sans-serif; color: #666 } }
 body { font: 10px/1.4 "DejaVu Sans", sans-serif; color: #111; margin: 0 }
 h1 { font-size: 20px; margin: 0 0 2px; string-set: machine attr(data-name) }
 h2 { font-size: 14px; margin: 14px 0 4px; border-bottom: 1px solid #bbb; break-after: avoid }
@@ -27,6 +29,12 @@ thead { display: table-header-group } th, td { text-align: left; vertical-align:
 td.long { white-space: pre-line; overflow-wrap: anywhere }
 .next { break-before: page }
 """
+
+
+def style(language: Language) -> str:
+    """Return the style sheet, whose page numbers have words."""
+    return STYLE.replace("PAGE", language.say("report.page")).replace("OF", language.say("report.of"))
+
 
 LONG_WORDS = 20
 """Characters of a cell from which on it may be broken anywhere."""

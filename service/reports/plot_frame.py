@@ -11,6 +11,7 @@ from datetime import UTC, datetime
 import numpy as np
 
 from estimator.arrays import Floats
+from service.wording.language import ENGLISH, Language
 
 INK, GRID, MEASURED, FITTED, BEFORE, MARKED = "#333333", "#d5d9de", "#6b7280", "#1f5a93", "#9a5b00", "#b3261e"
 """Colours: text and axes, grid, measured points, the model, what was before, what an alert is about."""
@@ -35,8 +36,8 @@ class PlotAxis:
     title: str
 
 
-def axis_over(values: Floats, title: str, *, from_zero: bool = False) -> PlotAxis:
-    """Return an axis that holds all finite values, with round ticks."""
+def axis_over(values: Floats, title: str, language: Language = ENGLISH, *, from_zero: bool = False) -> PlotAxis:
+    """Return an axis that holds all finite values, with round ticks in the digits of a language."""
     finite = np.asarray(values, dtype=float).ravel()
     finite = finite[np.isfinite(finite)]
     low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
@@ -46,7 +47,7 @@ def axis_over(values: Floats, title: str, *, from_zero: bool = False) -> PlotAxi
     step = round_step((high - low) / 4.0)
     first = math.ceil(low / step - 1e-9)
     ticks = [number * step for number in range(first, math.floor(high / step + 1e-9) + 1)]
-    return PlotAxis(low, high, tuple((one, f"{one:.6g}" if one else "0") for one in ticks), title)
+    return PlotAxis(low, high, tuple((one, language.digits(f"{one:.6g}") if one else "0") for one in ticks), title)
 
 
 def time_axis(first: float, last: float) -> PlotAxis:

@@ -6,7 +6,7 @@ from estimator.errors import Unavailable
 from service.reports.contents import ReportContents
 from service.reports.first_page import first_page
 from service.reports.history_page import history_page
-from service.reports.page_parts import STYLE, escaped
+from service.reports.page_parts import escaped, style
 from service.reports.result_pages import result_pages
 from service.workers.time_limit import limited
 
@@ -17,10 +17,11 @@ class PrinterMissing(Unavailable):
 
 def report_html(contents: ReportContents) -> str:
     """Return a report as HTML that needs nothing beside it."""
-    title = escaped(f"Report of {contents.machine.name or contents.machine.id}")
+    language = contents.language
+    title = escaped(language.say("report.title", machine=contents.machine.name or contents.machine.id))
     pages = first_page(contents) + f'<div class="next">{result_pages(contents)}</div>' + history_page(contents)
-    head = f'<meta charset="utf-8"/><title>{title}</title><style>{STYLE}</style>'
-    return f'<!doctype html><html lang="en"><head>{head}</head><body>{pages}</body></html>\n'
+    head = f'<meta charset="utf-8"/><title>{title}</title><style>{style(language)}</style>'
+    return f'<!doctype html><html lang="{language.code}"><head>{head}</head><body>{pages}</body></html>\n'
 
 
 def report_pdf(contents: ReportContents) -> bytes:

@@ -20,6 +20,7 @@ from service.reports.contents import (
 )
 from service.reports.period import ReportPeriod
 from service.reports.trend_reading import read_trends, told_names
+from service.wording.language import Language
 from storage.alerts import alerts
 from storage.clock import now, to_datetime
 from storage.findings import identifications
@@ -46,9 +47,10 @@ def read_contents(
     newest = identifications.newest_of_single_run(session, machine_id, last=period.last)
     open_elements = [one.last.element for one, _ in told if one.is_open]
     names = () if newest is None else told_names(session, newest, open_elements)
-    left_out = [f"{len(events) - MOST_EVENTS} older events of alerts"] if len(events) > MOST_EVENTS else []
-    left_out += [f"alerts before the newest {MOST_ALERTS} that are closed"] if len(told) >= MOST_ALERTS else []
-    left_out += ["older notes"] if len(notes) > MOST_NOTES else []
+    say = texts.language.say
+    left_out = [say("report.older_events", count=len(events) - MOST_EVENTS)] if len(events) > MOST_EVENTS else []
+    left_out += [say("report.older_alerts", count=MOST_ALERTS)] if len(told) >= MOST_ALERTS else []
+    left_out += [say("report.older_notes")] if len(notes) > MOST_NOTES else []
     return ReportContents(
         machine=machines.document(session, machine_id, row.revision),
         plant=row.plant,
@@ -62,8 +64,9 @@ def read_contents(
         trends=tuple(read_trends(session, machine_id, names, period, baseline_runs=baseline_runs)),
         balancings=tuple(_balancings(session, machine_id, period)),
         fit=None if newest is None else _fit(session, newest, baseline_runs),
-        not_to_balance=_something_else(session, machine_id),
+        not_to_balance=_something_else(session, machine_id, texts.language),
         left_out=tuple(left_out),
+        language=texts.language,
     )
 
 
@@ -102,9 +105,9 @@ def _balancings(session: Session, machine_id: str, period: ReportPeriod) -> Iter
             yield ReportedBalancing(to_datetime(row.updated_at), row.by, row.state, row.comment)
 
 
-def _something_else(session: Session, machine_id: str) -> str | None:
+def _something_else(session: Session, machine_id: str, language: Language) -> str | None:
     try:
-        require_nothing_else(session, machine_id)
+        require_nothing_else(session, machine_id, language)
     except SomethingElseWrong as error:
         return str(error)
     return None

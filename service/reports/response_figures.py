@@ -23,22 +23,30 @@ from service.reports.plot_frame import (
     thinned,
 )
 from service.reports.response_curves import MeasuredPoints, ResponseCurves, lag_deg
+from service.wording.language import ENGLISH, Language
 
 WIDTH, AMPLITUDE_HEIGHT, PHASE_HEIGHT = 335.0, 130.0, 95.0
 SIZE, RADIUS = 215.0, 82.0
-LAGS = PlotAxis(0.0, 360.0, tuple((float(one), f"{one}°") for one in range(0, 361, 90)), "phase lag")
+LAGS = tuple((float(one), f"{one}°") for one in range(0, 361, 90))
 SPEED_LABELS, WORDS_APART = 4, 18.0
 """Speeds that are written beside a curve, where they lie so far apart [px]."""
 
 
-def bode_figure(number: int, curves: ResponseCurves, runs: list[MeasuredPoints], before: list[MeasuredPoints]) -> str:
+def bode_figure(
+    number: int,
+    curves: ResponseCurves,
+    runs: list[MeasuredPoints],
+    before: list[MeasuredPoints],
+    language: Language = ENGLISH,
+) -> str:
     """Return amplitude above phase lag over speed of a channel."""
     shown = [abs(curves.value[:, number]), *(abs(one.value[:, number]) for one in (*runs, *before))]
-    speeds = axis_over(np.concatenate([curves.speed, *(one.speed for one in (*runs, *before))]), "")
-    above = PlotFrame(
-        speeds, axis_over(np.concatenate(shown), "1× [µm pp]", from_zero=True), width=WIDTH, height=AMPLITUDE_HEIGHT
-    )
-    below = PlotFrame(PlotAxis(speeds.low, speeds.high, speeds.ticks, "r/min"), LAGS, width=WIDTH, height=PHASE_HEIGHT)
+    speeds = axis_over(np.concatenate([curves.speed, *(one.speed for one in (*runs, *before))]), "", language)
+    amplitudes = axis_over(np.concatenate(shown), language.say("plot.first_order"), language, from_zero=True)
+    above = PlotFrame(speeds, amplitudes, width=WIDTH, height=AMPLITUDE_HEIGHT)
+    named = PlotAxis(speeds.low, speeds.high, speeds.ticks, language.say("plot.speed"))
+    lags = PlotAxis(0.0, 360.0, LAGS, language.say("plot.lag"))
+    below = PlotFrame(named, lags, width=WIDTH, height=PHASE_HEIGHT)
     above.between(curves.speed, curves.lower[:, number], curves.upper[:, number], FITTED)
     for colour, drawn in ((BEFORE, before), (MEASURED, runs)):
         for one in drawn:
@@ -49,7 +57,13 @@ def bode_figure(number: int, curves: ResponseCurves, runs: list[MeasuredPoints],
     return above.drawing() + below.drawing()
 
 
-def polar_figure(number: int, curves: ResponseCurves, runs: list[MeasuredPoints], before: list[MeasuredPoints]) -> str:
+def polar_figure(
+    number: int,
+    curves: ResponseCurves,
+    runs: list[MeasuredPoints],
+    before: list[MeasuredPoints],
+    language: Language = ENGLISH,
+) -> str:
     """Return the 1× vectors of a channel; lag grows clockwise from the right, as on the page."""
     fitted = curves.value[:, number]
     sizes = np.abs(np.concatenate([fitted, *(one.value[:, number] for one in (*runs, *before))]))
@@ -60,7 +74,7 @@ def polar_figure(number: int, curves: ResponseCurves, runs: list[MeasuredPoints]
     parts = [_ring((ring + 1) * step * scale) for ring in range(rings)]
     parts += [segment(-RADIUS, 0.0, RADIUS, 0.0, GRID), segment(0.0, -RADIUS, 0.0, RADIUS, GRID)]
     parts += [label(RADIUS + 12, 3, "0°"), label(0, RADIUS + 11, "90°"), label(-RADIUS - 13, 3, "180°")]
-    parts.append(label(0, -RADIUS - 5, f"270°   rings {step:.3g} µm pp"))
+    parts.append(label(0, -RADIUS - 5, language.say("plot.rings", step=step)))
     for colour, drawn in ((BEFORE, before), (MEASURED, runs)):
         parts += [dots(*_place(one.value[thinned(one.speed.size), number], scale), colour) for one in drawn]
     parts.append(curve(*_place(fitted, scale), FITTED))

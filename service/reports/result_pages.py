@@ -24,6 +24,7 @@ from service.reports.page_parts import captioned, figures, muted, section, shown
 from service.reports.response_curves import measured_points, response_curves
 from service.reports.response_figures import bode_figure, polar_figure
 from service.reports.trend_figure import trend_figure
+from service.wording.language import Language
 
 logger = logging.getLogger(__name__)
 
@@ -36,15 +37,16 @@ MILLIMETRES_GRAM = 1e6
 
 def result_pages(contents: ReportContents) -> str:
     """Return the pages."""
-    parts = [section("Trends", _trends(contents))]
+    say = contents.language.say
+    parts = [section(say("report.trends"), _trends(contents))]
     fit = contents.fit
     if fit is not None:
         with_fit: Sequence[tuple[str, Callable[[ReportContents, ReportedFit], str]]] = (
-            ("Vibration over speed (1×)", _responses),
-            ("Orbits", _orbits),
-            ("Shaft centreline", _centrelines),
-            ("Alignment", _alignment),
-            ("Balance", _balance),
+            (say("report.responses"), _responses),
+            (say("report.orbits"), _orbits),
+            (say("report.centreline"), _centrelines),
+            (say("report.alignment"), _alignment),
+            (say("report.balance"), _balance),
         )
         parts += [section(title, _made(title, part, contents, fit)) for title, part in with_fit]
     return "".join(parts)
@@ -55,12 +57,12 @@ def _made(title: str, part: Callable[[ReportContents, ReportedFit], str], conten
         return part(contents, fit)
     except (ValueError, ArithmeticError, np.linalg.LinAlgError) as error:
         logger.warning("report of %s: %s cannot be computed: %s", contents.machine.id, title, error)
-        return muted(f"This cannot be computed from identification {fit.one.id}: {error}")
+        return muted(contents.language.say("report.not_computed", id=fit.one.id, reason=error))
 
 
 def _trends(contents: ReportContents) -> str:
-    drawn = "".join(captioned(one.name, trend_figure(one)) for one in contents.trends)
-    return drawn and figures("Points with 95 % intervals; the band holds 95 % of what the baseline lets expect.", drawn)
+    drawn = "".join(captioned(one.name, trend_figure(one, contents.language)) for one in contents.trends)
+    return drawn and figures(contents.language.say("report.trend_key"), drawn)
 
 
 def _responses(contents: ReportContents, fit: ReportedFit) -> str:
@@ -70,12 +72,18 @@ def _responses(contents: ReportContents, fit: ReportedFit) -> str:
         before = []
     shown = _channels(contents, fit)
     names = fit.one.machine.channels
+    language = contents.language
     drawn = "".join(
-        captioned(f"Bode, {names[number]}", bode_figure(number, curves, runs, before)) for number in shown
-    ) + "".join(captioned(f"Polar, {names[number]}", polar_figure(number, curves, runs, before)) for number in shown)
-    compared = f", brown points: baseline, identification {fit.baseline[0].id}" if before else ""
-    key = f"Grey points: measured, run of {shown_time(fit.measured_at)}; blue: fit with 95 % band{compared}."
-    more = f" {len(names) - len(shown)} channels are not shown." if len(names) > len(shown) else ""
+        captioned(language.say(f"report.{kind}", channel=names[number]), draw(number, curves, runs, before, language))
+        for kind, draw in (("bode", bode_figure), ("polar", polar_figure))
+        for number in shown
+    )
+    at = shown_time(fit.measured_at)
+    if before:
+        key = language.say("report.response_key_compared", at=at, id=fit.baseline[0].id)
+    else:
+        key = language.say("report.response_key", at=at)
+    more = language.say("report.channels_left", count=len(names) - len(shown)) if len(names) > len(shown) else ""
     return figures(key + more, drawn)
 
 
@@ -92,7 +100,7 @@ def _channels(contents: ReportContents, fit: ReportedFit) -> list[int]:
     return order[:MOST_CHANNELS]
 
 
-def _orbits(_contents: ReportContents, fit: ReportedFit) -> str:
+def _orbits(contents: ReportContents, fit: ReportedFit) -> str:
     places = [one for one in probe_stations(fit.one.machine) if one.sees_both_axes][:MOST_CHANNELS]
     if not places:
         return ""
@@ -101,9 +109,9 @@ def _orbits(_contents: ReportContents, fit: ReportedFit) -> str:
     first = fit.baseline[0] if fit.baseline else None
     alike = first is not None and first.machine.channels == fit.one.machine.channels
     before = response_curves(first, np.array([rpm])).value[0] if first is not None and alike else None
-    drawn = "".join(captioned(", ".join(one.channels), orbit_figure(one, now, before)) for one in places)
-    key = f"1× at {rpm:.0f} r/min by the fit; dot: keyphasor; bars: probes"
-    return figures(key + ("; brown, dashed: baseline." if before is not None else "."), drawn)
+    drawn = "".join(captioned(", ".join(one.channels), orbit_figure(one, now, before, contents.language)) for one in places)
+    key = "report.orbit_key" if before is None else "report.orbit_key_compared"
+    return figures(contents.language.say(key, rpm=rpm), drawn)
 
 
 def _running_rpm(fit: ReportedFit) -> float:
@@ -112,57 +120,64 @@ def _running_rpm(fit: ReportedFit) -> float:
     return min(fit.one.machine.operation.running_rpm or highest, highest)
 
 
-def _centrelines(_contents: ReportContents, fit: ReportedFit) -> str:
+def _centrelines(contents: ReportContents, fit: ReportedFit) -> str:
     paths = journal_paths(fit.one)
     if not paths:
         return ""
     first = journal_paths(fit.baseline[0]) if fit.baseline else []
     before = {one.bearing: one for one in first}
     ends = (fit.one.speed_minimum / RAD_PER_S["rpm"], fit.one.speed_maximum / RAD_PER_S["rpm"])
-    drawn = "".join(captioned(one.bearing, centreline_figure(one, before.get(one.bearing), ends)) for one in paths)
-    key = "Journals in their clearance by the model of the films; numbers: r/min, dot: highest speed"
-    return figures(key + ("; brown, dashed: baseline." if first else "."), drawn)
+    language = contents.language
+    drawn = "".join(captioned(one.bearing, centreline_figure(one, before.get(one.bearing), ends, language)) for one in paths)
+    return figures(language.say("report.centreline_key_compared" if first else "report.centreline_key"), drawn)
 
 
-def _alignment(_contents: ReportContents, fit: ReportedFit) -> str:
+def _alignment(contents: ReportContents, fit: ReportedFit) -> str:
     if not follows_films(fit.one.machine) or not fit.baseline:
         return ""
     models = [one.model for one in fit.baseline]
     if any(one.coordinates != fit.one.model.coordinates for one in models):
-        return muted("The baseline was identified with other unknowns: identify its runs again.")
+        return muted(contents.language.say("report.other_unknowns"))
     changes = tolerated_changes(fit.one.machine, alignment_changes(models, fit.one.model))
-    heads = ("coupling", "of", "change against the baseline", "95 % ±", "allowed", "chance of more")
-    return table(heads, [_aligned(one) for one in changes]) if changes else ""
+    columns = ("coupling", "quantity", "change", "half_width", "allowed", "beyond")
+    heads = [contents.language.say(f"report.{one}") for one in columns]
+    return table(heads, [_aligned(one, contents.language) for one in changes]) if changes else ""
 
 
-def _aligned(one: ToleratedChange) -> tuple[str, ...]:
+def _aligned(one: ToleratedChange, language: Language) -> tuple[str, ...]:
     said = describe(one.name)
     scale, unit = (1e6, "µm") if one.unit == "m" else (1e3, "mrad")
-    allowed = f"{scale * one.allowed:.3g} {unit}"
+    allowed = language.digits(f"{scale * one.allowed:.3g} {unit}")
+    quantity = language.named(said.quantity)
     if one.value is None:
-        return said.element_id, said.quantity.replace("_", " "), f"not determined: {one.reason}", "–", allowed, "–"
-    change, half = f"{scale * one.value:+.3g} {unit}", f"{scale * one.half:.2g} {unit}"
-    return said.element_id, said.quantity.replace("_", " "), change, half, allowed, f"{100.0 * one.beyond:.0f} %"
+        missing = language.say("report.not_determined", reason=one.reason)
+        return said.element_id, quantity, missing, "–", allowed, "–"
+    change, half = (language.digits(each) for each in (f"{scale * one.value:+.3g} {unit}", f"{scale * one.half:.2g} {unit}"))
+    return said.element_id, quantity, change, half, allowed, f"{100.0 * one.beyond:.0f} %"
 
 
 def _balance(contents: ReportContents, fit: ReportedFit) -> str:
-    rows = [(shown_time(one.at), one.by, one.state, one.comment) for one in contents.balancings]
-    done = table(("Field balancing", "begun by", "step", "comment"), rows) if rows else ""
+    language = contents.language
+    rows = [(shown_time(one.at), one.by, language.named(one.state), one.comment) for one in contents.balancings]
+    heads = [language.say(f"report.{one}") for one in ("field_balancing", "begun_by", "step", "comment")]
+    done = table(heads, rows) if rows else ""
     return done + _proposal(contents, fit.one)
 
 
 def _proposal(contents: ReportContents, one: Identified) -> str:
     """Return what the model proposes; nothing to correct while an open alert names another cause."""
     if contents.not_to_balance is not None:
-        return muted(f"No correction is proposed: {contents.not_to_balance}.")
+        return muted(contents.language.say("report.no_correction", reason=contents.not_to_balance))
     if not one.machine.discs:
         return ""
+    language = contents.language
     speed = np.linspace(one.speed_minimum, one.speed_maximum, BALANCE_SPEEDS)
     found = balance(one.model, planes=[disc.id for disc in one.machine.discs], speed=speed)
     before, after = (float(np.abs(each.value).max()) for each in (found.before, found.after))
     rows = [
-        (plane, f"{MILLIMETRES_GRAM * abs(mass):.3g} g mm", f"{np.degrees(np.angle(mass)) % 360.0:.0f}°")
+        (plane, language.digits(f"{MILLIMETRES_GRAM * abs(mass):.3g} g mm"), f"{np.degrees(np.angle(mass)) % 360.0:.0f}°")
         for plane, mass in zip(found.planes, found.unbalance.tolist(), strict=True)
     ]
-    told = f"By the model, the largest 1× over the speeds falls from {2e6 * before:.3g} to {2e6 * after:.3g} µm pp."
-    return table(("plane", "correction", "angle from x with the rotation"), rows) + muted(told)
+    told = language.say("report.falls", before=2e6 * before, after=2e6 * after)
+    heads = [language.say(f"report.{one}") for one in ("plane", "correction", "angle")]
+    return table(heads, rows) + muted(told)

@@ -4,17 +4,18 @@ import numpy as np
 
 from service.reports.contents import ReportedTrend
 from service.reports.plot_frame import BEFORE, FITTED, PlotFrame, axis_over, time_axis
+from service.wording.language import ENGLISH, Language
 
 WIDTH, HEIGHT = 335.0, 140.0
 
 
-def trend_figure(one: ReportedTrend) -> str:
+def trend_figure(one: ReportedTrend, language: Language = ENGLISH) -> str:
     """Return the trend as SVG. The axis follows the values and the band: a wide interval is cut, as not to hide them."""
     time = one.time.astype(float)
     band = () if one.band is None else one.band
     frame = PlotFrame(
         time_axis(float(time.min()), float(time.max())),
-        axis_over(np.array([*one.value, *band]), f"[{one.unit}]" if one.unit not in ("", "1") else ""),
+        axis_over(np.array([*one.value, *band]), f"[{one.unit}]" if one.unit not in ("", "1") else "", language),
         width=WIDTH,
         height=HEIGHT,
     )

@@ -80,7 +80,8 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "urgent.no_time": "No time can be given: {said}",
     "urgent.so_far": "it has changed by {far:+.1f} % so far; ",
     "urgent.drifts": "it drifts by {rate:+.2g} % a week ({lower:+.2g} to {upper:+.2g})",
-    "urgent.drift_fast": "It drifts faster than its danger limit for rates; no time to a limit of its size can be given: {said}",
+    "urgent.drift_fast": "It drifts faster than its danger limit for rates; no time to a limit of its size can be given: "
+    "{said}",
     "urgent.drift_no_time": "No time to a limit of its size can be given: {said}",
     "urgent.newest": "the newest run shows {newest:.0f} {unit}; ",
     "urgent.runs_needed": "{runs} runs since it began, and {needed} tell how fast it grows",

@@ -172,7 +172,7 @@ GERMAN_FINDINGS: Mapping[str, FindingTexts] = {
         in_operation=(TAKE_RUN_DOWN,),
         at_next_stop=(
             "Rund- und Planlauf beider Naben von Kupplung {id} mit Messuhren messen, während die Welle gedreht wird",
-            "Nach einer schief sitzenden Nabe, falschen Schraubenlängen und Schmutz in der Zentrierung von Kupplung {id} suchen",
+            "An Kupplung {id} nach schief sitzender Nabe, falschen Schraubenlängen und Schmutz in der Zentrierung suchen",
             BALANCE_LATER,
             NEW_BASELINE,
         ),

@@ -62,15 +62,15 @@ LANGUAGES = tuple(Language(code) for code in SENTENCES)
 
 
 def asked_language(accepted: str, default: Language) -> Language:
-    """Return the language that an Accept-Language header (RFC 9110 §12.5.4) asks for; the default where it has none of ours."""
-    wishes: list[tuple[float, Locale]] = []
+    """Return the language that an Accept-Language header asks for (RFC 9110 §12.5.4); the default without one of ours."""
+    best, wished = default, 0.0
     for part in accepted.split(","):
         tag, _, quality = part.strip().partition(";")
-        for code in SENTENCES:
-            if tag.strip().lower().split("-")[0] == code:
-                wishes.append((_quality(quality), code))
-    best = max(wishes, key=lambda wish: wish[0], default=(0.0, default.code))
-    return Language(best[1]) if best[0] > 0.0 else default
+        weight = _quality(quality)
+        for one in LANGUAGES:
+            if tag.strip().lower().split("-")[0] == one.code and weight > wished:
+                best, wished = one, weight
+    return best
 
 
 def _quality(said: str) -> float:

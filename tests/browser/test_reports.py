@@ -27,7 +27,7 @@ def test_report_prints_on_paper_without_the_frame(seen: Seen) -> None:
 
 def test_a_report_is_printed_on_demand_and_says_that_it_is_being_printed(seen: Seen, tmp_path: Path) -> None:
     seen.open(f"reports/{MACHINE}")
-    with seen.page.expect_download() as download:
+    with seen.page.expect_download(timeout=90_000) as download:
         seen.page.get_by_role("button", name="Report as PDF").click()
         expect(seen.page.get_by_role("progressbar", name="The report is being printed")).to_be_visible()
     download.value.save_as(tmp_path / "report.pdf")

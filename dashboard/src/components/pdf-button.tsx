@@ -3,6 +3,7 @@ import { download } from "../browser/download";
 import { queryString } from "../data/http-client";
 import { usePrinting } from "../data/pdf-report";
 import { dayOf } from "../format/days";
+import { locale } from "../messages/locale";
 import { t } from "../messages/messages";
 
 interface Props {
@@ -17,7 +18,7 @@ export function PdfButton({ machine, from = null, to = null }: Props) {
   const file = `${machine}-${dayOf(to ? new Date(to) : new Date())}.pdf`;
   return (
     <span class="printing">
-      <button type="button" disabled={seconds !== null} onClick={() => start(`/machines/${machine}/report.pdf${queryString({ from, to })}`, (pdf) => download(pdf, file))}>
+      <button type="button" disabled={seconds !== null} onClick={() => start(`/machines/${machine}/report.pdf${queryString({ from, to, locale })}`, (pdf) => download(pdf, file))}>
         {t("reportAsPdf")}
       </button>{" "}
       <span role="status">

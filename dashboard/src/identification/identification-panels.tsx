@@ -7,7 +7,7 @@ import { Time } from "../components/time";
 import { angleConvention, angleText } from "../format/angles";
 import { elementName, isCrossCoupled, isUnbalance, parameterName, termName } from "../format/names";
 import { number, quantity, rpm, scaleOf } from "../format/numbers";
-import { rich, t } from "../messages/messages";
+import { rich, t, term } from "../messages/messages";
 import type { Estimate, Identification } from "../schemas/identifications";
 import type { Document } from "../schemas/machines";
 import { elementsOfEstimates } from "../words/elements";
@@ -43,22 +43,22 @@ function FitPanel({ machine, found }: { machine: Document; found: Identification
     <Panel title={t("fit")}>
       <p class={found.accepted ? undefined : "error"}>{found.verdict}</p>
       <dl class="facts">
-        <Fact name="Measured">
-          <Time at={found.measured_at} />, {found.run_kind},{" "}
+        <Fact name={t("measured")}>
+          <Time at={found.measured_at} />, {term(found.run_kind)},{" "}
           {found.runs.map((run) => (
             <a key={run} href={link(["machines", machine.id, "response"], { run: String(run) })}>
               {t("runNumber", { run })}{" "}
             </a>
           ))}
         </Fact>
-        <Fact name="Data">
+        <Fact name={t("data")}>
           {t("samplesBetween", { samples: found.samples, low: rpm(found.speed_minimum_rpm), high: rpm(found.speed_maximum_rpm) })}
         </Fact>
-        <Fact name="χ² over degrees of freedom">
+        <Fact name={t("freedom")}>
           {number(found.chi_square / found.degrees_of_freedom)} ({number(found.chi_square, 5)} / {found.degrees_of_freedom})
         </Fact>
-        <Fact name="Condition number">{number(found.condition_number)}</Fact>
-        <Fact name="Computed">
+        <Fact name={t("conditionNumber")}>{number(found.condition_number)}</Fact>
+        <Fact name={t("computed")}>
           {rich("timeByVersion", { time: <Time at={found.computed_at} />, version: found.code_version })}
         </Fact>
       </dl>

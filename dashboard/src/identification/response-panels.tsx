@@ -78,7 +78,7 @@ export function ResponsePanels(given: ResponseProps) {
 function Legend(props: ShownProps) {
   const { fit, reference, order, overlaid } = props;
   const model = fit && order === 1 ? [t("modelWith95Band")] : [];
-  const signs = [t("measured"), ...model, ...(reference ? [t("overlaidRunLegend", { of: overlaid ? t("ofMachine", { machine: overlaid }) : "" })] : [])];
+  const signs = [t("measuredPoints"), ...model, ...(reference ? [t("overlaidRunLegend", { of: overlaid ? t("ofMachine", { machine: overlaid }) : "" })] : [])];
   return (
     <p class="muted">
       {signs.join("  ")}; {slowRollOf(props)}.

@@ -1,6 +1,6 @@
 // What an alert means for a person: how far, how sure, how urgent, what to check and to do, what would confirm it.
 import type { ComponentChildren } from "preact";
-import { t } from "../messages/messages";
+import { t, term } from "../messages/messages";
 import type { Advice } from "../schemas/alerts";
 
 export function AlertAdvice({ advice }: { advice: Advice }) {
@@ -11,7 +11,7 @@ export function AlertAdvice({ advice }: { advice: Advice }) {
       <Lines name={t("howSure")} lines={[advice.how_sure.words]} />
       <Lines name={t("howUrgent")} lines={[advice.how_urgent.words]} />
       {opportunities.map((when) => (
-        <Lines key={when} name={t("doWhen", { when })} lines={advice.actions.filter((one) => one.opportunity === when).map((one) => one.text)} />
+        <Lines key={when} name={t("doWhen", { when: term(when) })} lines={advice.actions.filter((one) => one.opportunity === when).map((one) => one.text)} />
       ))}
       <Lines name={t("check")} lines={advice.check} />
       <Lines name={t("wouldConfirmIt")} lines={advice.confirm} />

@@ -9,7 +9,7 @@ import { CHANNELS } from "../declarations/channels";
 import { ApiError, getWithEtag, post, put } from "../data/http-client";
 import { refetch, useResource } from "../data/resource";
 import { words } from "../format/names";
-import { rich, t } from "../messages/messages";
+import { rich, t, term } from "../messages/messages";
 import type { Delivery, ReportInterval, Subscription, TestOutcome } from "../schemas/subscriptions";
 
 const LOG_LIMIT = 20;
@@ -20,7 +20,7 @@ export function SubscriptionPanel({ subscription }: { subscription: Subscription
   return (
     <section class="subscription" data-subscription={subscription.id}>
       <h3>
-        {name} <span class="muted">{kind}</span> {target}
+        {name} <span class="muted">{term(kind)}</span> {target}
       </h3>
       <p>
         {rich("addedAt", { state: state === "active" ? t("active") : t("disabled", { reason: reason ?? t("noReasonIsKnown") }), time: <Time at={added} /> })}
@@ -46,7 +46,7 @@ function Actions({ subscription, open, onToggle }: { subscription: Subscription;
     run(async () => {
       const [, etag] = await getWithEtag<Subscription>(path);
       await post(`${path}/${operation}`, null, etag);
-      return `${operation}d`;
+      return operation === "enable" ? t("enabled") : t("disabledNow");
     });
   const setReports = (reports: ReportInterval | null) =>
     run(async () => {
@@ -57,7 +57,7 @@ function Actions({ subscription, open, onToggle }: { subscription: Subscription;
   const sendTest = () =>
     run(async () => {
       const { result, answer } = await post<TestOutcome>(`${path}/test`, null);
-      return t("testMessageResult", { result, answer });
+      return t("testMessageResult", { result: term(result), answer });
     });
   return (
     <p class="buttons">

@@ -1,7 +1,7 @@
 // An alert's states (ISA-18.2) in words, and the actions that each allows.
 import { findingLabel } from "../findings/findings";
 import { elementName } from "../format/names";
-import { t } from "../messages/messages";
+import { t, term } from "../messages/messages";
 import type { Alert } from "../schemas/alerts";
 
 export type AlertAction = "acknowledge" | "instruct" | "reset" | "shelve" | "unshelve" | "comments";
@@ -54,7 +54,7 @@ export function availableActions(alert: Alert): AlertAction[] {
 
 /** What an alert is about, as a heading: `Misalignment of coupling C1`. */
 export function alertTitle({ rule, element }: Pick<Alert, "rule" | "element">): string {
-  const words = `${findingLabel(rule)}${element.startsWith(`${rule}.`) ? ` ${element.slice(rule.length + 1)}` : ` of ${elementName(element)}`}`;
+  const words = `${findingLabel(rule)}${element.startsWith(`${rule}.`) ? ` ${element.slice(rule.length + 1)}` : t("ofElement", { element: elementName(element) })}`;
   return words.charAt(0).toUpperCase() + words.slice(1);
 }
 
@@ -65,7 +65,7 @@ const LONGEST_COMMENT = 2000;
 export function instructionDraft(alert: Alert): string {
   const { actions = [], check = [] } = alert.advice ?? {};
   const lines = [t("forTheCrew", { title: alertTitle(alert), message: alert.message })];
-  for (const { opportunity, text } of actions) lines.push(`- ${opportunity}: ${text}`);
+  for (const { opportunity, text } of actions) lines.push(`- ${term(opportunity)}: ${text}`);
   if (check.length > 0) lines.push(t("toCheck", { what: check.join("; ") }));
   return lines.join("\n").slice(0, LONGEST_COMMENT);
 }

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, cast
 
-from fastapi import APIRouter, Query, Request, Response
+from fastapi import APIRouter, Depends, Query, Request, Response
 from sqlalchemy.orm import Session
 
 from service.advice.alert_advice import alert_event
@@ -19,7 +19,9 @@ from service.api.conventions.dependencies import MachineId, Number, Reading, dat
 from service.api.conventions.paging import ById, ByTime, Paging
 from service.api.conventions.preconditions import ANYTHING, IfMatch, Stale, require, tagged
 from service.api.conventions.problems import CHANGES, RESPONSES
+from service.api.conventions.reader_language import reader_language, vary_by_language
 from service.security.requirement import ANALYST, OPERATOR, VIEWER
+from service.wording.language import LANGUAGES
 from storage.alerts import alerts
 from storage.alerts.alerts import ListedAlert
 from storage.clock import to_datetime
@@ -27,7 +29,7 @@ from storage.machines import machines
 from storage.paging import Keys
 from storage.tables.alerting import AlertRow
 
-router = APIRouter(tags=["alerts"], responses=RESPONSES, dependencies=[VIEWER])
+router = APIRouter(tags=["alerts"], responses=RESPONSES, dependencies=[VIEWER, Depends(vary_by_language)])
 
 OnlyOpen = Annotated[bool, Query(alias="open", description="only alerts that are still open")]
 After = Annotated[int, Query(ge=0, le=2**62, description="only events behind this one")]
@@ -39,9 +41,9 @@ async def list_alerts(request: Request, cache: Cached, paging: ByTime, only_open
 
     def read() -> Response:
         with database(request).reading() as session:
-            return _listed(session, paging, _texts(request), machine_id=None, only_open=only_open)
+            return _listed(request, session, paging, machine_id=None, only_open=only_open)
 
-    return await cache.answer(request, ("alerts",), read)
+    return await cache.answer(request, ("alerts",), read, apart=reader_language(request))
 
 
 @router.get("/alert-events", operation_id="list_alert_events")
@@ -75,14 +77,17 @@ async def list_machine_alerts(
     def read() -> Response:
         with database(request).reading() as session:
             machines.get(session, machine_id)
-            return _listed(session, paging, _texts(request), machine_id=machine_id, only_open=only_open)
+            return _listed(request, session, paging, machine_id=machine_id, only_open=only_open)
 
-    return await cache.answer(request, ("machines", "alerts"), read)
+    return await cache.answer(request, ("machines", "alerts"), read, apart=reader_language(request))
 
 
-def _listed(session: Session, paging: Paging, texts: SiteTexts, *, machine_id: str | None, only_open: bool) -> Response:
+def _listed(request: Request, session: Session, paging: Paging, *, machine_id: str | None, only_open: bool) -> Response:
+    texts = _texts(request)
     rows = alerts.find(session, machine_id=machine_id, only_open=only_open, limit=paging.wanted, after=paging.after)
-    return paging.json([rendering.alert_json(row, texts) for row in paging.page(rows, _place)])
+    response = paging.json([rendering.alert_json(row, texts) for row in paging.page(rows, _place)])
+    vary_by_language(request, response)
+    return response
 
 
 @router.post("/alerts/{alert_id}/acknowledge", operation_id="acknowledge_alert", dependencies=[OPERATOR], responses=CHANGES)
@@ -144,7 +149,9 @@ class AlertChange:
         with database(self.request).transaction() as session:
             row = alerts.get(session, self.alert_id, to_change=True)
             try:
-                require(self.if_match, rendering.alert(row, _texts(self.request)))
+                texts = _texts(self.request)
+                # It was read in any language: the state is the same.
+                require(self.if_match, *(rendering.alert(row, texts.in_language(one)) for one in LANGUAGES))
                 change(session, row)
             except (Stale, Forbidden) as refused:
                 raise type(refused)(f"{refused}; {_what_happened(session, row)}") from refused
@@ -159,7 +166,8 @@ def _what_happened(session: Session, row: AlertRow) -> str:
 
 
 def _texts(request: Request) -> SiteTexts:
-    return cast(SiteTexts, request.app.state.texts)
+    """Return the texts in the language of who asks."""
+    return cast(SiteTexts, request.app.state.texts).in_language(reader_language(request))
 
 
 def _place(row: ListedAlert) -> Keys:

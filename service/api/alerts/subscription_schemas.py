@@ -75,7 +75,7 @@ class SubscriptionIn(StrictModel):
 
 
 class ReportsIn(StrictModel):
-    """How often a subscription gets the reports of its machines."""
+    """A choice of how often a subscription gets the reports of its machines."""
 
     reports: ReportInterval | None = Field(description="from the next whole week or month on; null: no more")
 

@@ -1,3 +1,3 @@
 """Conventions of all resources: dependencies, errors, paging, preconditions, units, times. It imports `http`, `security`,
-`secrets`, `export` and `identification`, and no resource; every resource imports it.
+`secrets`, `export`, `identification` and `wording`, and no resource; every resource imports it.
 """

@@ -43,13 +43,13 @@ def tagged(response: Response, answer: Answer) -> Answer:
     return answer
 
 
-def require(if_match: str | None, current: BaseModel) -> None:
-    """Raise PreconditionMissing without If-Match, and Stale where it names no ETag of the current state."""
+def require(if_match: str | None, *current: BaseModel) -> None:
+    """Raise PreconditionMissing without If-Match, and Stale where it names no ETag of the state, however it is told."""
     if if_match is None:
         raise PreconditionMissing(
             "say with If-Match which state is to be changed: the ETag that it was read with, or * for whatever there is"
         )
     given = [one.strip() for one in if_match.split(",")]
     # A weak tag, W/"…", never matches here.
-    if given != [ANYTHING] and etag(current) not in given:
+    if given != [ANYTHING] and not any(etag(one) in given for one in current):
         raise Stale("it was changed since it was read: read it again, and decide again with the new ETag")

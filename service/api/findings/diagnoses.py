@@ -3,7 +3,7 @@
 from datetime import datetime
 from typing import Any
 
-from fastapi import APIRouter, Request
+from fastapi import APIRouter, Depends, Request
 from pydantic import BaseModel, Field
 from sqlalchemy.orm import Session
 
@@ -14,6 +14,7 @@ from service.alerts.advice_message import Advice
 from service.alerts.lifecycle import Severity
 from service.api.conventions.dependencies import MachineId, Number, Reading
 from service.api.conventions.problems import RESPONSES, Unsuitable
+from service.api.conventions.reader_language import reader_language, vary_by_language
 from service.api.findings.evidence import CauseOut, with_moved_in_per_cent
 from service.security.requirement import VIEWER
 from storage.alerts import alerts
@@ -22,7 +23,7 @@ from storage.findings import diagnoses, identifications
 from storage.machines import machines
 from storage.tables.findings import DiagnosisRow
 
-router = APIRouter(tags=["diagnosis"], responses=RESPONSES, dependencies=[VIEWER])
+router = APIRouter(tags=["diagnosis"], responses=RESPONSES, dependencies=[VIEWER, Depends(vary_by_language)])
 
 MOST_ALERTS = 1000
 """Most open alerts of a machine that are looked through."""
@@ -69,6 +70,7 @@ def _answer(request: Request, session: Session, row: DiagnosisRow | None, what: 
     revision = identifications.get(session, row.identification_id).revision
     units = parameter_units(machines.document(session, row.machine_id, revision))
     severities = _severities(session, row)
+    texts: SiteTexts = request.app.state.texts.in_language(reader_language(request))
     return DiagnosisOut(
         identification=row.identification_id,
         machine=row.machine_id,
@@ -76,7 +78,7 @@ def _answer(request: Request, session: Session, row: DiagnosisRow | None, what: 
         made_at=to_datetime(row.made_at),
         baseline=row.baseline,
         runs=row.runs,
-        causes=[_cause(row, one, units, severities, request.app.state.texts) for one in row.causes],
+        causes=[_cause(row, one, units, severities, texts) for one in row.causes],
     )
 
 

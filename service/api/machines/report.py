@@ -1,25 +1,28 @@
 """Serves the report of a machine as PDF, printed in a worker process and kept while nothing changes that it tells."""
 
-from typing import Any, cast
+from typing import Annotated, Any, cast
 
 from anyio import from_thread
-from fastapi import APIRouter, Request, Response
+from fastapi import APIRouter, Query, Request, Response
 
 from service.api.cache.computed_cache import ComputedCache
 from service.api.conventions.dependencies import MachineId, Period, database, principal
 from service.api.conventions.problems import RESPONSES
+from service.api.conventions.reader_language import reader_language
 from service.http.problem import Problem
 from service.reports.period import asked_period
 from service.reports.reading import read_contents
 from service.reports.report_process import ReportProcess
 from service.reports.state_stamp import report_stamp
 from service.security.requirement import VIEWER
+from service.wording.language import Language, Locale
 from storage.clock import now, to_datetime
 from storage.machines import machines
 
 router = APIRouter(prefix="/machines", tags=["machines"], responses=RESPONSES, dependencies=[VIEWER])
 
 PDF = "application/pdf"
+ReportLocale = Annotated[Locale | None, Query(description="language of the report: en, de")]
 DAY_NS = 86_400 * 10**9
 """A report without an end is of the day on which it is asked for [ns]."""
 ANSWERS: dict[int | str, dict[str, Any]] = {
@@ -34,12 +37,14 @@ ANSWERS: dict[int | str, dict[str, Any]] = {
 
 
 @router.get("/{machine_id}/report.pdf", operation_id="read_report", response_class=Response, responses=ANSWERS)
-def read_report(request: Request, machine_id: MachineId, period: Period) -> Response:
+def read_report(request: Request, machine_id: MachineId, period: Period, locale: ReportLocale = None) -> Response:
     """Read a report as PDF: findings and what to do, trends, plots, alignment, balance, history.
 
-    Without `to` it ends now, without `from` it begins a year before its end.
+    Without `to` it ends now, without `from` it begins a year before its end. Without `locale` it is in the
+    language that Accept-Language asks for, else the site's.
     """
     moment = now()
+    language = reader_language(request) if locale is None else Language(locale)
     asked = asked_period(period.first, period.last, moment=moment)
     with database(request).reading() as session:
         machines.get(session, machine_id)
@@ -53,14 +58,22 @@ def read_report(request: Request, machine_id: MachineId, period: Period) -> Resp
                 reading,
                 machine_id,
                 asked,
-                texts=request.app.state.texts,
+                texts=request.app.state.texts.in_language(language),
                 baseline_runs=cast(int, request.app.state.baseline_runs),
             )
         return process.printed(contents)
 
     day = moment // DAY_NS if period.last is None else None
     caller = (principal(request).identity, request.client.host if request.client else None)
-    key = (machine_id, period, day, stamp)
+    key = (machine_id, period, day, stamp, language)
     pdf = cache.in_turn(key, work, long=True, caller=caller, wanted=lambda: not from_thread.run(request.is_disconnected))
     name = f"{machine_id}-{to_datetime(asked.last):%Y-%m-%d}.pdf"
-    return Response(pdf, media_type=PDF, headers={"Content-Disposition": f'inline; filename="{name}"'})
+    return Response(
+        pdf,
+        media_type=PDF,
+        headers={
+            "Content-Disposition": f'inline; filename="{name}"',
+            "Content-Language": language.code,
+            "Vary": "Accept-Language",
+        },
+    )

@@ -23,7 +23,7 @@ MOST_KEPT = 20_000
 
 @dataclass(frozen=True)
 class ChannelVectors:
-    """What one channel of a run has at running speed, [m], NaN where there is none; gap: towards the probe."""
+    """Vectors and levels of one channel at running speed [m], NaN where there is none; gap: towards the probe."""
 
     first: complex = complex(np.nan, np.nan)
     second: complex = complex(np.nan, np.nan)

@@ -69,7 +69,7 @@ def _limits(machine: Machine) -> schemas.VibrationLimits:
         danger_um_pp=danger,
         severity_zones=None
         if zones is None
-        else schemas.SeverityZones(
+        else schemas.ZoneBoundaries(
             source=zones.source,
             a_b_um_pp=zones.a_b / MICROMETRES,
             b_c_um_pp=zones.b_c / MICROMETRES,

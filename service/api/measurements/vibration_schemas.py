@@ -9,7 +9,7 @@ Zone = Literal["A", "B", "C", "D"]
 """Zone of severity of an overall level."""
 
 
-class SeverityZones(BaseModel):
+class ZoneBoundaries(BaseModel):
     """Boundaries of severity zones from the document, for overall levels at running speed, peak-to-peak [µm]."""
 
     source: str = Field(description="where the document has them from")
@@ -24,7 +24,7 @@ class VibrationLimits(BaseModel):
     balanced_um_pp: float | None = Field(description="largest that a balanced machine may have (operation.vibration_limit)")
     alert_um_pp: float | None = Field(description="from which a person should look (operation.vibration_alert)")
     danger_um_pp: float | None = Field(description="from which the machine is in danger (operation.vibration_danger)")
-    severity_zones: SeverityZones | None = Field(
+    severity_zones: ZoneBoundaries | None = Field(
         default=None, description="of overall levels (operation.severity_zones); null where the document gives none"
     )
 

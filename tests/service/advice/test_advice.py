@@ -12,6 +12,7 @@ from service.advice.site_texts import SiteTexts
 from service.alerts.advice_message import Advice
 from service.alerts.lifecycle import Severity
 from service.monitoring.finding_rules import FINDING_RULES, finding_rule
+from service.wording.language import ENGLISH, GERMAN, LANGUAGES, Language
 
 MEASURED = datetime(2026, 11, 26, tzinfo=UTC)
 
@@ -30,19 +31,22 @@ GROWING = {"runs": 8, "newest": 12.0, "per_week": 1.0, "lower": 0.5, "upper": 1.
 EVIDENCE: dict[str, Any] = {"since": "2026-10-22T09:00:00Z", "quantities": {}, "sigma": 12.0, "runs": 2, "evidence": 40.0}
 
 
-def told(kind: str, element: str, severity: Severity | None = Severity.ALERT, **said: Any) -> Advice:
+def told(
+    kind: str, element: str, severity: Severity | None = Severity.ALERT, language: Language = ENGLISH, **said: Any
+) -> Advice:
     facts = FindingFacts("pump-7", kind, element, EVIDENCE | said, severity, MEASURED)
-    found = advice_of(facts, SiteTexts())
+    found = advice_of(facts, SiteTexts(language=language))
     assert found is not None
     return found
 
 
 @pytest.mark.parametrize("kind", [one.kind for one in FINDING_RULES])
 @pytest.mark.parametrize("severity", [None, Severity.ALERT, Severity.DANGER])
-def test_every_finding_says_what_it_is_and_what_to_do(kind: str, severity: Severity | None) -> None:
+@pytest.mark.parametrize("language", LANGUAGES)
+def test_every_finding_says_what_it_is_and_what_to_do(kind: str, severity: Severity | None, language: Language) -> None:
     kinds = {"pedestal": "pedestal.P1", "bow": "shaft.S1"}
     place = kinds.get(kind, "machine" if kind in ("oil", "misfit", "outliers") else "bearing.B2")
-    one = told(kind, place, severity, quantities=NUMBERS.get(kind, {}))
+    one = told(kind, place, severity, language, quantities=NUMBERS.get(kind, {}))
     assert "2026-10-22" in one.what
     assert one.check
     assert one.confirm
@@ -50,7 +54,7 @@ def test_every_finding_says_what_it_is_and_what_to_do(kind: str, severity: Sever
     assert {action.opportunity for action in one.actions} >= {"in operation", "at the next stop"}
     urgent = severity is Severity.DANGER and finding_rule(kind).can_be_danger
     assert any(action.opportunity == "now" for action in one.actions) == urgent
-    assert "{" not in "".join(advice_lines(one))
+    assert "{" not in "".join(advice_lines(one, language))
 
 
 def test_the_time_to_the_limit_has_its_interval() -> None:
@@ -111,3 +115,25 @@ def test_evidence_of_another_release_is_told_by_kind_and_element(caplog: pytest.
     assert advice_of(FindingFacts("pump-7", "rub", "shaft.S1", EVIDENCE, None, MEASURED), SiteTexts()) is None
     assert plain_message("run_out", "probe.B1X") == "Run out of probe B1X"
     assert plain_message("bearing", "bearing.B1") == "Bearing B1 itself"
+
+
+def test_a_finding_is_told_in_german() -> None:
+    others = {"runners_up": [{"kind": "coupling", "element": "coupling.C1", "evidence": 38.0}]}
+    ahead = AHEAD | {"expected": 1.0, "earliest": 0.5, "latest": None}
+    one = told("misalignment", "coupling.C1", None, GERMAN, parts=[PART], progress=GROWING | {"ahead": ahead}, **others)
+    assert one.what == (
+        "Kupplung C1 verliert ihre Ausrichtung: alle Koeffizienten von Kupplung C1 zusammen +12 % (+10 bis +14), "
+        "gegen den Referenzzustand, seit 2026-10-22"
+    )
+    assert one.how_sure.words == (
+        "12 σ für alles zusammen über die neuesten 2 Läufe gemeinsam; 7,4-mal wahrscheinlicher als die nächste Erklärung: "
+        "Kupplung C1 selbst"
+    )
+    assert one.how_urgent.words == (
+        "Erreicht den Grenzwert für Gefahr von 15 % in 7 Tagen (frühestens in 4 Tagen, möglicherweise auch nie): "
+        "der neueste Lauf zeigt 12 %; es wächst um +1 % je Woche (+0,5 bis +1,5) über 8 Läufe"
+    )
+    # What programs read is the same in all languages.
+    assert one.actions[0].opportunity == "in operation"
+    assert "Zu tun: beim nächsten Stillstand:" in advice_lines(one, GERMAN)
+    assert plain_message("run_out", "probe.B1X", GERMAN) == "Runout an Aufnehmer B1X"

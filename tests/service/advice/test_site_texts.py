@@ -7,6 +7,7 @@ import pytest
 from service.advice.site_texts import read_texts
 from service.monitoring.finding_rules import finding_rule
 from service.wording.finding_texts import TextsWrong
+from service.wording.language import GERMAN
 
 
 def written(folder: Path, text: str) -> str:
@@ -23,6 +24,16 @@ def test_what_a_site_writes_stands_and_all_else_stays(tmp_path: Path) -> None:
     assert read_texts("").of("misalignment") is shipped
 
 
+def test_texts_may_be_for_readers_of_one_language(tmp_path: Path) -> None:
+    file = written(tmp_path, 'wear: {check: ["Tel. 417"]}\nde: {wear: {confirm: ["Schablone 12"]}}')
+    english, german = read_texts(file), read_texts(file, "de")
+    assert english.of("wear").check == german.of("wear").check == ("Tel. 417",)
+    assert german.of("wear").confirm == ("Schablone 12",)
+    assert english.of("wear").confirm == finding_rule("wear").texts.confirm
+    assert german.of("wear").what == finding_rule("wear").texts_in(GERMAN).what
+    assert english.in_language(GERMAN).of("wear") == german.of("wear")
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
@@ -37,6 +48,9 @@ def test_what_a_site_writes_stands_and_all_else_stays(tmp_path: Path) -> None:
         ("wear: {check: look}", r"wear\.check: must be a list"),
         ("wear: {what: [a]}", r"wear\.what: must be one text"),
         ("wear: 7", "wear: must have texts by name"),
+        ('de: {wear: {check: ["bei {sped}"]}}', r"de\.wear\.check\[0\]: \{sped\} is no place"),
+        ("de: [wear]", "de: must have the kinds of findings below it"),
+        ('de: {wear: {what: "Lager {id}"}}', r"de\.wear\.what: needs \{size\}"),
         ("- wear", "must have the kinds of findings at its top"),
         ("wear: [", "is neither YAML nor JSON"),
     ],

@@ -2,11 +2,13 @@
 
 import json
 
+from service.advice.advice_lines import advice_lines
 from service.delivery.alertmanager import Alertmanager
 from service.delivery.channel import EventMessage
 from service.delivery.cloud_event import cloud_event
 from service.delivery.mail import letter
 from service.delivery.messages import trial_message
+from service.wording.language import GERMAN
 from tests.service.advice.test_advice import AHEAD, GROWING, PART, told
 from tests.service.delivery.receivers import settings
 
@@ -35,6 +37,17 @@ def test_an_alertmanager_has_it_as_its_description() -> None:
     annotations = alert["annotations"]
     assert isinstance(annotations, dict)
     assert annotations["summary"] == ADVICE.what
-    assert annotations["description"].splitlines() == ADVICE.lines()
+    assert annotations["description"].splitlines() == advice_lines(ADVICE)
     (silent,) = Alertmanager(None, "http://am", (), "")._alerts(trial_message())  # type: ignore[arg-type]
     assert "description" not in str(silent)
+
+
+def test_a_mail_is_in_the_language_that_is_set() -> None:
+    advice = told("coupling", "coupling.C1", None, GERMAN, parts=[PART], progress=GROWING | {"ahead": AHEAD})
+    event = EVENT.model_copy(update={"message": advice.what, "advice": advice, "rule": "coupling", "comment": "Anna kommt"})
+    mail = letter(settings(), "anna@plant.example", EventMessage(event, "plant-1"), GERMAN)
+    assert mail["Subject"] == "[Warnung] pump-7 test: Kupplung, normal"
+    assert "Maschine   plant-1/pump-7\n" in mail.get_content()
+    assert "Kommentar  Anna kommt\n" in mail.get_content()
+    assert "Zu tun: im Betrieb:\n" in mail.get_content()
+    assert trial_message(GERMAN).event.message.startswith("Dies ist ein Test")

@@ -17,6 +17,7 @@ from service.reports.contents import ReportContents, ReportedNote, ReportedTrend
 from service.reports.period import asked_period
 from service.reports.printing import printed_html, report_html
 from service.reports.reading import read_contents
+from service.wording.language import ENGLISH, GERMAN, Language
 from storage.clock import now
 from storage.database.engine import Database
 from tests.estimator.alignment.drawn_runs import MODEL
@@ -34,9 +35,14 @@ def sunken(plant: Database) -> ReportContents:
     weeks = FilmWeeks(plant)
     weeks.file({}, times=BASELINE + 2)
     weeks.file(sunk(120e-6), times=3)
+    return contents_of(plant, ENGLISH)
+
+
+def contents_of(plant: Database, language: Language) -> ReportContents:
     with plant.reading() as session:
         period = asked_period(START, None, moment=now())
-        return read_contents(session, MODEL.machine.id, period, texts=SiteTexts(), baseline_runs=BASELINE)
+        texts = SiteTexts(language=language)
+        return read_contents(session, MODEL.machine.id, period, texts=texts, baseline_runs=BASELINE)
 
 
 def test_every_part_is_told_with_the_same_figures_as_the_alert(sunken: ReportContents) -> None:
@@ -56,6 +62,27 @@ def test_every_part_is_told_with_the_same_figures_as_the_alert(sunken: ReportCon
     assert all(one.words in page for one in alert.last.advice.how_far)
     assert "cannot be computed" not in page
     assert "No correction is proposed: mend C1 first" in page
+
+
+def test_the_same_is_told_in_german(plant: Database, sunken: ReportContents) -> None:
+    page = report_html(contents_of(plant, GERMAN))
+    assert '<html lang="de">' in page
+    assert re.findall(r"<h2>(.*?)</h2>", page) == [
+        "Trends",
+        "Schwingung über der Drehzahl (1×)",
+        "Wellenbahnen",
+        "Wellenlage",
+        "Ausrichtung",
+        "Auswuchten",
+        "Verlauf",
+    ]
+    assert "Kupplung C1 ist falsch ausgerichtet: die getriebene Welle liegt" in page
+    assert "Kein Ausgleich wird vorgeschlagen: zuerst C1 instand setzen" in page
+    assert 'content: "Seite " counter(page) " von "' in page
+    assert re.search(r"\d,\d+ mrad", page)
+    # No sentence of the English report is left.
+    english = set(re.findall(r">([^<>]*[A-Za-z]{3,} [a-z]{2,}[^<>]*)<", report_html(sunken)))
+    assert {one for one in english if f">{one}<" in page} == set()
 
 
 def test_a_plot_of_10_000_points_stays_small(sunken: ReportContents) -> None:

@@ -72,6 +72,29 @@ def test_an_alert_is_acknowledged_and_its_history_says_by_whom(plant: Database, 
     assert api.get(f"/alerts/{alert}").json()["state"] == "normal"
 
 
+def test_alerts_are_told_in_the_language_of_who_asks(plant: Database, api: httpx.Client) -> None:
+    alert = raised(plant)
+    german = {"accept-language": "de-DE,de;q=0.9,en;q=0.5"}
+    for path in ("/alerts", "/machines/pump-7/alerts"):
+        for headers, language, said in (
+            (german, "de", "Ausrichtfehler an Kupplung C1"),
+            ({}, "en", "Misalignment of coupling C1"),
+        ):
+            answer = api.get(path, headers=headers)
+            assert answer.json()[0]["message"] == said
+            assert answer.headers["content-language"] == language
+            assert "Accept-Language" in answer.headers["vary"]
+    read = api.get(f"/alerts/{alert}", headers=german)
+    assert read.json()["message"] == "Ausrichtfehler an Kupplung C1"
+    assert read.headers["content-language"] == "de"
+    (event,) = api.get(f"/alerts/{alert}/events", headers=german).json()
+    assert event["message"] == "Ausrichtfehler an Kupplung C1"
+    # Errors stay English, and a state that was read in one language may be changed in another.
+    assert "no alert" in refused(api.get("/alerts/999", headers=german), 404)
+    answer = api.post(f"/alerts/{alert}/acknowledge", json=ANNA, headers={"if-match": read.headers["etag"]})
+    assert (answer.status_code, answer.json()["message"]) == (200, "Misalignment of coupling C1")
+
+
 def test_a_latched_alert_is_reset(plant: Database, api: httpx.Client) -> None:
     alert = raised(plant, latching=True)
     cleared(plant, alert)

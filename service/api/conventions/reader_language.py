@@ -1,0 +1,18 @@
+"""Language of who asks, for answers that tell people of findings: by Accept-Language, else the site's. Errors stay English."""
+
+from typing import cast
+
+from fastapi import Request, Response
+
+from service.wording.language import Language, asked_language
+
+
+def reader_language(request: Request) -> Language:
+    """Return the language that a request wants findings to be told in."""
+    return asked_language(request.headers.get("accept-language", ""), cast(Language, request.app.state.texts.language))
+
+
+def vary_by_language(request: Request, response: Response) -> None:
+    """Say which language an answer is in, and that others get another (RFC 9110 §8.5, §12.5.5)."""
+    response.headers["Content-Language"] = reader_language(request).code
+    response.headers["Vary"] = "Accept-Language"

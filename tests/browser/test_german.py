@@ -1,0 +1,106 @@
+"""The page in German: no view has English left, numbers have a comma, and the choice is kept; axe finds nothing."""
+
+import re
+from collections.abc import Iterator
+
+import pytest
+from playwright.sync_api import Browser, Page, ViewportSize, expect
+
+from tests.browser.conftest import Seen, shown
+from tests.browser.story import ZONE
+from tests.browser.test_accessibility import faults
+from tests.browser.views import VIEWS, show
+from tests.end_to_end.processes import Service
+from tests.service.test_dashboard_messages import PLACE, catalogue
+
+READ = """() => {
+  const found = [];
+  const walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  for (let node = walker.nextNode(); node; node = walker.nextNode()) found.push(node.data);
+  for (const one of document.querySelectorAll("[title], [aria-label], [placeholder]"))
+    for (const name of ["title", "aria-label", "placeholder"]) if (one.hasAttribute(name)) found.push(one.getAttribute(name));
+  return found;
+}"""
+"""Everything that the page says, what is only read aloud included."""
+ENGLISH_WORDS = re.compile(r"\b(?:the|of|is|are|with|from|not|and|this|has|which|since|by)\b")
+"""Words that no German text of the page has. Identifiers and names of machines have none either."""
+FROM_THE_SERVICE = re.compile(r"thesis-chapter-3|Thesis chapter 3")
+"""What a person has written: names of machines."""
+
+
+@pytest.fixture
+def german(browser: Browser, service: Service, request: pytest.FixtureRequest) -> Iterator[Seen]:
+    """A page in a window of a laptop whose browser wants German."""
+    size = ViewportSize(width=1440, height=900)
+    context = browser.new_context(viewport=size, color_scheme="light", timezone_id=ZONE.key, locale="de-DE")
+    yield from shown(context, service, request)
+
+
+def said(page: Page) -> list[str]:
+    """All texts of the page."""
+    found: list[str] = page.evaluate(READ)
+    return [text for one in found if (text := " ".join(one.split()))]
+
+
+def english_messages() -> re.Pattern[str]:
+    """What English says and German does not, with anything in its places; as short as one word."""
+    english, other = catalogue("en"), catalogue("de")
+    texts = {text.strip() for key, text in english.items() if other[key] != text}
+    texts -= {text.strip() for text in other.values()}
+    words = [text for text in texts if re.search(r"[A-Za-z]{3}", PLACE.sub("", text))]
+    return re.compile("|".join(".+".join(re.escape(part) for part in PLACE.split(one)[::2]) for one in sorted(words)))
+
+
+def left_over(page: Page, view: str) -> list[str]:
+    """Texts that are English, as far as the catalogue or common words tell."""
+    pattern = english_messages()
+    return [
+        f"{view}: {one}"
+        for one in dict.fromkeys(said(page))
+        if not FROM_THE_SERVICE.search(one) and (pattern.fullmatch(one) or ENGLISH_WORDS.search(one))
+    ]
+
+
+def test_no_view_has_english_left(german: Seen) -> None:
+    found = []
+    for view in VIEWS:
+        show(german.page, german.base, view)
+        found += left_over(german.page, view)
+        german.picture(f"german-{view}")
+    assert german.page.locator("html").get_attribute("lang") == "de"
+    assert not found, "\n".join(found)
+
+
+def test_axe_finds_nothing(german: Seen) -> None:
+    found = []
+    for view in VIEWS:
+        show(german.page, german.base, view)
+        found += faults(german.page, f"{view}, German")
+    assert found == []
+
+
+def test_findings_and_numbers_are_german(german: Seen) -> None:
+    show(german.page, german.base, "alert")
+    expect(german.page.get_by_role("heading", level=1)).to_have_text("Ausrichtfehler an Kupplung C1")
+    expect(german.page.locator(".alert-row").first).to_contain_text("Kupplung C1 verliert ihre Ausrichtung")
+    expect(german.page.locator(".advice")).to_contain_text("Zu tun: beim nächsten Stillstand")
+    show(german.page, german.base, "overview")
+    expect(german.page.locator("main")).to_contain_text(re.compile(r"\d,\d"))
+
+
+def test_the_language_is_chosen_and_kept(seen: Seen) -> None:
+    show(seen.page, seen.base, "fleet")
+    expect(seen.page.locator("html")).to_have_attribute("lang", "en")
+    seen.page.get_by_label("Language of the page").select_option("de")
+    expect(seen.page.get_by_role("heading", level=1)).to_have_text("Maschinenpark")
+    seen.page.reload()
+    expect(seen.page.get_by_role("heading", level=1)).to_have_text("Maschinenpark")
+    seen.page.get_by_label("Sprache der Seite").select_option("en")
+    expect(seen.page.get_by_role("heading", level=1)).to_have_text("Fleet")
+
+
+def test_a_catalogue_that_cannot_be_loaded_leaves_the_page_in_english(german: Seen) -> None:
+    german.page.route(re.compile(r"/assets/de-.*\.js"), lambda route: route.abort())
+    german.open()
+    expect(german.page.get_by_role("heading", level=1)).to_have_text("Fleet")
+    expect(german.page.locator("html")).to_have_attribute("lang", "en")

@@ -1,0 +1,60 @@
+"""The page's catalogues of messages: every language says everything that English says, with the same places."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+MESSAGES = Path(__file__).parents[2] / "dashboard" / "src" / "messages"
+MESSAGE = re.compile(r'^  "?([\w.]+)"?: ("(?:[^"\\]|\\.)*"),$', re.MULTILINE)
+PLACE = re.compile(r"\{(\w+)\}")
+CHANNEL = re.compile(r'kind: "(\w+)", title: "([^"]*)"')
+LOCALES = sorted(path.stem for path in MESSAGES.glob("*.ts") if len(path.stem) == 2 and path.stem != "en")
+
+
+def catalogue(locale: str) -> dict[str, str]:
+    """The messages of a language by their keys."""
+    text = (MESSAGES / f"{locale}.ts").read_text(encoding="utf-8")
+    found = MESSAGE.findall(text)
+    assert len(found) == len(dict(found)), f"{locale}: a key stands twice"
+    return {key: words[1:-1] for key, words in found}
+
+
+@pytest.mark.parametrize("locale", LOCALES)
+def test_a_language_lacks_no_message(locale: str) -> None:
+    english, other = catalogue("en"), catalogue(locale)
+    assert sorted(set(english) - set(other)) == []
+    assert sorted(set(other) - set(english)) == []
+
+
+@pytest.mark.parametrize("locale", LOCALES)
+def test_messages_have_the_same_places(locale: str) -> None:
+    other = catalogue(locale)
+    english = {key: sorted(PLACE.findall(text)) for key, text in catalogue("en").items()}
+    assert {key: places for key, places in english.items() if sorted(PLACE.findall(other[key])) != places} == {}
+
+
+def test_there_is_a_message_for_every_key_and_each_is_said() -> None:
+    sources = [path for path in MESSAGES.parent.rglob("*.ts*") if path.parent != MESSAGES]
+    text = "\n".join(path.read_text(encoding="utf-8") for path in sources)
+    unsaid = [key for key in catalogue("en") if not key.startswith("term.") and f'"{key}"' not in text]
+    assert unsaid == []
+
+
+def test_every_language_can_be_chosen() -> None:
+    locales = (MESSAGES / "locale.ts").read_text(encoding="utf-8")
+    assert re.findall(r"(\w\w): \"", locales.split("LOCALES = {")[1].split("}")[0]) == ["en", *LOCALES]
+
+
+def test_channels_are_named_as_they_are_declared() -> None:
+    declared = (MESSAGES.parent / "declarations" / "channels.ts").read_text(encoding="utf-8")
+    english = catalogue("en")
+    assert {kind: english.get(f"term.{kind}") for kind, _ in CHANNEL.findall(declared)} == dict(CHANNEL.findall(declared))
+    assert f'ADDRESS_FORMS = "{english["addressForms"]}"' in declared
+
+
+def test_findings_and_quantities_are_named_in_every_language() -> None:
+    declared = (MESSAGES.parent / "declarations" / "findings.ts").read_text(encoding="utf-8")
+    rules = re.findall(r"^  (\w+): \[", declared, re.MULTILINE)
+    assert len(rules) > 10
+    assert [rule for rule in rules for locale in ("en", *LOCALES) if f"term.{rule}" not in catalogue(locale)] == []

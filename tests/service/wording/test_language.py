@@ -1,0 +1,89 @@
+"""Languages: each says everything that English says, with the same places; numbers have its decimal mark."""
+
+import string
+from collections.abc import Iterable
+
+import pytest
+
+from service.monitoring.finding_rules import FINDING_RULES, RATE_RULE, FindingTexts
+from service.wording.english import ENGLISH_SENTENCES
+from service.wording.finding_texts import LISTS
+from service.wording.german import GERMAN_SENTENCES
+from service.wording.german_findings import GERMAN_FINDINGS
+from service.wording.language import ENGLISH, GERMAN, LANGUAGES, SENTENCES, Language, asked_language
+
+DECLARED = (*FINDING_RULES, RATE_RULE)
+
+
+def places(text: str) -> set[tuple[str, str]]:
+    """The places of a text, with their formats."""
+    return {(name, form or "") for _, name, form, _ in string.Formatter().parse(text) if name is not None}
+
+
+def missing(has: Iterable[str], needs: Iterable[str]) -> list[str]:
+    """What is needed and not there; names of identifiers may be English words as they are."""
+    return sorted(one for one in set(needs) - set(has) if not one.startswith("name."))
+
+
+def test_german_lacks_no_sentence() -> None:
+    assert missing(GERMAN_SENTENCES, ENGLISH_SENTENCES) == []
+    assert missing(ENGLISH_SENTENCES, GERMAN_SENTENCES) == []
+    wrong = [key for key, text in ENGLISH_SENTENCES.items() if places(text) != places(GERMAN_SENTENCES[key])]
+    assert wrong == []
+
+
+def test_german_lacks_no_finding_and_no_text_of_one() -> None:
+    assert {one.kind for one in DECLARED} == set(GERMAN_FINDINGS)
+    for one in DECLARED:
+        assert _shape(GERMAN_FINDINGS[one.kind]) == _shape(one.texts), one.kind
+        assert one.texts_in(GERMAN) is GERMAN_FINDINGS[one.kind]
+        assert one.texts_in(ENGLISH) is one.texts
+
+
+def _shape(texts: FindingTexts) -> list[tuple[str, int, set[tuple[str, str]]]]:
+    """How many texts there are of each name, and the places of what has happened."""
+    return [("what", 1, places(texts.what)), *((name, len(getattr(texts, name)), set()) for name in LISTS)]
+
+
+def test_german_names_every_finding() -> None:
+    kinds = {one.kind for one in DECLARED} | {one.rule.name for one in DECLARED}
+    assert [kind for kind in sorted(kinds) if f"name.{kind}" not in GERMAN_SENTENCES] == []
+
+
+def test_what_a_language_lacks_is_said_in_english(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(SENTENCES, "de", {"decimal_mark": ","})  # type: ignore[misc]
+    assert GERMAN.say("compared.mean", runs=3) == "mean of the newest 3 runs against the baseline"
+    assert GERMAN.say("wear", grown="3", after=79.0, before=69.0) == "3 % larger, 79 µm in place of 69 µm"
+    assert GERMAN.named("run_up") == "run-up"
+    assert GERMAN.named("light_load") == "light load"
+
+
+def test_fractions_have_the_decimal_mark_of_the_language() -> None:
+    assert ENGLISH.say("urgent.so_far", far=-1.25) == "it has changed by -1.2 % so far; "
+    assert GERMAN.say("urgent.so_far", far=-1.25) == "bisher hat er sich um -1,2 % geändert; "
+    assert GERMAN.digits("12.35 ± 0.12") == "12,35 ± 0,12"
+    assert GERMAN.element("coupling.C1") == "Kupplung C1"
+    assert GERMAN.element("machine") == "Maschine"
+
+
+@pytest.mark.parametrize(
+    ("accepted", "default", "found"),
+    [
+        ("", ENGLISH, "en"),
+        ("", GERMAN, "de"),
+        ("de", ENGLISH, "de"),
+        ("de-AT,de;q=0.9,en;q=0.5", ENGLISH, "de"),
+        ("en-GB,en;q=0.9,de;q=0.8", GERMAN, "en"),
+        ("fr, de;q=0.2", ENGLISH, "de"),
+        ("fr", GERMAN, "de"),
+        ("de;q=0", ENGLISH, "en"),
+        ("de;q=much, *", ENGLISH, "en"),
+        (";;,,=", ENGLISH, "en"),
+    ],
+)
+def test_the_language_is_the_one_that_is_asked_for(accepted: str, default: Language, found: str) -> None:
+    assert asked_language(accepted, default).code == found
+
+
+def test_every_language_is_one_that_can_be_set() -> None:
+    assert {one.code for one in LANGUAGES} == set(SENTENCES)
