@@ -12,6 +12,11 @@ export function termName(parameter: string): string {
   return parameter.split(".").slice(2).join(".") || parameter;
 }
 
+/** A parameter without its element as people read it: `unbalance`. */
+export function quantityName(parameter: string): string {
+  return term(termName(parameter));
+}
+
 const COMPONENTS: Record<string, string> = { real: t("realPart"), imaginary: t("imaginaryPart") };
 /** Quantities derived from an identification, by their names in the API. */
 const DERIVED: [RegExp, (...parts: string[]) => string][] = [
