@@ -12,9 +12,11 @@ export function termName(parameter: string): string {
   return parameter.split(".").slice(2).join(".") || parameter;
 }
 
-/** A parameter without its element as people read it: `unbalance`. */
+/** A parameter without its element as people read it: `Unwucht`; the API's name where there is no word for it. */
 export function quantityName(parameter: string): string {
-  return term(termName(parameter));
+  const name = termName(parameter);
+  const said = term(name);
+  return said === name.replaceAll("_", " ") ? name : said;
 }
 
 const COMPONENTS: Record<string, string> = { real: t("realPart"), imaginary: t("imaginaryPart") };

@@ -738,6 +738,7 @@ export const de: Record<Key, string> = {
   doWhen: "Zu tun: {when}",
   check: "Prüfen",
   wouldConfirmIt: "Würde es bestätigen",
+  notDeterminedHead: "Nicht bestimmt",
   thisLanguage: "Sprache der Seite",
   oneRun: "{count} Lauf",
   manyRuns: "{count} Läufe",

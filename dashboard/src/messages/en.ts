@@ -737,6 +737,7 @@ export const en = {
   doWhen: "Do {when}",
   check: "Check",
   wouldConfirmIt: "Would confirm it",
+  notDeterminedHead: "Not determined",
   thisLanguage: "Language of the page",
   oneRun: "{count} run",
   manyRuns: "{count} runs",
