@@ -68,8 +68,8 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "sure.runs": " over the newest {runs} runs together",
     "sure.run": " in the newest run",
     "sure.lead": "; {factor} times more probable than the next explanation, {next}",
-    "second_order.grown": "the 2× at probe {probe} has grown from {before} to {now} µm, as beside a misaligned coupling, and at "
-    "no probe elsewhere (common practice)",
+    "second_order.grown": "the 2× at probe {probe} has grown from {before} to {now} µm, as beside a misaligned coupling, and "
+    "at no probe elsewhere (common practice)",
     "second_order.decided": "; by 1× alone {next} explains it about as well: it is named because {grown}",
     "second_order.speaks": "; {grown}, which speaks for it rather than for the next explanation",
     "sure.million": "more than a million",

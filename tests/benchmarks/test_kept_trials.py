@@ -3,6 +3,7 @@
 import json
 from collections import defaultdict
 from pathlib import Path
+from typing import cast
 
 import numpy as np
 
@@ -15,7 +16,12 @@ def test_a_kept_trial_is_not_computed_again_but_another_commits_is(tmp_path: Pat
     def compute() -> FilmTrial:
         made.append(1)
         return FilmTrial(
-            True, "accepted", 0.5, inside=defaultdict(list, load=[np.True_, False]), errors={"a": 0.9}, widths=(1.1, 1.2)
+            True,
+            "accepted",
+            0.5,
+            inside=defaultdict(list, load=cast(list[bool], [np.True_, False])),
+            errors={"a": 0.9},
+            widths=(1.1, 1.2),
         )
 
     first = KeptTrials(file).trial("lobes", 3, compute)

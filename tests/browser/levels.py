@@ -23,7 +23,12 @@ ZONES = {"source": "a contract made up for this test", "a_b": 1e-4, "b_c": 2e-4,
 def add_copy(service: Service) -> dict[str, Any]:
     """Create the copy, have its runs identified, and return the batch that its source sent."""
     runs = first_runs(service)
-    limits = {"vibration_alert": 2e-4, "vibration_danger": 2e-3, "running_rpm": float(runs.speed_rpm.max()), "severity_zones": ZONES}
+    limits = {
+        "vibration_alert": 2e-4,
+        "vibration_danger": 2e-3,
+        "running_rpm": float(runs.speed_rpm.max()),
+        "severity_zones": ZONES,
+    }
     probes = [one | {"gap_grows": "away"} for one in example(MACHINE)["probes"]]
     create_copy(service, COPY, "Train with second order", operation=limits, probes=probes)
     sent = _batch(runs)

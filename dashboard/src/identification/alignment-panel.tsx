@@ -86,7 +86,7 @@ function allowedText({ allowed, beyond, unit }: AlignmentNumber): string {
 
 /** By how much the alignment differs from what is aimed at, hot or cold, and where that is probably too much, how probably. */
 function TargetCell({ target: { state, target, off, beyond }, unit }: { target: AlignmentTarget; unit: string }) {
-  if (off.value === null) return <td class="number muted">{t("notDeterminedBecause", { reason: stored(off.reason) })}</td>;
+  if (off.value === null) return <td class="number muted">{t("notDeterminedBecause", { reason: off.reason && stored(off.reason) })}</td>;
   const scale = scaleOf(Math.max(...[off.value, off.lower, off.upper, target].map((one) => Math.abs(one ?? 0))), unit);
   const shown = (one: number | null) => number(one === null ? null : one * scale.factor);
   const exceeded = beyond !== null && beyond > 0.5 && `; ${t("targetExceeded", { per_cent: Math.floor(100 * beyond) })}`;
