@@ -22,4 +22,5 @@ Spread = Annotated[float, Field(ge=0, lt=0.5, allow_inf_nan=False)]
 class Part(StrictModel):
     """A part of a document, which nothing changes once it is read."""
 
-    model_config = ConfigDict(frozen=True)
+    # Parts are built within the document; by themselves only where somebody makes one.
+    model_config = ConfigDict(frozen=True, defer_build=True)

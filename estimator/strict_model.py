@@ -20,7 +20,7 @@ MOST_UNKNOWN = 20
 class StrictModel(BaseModel):
     """A part of a document or of a request."""
 
-    model_config = ConfigDict(extra="forbid", defer_build=True)
+    model_config = ConfigDict(extra="forbid")
 
     @model_validator(mode="before")
     @classmethod

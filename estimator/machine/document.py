@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, Field, ModelWrapValidatorHandler, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ModelWrapValidatorHandler, ValidationError, model_validator
 
 from estimator.bearings.registry import place_of
 from estimator.errors import Invalid
@@ -36,6 +36,8 @@ MOST_WITH_FURTHER = 100
 
 class Machine(Part):
     """One train. The document that a person writes and that everything else in the service is derived from."""
+
+    model_config = ConfigDict(defer_build=False)  # at once, with all parts in it
 
     schema_version: Literal[1] = Field(default=1, description="of the document's form; there is one so far")
     id: Identifier

@@ -285,8 +285,8 @@ def _runs(
 
     described = read_machine(machine)
     say_warnings(described)
-    plain = [file for file in files if sidecar is None and file.suffix == ".csv" and not sidecar_of(file).exists()]
-    if plain:
+    plain = (one.suffix == ".csv" and one.is_file() and not sidecar_of(one).exists() for one in files)
+    if sidecar is None and any(plain):
         read = [read_run(file, machine=described) for file in files]
         runs = [(one.recorded, one.measurement) for one in read]
         left_out = [f"{one.name}: read {one.units}" for one in read] + [line for one in read for line in one.left_out]
