@@ -64,7 +64,7 @@ class ListeningServer(Server):
     """The library's server, whose connections are ours."""
 
     async def start(self) -> None:
-        """Listen. Raises OSError."""
+        """Begin to listen. Raises OSError."""
         await self._setup_server_nodes()
         await self.iserver.start()
         host, port = self._get_bind_socket_info()

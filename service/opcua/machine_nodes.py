@@ -43,7 +43,7 @@ AGGREGATE_FOLDERS = (
     ua.ObjectIds.Server_ServerCapabilities_AggregateFunctions,
     ua.ObjectIds.HistoryServerCapabilities_AggregateFunctions,
 )
-"""Where clients look for the aggregates that are computed."""
+"""Folders in which clients look for aggregates."""
 NOTIFIER = ua.ObjectIds.HasNotifier
 """Reference from a plant to its machines: whose events pass on to it. It is hierarchical, as Organizes is."""
 LOWER, UPPER, ANGLE, QUALITY, REASON, UNIT = "Lower95", "Upper95", "AngleDeg", "Quality", "Reason", "EngineeringUnits"

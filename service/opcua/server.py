@@ -74,7 +74,7 @@ class ClientServer(InternalServer):
         self.supported_tokens: tuple[type[ua.UserIdentityToken], ...] = (ua.AnonymousIdentityToken, ua.UserNameIdentityToken)
 
     def offer(self, policy: ua.UserTokenPolicy | None) -> None:
-        """Offer logins by an issuer's tokens, at endpoints that encrypt."""
+        """Allow logins by an issuer's tokens, at endpoints that encrypt."""
         self._token_policy = policy
         if policy is not None:
             # An issued token is checked in the place of a password.

@@ -131,6 +131,35 @@ def test_a_query_for_all_of_everything_is_bounded(api: Api) -> None:
         assert one_thing or (limited is not None and int(limited[2]) <= 1000), where
 
 
+COLUMN_TYPES = {"string", "number", "timestamp", "timestamp_epoch", "timestamp_epoch_s"}
+FORMATS = {"table", "timeseries", "dataframe", "as-is", "node-graph-nodes", "node-graph-edges"}
+QUERY_FIELDS = {"refId", "datasource", "type", "source", "parser", "format", "url", "url_options", "root_selector", "columns"}
+OPTIONAL_FIELDS = {"filters", "filterExpression", "summarizeExpression", "summarizeBy", "computed_columns"}
+
+
+@pytest.mark.parametrize(("where", "query"), list(queries()), ids=lambda one: one if isinstance(one, str) else "")
+def test_each_query_has_the_fields_that_the_data_source_reads(where: str, query: dict[str, Any]) -> None:
+    """As its types say: grafana/grafana-infinity-datasource, src/types/query.types.ts and variables.types.ts (Apache-2.0)."""
+    assert set(query) - OPTIONAL_FIELDS == QUERY_FIELDS, where
+    assert query["type"] in {"json", "csv"}
+    assert (query["source"], query["parser"]) == ("url", "backend"), "only the backend's parser works for alerting and sharing"
+    assert query["format"] in FORMATS
+    assert query["url_options"]["method"] == "GET"
+    assert set(query["url_options"]) <= {"method", "params", "headers", "data", "body_type", "body_content_type"}
+    for column in query["columns"]:
+        assert set(column) <= {"selector", "text", "type", "timestampFormat"}, where
+        assert column["type"] in COLUMN_TYPES
+    if query["format"] == "timeseries":
+        assert {"timestamp", "number"} <= {column["type"] for column in query["columns"]}, "a series needs a time and a number"
+
+
+def test_each_variable_asks_as_the_data_source_reads_it() -> None:
+    for variable in DASHBOARD["templating"]["list"]:
+        if variable["type"] == "query":
+            assert set(variable["query"]) == {"queryType", "refId", "query", "infinityQuery"}
+            assert variable["query"]["queryType"] == "infinity"
+
+
 def test_grafana_knows_the_dashboard_and_is_told_of_the_service() -> None:
     found = Dashboard.from_json(DASHBOARD)
     assert [one.title for one in found.panels or []] == [one["title"] for one in DASHBOARD["panels"]]

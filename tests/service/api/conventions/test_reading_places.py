@@ -2,6 +2,7 @@
 
 import asyncio
 from contextlib import AsyncExitStack
+from typing import Any
 
 import httpx
 import pytest
@@ -73,3 +74,23 @@ def test_a_place_given_to_one_who_has_just_gone_goes_to_the_next() -> None:
             pass
 
     asyncio.run(passed_on())
+
+
+def test_who_takes_an_answer_slowly_holds_no_connection(api: Api) -> None:
+    held: list[int] = []
+
+    async def watched(scope: Any, receive: Any, send: Any) -> None:
+        async def told(message: Any) -> None:
+            held.append(api.database.engine.pool.checkedout())  # type: ignore[attr-defined]
+            await send(message)
+
+        await api.app(scope, receive, told)
+
+    async def ask() -> None:
+        transport = httpx.ASGITransport(watched)
+        async with httpx.AsyncClient(transport=transport, base_url="http://rundown") as client:
+            assert (await client.get(f"{PREFIX}/machines/pump-7/samples")).status_code == 200
+
+    asyncio.run(ask())
+    assert held
+    assert set(held) == {0}

@@ -1,0 +1,111 @@
+"""One analyst of one plant asks for far too much at once: other plants store, read and are identified as before."""
+
+import threading
+import time
+from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import httpx
+import numpy as np
+import pytest
+
+from service.security import api_keys
+from service.security.principal import Role
+from service.wire import JSON, encode_body
+from storage.database.engine import Database
+from storage.findings import jobs
+from storage.machines import machines
+from storage.tables.findings import JobRow
+from tests.end_to_end.alive import probing
+from tests.end_to_end.processes import Service, until
+from tests.faults.measured import measured
+from tests.identification import chapter_3, close_run
+from tests.plant import document
+
+JOBS, AT_ONCE = 1_600, 30
+OTHER_PLANT, OTHER = "orchard", "pump-8"
+LONGEST_S = 10.0
+"""No answer to another plant takes longer, beside other tests; `benchmarks.faults.attacks` asks how long `/alive` takes."""
+
+
+def key(store: Database, name: str, role: Role, plants: list[str] | None) -> dict[str, str]:
+    """The header of a new key."""
+    with store.transaction() as session:
+        _, text = api_keys.create(session, name=name, role=role, plants=plants, days=1)
+    return {"authorization": f"Bearer {text}"}
+
+
+class Neighbour(threading.Thread):
+    """Somebody of another plant who stores samples and reads; took: how long each answer was waited for [s]."""
+
+    def __init__(self, service: Service, headers: dict[str, str]) -> None:
+        super().__init__()
+        self._client = httpx.Client(base_url=service.client.base_url, headers=headers, timeout=60.0)
+        self.ended = threading.Event()
+        self.stored, self.took, self.refused = 0, [0.0], Counter[int]()
+
+    def run(self) -> None:
+        """Until it is told to end."""
+        while not self.ended.wait(0.2):
+            batch = measured(self.stored, 20, machine=OTHER, plant=OTHER_PLANT)
+            began = time.perf_counter()
+            path = f"/machines/{OTHER}/samples"
+            answer = self._client.post(path, content=encode_body(batch, JSON), headers={"content-type": JSON})
+            read = self._client.get(f"/machines/{OTHER}/timeline", params={"limit": 1 + self.stored % 100})
+            self.took.append(time.perf_counter() - began)
+            self.stored += 20 if answer.status_code == 200 else 0
+            self.refused.update(one.status_code for one in (answer, read) if one.status_code != 200)
+        self._client.close()
+
+
+@pytest.mark.long
+def test_one_impatient_person_keeps_nobody_of_another_plant_waiting(tmp_path: Path) -> None:
+    service = Service(tmp_path)
+    train = chapter_3()
+    with service.client, service.running():
+        store = Database(service.database)
+        own = key(store, "impatient", Role.ANALYST, [train.plant])
+        other = key(store, "neighbour", Role.ADMIN, [OTHER_PLANT])
+        neighbour = Neighbour(service, other)
+        with store.transaction() as session:
+            machines.create(session, train)
+        theirs = train.model_copy(update={"id": "other-train", "plant": OTHER_PLANT})
+        with store.transaction() as session:
+            machines.create(session, theirs)
+        until(lambda: service.client.get("/machines").status_code == 401, within_s=20, what="keys are needed")
+        assert service.client.post("/machines", json=document(id=OTHER, plant=OTHER_PLANT), headers=other).status_code == 201
+        run = close_run(store, train, seed=1, start_s=1_700_000_000)
+        limits = httpx.Limits(max_connections=AT_ONCE)
+        with httpx.Client(base_url=service.client.base_url, headers=own, timeout=60.0, limits=limits) as impatient:
+
+            def ask(number: int) -> int:
+                if number % 2:
+                    return impatient.get(f"/machines/{train.id}/jobs", params={"limit": 1 + number % 500}).status_code
+                return impatient.post(f"/runs/{run}/identifications", json={"seed": number}).status_code
+
+            neighbour.start()
+            try:
+                with probing(str(service.client.base_url).rstrip("/")) as alive, ThreadPoolExecutor(AT_ONCE) as many:
+                    answers = Counter(many.map(ask, range(2 * JOBS)))
+                    close_run(store, theirs, seed=2, start_s=1_700_086_400)
+                    until(lambda: _done(store, theirs.id), within_s=120, what="the other plant's run is identified first")
+            finally:
+                neighbour.ended.set()
+                neighbour.join()
+        assert set(answers) <= {200, 202, 429}, answers
+        assert answers[429] > 0
+        with store.reading() as session:
+            waiting = session.query(JobRow).filter_by(state=jobs.QUEUED).count()
+        assert waiting > 0, "it did not wait for the others"
+        assert not neighbour.refused
+        assert max(neighbour.took) < LONGEST_S
+        assert np.percentile(alive, 99) < LONGEST_S / 10
+        (row,) = [one for one in service.client.get("/sources", headers=other).json() if one["machine"] == OTHER]
+        assert (row["received"], row["lost"]) == (neighbour.stored, 0)
+        store.close()
+
+
+def _done(store: Database, machine: str) -> bool:
+    with store.reading() as session:
+        return session.query(JobRow).filter_by(machine_id=machine, state=jobs.DONE).count() > 0
