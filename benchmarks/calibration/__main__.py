@@ -18,9 +18,10 @@ from threadpoolctl import threadpool_limits
 
 from benchmarks.calibration.conventions import conventions_figures
 from benchmarks.calibration.field_balancing import measured_kit, printed_balancing
+from benchmarks.calibration.kept_outcomes import KeptOutcomes
 from benchmarks.calibration.rotor_kit import HeldOut, by_least_squares, by_model, folds, gathered, kit
 from benchmarks.calibration.simulated_kit import later_changes
-from benchmarks.calibration.simulated_trains import TRAINS, later_changes_of_train
+from benchmarks.calibration.simulated_trains import TRAINS, train_lines
 from benchmarks.calibration.sweep_time import SECONDS_ASKED, seconds_of_sweeps
 from benchmarks.fluid_film.report_line import ReportLine
 
@@ -80,13 +81,8 @@ def figures(*, short: bool) -> Iterator[ReportLine]:
 
 
 def _trains() -> Iterator[ReportLine]:
-    low, high = COVERED_SIMULATED
     for name, count in TRAINS.items():
-        found = [later_changes_of_train(name, seed) for seed in range(count)]
-        kept = [one for one in found if one is not None]
-        covered = gathered(kept).covered if kept else float("nan")
-        words = f"simulated {name}, {count} trains, {count - len(kept)} refused: intervals hold"
-        yield ReportLine(words, "93-97 %", f"{covered:.1%}", count < FEWEST_KITS or low <= covered <= high)
+        yield from train_lines([name], count, KeptOutcomes())
 
 
 def _shared_conditions(splits: int) -> Iterator[ReportLine]:
