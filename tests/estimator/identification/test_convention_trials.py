@@ -40,7 +40,7 @@ def document() -> Machine:
 def right() -> tuple[Floats, Floats, Complexes]:
     """Times, speeds and phasors of a slow run-down."""
     rng = np.random.default_rng(5)
-    seconds, speed = speed_law(chapter_3(), "run-down", duration=6000.0, samples=100)
+    seconds, speed = speed_law(chapter_3(), "run-down", duration=6000.0, samples=50)
     return seconds, speed, measured_phasors(chapter_3(), draw_truth(chapter_3(), rng), speed, rng)
 
 
