@@ -47,6 +47,16 @@ _BOUNDS = (
     Column("upper", "number", "upper end of the 95 % interval", "see unit"),
 )
 _BY = (Column("by", "text", "who said it"), Column("created_at", "time", "when it was stored"))
+_SPEEDS = (
+    Column("speed_minimum", "number", "lowest speed", "rad/s"),
+    Column("speed_maximum", "number", "highest speed", "rad/s"),
+)
+_DIRECTION = Column("direction", "integer", "sense of rotation, +1 or -1")
+_VERDICT = Column("verdict", "text", "the same in words")
+_CODE = Column("code_version", "text", "release of Rundown that computed it")
+_COMPUTED = Column("computed_at", "time", "when it was computed")
+_DID = Column("by", "text", "who did it")
+_SAID = Column("comment", "text", "what they said")
 IDENTIFICATIONS = (
     Column("id", "integer", "number of the identification"),
     Column("revision", "integer", "revision of the machine's document that it was made with"),
@@ -54,19 +64,18 @@ IDENTIFICATIONS = (
     Column("run_kind", "text", "run-up, run-down or rolling"),
     Column("run_ids", "text", "numbers of its runs, as JSON"),
     _MEASURED,
-    Column("computed_at", "time", "when it was computed"),
+    _COMPUTED,
     Column("accepted", "truth", "whether the model explains the data"),
-    Column("verdict", "text", "the same in words"),
+    _VERDICT,
     Column("chi_square", "number", "weighted sum of the squared residuals"),
     Column("degrees_of_freedom", "integer", "what it is expected to be"),
     Column("condition_number", "number", "of the scaled information matrix"),
     Column("samples", "integer", "samples that it was made from"),
-    Column("speed_minimum", "number", "lowest speed", "rad/s"),
-    Column("speed_maximum", "number", "highest speed", "rad/s"),
+    *_SPEEDS,
     Column("noise_relative", "number", "rms of the complex error, part of the amplitude", "1"),
     Column("noise_floor", "number", "rms of the complex error that is always there", "m"),
     Column("slow_roll_version", "integer", "slow-roll vectors that were subtracted; none where there is no value"),
-    Column("code_version", "text", "release of Rundown that computed it"),
+    _CODE,
 )
 TRENDS = (
     _ID,
@@ -112,20 +121,19 @@ ALERT_EVENTS = (
     Column("state_before", "text", "state before"),
     Column("state", "text", "state after"),
     Column("severity", "integer", "severity then"),
-    Column("by", "text", "who did it"),
-    Column("comment", "text", "what they said"),
+    _DID,
+    _SAID,
 )
 RUNS = (
     Column("id", "integer", "number of the run"),
     Column("revision", "integer", "revision of the machine's document then"),
     Column("kind", "text", "run-up, run-down or rolling"),
-    Column("direction", "integer", "sense of rotation, +1 or -1"),
+    _DIRECTION,
     Column("state", "text", "open, closed or discarded"),
     Column("reason", "text", "why it ended"),
     Column("time_first", "time", "first sample"),
     Column("time_last", "time", "last sample"),
-    Column("speed_minimum", "number", "lowest speed", "rad/s"),
-    Column("speed_maximum", "number", "highest speed", "rad/s"),
+    *_SPEEDS,
     Column("count", "integer", "samples"),
 )
 DIAGNOSES = (
@@ -161,8 +169,8 @@ SUPPRESSIONS = (
     Column("element", "text", "only of this element, where there is one"),
     Column("since", "time", "when it began"),
     Column("until", "time", "when it ends by itself"),
-    Column("by", "text", "who did it"),
-    Column("comment", "text", "what they said"),
+    _DID,
+    _SAID,
     Column("ended_at", "time", "when it ended"),
     Column("ended_by", "text", "who ended it"),
 )
@@ -171,7 +179,7 @@ LIMITS = (
     Column("document", "text", "the limits, as JSON"),
     Column("at", "time", "when they were set"),
     Column("by", "text", "who set them"),
-    Column("comment", "text", "what they said"),
+    _SAID,
 )
 CALIBRATIONS = (
     Column("id", "integer", "number of the calibration"),
@@ -184,12 +192,12 @@ MODEL_CALIBRATIONS = (
     Column("id", "integer", "number of the calibration"),
     Column("revision", "integer", "revision of the machine's document that it begins from"),
     Column("asked", "text", "runs with their weights [g mm, °] and the seed, as JSON"),
-    Column("computed_at", "time", "when it was computed"),
+    _COMPUTED,
     Column("accepted", "truth", "whether the model explains the runs"),
-    Column("verdict", "text", "the same in words"),
+    _VERDICT,
     Column("result", "text", "remarks and starts, as JSON"),
     Column("document", "text", "the calibrated document, as JSON"),
-    Column("code_version", "text", "release of Rundown that computed it"),
+    _CODE,
     Column("revision_in_force", "integer", "revision as which it was put in force last"),
     Column("comment", "text", "what was said of it"),
     *_BY,
@@ -212,7 +220,7 @@ SLOW_ROLL = (
     Column("version", "integer", "version of the slow-roll vectors"),
     Column("created_at", "time", "when they were stored"),
     Column("origin", "text", "given or captured"),
-    Column("direction", "integer", "sense of rotation, +1 or -1"),
+    _DIRECTION,
     Column("vectors", "text", "of each channel, as JSON", "m"),
     Column("speed_minimum", "number", "lowest speed that they were measured at", "rad/s"),
     Column("speed_maximum", "number", "highest speed that they were measured at", "rad/s"),
@@ -287,7 +295,7 @@ def sample_columns(machine: Machine) -> tuple[Column, ...]:
         Column("run", "integer", "number of the run, see runs"),
         Column("time", "time", "when it was taken, by its source's clock"),
         Column("speed", "number", "speed of rotation", "rad/s"),
-        Column("direction", "integer", "sense of rotation, +1 or -1"),
+        _DIRECTION,
     ]
     for probe in machine.probes:
         found += [

@@ -78,7 +78,7 @@ def test_the_identification_stands_without_them(
 
 
 def test_the_quality_of_a_run_tells_of_swapped_channels_and_its_fit_is_without_the_slow_roll(train: Machine) -> None:
-    seconds, speed, phasor = with_run_out(train, duration=3000.0, samples=80)
+    seconds, speed, phasor = with_run_out(train, duration=3000.0, samples=40)
     held = forward_samples(START + seconds * 1e9, speed, phasor[:, [0, 1, 3, 2, 4, 5, 6, 7]])
     vectors = SlowRoll(1, RUN_OUT, np.full(8, 1e-6))
     task = IdentificationTask(train.model_dump(mode="json"), [encode(held)], Options(starts=1), 60.0, slow_roll=vectors)
@@ -91,7 +91,7 @@ def test_the_quality_of_a_run_tells_of_swapped_channels_and_its_fit_is_without_t
 def test_a_refused_run_tells_of_the_wrong_convention_instead_of_the_wrong_wiring(train: Machine) -> None:
     """Phases sent with the wrong sign turn every orbit backward as well."""
     rng = np.random.default_rng(1)
-    seconds, speed = speed_law(train, "run-down", duration=3000.0, samples=80)
+    seconds, speed = speed_law(train, "run-down", duration=3000.0, samples=40)
     phasor = measured_phasors(train, draw_truth(train, rng), speed, rng)
     held = forward_samples(START + seconds * 1e9, speed, phasor.conj())
     outcome = computation.compute(IdentificationTask(train.model_dump(mode="json"), [encode(held)], Options(starts=1), 60.0))

@@ -10,6 +10,7 @@ from sqlalchemy.exc import DBAPIError
 
 from service.security import api_keys
 from service.security.audit_watch import LOOK_S, AuditWatch
+from service.security.role import Role
 from storage.database.engine import Database
 from storage.operation import audit
 from storage.operation.audit import AuditedOperation
@@ -152,8 +153,9 @@ def test_a_cut_of_end_and_head_is_noticed_by_the_service_and_told_by_its_log(
 
 def test_what_is_cut_off_while_no_service_runs_is_told_by_its_log(tmp_path: Path) -> None:
     service = Service(tmp_path)
-    for name in "abcde":
-        assert rundown("key", "create", name, "--role", "viewer", "--database", service.database).returncode == 0
+    with closing(Database(service.database)) as database, database.transaction() as session:
+        for name in "abcde":
+            api_keys.create(session, name=name, role=Role.VIEWER, plants=None, days=1.0)
     with closing(service.client), service.running():
         assert rundown("key", "create", "late", "--role", "viewer", "--database", service.database).returncode == 0
     verify = ("audit", "verify", "--noted-in", str(service.log), "--database", service.database)
