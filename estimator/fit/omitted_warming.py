@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.fit.problem.coordinates import PlacedModel
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
+from estimator.fit.problem.placed_models import PlacedModel
 from estimator.fit.reweighting import with_fitted_noise
 from estimator.rotor.response import Sensitivity
 

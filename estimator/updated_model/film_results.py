@@ -11,7 +11,8 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.bearings.terms import LATERAL
-from estimator.fit.problem.coordinates import Coordinates, PlacedModel
+from estimator.fit.problem.coordinates import Coordinates
+from estimator.fit.problem.placed_models import PlacedModel
 from estimator.machine.film_speeds import reported_rpm
 from estimator.quantities import UNITS
 from estimator.statics.film_model import FilmModel

@@ -14,10 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
-from estimator.bearings.mixed_coefficient import MixedCoefficient
-from estimator.bearings.model import ChainedCurves, CoefficientCurves, CoefficientModel, ModelParameter, ReadingModel
+from estimator.bearings.model import CoefficientModel, ModelParameter, ReadingModel
 from estimator.fit.problem.channel_coordinates import ChannelCoordinates
-from estimator.fit.problem.knot_coefficients import KnotCoefficients, gathered
+from estimator.fit.problem.placed_models import FollowingCoefficients, PlacedModel
 from estimator.fit.problem.prior import Prior, calibrated_prior
 from estimator.fit.problem.train_models import train_models
 from estimator.machine.calibration import Calibration
@@ -28,93 +27,6 @@ from estimator.rotor.parameters import Coefficient, Excitation
 
 UNBALANCE_SPREAD = 1000.0
 """Prior standard deviation of an unbalance in units of its scale: enough to make the problem regular, no more."""
-
-
-@dataclass(frozen=True)
-class PlacedModel:
-    """A model whose coefficients follow the speed, with its P parameters among the coordinates.
-
-    Attributes:
-        model: The model.
-        coefficients: Indices of its c coefficients among the K.
-        columns: Index of each among the model's own coefficients.
-        first: Index of its first coordinate.
-        curves: Its curves at the train's speeds.
-        read: Coordinates of other models' parameters that it depends on as well.
-    """
-
-    model: CoefficientModel
-    coefficients: tuple[int, ...]
-    columns: tuple[int, ...]
-    first: int
-    curves: CoefficientCurves
-    read: tuple[int, ...] = ()
-
-    @cached_property
-    def _shorter(self) -> ChainedCurves | None:
-        """Return the curves where they know a shorter way than all derivatives, and all their coefficients count."""
-        whole = self.columns == tuple(range(len(self.model.coefficients)))
-        return self.curves if whole and isinstance(self.curves, ChainedCurves) else None
-
-    @cached_property
-    def places(self) -> range:
-        """Return the coordinates of its own parameters."""
-        return range(self.first, self.first + len(self.model.parameters))
-
-    @cached_property
-    def numbers(self) -> NDArray[np.intp]:
-        """Return the coordinates (P,) that its curves are functions of: those that it reads, then those of its parameters."""
-        return np.array([*self.read, *self.places], dtype=np.intp)
-
-    def own(self, theta: Floats) -> Floats:
-        """Return the numbers that its curves take among all coordinates.
-
-        Args:
-            theta: Fit coordinates θ (n,) [-].
-
-        Returns:
-            Fitted numbers (P,) [-].
-        """
-        return theta[self.numbers]
-
-    def values(self, theta: Floats) -> Floats:
-        """Compute the coefficients.
-
-        Args:
-            theta: Fit coordinates θ (n,) [-].
-
-        Returns:
-            Coefficients (S, c) [SI].
-        """
-        return self.curves.values(self.own(theta))[:, self.columns]
-
-    def derivatives(self, theta: Floats, block: slice) -> Floats:
-        """Compute the derivatives of the coefficients by the coordinates, at some of the speeds.
-
-        Args:
-            theta: Fit coordinates θ (n,) [-].
-            block: The s speeds.
-
-        Returns:
-            Derivatives (s, c, P) [SI].
-        """
-        return self.curves.derivatives(self.own(theta), block)[:, self.columns]
-
-    def chained(self, theta: Floats, block: slice, by_coefficient: Complexes) -> Complexes:
-        """Compute the derivatives of outputs by the coordinates from those by the coefficients, at some of the speeds.
-
-        Args:
-            theta: Fit coordinates θ (n,) [-].
-            block: The s speeds.
-            by_coefficient: Derivatives (c, s, m) of m outputs by the coefficients [any unit].
-
-        Returns:
-            Derivatives (P, s, m) [that unit].
-        """
-        if self._shorter is not None:
-            return self._shorter.chained(self.own(theta), block, by_coefficient)
-        along = self.derivatives(theta, block).swapaxes(1, 2) @ by_coefficient.swapaxes(0, 1)
-        return np.asarray(along.swapaxes(0, 1))
 
 
 @dataclass(frozen=True)
@@ -190,15 +102,9 @@ class Coordinates:
         return found
 
     @cached_property
-    def at_knots(self) -> tuple[KnotCoefficients, ...]:
-        """Return the coefficients that are weighted sums of numbers at knots, those of the same weights together."""
-        pairs = ((one, one.curves) for one in self.models)
-        return gathered([(one.coefficients[0], one.places, own) for one, own in pairs if isinstance(own, MixedCoefficient)])
-
-    @cached_property
-    def apart(self) -> tuple[PlacedModel, ...]:
-        """Return the models of all other coefficients that follow the speed."""
-        return tuple(one for one in self.models if not isinstance(one.curves, MixedCoefficient))
+    def following(self) -> FollowingCoefficients:
+        """Return the coefficients that follow the speed, those at the same knots together."""
+        return FollowingCoefficients(self.models)
 
     @property
     def size(self) -> int:
@@ -273,16 +179,7 @@ class Coordinates:
         at = np.where(self.place >= 0, theta[self.place], fixed) if theta.size else fixed
         exponent = np.where(self.logarithmic, at, 0.0)
         constant = np.where(self.logarithmic, self.expected * np.exp(exponent), self.scale * at)
-        if not self.models:
-            return constant
-        at_knots = [one.values(theta) for one in self.at_knots]
-        others = [one.values(theta) for one in self.apart]
-        whole = np.repeat(constant[None, :], len((at_knots or others)[0]), axis=0)
-        for knots, values in zip(self.at_knots, at_knots, strict=True):
-            whole[:, knots.coefficients] = values
-        for one, values in zip(self.apart, others, strict=True):
-            whole[:, one.coefficients] = values
-        return whole
+        return self.following.among(constant, theta) if self.models else constant
 
     def excitations(self, theta: Floats) -> Complexes:
         """Compute the complex excitations.

@@ -32,7 +32,7 @@ class KnotCoefficients:
 
     @classmethod
     def of(cls, each: Sequence[tuple[int, range, MixedCoefficient]]) -> "KnotCoefficients":
-        """Gather coefficients of the same weights.
+        """Build them from coefficients of the same weights.
 
         Args:
             each: Index, coordinates and curve of each, of which all curves have the same weights.
@@ -86,7 +86,7 @@ class KnotCoefficients:
 
 
 def gathered(each: Sequence[tuple[int, range, MixedCoefficient]]) -> tuple[KnotCoefficients, ...]:
-    """Gather coefficients by their weights.
+    """Return coefficients of the same weights together.
 
     Args:
         each: Index, coordinates and curve of each.

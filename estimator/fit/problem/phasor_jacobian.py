@@ -42,8 +42,4 @@ def _add_coefficients(
     by_coefficient = found.by_coefficient * slope
     for k in np.flatnonzero(coordinates.place >= 0).tolist():
         whole[coordinates.place[k]] += by_coefficient[k]  # tied coefficients share a coordinate
-    for knots in coordinates.at_knots:
-        knots.add_derivatives(whole, theta, block, found.by_coefficient)
-    for one in coordinates.apart:
-        along = one.chained(theta, block, found.by_coefficient[list(one.coefficients)])
-        whole[one.numbers] += along
+    coordinates.following.add_derivatives(whole, theta, block, found.by_coefficient)
