@@ -1,4 +1,4 @@
-"""Changes that can happen to a train on oil films, in its own numbers: alignment, settlement, wear, oil.
+"""Changes that can happen to a train on oil films, in its own numbers: alignment, settlement, wear, oil, process forces.
 
 A misaligned coupling has everything behind it moved as one rigid body: by an offset at the coupling, and by an angle about it
 (Piotrowski, Shaft Alignment Handbook, CRC Press, 3rd ed. 2006). A shaft on two bearings stays straight when one of them
@@ -36,6 +36,8 @@ OIL = 0.7
 """Expected change of the logarithm of all viscosities, such as one and a half grades of ISO VG [-]."""
 PLANES = ("elevation_y", "elevation_x")
 """Elevations in the vertical and in the horizontal plane."""
+LEAST_FORCE = 100.0
+"""Least static force that a change is compared with [N]: of one that is hardly there nothing is large in per cent."""
 INDEPENDENT = 1e-6
 """Part of a unit change that must be left beside others to be one of its own [-]."""
 
@@ -152,6 +154,24 @@ def oils(columns: ChangeColumns) -> Iterator[ExpectedChange]:
     yield ExpectedChange("machine", (OIL * np.array(every)[:, None], *single))
 
 
+def process_forces(columns: ChangeColumns) -> Iterator[ExpectedChange]:
+    """Yield the change of each static force that the document leaves to be identified, by as much as it says it may be off.
+
+    Args:
+        columns: The columns.
+
+    Yields:
+        The change of each such force.
+    """
+    for load in columns.machine.static_loads:
+        spreads = {f"static_load.{load.id}.force_{axis}": getattr(load, f"force_{axis}_spread") for axis in ("x", "y")}
+        each = [spreads.get(name, 0.0) * np.eye(len(columns.names))[place] for place, name in enumerate(columns.names)]
+        moved = [column for column in each if column.any()]
+        if moved:
+            whole = np.column_stack(moved)
+            yield ExpectedChange(f"static_load.{load.id}", (whole, SMALL * whole))
+
+
 def rigid_motion(machine: Machine, coupling: Coupling) -> tuple[Floats, Floats]:
     """Return the elevations of all n bearings when what lies behind a coupling is raised, and turned about it, as one body.
 
@@ -244,6 +264,29 @@ def settlement_size(cause: Cause, _baseline: BaselineValues) -> ChangeSize:
     parts.sort(key=lambda one: -abs(one.value))
     largest = float(np.max(np.abs(cause.change)))
     return ChangeSize(None, quantities, tolerance_per_cent=100.0 * largest / SETTLEMENT, parts=tuple(parts))
+
+
+def process_force_size(cause: Cause, baseline: BaselineValues) -> ChangeSize:
+    """Return by how much a static force has changed, in N and over what was found of it in the baseline.
+
+    Args:
+        cause: The change of the force.
+        baseline: Values in the baseline.
+
+    Returns:
+        The size.
+    """
+    before = [baseline.quantities[name] for name in cause.names]
+    quantities: dict[str, float] = {}
+    parts: list[SizePart] = []
+    for name, change, error, was in zip(cause.names, cause.change.tolist(), cause.error.tolist(), before, strict=True):
+        axis = describe(name).quantity
+        quantities |= {f"{axis}_n": change, f"{axis}_error_n": error, f"{axis}_before_n": was}
+        half = CONFIDENCE_95 * error
+        parts.append(SizePart(name, "N", change, change - half, change + half, change / max(error, 1e-12)))
+    parts.sort(key=lambda one: -abs(one.value))
+    whole = max(float(np.linalg.norm(before)), LEAST_FORCE)
+    return ChangeSize(100.0 * float(np.linalg.norm(cause.change)) / whole, quantities, parts=tuple(parts))
 
 
 def _grown(name: str, change: float, error: float) -> SizePart:

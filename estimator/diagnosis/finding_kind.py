@@ -12,7 +12,7 @@ from estimator.diagnosis.data_faults import DataFault
 from estimator.diagnosis.observation import Observation
 from estimator.machine.parameter_description import describe
 
-ElementKind = Literal["coupling", "bearing", "seal", "pedestal", "disc", "shaft", "probe", "machine"]
+ElementKind = Literal["coupling", "bearing", "seal", "pedestal", "disc", "shaft", "probe", "static_load", "machine"]
 Place = Literal["machine", "channels", "data"]
 
 

@@ -1,7 +1,9 @@
 """Size of a change of a coupling's alignment: the same numbers as `GET /machines/{id}/alignment`, beside what is allowed."""
 
+import hashlib
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
 
 from estimator.alignment.alignment_change import alignment_changes
 from estimator.alignment.healthy_films import learnt_variation
@@ -19,15 +21,46 @@ from service.monitoring.assessment import AssessedRun
 UNITS = {"m": ("um", 1e6), "rad": ("urad", 1e6)}
 """Units that people reckon in: their ending of a quantity's name, and how many of them make the SI unit."""
 
+REMEMBERED = 4
+"""Baselines of which the variation is remembered: a process mostly assesses a few machines in turns."""
+
 
 def run_model(machine: Machine, run: AssessedRun) -> UpdatedModel:
     """Return the model that a run's identification led to, under its own operating conditions."""
     return model_at(under_conditions(machine, run.conditions), run.fit.coordinates, run.fit.point, run.fit.covariance)
 
 
+@dataclass(frozen=True, eq=False)
+class _Baseline:
+    """A machine's baseline, equal to another of the same contents: each assessment reads it anew."""
+
+    machine: Machine
+    runs: tuple[AssessedRun, ...]
+
+    @cached_property
+    def contents(self) -> bytes:
+        """Return a digest of all that the variation follows from."""
+        found = hashlib.sha256(self.machine.model_dump_json().encode())
+        for one in self.runs:
+            found.update(repr((one.fit.coordinates, sorted(one.conditions.items()))).encode())
+            found.update(one.fit.point.tobytes() + one.fit.covariance.tobytes())
+        return found.digest()
+
+    def __hash__(self) -> int:
+        return hash(self.contents)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Baseline) and self.contents == other.contents
+
+
 def learnt(machine: Machine, baseline: Sequence[AssessedRun]) -> HealthyVariation:
-    """Return how a machine on oil films varies from run to run, from its baseline."""
-    return learnt_variation([run_model(machine, one) for one in baseline])
+    """Return how a machine on oil films varies from run to run, from its baseline; remembered for the last few of these."""
+    return _learnt(_Baseline(machine, tuple(baseline)))
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _learnt(baseline: _Baseline) -> HealthyVariation:
+    return learnt_variation([run_model(baseline.machine, one) for one in baseline.runs])
 
 
 def alignment_size(

@@ -18,6 +18,7 @@ from service.wording.finding_words import (
     element_words,
     misalignment_words,
     oil_words,
+    process_force_words,
     rate_words,
     run_out_words,
     sensor_words,
@@ -54,6 +55,12 @@ OIL = AlertRule(
     "oil",
     # Grades of ISO 3448 are 50 % apart; 10 K are some 50 % as well.
     limits=Rule(alert=Level(sigma=4, per_cent=60)),
+    quantities=("sigma", "per_cent"),
+)
+PROCESS_FORCE = AlertRule(
+    "process_force",
+    # Gears and partial admission follow the power, which changes from run to run.
+    limits=Rule(alert=Level(sigma=4, per_cent=50)),
     quantities=("sigma", "per_cent"),
 )
 BEARING = AlertRule(
@@ -250,6 +257,19 @@ FINDING_RULES: tuple[FindingRule, ...] = (
             not_determined=("Whether grade, temperature or water is the cause",),
         ),
         oil_words,
+    ),
+    FindingRule(
+        "process_force",
+        PROCESS_FORCE,
+        FindingTexts(
+            what="The static force {id} has changed: {size}, {compared}, since {since}",
+            check=("Power, valves and pressures since {since}: what static force {id} comes from",),
+            in_operation=("Take a run-down at the usual power: it shows whether static force {id} follows it",),
+            at_next_stop=("Look at valves, nozzles, teeth or pipes that make static force {id}", NEW_BASELINE),
+            confirm=("A power or pressure that has changed with it",),
+            not_determined=("What changes static force {id}", "A force that no static load of the document stands for"),
+        ),
+        process_force_words,
     ),
     FindingRule(
         "light_load",

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 
 from estimator.diagnosis.finding_kind import SizePart
+from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.parameter_description import describe
 from service.wording.film_words import (
     alignment_judgement,
@@ -70,6 +71,17 @@ def oil_words(told: ToldFinding) -> Mapping[str, str]:
     if parts:
         return {"size": interval(parts[0], told.language)}
     return {"size": f"{told.quantities['viscosity_per_cent']:+.0f} %"}
+
+
+def process_force_words(told: ToldFinding) -> Mapping[str, str]:
+    """Return by how much a static force has changed along each axis, and what it was."""
+    q = told.quantities
+    axes = [(axis, f"force_{axis}") for axis in ("x", "y") if f"force_{axis}_n" in q]
+    parts = [
+        f"by {shown(q[f'{name}_n'], CONFIDENCE_95 * q[f'{name}_error_n'])} N along {axis}, from {q[f'{name}_before_n']:.0f} N"
+        for axis, name in axes
+    ]
+    return {"size": " and ".join(parts)}
 
 
 def unbalance_words(told: ToldFinding) -> Mapping[str, str]:

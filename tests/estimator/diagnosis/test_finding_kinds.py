@@ -39,7 +39,7 @@ def test_a_finding_lies_somewhere() -> None:
 
 def test_each_kind_is_declared_once() -> None:
     kinds = [one.kind for one in FINDING_KINDS]
-    assert len(set(kinds)) == len(kinds) == 17
+    assert len(set(kinds)) == len(kinds) == 18
     assert [one.kind for one in FINDING_KINDS if one.linear] == ["unbalance", "rotating_coupling"]
     with pytest.raises(KeyError):
         finding_kind("rub")

@@ -1,0 +1,80 @@
+"""A static force that changes is named as one, with its size, and not as an alignment; where the document leaves it open."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from estimator.diagnosis.film_findings import process_force_size, process_forces
+from estimator.diagnosis.film_reference import film_observation
+from estimator.diagnosis.finding_kind import BaselineValues, Cause
+from estimator.diagnosis.observation import Observation
+from estimator.diagnosis.run_windows import RunWindows
+from estimator.machine.alignment_rules import HealthyVariation
+from estimator.machine.document import Machine, parse_machine
+from estimator.updated_model.model import expected_model
+from service.wording.finding_words import process_force_words
+from service.wording.told_finding import ToldFinding
+from tests.estimator.diagnosis.test_film_findings import TWO_SHAFTS, columns_of
+from tests.estimator.diagnosis.test_film_reference import BASELINE, observed
+from tests.estimator.statics.films import motor_compressor_document
+from tests.estimator.statics.test_process_forces import FORCE_Y, with_force
+
+SPREAD = 800.0
+"""How far the force may be off [N]."""
+
+
+@cache
+def train() -> Machine:
+    said = with_force(motor_compressor_document("flexible"), force_y=-500.0, force_y_spread=SPREAD)
+    for bearing in said["bearings"]:
+        bearing["speed_dependence"] = {"form": "journal", "elevation_spread": 150e-6}
+    return parse_machine(said)
+
+
+def run(rng: np.random.Generator, force: float = 0.0) -> Observation:
+    """A run that measures numbers of random directions of the document's machine, its force larger by so much [N]."""
+    model = expected_model(train())
+    coordinates = model.coordinates_at(np.ones(1))
+    size = np.where(coordinates.spread > 1.0, 1e-5, coordinates.spread)
+    seen = 40.0 * rng.standard_normal((400, coordinates.size)) / size / np.sqrt(coordinates.size)
+    away = np.zeros(coordinates.size)
+    place = coordinates.names.index(FORCE_Y)
+    away[place] = force / coordinates.unit[place]
+    covariance = np.linalg.inv(seen.T @ seen + coordinates.prior.precision)
+    found = covariance @ seen.T @ (seen @ away + rng.standard_normal(400))
+    unit = coordinates.unit
+    values = coordinates.point(coordinates.centre + found)
+    fitted = replace(model, values=values, covariance=covariance * np.outer(unit, unit))
+    return film_observation(observed(fitted), train(), {})
+
+
+def test_a_force_that_has_changed_is_named_with_its_size() -> None:
+    rng = np.random.default_rng(6)
+    watch = RunWindows.over(train(), [run(rng) for _ in range(BASELINE)], variation=HealthyVariation())
+    still = watch.found([run(rng), run(rng)], on_delay=lambda _kind, _element: 2)
+    assert still.causes == ()
+    (cause,) = watch.found([run(rng, -600.0), run(rng, -600.0)], on_delay=lambda _kind, _element: 2).causes
+    assert (cause.kind, cause.element, cause.names) == ("process_force", "static_load.gear", (FORCE_Y,))
+    size = process_force_size(cause, BaselineValues({FORCE_Y: -500.0}, {}))
+    assert size.quantities["force_y_n"] == pytest.approx(-600.0, abs=150.0)
+    assert size.per_cent == pytest.approx(120.0, abs=30.0)
+
+
+def test_its_words_tell_newtons_with_what_it_was() -> None:
+    cause = Cause("process_force", "static_load.gear", 9.0, (FORCE_Y,), np.array([-600.0]), np.array([[900.0]]), 20.0, (9.0,))
+    size = process_force_size(cause, BaselineValues({FORCE_Y: -500.0}, {}))
+    (part,) = size.parts
+    assert (part.unit, part.value, part.lower) == ("N", -600.0, pytest.approx(-658.8, abs=0.1))
+    told = ToldFinding("process_force", "static_load.gear", {"quantities": size.quantities})
+    assert process_force_words(told)["size"] == "by -600 ± 59 N along y, from -500 N"
+
+
+def test_a_force_that_was_hardly_there_is_not_large_in_per_cent() -> None:
+    cause = Cause("process_force", "static_load.gear", 9.0, (FORCE_Y,), np.array([50.0]), np.array([[1.0]]), 50.0, (9.0,))
+    assert process_force_size(cause, BaselineValues({FORCE_Y: 0.0}, {})).per_cent == pytest.approx(50.0)
+
+
+def test_forces_that_are_known_exactly_do_not_change() -> None:
+    assert list(process_forces(columns_of(TWO_SHAFTS))) == []
