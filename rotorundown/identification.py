@@ -1,6 +1,6 @@
 """Identifies a machine from its runs, behind the same quality gate as the commands and the service."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import cast
 
 from pydantic import ValidationError
@@ -43,7 +43,7 @@ def identify(
         NothingToIdentify: The usable points do not allow an identification, or a rule is wrong.
         ValueError: No start leads anywhere, or the train cannot be condensed at a speed.
     """
-    one = isinstance(runs, MachineRun) or not isinstance(runs, Sequence)  # a data frame is one run that was not read
+    one = not isinstance(runs, Sequence | Iterator)  # a run, or a data frame that was not read as one
     several = [cast(MachineRun, runs)] if one else list(cast(Sequence[MachineRun], runs))
     found = identify_behind_gate(machine, several, gate=gate, half_power=half_power, accepted_rpm=accepted_rpm)
     if found.identification is None:
