@@ -1,6 +1,7 @@
 // Everything that the page says of findings: their kinds, labels and causes, and the limits that each kind has.
 import { QUANTITIES, RULES, type RuleName } from "../declarations/findings";
 import { elementName, words } from "../format/names";
+import { decimal } from "../format/numbers";
 import { t } from "../messages/messages";
 
 export const FINDING_KINDS = RULES;
@@ -45,6 +46,6 @@ export function limitQuantities(kind: FindingKind): LimitQuantity[] {
 export function levelText(level: Record<LimitName, number | null> | null): string {
   if (level === null) return t("never");
   return LIMIT_QUANTITIES.filter(({ name }) => level[name] !== null)
-    .map(({ name, unit }) => `${level[name]} ${unit}`)
+    .map(({ name, unit }) => `${decimal(String(level[name]))} ${unit}`)
     .join(", ");
 }

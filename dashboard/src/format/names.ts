@@ -12,6 +12,13 @@ export function termName(parameter: string): string {
   return parameter.split(".").slice(2).join(".") || parameter;
 }
 
+/** A parameter without its element as people read it: `Unwucht`; the API's name where there is no word for it. */
+export function quantityName(parameter: string): string {
+  const name = termName(parameter);
+  const said = term(name);
+  return said === name.replaceAll("_", " ") ? name : said;
+}
+
 const COMPONENTS: Record<string, string> = { real: t("realPart"), imaginary: t("imaginaryPart") };
 /** Quantities derived from an identification, by their names in the API. */
 const DERIVED: [RegExp, (...parts: string[]) => string][] = [

@@ -5,7 +5,7 @@ import { Scroll } from "../components/scroll";
 import { isComparable } from "../data/newest-identification";
 import { useResource } from "../data/resource";
 import { number, scaleOf } from "../format/numbers";
-import { t } from "../messages/messages";
+import { stored, t } from "../messages/messages";
 import type { Identification } from "../schemas/identifications";
 import type { Alignment, AlignmentNumber, Determined } from "../schemas/model";
 
@@ -27,7 +27,7 @@ export function AlignmentPanel({ found }: { found: Identification }) {
       <Loaded result={result} lines={6}>
         {(alignment) => (
           <>
-            <p class="muted">{alignment.missing ? t("noChangeAgainstABaseline", { missing: alignment.missing }) : baselineText(alignment)}</p>
+            <p class="muted">{alignment.missing ? t("noChangeAgainstABaseline", { missing: stored(alignment.missing) }) : baselineText(alignment)}</p>
             <Numbers numbers={alignment.numbers} />
           </>
         )}

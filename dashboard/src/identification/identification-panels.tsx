@@ -5,9 +5,9 @@ import { Empty, Panel } from "../components/panel";
 import { Scroll } from "../components/scroll";
 import { Time } from "../components/time";
 import { angleConvention, angleText } from "../format/angles";
-import { elementName, isCrossCoupled, isUnbalance, parameterName, termName } from "../format/names";
+import { elementName, isCrossCoupled, isUnbalance, parameterName, quantityName } from "../format/names";
 import { number, quantity, rpm, scaleOf } from "../format/numbers";
-import { rich, t, term } from "../messages/messages";
+import { rich, stored, t, term } from "../messages/messages";
 import type { Estimate, Identification } from "../schemas/identifications";
 import type { Document } from "../schemas/machines";
 import { elementsOfEstimates } from "../words/elements";
@@ -41,7 +41,7 @@ export function IdentificationPanels({ machine, found }: { machine: Document; fo
 function FitPanel({ machine, found }: { machine: Document; found: Identification }) {
   return (
     <Panel title={t("fit")}>
-      <p class={found.accepted ? undefined : "error"}>{found.verdict}</p>
+      <p class={found.accepted ? undefined : "error"}>{stored(found.verdict)}</p>
       <dl class="facts">
         <Fact name={t("measured")}>
           <Time at={found.measured_at} />, {term(found.run_kind)},{" "}
@@ -106,7 +106,7 @@ function IdentifiabilityPanel({ found }: { found: Identification }) {
           <ul class="reasons">
             {missing.map((one) => (
               <li key={one.parameter}>
-                <strong>{parameterName(one.parameter)}</strong>: {one.reason}
+                <strong>{parameterName(one.parameter)}</strong>: {stored(one.reason ?? "")}
               </li>
             ))}
           </ul>
@@ -139,8 +139,8 @@ function Row({ one }: { one: Estimate }) {
   if (one.value === null) {
     return (
       <tr>
-        <td>{termName(one.parameter)}</td>
-        <td colSpan={3} class="muted" title={one.reason ?? undefined}>
+        <td>{quantityName(one.parameter)}</td>
+        <td colSpan={3} class="muted" title={one.reason ? stored(one.reason) : undefined}>
           {t("notEstimable")}
         </td>
       </tr>
@@ -151,7 +151,7 @@ function Row({ one }: { one: Estimate }) {
   const angle = angleText(one.angle_deg, one.angle_half_width_deg);
   return (
     <tr title={t("standardError", { error: quantity(one.standard_error, one.unit) })}>
-      <td>{termName(one.parameter)}</td>
+      <td>{quantityName(one.parameter)}</td>
       <td class="number">
         {number(size * scale.factor)} {scale.unit}
         {angle && <small>{angle.trim()}</small>}

@@ -47,3 +47,32 @@ function partsOf<V>(key: Key, values: Record<string, V> = {}): (V | string)[] {
 export function term(identifier: string): string {
   return MESSAGES[`term.${identifier.replace(/[ -]/g, "_")}`] ?? identifier.replaceAll("_", " ");
 }
+
+const STORED = "said.";
+const NUMBER = /^[−+-]?\d+\.\d+(e[+-]?\d+)?$/;
+
+/** English sentences that the service stores, as forms with their keys; the longest come first. None where the page is English. */
+const STORED_FORMS: [RegExp, string][] = Object.entries(translated === en ? {} : en)
+  .filter(([key]) => key.startsWith(STORED))
+  .sort(([, one], [, other]) => other.length - one.length)
+  .map(([key, text]) => [storedForm(text), key]);
+
+/** A sentence that the service has stored in English, in the page's language as far as there are words for its parts. */
+export function stored(sentence: string): string {
+  return sentence.split("; ").map(storedPart).join("; ");
+}
+
+function storedForm(text: string): RegExp {
+  const parts = text.split(PLACE).map((part, at) => (at % 2 === 0 ? part.replace(/[.*+?^${}()|[\]\\]/g, "\\$&") : `(?<${part}>.+)`));
+  return new RegExp(`^${parts.join("")}$`);
+}
+
+function storedPart(part: string): string {
+  for (const [form, key] of STORED_FORMS) {
+    const found = form.exec(part);
+    if (!found) continue;
+    const values = Object.entries(found.groups ?? {}).map(([name, value]) => [name, NUMBER.test(value) ? value.replace(".", t("decimalMark")) : storedPart(value)]);
+    return partsOf<string>(key as Key, Object.fromEntries(values)).join("");
+  }
+  return part;
+}

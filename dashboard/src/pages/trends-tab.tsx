@@ -21,7 +21,7 @@ const RANGES: [string, string, number][] = [
   ["month", t("n1Month"), 31],
   ["quarter", t("n3Months"), 92],
   ["year", t("n1Year"), 366],
-  ["all", "all", Infinity],
+  ["all", t("wholeTime"), Infinity],
 ];
 /** Alerts that are marked in the trends. */
 const MAX_ALERTS = 200;

@@ -15,7 +15,7 @@ export function AlertAdvice({ advice }: { advice: Advice }) {
       ))}
       <Lines name={t("check")} lines={advice.check} />
       <Lines name={t("wouldConfirmIt")} lines={advice.confirm} />
-      <Lines name={t("notDetermined")} lines={advice.not_determined} />
+      <Lines name={t("notDeterminedHead")} lines={advice.not_determined} />
     </dl>
   );
 }

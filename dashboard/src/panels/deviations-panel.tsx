@@ -8,7 +8,7 @@ import type { ApiError } from "../data/http-client";
 import type { QueryResult } from "../data/resource";
 import { elementName } from "../format/names";
 import { number } from "../format/numbers";
-import { rich, t, term } from "../messages/messages";
+import { rich, stored, t, term } from "../messages/messages";
 import type { Document } from "../schemas/machines";
 import type { Deviations } from "../schemas/trends";
 import { chanceText, CHANGED, changeText, deviationText, largestDeviation } from "../words/deviations";
@@ -36,7 +36,7 @@ export function DeviationsPanel({ machine, result, next, none }: Props) {
     <Panel title={TITLE} aside={result.data && <Compared found={result.data} />}>
       {next?.isLocal && <ErrorMessage failure={next} />}
       <Loaded result={result} lines={12}>
-        {(found) => (found.missing ? <Empty>{found.missing}</Empty> : <Table machine={machine.id} found={found} />)}
+        {(found) => (found.missing ? <Empty>{stored(found.missing)}</Empty> : <Table machine={machine.id} found={found} />)}
       </Loaded>
     </Panel>
   );

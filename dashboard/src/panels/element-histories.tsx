@@ -6,7 +6,7 @@ import { API_PREFIX, queryString } from "../data/http-client";
 import { isComparable } from "../data/newest-identification";
 import { useResource } from "../data/resource";
 import { angleConvention } from "../format/angles";
-import { elementName, isUnbalance, parameterName, termName } from "../format/names";
+import { elementName, isUnbalance, parameterName, quantityName } from "../format/names";
 import { when } from "../format/times";
 import { t, term } from "../messages/messages";
 import { CurveLegend } from "../plots/curve-legend";
@@ -107,7 +107,7 @@ function Plots(props: Props & { series: Series[]; markers: Marker[]; tests: Tren
       {series.map((one) => (
         <ParameterHistory
           key={one.parameter}
-          name={element === DERIVED ? parameterName(one.parameter) : termName(one.parameter)}
+          name={element === DERIVED ? parameterName(one.parameter) : quantityName(one.parameter)}
           series={one}
           kinds={kindsOf(series)}
           markers={props.markers}

@@ -8,7 +8,7 @@ import { useResource } from "../data/resource";
 import { BalancingDialog, type BalancingStep } from "../dialogs/balancing-dialogs";
 import { angleConvention, angleText } from "../format/angles";
 import { number } from "../format/numbers";
-import { rich, t, term } from "../messages/messages";
+import { rich, stored, t, term } from "../messages/messages";
 import type { CheckRun, FieldBalancing, ProposedCorrection, Residual } from "../schemas/balancings";
 import type { Document } from "../schemas/machines";
 import { BalancingVectors } from "./balancing-vectors";
@@ -175,7 +175,7 @@ function Channels({ found, check }: { found: ProposedCorrection; check: CheckRun
       </table>
       {found.limit_um_pp !== null && (
         <p>
-          {t("limitOfDocument", { limit: number(found.limit_um_pp), verdict: found.limit_verdict, check: check && check.limit_met !== null && t("byTheCheckRun", { verdict: check.limit_met ? t("met") : t("notMet") }) })}
+          {t("limitOfDocument", { limit: number(found.limit_um_pp), verdict: stored(found.limit_verdict ?? ""), check: check && check.limit_met !== null && t("byTheCheckRun", { verdict: check.limit_met ? t("met") : t("notMet") }) })}
         </p>
       )}
     </Scroll>
@@ -217,7 +217,7 @@ function Residuals({ found, check }: { found: ProposedCorrection; check: CheckRu
 }
 
 function residualText(one: Residual): string {
-  return t("residualVerdict", { amount: number(one.g_mm), upper: number(one.upper_g_mm), verdict: one.verdict });
+  return t("residualVerdict", { amount: number(one.g_mm), upper: number(one.upper_g_mm), verdict: stored(one.verdict) });
 }
 
 function Check({ found }: { found: CheckRun }) {

@@ -6,7 +6,7 @@ import { Severity } from "../components/severity";
 import { Speed } from "../components/speed";
 import { Time } from "../components/time";
 import { when } from "../format/times";
-import { t, term } from "../messages/messages";
+import { stored, t, term } from "../messages/messages";
 import type { FleetMachine } from "../schemas/machines";
 import { alertTitle } from "../words/alert-states";
 import { needs } from "../words/needs";
@@ -67,7 +67,7 @@ function Row({ one }: { one: FleetMachine }) {
       <td>
         <LastRun one={one} />
       </td>
-      <td title={one.last_identification?.verdict}>
+      <td title={one.last_identification ? stored(one.last_identification.verdict) : undefined}>
         {one.last_identification ? (one.last_identification.accepted ? t("accepted") : t("crossNotAccepted")) : <span class="muted">{t("none")}</span>}
         <div class="muted">{one.last_identification && <Time at={one.last_identification.measured_at} />}</div>
       </td>

@@ -5,7 +5,7 @@ import { Speed } from "../components/speed";
 import { Time } from "../components/time";
 import { isOpen, MAX_JOBS, useJobs } from "../data/jobs";
 import { useResource } from "../data/resource";
-import { t, term } from "../messages/messages";
+import { stored, t, term } from "../messages/messages";
 import type { Job } from "../schemas/identifications";
 import type { Document, MachineState } from "../schemas/machines";
 import { jobRemedy } from "../words/job-failures";
@@ -56,7 +56,7 @@ function Notices({ state }: { state: MachineState | undefined }) {
   const waiting = state?.late_samples_waiting ?? 0;
   return (
     <>
-      {state?.outside_speed_range && <p class="refused">{t("noRunBecause", { reason: state.outside_speed_range })}</p>}
+      {state?.outside_speed_range && <p class="refused">{t("noRunBecause", { reason: stored(state.outside_speed_range) })}</p>}
       {waiting > 0 && <p class="muted">{t("samplesCameLateAndAre", { waiting })}</p>}
     </>
   );

@@ -7,7 +7,7 @@ import { Speed } from "../components/speed";
 import { Time } from "../components/time";
 import { useResource } from "../data/resource";
 import { number } from "../format/numbers";
-import { t, term } from "../messages/messages";
+import { stored, t, term } from "../messages/messages";
 import type { Run } from "../schemas/runs";
 
 export function NewestRunsPanel({ machine }: { machine: string }) {
@@ -61,7 +61,7 @@ function Row({ machine, run }: { machine: string; run: Run }) {
       </td>
       <td class="number">{run.samples ?? "–"}</td>
       <td class="number">{run.quality ? `${number((100 * run.quality.usable) / Math.max(1, run.quality.points))} %` : "–"}</td>
-      <td title={run.reason ?? undefined}>{term(run.state)}</td>
+      <td title={run.reason ? stored(run.reason) : undefined}>{term(run.state)}</td>
     </tr>
   );
 }

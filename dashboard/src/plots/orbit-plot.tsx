@@ -1,7 +1,7 @@
 // The orbit of the shaft at a station in one turn, from 1× and where it is sent 2×, with its probes and their timebase.
 import type { DataColumn } from "../browser/download";
 import { number } from "../format/numbers";
-import { t } from "../messages/messages";
+import { t, term } from "../messages/messages";
 import type { AxisPhasor, Orbit } from "../schemas/runs";
 import { SaveDrawing } from "./save-buttons";
 
@@ -28,19 +28,19 @@ interface Props {
 
 export function OrbitPlot({ orbit, overlay, ring, second, unit, speed }: Props) {
   const scale = (PEAK_TO_PEAK * RADIUS) / (2 * ring);
-  const label = t("orbitAt", { channels: orbit.channels.join(" and ") });
+  const label = t("orbitAt", { channels: orbit.channels.join(t("and")) });
   const told = (value: number, digits = 3) => number(PEAK_TO_PEAK * value * unit.factor, digits);
   const [x, y] = motion(orbit, second);
   return (
     <figure>
       <figcaption>
-        <strong>{orbit.channels.join(" ")}</strong> <span class="muted">{orbit.sense}</span>
+        <strong>{orbit.channels.join(" ")}</strong> <span class="muted">{term(orbit.sense)}</span>
         <SaveDrawing label={label} columns={() => columnsOf(orbit, second)} />
       </figcaption>
       <svg
         viewBox={`${-SIZE / 2} ${-SIZE / 2} ${SIZE} ${SIZE + BASE_HEIGHT}`}
         role="img"
-        aria-label={t("orbitLabel", { label, major: told(orbit.semi_major_um), minor: told(Math.abs(orbit.semi_minor_um)), unit: unit.label, sense: orbit.sense })}
+        aria-label={t("orbitLabel", { label, major: told(orbit.semi_major_um), minor: told(Math.abs(orbit.semi_minor_um)), unit: unit.label, sense: term(orbit.sense) })}
       >
         <circle class="grid" r={RADIUS} />
         <circle class="grid" r={RADIUS / 2} />

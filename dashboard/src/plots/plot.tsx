@@ -92,7 +92,7 @@ function ZoomButtons({ plot }: { plot: { current: uPlot | null } }) {
     <>
       {button("+", t("zoomIn"), (one) => zoom(one, ZOOM_STEP))}
       {button("−", t("zoomOut"), (one) => zoom(one, 1 / ZOOM_STEP))}
-      {button("all", t("showAll"), showAll)}
+      {button(t("allPoints"), t("showAll"), showAll)}
     </>
   );
 }

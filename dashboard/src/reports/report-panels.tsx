@@ -8,7 +8,7 @@ import { isComparable } from "../data/newest-identification";
 import { useResource, type QueryResult } from "../data/resource";
 import { elementName } from "../format/names";
 import { rpm } from "../format/numbers";
-import { rich, t, term } from "../messages/messages";
+import { rich, stored, t, term } from "../messages/messages";
 import type { Alert } from "../schemas/alerts";
 import type { Identification, IdentificationSummary } from "../schemas/identifications";
 import type { Document, Drawing, TimelineEntry } from "../schemas/machines";
@@ -77,7 +77,7 @@ function MarksNote({ deviations }: { deviations: Deviations | undefined }) {
           {rich("changesOfIdentification", { id: deviations.identification, time: <Time at={deviations.measured_at} /> })}{" "}
         </>
       )}
-      {t("alertsOpenAtEnd", { changes: deviations?.missing && t("noChangesAreMarked", { missing: deviations.missing }) })}
+      {t("alertsOpenAtEnd", { changes: deviations?.missing && t("noChangesAreMarked", { missing: stored(deviations.missing) }) })}
     </p>
   );
 }

@@ -63,7 +63,7 @@ function Panels({ machine, channels, kind, found }: Props & { found: VibrationTr
         <CurveLegend curves={probes.map(({ channel }) => ({ name: channel }))} />
         <div class="plots">
           <Trend what={t("n1Amplitude")} probes={probes} unit={amplitude.label} column={(one) => inUnit(one.amplitude_um_pp, amplitude)} limits={limits} />
-          <Trend what={t("n1Phase")} probes={probes} unit="° lag" column={(one) => unwrapPhase(one.phase_lag_deg)} turn={360} />
+          <Trend what={t("n1Phase")} probes={probes} unit={t("degreesLag")} column={(one) => unwrapPhase(one.phase_lag_deg)} turn={360} />
           <Trend what={t("n2Amplitude")} probes={probes} unit={amplitude.label} column={(one) => inUnit(one.amplitude_2x_um_pp, amplitude)} />
           <Trend what={t("n2Over1")} probes={probes} unit="2×/1×" column={(one) => one.second_over_first} />
           <Trend what={t("overallLevel")} probes={probes} unit={amplitude.label} column={(one) => inUnit(one.overall_um_pp, amplitude)} limits={zoneLines(found.limits, amplitude)} />

@@ -1,5 +1,5 @@
 // How far an element is from its baseline, in words.
-import { isCrossCoupled, isUnbalance, termName } from "../format/names";
+import { isCrossCoupled, isUnbalance, quantityName } from "../format/names";
 import { number, percent, quantity } from "../format/numbers";
 import { t } from "../messages/messages";
 import type { Deviations, ParameterDeviation } from "../schemas/trends";
@@ -27,7 +27,7 @@ export function chanceText(probability: number): string {
 
 /** A parameter's deviation in words: kxx +54 % (10.5 σ). */
 export function deviationText(one: ParameterDeviation): string {
-  const term = termName(one.parameter);
+  const term = quantityName(one.parameter);
   const sigma = `${number(one.sigma, 2)} σ`;
   if (one.added !== null) {
     // A vector's change has a direction instead of a sign: balancing reduces an unbalance by adding one.

@@ -1,5 +1,6 @@
 // The oil films that an identification tells of: states of journals and oil at running speed, coefficients at some speeds.
 import { termName } from "../format/names";
+import { stored } from "../messages/messages";
 import type { Derived, Estimate, Identification } from "../schemas/identifications";
 import type { Document } from "../schemas/machines";
 
@@ -87,7 +88,8 @@ function coefficientsOf(own: Map<string, Derived>): Pick<OilFilm, "speeds" | "co
 export function missingReasons(named: [string, Bounded | undefined][]): [string, string[]][] {
   const names = new Map<string, string[]>();
   for (const [name, one] of named) {
-    if (one?.value === null && one.reason) names.set(one.reason, [...(names.get(one.reason) ?? []), name]);
+    const reason = one?.value === null && one.reason ? stored(one.reason) : "";
+    if (reason) names.set(reason, [...(names.get(reason) ?? []), name]);
   }
   return [...names];
 }
