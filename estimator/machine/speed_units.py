@@ -14,6 +14,8 @@ OVERSPEED = 1.05
 """Highest speed of a run, as a multiple of the speed range's end [-], that speaks for a unit of the speed."""
 LEAST_IN_RANGE = 0.5
 """Least part of the samples within the speed range for a unit of the speed to be possible [-]."""
+LEAST_COVERED = 0.5
+"""Part of the speed range, and of its end, that a machine may be expected to reach in time [-]."""
 
 
 @dataclass(frozen=True)
@@ -69,3 +71,27 @@ def outside_speed_range(speed_range: SpeedRange, speed: Floats) -> str:
     units = speed_units(speed_range, turning)
     meaning = f" {' or '.join(one.words for one in units)}?" if units else " is the unit of the speeds right?"
     return f"it turns at {slowest:.4g} to {fastest:.4g} r/min and never enters the document's speed range, {limits}:{meaning}"
+
+
+def short_of_speed_range(speed_range: SpeedRange, speed: Floats) -> str:
+    """Describe a machine that covers a small part of its document's speed range, with the units that would explain it.
+
+    Args:
+        speed_range: Speed range of the machine.
+        speed: Speeds that it had (S,) [rad/s].
+
+    Returns:
+        What it covered, in words; empty where that is a good part of the range, or nothing turns.
+    """
+    turning = rad_per_s_to_rpm(1.0) * speed[speed > 0.0]
+    if not turning.size:
+        return ""
+    slowest, fastest = float(turning.min()), float(turning.max())
+    low, high = speed_range.minimum_rpm, speed_range.maximum_rpm
+    part = max(0.0, min(fastest, high) - max(slowest, low)) / (high - low)
+    if part >= LEAST_COVERED:
+        return ""
+    # Units that make speeds larger are thought of only where these are too small.
+    units = [one.words for one in speed_units(speed_range, speed[speed > 0.0]) if one.factor > 1.0]
+    meaning = f": {' or '.join(units)}?" if units and fastest < LEAST_COVERED * high else "; a run sweeps through it"
+    return f"it turned at {slowest:.4g} to {fastest:.4g} r/min, {100 * part:.0f} % of {low:g} to {high:g} r/min{meaning}"

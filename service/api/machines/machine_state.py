@@ -9,7 +9,7 @@ from pydantic import BaseModel, Field
 from sqlalchemy.orm import Session
 
 from estimator.machine.document import Machine
-from estimator.machine.speed_units import outside_speed_range
+from estimator.machine.speed_units import outside_speed_range, short_of_speed_range
 from estimator.runs.operating_state import Mode
 from estimator.units import rad_per_s_to_rpm
 from service.api.conventions.dependencies import MachineId, Period, Reading
@@ -45,7 +45,9 @@ class MachineState(BaseModel):
     newest_sample_at: datetime | None
     run: OpenRun | None
     outside_speed_range: str | None = Field(
-        None, description="what is probably wrong where it turns, but never was in its document's speed range"
+        None,
+        description="what is probably wrong where it turns, but never was in its document's speed range; or, while it has no "
+        "run, how small a part of that it covered",
     )
     late_samples_waiting: int = Field(0, description="they came late, are stored, and will be sorted into their runs")
 
@@ -76,7 +78,7 @@ def read_machine_state(session: Reading, machine_id: MachineId) -> MachineState:
         direction=direction(now.direction),
         newest_sample_at=to_datetime(now.seen),
         run=_open_run(session, machine, now),
-        outside_speed_range=outside_speed_range(machine.speed_range, np.array([now.slowest, now.fastest])) or None,
+        outside_speed_range=_without_run(session, machine, now),
         late_samples_waiting=sum(count for _, _, _, count in now.late),
     )
 
@@ -86,6 +88,15 @@ def progress(kind: str, now: CollectionState, *, minimum_rpm: float, maximum_rpm
     part = (rad_per_s_to_rpm(now.operating.sweep.believed_speed) - minimum_rpm) / (maximum_rpm - minimum_rpm)
     part = min(1.0, max(0.0, part))
     return part if kind == "run-up" else 1.0 - part
+
+
+def _without_run(session: Session, machine: Machine, now: CollectionState) -> str | None:
+    """Return why a machine that turns has no run; None where that is not known, or it has one."""
+    speeds = np.array([now.slowest, now.fastest])
+    outside = outside_speed_range(machine.speed_range, speeds)
+    if outside or runs.of_machine(session, machine.id, limit=1):
+        return outside or None
+    return short_of_speed_range(machine.speed_range, speeds) or None
 
 
 def _open_run(session: Session, machine: Machine, now: CollectionState) -> OpenRun | None:

@@ -181,3 +181,13 @@ def test_a_machine_that_turns_and_never_enters_its_speed_range_is_told(journal: 
     assert "speeds in Hz that were sent as r/min" in found["outside_speed_range"]
     send(journal, sent + CYCLE, len(sent), len(sent) + 300)
     assert state(api)["outside_speed_range"] is None
+
+
+def test_a_machine_that_covered_too_little_for_a_run_is_told_until_it_has_one(journal: PromptJournal, api: Api) -> None:
+    """Speeds in rad/s that were sent as r/min: they come just into the range, and no run ever begins."""
+    sent = [0.1047 * rpm for rpm in sweep_rpm(1000.0, 3000.0, 300)]
+    send(journal, sent, 0, len(sent))
+    found = state(api)
+    assert found["run"] is None
+    assert found["outside_speed_range"].startswith("it turned at 104.7 to 313.4 r/min, 0 % of 300 to 3000 r/min: ")
+    assert "speeds in rad/s that were sent as r/min" in found["outside_speed_range"]
