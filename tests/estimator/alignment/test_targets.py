@@ -30,7 +30,8 @@ def test_hot_targets_are_the_cold_ones_with_their_growth() -> None:
 
 def test_a_run_is_compared_with_the_target_of_its_own_state() -> None:
     (hot,) = targeted_alignment(TRAIN, [offset(100e-6, half=20e-6)], "run-down")
-    assert (hot.state, hot.target) == ("hot", pytest.approx(20e-6))
+    assert hot.state == "hot"
+    assert hot.target == pytest.approx(20e-6)
     assert hot.off == pytest.approx(80e-6)
     assert hot.half == pytest.approx(20e-6)
     assert hot.beyond == pytest.approx(0.975, abs=1e-3)
