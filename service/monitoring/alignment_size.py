@@ -31,7 +31,7 @@ def run_model(machine: Machine, run: AssessedRun) -> UpdatedModel:
 
 
 @dataclass(frozen=True, eq=False)
-class _Baseline:
+class _BaselineContents:
     """A machine's baseline, equal to another of the same contents: each assessment reads it anew."""
 
     machine: Machine
@@ -50,16 +50,16 @@ class _Baseline:
         return hash(self.contents)
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Baseline) and self.contents == other.contents
+        return isinstance(other, _BaselineContents) and self.contents == other.contents
 
 
 def learnt(machine: Machine, baseline: Sequence[AssessedRun]) -> HealthyVariation:
     """Return how a machine on oil films varies from run to run, from its baseline; remembered for the last few of these."""
-    return _learnt(_Baseline(machine, tuple(baseline)))
+    return _learnt(_BaselineContents(machine, tuple(baseline)))
 
 
 @lru_cache(maxsize=REMEMBERED)
-def _learnt(baseline: _Baseline) -> HealthyVariation:
+def _learnt(baseline: _BaselineContents) -> HealthyVariation:
     return learnt_variation([run_model(baseline.machine, one) for one in baseline.runs])
 
 
