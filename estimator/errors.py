@@ -13,7 +13,7 @@ class DomainError(Exception):
     retry_after_s: ClassVar[int | None] = None
     """Time after which it makes sense to ask again [s]; None where it is unknown."""
     remedy: ClassVar[str]
-    """What a person can do about any error of the category, where its message does not say more; each category states it."""
+    """Remedy of any error of the category, where its message does not say more; each category states it."""
 
     @property
     def detail(self) -> str:

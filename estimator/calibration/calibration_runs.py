@@ -119,7 +119,7 @@ def _meant(disc: Disc, size: float) -> str:
 
 
 def _require_no_copies(runs: Sequence[CalibrationRun]) -> None:
-    """Raise CalibrationImpossible where the same samples stand in two runs, or in two mountings of one."""
+    """Check that no samples stand in two runs, or in two mountings of one. Raises CalibrationImpossible."""
     seen: dict[bytes, tuple[int, str]] = {}
     for number, run in enumerate(runs):
         measurement = run.measurement

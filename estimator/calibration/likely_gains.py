@@ -20,7 +20,7 @@ MOST = 3
 
 
 def unlikely_gains(gains: Complexes) -> tuple[str, ...]:
-    """Say that gains are far from one on average, and which unit of the trial weights would do that.
+    """Describe that gains are far from one on average, and which unit of the trial weights would do that.
 
     Args:
         gains: Gains of the channels (m,) [-].

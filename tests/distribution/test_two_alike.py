@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from service.security import api_keys
-from service.security.principal import Role
+from service.security.role import Role
 from service.wire import JSON, encode_body
 from storage.database.engine import Database
 from storage.findings import jobs
