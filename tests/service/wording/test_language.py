@@ -5,9 +5,9 @@ from collections.abc import Iterable
 
 import pytest
 
-from service.monitoring.finding_rules import FINDING_RULES, RATE_RULE, FindingTexts
+from service.monitoring.finding_rules import FINDING_RULES, RATE_RULE
 from service.wording.english import ENGLISH_SENTENCES
-from service.wording.finding_texts import LISTS
+from service.wording.finding_texts import LISTS, FindingTexts
 from service.wording.german import GERMAN_SENTENCES
 from service.wording.german_findings import GERMAN_FINDINGS
 from service.wording.language import ENGLISH, GERMAN, LANGUAGES, SENTENCES, Language, asked_language
@@ -51,7 +51,7 @@ def test_german_names_every_finding() -> None:
 
 
 def test_what_a_language_lacks_is_said_in_english(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(SENTENCES, "de", {"decimal_mark": ","})  # type: ignore[misc]
+    monkeypatch.setitem(SENTENCES, "de", {"decimal_mark": ","})
     assert GERMAN.say("compared.mean", runs=3) == "mean of the newest 3 runs against the baseline"
     assert GERMAN.say("wear", grown="3", after=79.0, before=69.0) == "3 % larger, 79 µm in place of 69 µm"
     assert GERMAN.named("run_up") == "run-up"

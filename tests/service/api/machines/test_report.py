@@ -57,6 +57,14 @@ def test_the_first_page_tells_the_finding_and_what_to_do(stiffer: Api) -> None:
     assert "<b>hot</b> check & foot" in later
 
 
+def test_a_report_is_in_the_language_that_is_asked_for(stiffer: Api) -> None:
+    for answer in (stiffer.get(PATH, **YEAR, locale="de"), stiffer.get(PATH, **YEAR)):
+        german = answer.headers["content-language"] == "de"
+        assert ("Zu tun: im Betrieb" in pages(answer.content)[0]) == german
+        assert ("To do in operation" in pages(answer.content)[0]) != german
+    assert [one["field"] for one in stiffer.get(PATH, **YEAR, locale="fr").json()["errors"]] == ["query.locale"]
+
+
 def test_a_report_is_kept_until_something_changes_that_it_tells(stiffer: Api, plant: Database) -> None:
     once = stiffer.get(PATH, **YEAR).content
     stiffer.app.state.report_process.close()
