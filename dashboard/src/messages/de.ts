@@ -178,7 +178,7 @@ export const de: Record<Key, string> = {
   comparisonOfElements: "Von Identifikation {first} zu {second}: wie wahrscheinlich so viel ohne jede Änderung ist, je Element, allein aus den Fehlern der Anpassungen: {elements}.",
   parameter: "Parameter",
   onlyIn: "Nur in {first}: {parameters}.",
-  notDetermined: "Nicht bestimmt",
+  notDetermined: "nicht bestimmt",
   below1InAMillion: "unter 1 zu einer Million",
   correlationOfTheEstimates: "Korrelation der Schätzwerte",
   noTwoAreCorrelated: "Keine zwei Schätzwerte sind stärker als ±0,9 korreliert: Die Daten unterscheiden alle.",

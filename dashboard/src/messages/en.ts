@@ -177,7 +177,7 @@ export const en = {
   comparisonOfElements: "From identification {first} to {second}, how probable as much is without any change, by element, from the errors of the fits alone: {elements}.",
   parameter: "Parameter",
   onlyIn: "Only in {first}: {parameters}.",
-  notDetermined: "Not determined",
+  notDetermined: "not determined",
   below1InAMillion: "below 1 in a million",
   correlationOfTheEstimates: "Correlation of the estimates",
   noTwoAreCorrelated: "No two estimates are correlated beyond ±0.9: the data distinguish all of them.",

@@ -28,7 +28,7 @@ export function CorrelationMatrix({ found }: { found: Correlation }) {
   };
   return (
     <figure class="correlation">
-      <SaveDrawing label="Correlation of the estimates" columns={() => columnsOf(found)} />
+      <SaveDrawing label={t("correlationOfTheEstimates")} columns={() => columnsOf(found)} />
       <svg
         viewBox={`0 0 ${size} ${size}`}
         role="group"
