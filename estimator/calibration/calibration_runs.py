@@ -16,7 +16,7 @@ LARGEST_ECCENTRICITY = 0.01
 LIKELY_ECCENTRICITY = 1e-3
 """Shift of a disc's centre of mass [m] up to which a trial weight is likely."""
 FACTORS = {"kg m": 1e-6, "kg mm": 1e-3, "oz in": 1e-6 / 7.2008e-4, "g in": 1e-6 / 2.54e-5}
-"""What a number is too large by that was meant in g mm and given in another unit [-]."""
+"""Factor by which a number that was meant in g mm is too large when given in another unit [-]."""
 LEAST_ECCENTRICITY = 1e-6
 """Shift of a disc's centre of mass [m] from which on a trial weight shows anything."""
 SAME_WEIGHT = 1e-6

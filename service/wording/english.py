@@ -12,6 +12,7 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "judgement.changed": "{kind} {id} has changed by itself",
     "judgement.film": "The oil film of bearing {id} has changed, and neither by wear nor by oil nor by load",
     "size.film": "its coefficients deviate {times:.1f} times as far from the model as its document says",
+    "size.process_force": "by {change} N along {axis}, from {before:.0f} N",
     "size.unbalance": "{change} at {angle:.0f}°, from {before} to {after} g·mm",
     "size.no_phasors": "gives no usable phasors any more",
     "size.sensor": "or its chain reads differently: gain {gain:+.0f} %, phase {phase:+.0f}°{whole}",

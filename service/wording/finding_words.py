@@ -75,13 +75,18 @@ def oil_words(told: ToldFinding) -> Mapping[str, str]:
 
 def process_force_words(told: ToldFinding) -> Mapping[str, str]:
     """Return by how much a static force has changed along each axis, and what it was."""
-    q = told.quantities
-    axes = [(axis, f"force_{axis}") for axis in ("x", "y") if f"force_{axis}_n" in q]
+    q, language = told.quantities, told.language
     parts = [
-        f"by {shown(q[f'{name}_n'], CONFIDENCE_95 * q[f'{name}_error_n'])} N along {axis}, from {q[f'{name}_before_n']:.0f} N"
-        for axis, name in axes
+        language.say(
+            "size.process_force",
+            change=shown(q[f"force_{axis}_n"], CONFIDENCE_95 * q[f"force_{axis}_error_n"], language),
+            axis=axis,
+            before=q[f"force_{axis}_before_n"],
+        )
+        for axis in ("x", "y")
+        if f"force_{axis}_n" in q
     ]
-    return {"size": " and ".join(parts)}
+    return {"size": language.say("and").join(parts)}
 
 
 def unbalance_words(told: ToldFinding) -> Mapping[str, str]:

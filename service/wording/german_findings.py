@@ -122,6 +122,14 @@ GERMAN_FINDINGS: Mapping[str, FindingTexts] = {
         confirm=("Eine Probe, deren Viskosität bei 40 °C um ebenso viel abweicht",),
         not_determined=("Ob Sorte, Temperatur oder Wasser die Ursache ist",),
     ),
+    "process_force": FindingTexts(
+        what="Die statische Kraft {id} hat sich geändert: {size}, {compared}, seit {since}",
+        check=("Leistung, Ventile und Drücke seit {since}: woher die statische Kraft {id} kommt",),
+        in_operation=("Einen Auslauf bei üblicher Leistung aufnehmen: er zeigt, ob die statische Kraft {id} ihr folgt",),
+        at_next_stop=("Ventile, Düsen, Zähne oder Rohre ansehen, von denen die statische Kraft {id} kommt", NEW_BASELINE),
+        confirm=("Eine Leistung oder ein Druck, die sich mit ihr geändert haben",),
+        not_determined=("Was die statische Kraft {id} ändert", "Eine Kraft, für die im Dokument keine statische Kraft steht"),
+    ),
     "light_load": FindingTexts(
         what="Lager {id} trägt kaum noch Last: weniger als ein Zehntel der früheren, sodass Ölwirbel (Oil Whirl) auftreten "
         "können, {compared}, seit {since}",
@@ -139,6 +147,19 @@ GERMAN_FINDINGS: Mapping[str, FindingTexts] = {
         at_next_stop=("Ausrichtung neben Lager {id} und seine Höhe messen; sein Weißmetall ansehen",),
         confirm=("Hohe Metalltemperatur an Lager {id}",),
         not_determined=("Um wie viel Lager {id} darüber liegt",),
+    ),
+    "low_stability": FindingTexts(
+        what="Die Maschine ist nahe am Ölwirbel in ihren Schmierfilmen: bei Betriebsdrehzahl hat ihre am wenigsten gedämpfte "
+        "Eigenform ein logarithmisches Dekrement unter 0,1 (API 617), und weniger als die Hälfte dessen, was sie mit solchem "
+        "Öl hatte, {compared}, seit {since}",
+        check=(
+            "Schwingung unter der Drehfrequenz, im Spektrum eines anderen Geräts",
+            "Was sich daneben geändert hat: eine Ausrichtung, ein Lagerspiel, das Öl und seine Temperatur",
+        ),
+        in_operation=("Öltemperatur in ihren Grenzen halten, und die Drehzahl nicht erhöhen, solange dies besteht",),
+        at_next_stop=("Ausrichtung, Lagerspiele und Höhen der Lager messen, die am wenigsten tragen", NEW_BASELINE),
+        confirm=("Schwingung bei etwas weniger als der halben Drehfrequenz",),
+        not_determined=("In welchem Lager es beginnt",),
     ),
     "unbalance": FindingTexts(
         what="Die Unwucht von Scheibe {id} hat sich geändert um {size}, {compared}, seit {since}",
