@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from estimator.alignment.stability_margin import LEAST_DECREMENT, StabilityMargin, stability_margin
+from estimator.arrays import Floats
 from estimator.diagnosis.data_faults import CERTAIN, DataFault
 from estimator.diagnosis.observation import Observation
 from estimator.machine.parameter_description import describe
@@ -40,7 +41,10 @@ def low_stability(baseline: Sequence[Observation], window: Sequence[Observation]
         margin = None if model is None else stability_margin(model)
         if model is None or margin is None or _lacking(margin, LEAST_DECREMENT) <= CERTAIN:
             return
-        usual = stability_margin(_with_oil_of(model, baseline))
+        then = [other.model().values for other in baseline if other.model is not None]
+        if not then:
+            return
+        usual = stability_margin(_with_oil_of(model, np.mean(then, axis=0)))
         least = 0.0 if usual is None else min(LEAST_DECREMENT, LEFT * usual.log_decrement)
         lacking.insert(0, _lacking(margin, least))
         if lacking[0] <= CERTAIN:
@@ -53,8 +57,7 @@ def _lacking(margin: StabilityMargin, least: float) -> float:
     return (least - margin.log_decrement) / max(margin.error, TINY)
 
 
-def _with_oil_of(now: UpdatedModel, baseline: Sequence[Observation]) -> UpdatedModel:
-    """Return the mean of a baseline's models with the oil of a run."""
-    then = np.mean([one.model().values for one in baseline if one.model is not None], axis=0)
+def _with_oil_of(now: UpdatedModel, then: Floats) -> UpdatedModel:
+    """Return the baseline's mean model, by its values, with the oil of a run."""
     oil = np.array([describe(name).quantity in OIL for name in now.coordinates])
     return replace(now, values=np.where(oil, now.values, then))
