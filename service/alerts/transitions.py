@@ -12,6 +12,7 @@ from sqlalchemy.orm import Session
 
 from estimator.errors import Invalid
 from service.alerts.lifecycle import (
+    ACTIVE,
     Acknowledged,
     AlertCondition,
     AlertStatus,
@@ -111,6 +112,10 @@ def raise_alert(session: Session, machine_id: str, *, rule: str, element: str, f
 def clear_alert(session: Session, row: AlertRow, *, comment: str = "") -> None:
     """Record that the cause is gone. A shelving until then ends."""
     _apply_event(session, row, Cleared(), "cleared", Person(SERVICE, comment))
+    _end_shelving_until_cleared(session, row)
+
+
+def _end_shelving_until_cleared(session: Session, row: AlertRow) -> None:
     for one in suppressions.of_alert(session, row.machine_id, rule=row.rule, element=row.element):
         if one.until_cleared:
             release(session, one, Person(SERVICE, "its cause is gone"))
@@ -124,6 +129,7 @@ def acknowledge(session: Session, row: AlertRow, person: Person) -> None:
 def reset(session: Session, row: AlertRow, person: Person) -> None:
     """Reset a latched alert. Raises Forbidden."""
     _apply_event(session, row, Reset(), "reset", person)
+    _end_shelving_until_cleared(session, row)
 
 
 def comment(session: Session, row: AlertRow, person: Person) -> None:
@@ -134,7 +140,7 @@ def comment(session: Session, row: AlertRow, person: Person) -> None:
 def shelve(session: Session, row: AlertRow, person: Person, *, until: int, until_cleared: bool = False) -> None:
     """Shelve an alert until a moment [ns]: it notifies nobody, nor does a later episode before then.
 
-    until_cleared: the shelving ends with this episode's cause, so that a later one calls.
+    until_cleared: the shelving ends with this episode's cause, so that a later one calls; refused where that is gone already.
 
     Raises Forbidden, and MomentRefused for a moment in the past or more than 30 days ahead: nothing is shelved for ever.
     """
@@ -142,6 +148,8 @@ def shelve(session: Session, row: AlertRow, person: Person, *, until: int, until
         raise Forbidden("the alert is closed: only an open alert is shelved")
     if Suppression.SHELVED in status_of(row).suppressions:
         raise Forbidden("the alert is shelved already: end that first")
+    if until_cleared and status_of(row).condition not in ACTIVE:
+        raise Forbidden("the alert's cause is gone already: shelve it until a moment")
     moment = now()
     if not moment < until <= moment + LONGEST_SHELVING_NS:
         raise MomentRefused(f"an alert is shelved until a moment to come, at most {LONGEST_SHELVING_DAYS} days ahead")

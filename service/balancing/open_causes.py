@@ -43,4 +43,4 @@ def _words(other: Sequence[ListedAlert], language: Language) -> str:
 
 
 def _finding(alert: ListedAlert, language: Language) -> str:
-    return language.say("finding_of", finding=language.named(alert.rule), element=alert.element)
+    return language.say("finding_of", finding=language.named(alert.rule), element=language.element(alert.element))

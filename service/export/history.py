@@ -169,6 +169,7 @@ SUPPRESSIONS = (
     Column("element", "text", "only of this element, where there is one"),
     Column("since", "time", "when it began"),
     Column("until", "time", "when it ends by itself"),
+    Column("until_cleared", "truth", "whether it ends with the cause of the alert that was shelved"),
     _DID,
     _SAID,
     Column("ended_at", "time", "when it ended"),

@@ -39,15 +39,18 @@ def token_policy(settings: Settings) -> ua.UserTokenPolicy | None:
 def as_password(params: ua.ActivateSessionParameters, *, encrypted: bool) -> None:
     """Put an issued token where the library looks for a password: one without a user name.
 
-    encrypted: whether the channel is. Raises ServiceError where it is not.
+    encrypted: whether the channel is. Raises ServiceError where it is not, for a token that is encrypted by itself, which the
+    policy does not offer, and for a client's own password without a user name, which would pass for a token.
     """
     token = params.UserIdentityToken
+    if isinstance(token, ua.UserNameIdentityToken) and token.UserName is None:
+        raise ServiceError(ua.StatusCodes.BadIdentityTokenRejected)
     if not isinstance(token, ua.IssuedIdentityToken):
         return
-    if not encrypted or not token.TokenData:
+    if not encrypted or not token.TokenData or token.EncryptionAlgorithm:
         raise ServiceError(ua.StatusCodes.BadIdentityTokenRejected)
     params.UserIdentityToken = ua.UserNameIdentityToken(
-        PolicyId=token.PolicyId, UserName=None, Password=token.TokenData, EncryptionAlgorithm=token.EncryptionAlgorithm
+        PolicyId=token.PolicyId, UserName=None, Password=token.TokenData, EncryptionAlgorithm=None
     )
 
 

@@ -17,11 +17,11 @@ from storage.machines import machines
 from storage.measurements import runs
 from storage.tables.measurements import RunRow
 
-MOST_KEPT = 20_000
-"""Runs kept; the vectors of one take some 500 bytes."""
+MOST_KEPT = 10_000
+"""Runs kept; the vectors of one take some 200 bytes a channel."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class ChannelVectors:
     """Vectors and levels of one channel at running speed [m], NaN where there is none; gap: towards the probe."""
 

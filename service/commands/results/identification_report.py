@@ -21,8 +21,9 @@ from estimator.units import METRES, PEAK, rad_per_s_to_rpm, rpm_to_rad_per_s
 
 CANDIDATE_SPEEDS = 60
 GRAM_MILLIMETRES = 1e6
-MICROMETRES = 1e6
 """g mm per kg m."""
+MICROMETRES = 1e6
+"""µm per m."""
 EXPLAINED = 2.0
 """Largest χ²/dof at which the regression's values count as explaining a run."""
 

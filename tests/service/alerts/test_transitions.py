@@ -170,6 +170,18 @@ def test_one_latched_meanwhile_calls_when_its_shelving_ends_with_the_cause(plant
         assert kinds(session, row) == ["raised", "shelved", "cleared", "shelved_ended"]
 
 
+def test_what_is_gone_already_is_not_shelved_until_it_is_gone(plant: Database, found: IdentificationRow) -> None:
+    """It would outlive its episode, and silence the next one."""
+    with plant.transaction() as session:
+        row = transitions.raise_alert(session, MACHINE, rule="r", element="e", finding=finding(found, latching=True))
+        transitions.acknowledge(session, row, ANNA)
+        transitions.clear_alert(session, row)
+        with pytest.raises(Forbidden, match="cause is gone already"):
+            transitions.shelve(session, row, ANNA, until=time.time_ns() + 60 * SECOND, until_cleared=True)
+        transitions.reset(session, row, ANNA)
+        assert transitions.raise_alert(session, MACHINE, rule="r", element="e", finding=finding(found)).suppressions == []
+
+
 def test_many_suppressions_that_end_at_once_keep_nobody_from_storing(plant: Database) -> None:
     """Each transaction ends a few of them, however many have expired; and a machine has no more than so many."""
     with plant.transaction() as session:

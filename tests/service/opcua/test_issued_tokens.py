@@ -155,3 +155,17 @@ def test_tokens_are_offered_where_the_channel_is_encrypted_only(serving: tuple[O
     params = ua.ActivateSessionParameters(UserIdentityToken=ua.IssuedIdentityToken(TokenData=b"a.b.c"))
     with pytest.raises(ua.uaerrors.UaError):
         as_password(params, encrypted=False)
+
+
+@pytest.mark.parametrize(
+    "token",
+    [
+        ua.UserNameIdentityToken(UserName=None, Password=b"a.b.c"),
+        ua.IssuedIdentityToken(TokenData=b"a.b.c", EncryptionAlgorithm="http://www.w3.org/2001/04/xmlenc#rsa-oaep"),
+    ],
+)
+def test_what_would_pass_for_a_token_beside_the_policy_is_refused(
+    token: ua.UserNameIdentityToken | ua.IssuedIdentityToken,
+) -> None:
+    with pytest.raises(ua.uaerrors.UaError):
+        as_password(ua.ActivateSessionParameters(UserIdentityToken=token), encrypted=True)

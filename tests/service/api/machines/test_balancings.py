@@ -121,7 +121,7 @@ def test_no_masses_are_proposed_while_an_alert_says_that_something_else_is_wrong
         transitions.raise_alert(session, KEY.machine, rule="misalignment", element="coupling.C1", finding=finding)
     told = api("POST", f"{PATH}/{begun}/correction", 409, json={"by": "Ada"})["detail"]
     assert told.startswith("mend C1 first, no masses are proposed while something else is wrong: alert ")
-    assert told.endswith("alert 2: misalignment of coupling.C1")
+    assert told.endswith("alert 2: misalignment of coupling C1")
 
 
 def test_the_model_of_an_identification_is_used_where_it_predicts_better(store: Database, api: Api, begun: int) -> None:
