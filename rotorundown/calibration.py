@@ -7,7 +7,7 @@ from pathlib import Path
 
 import yaml
 
-from estimator.calibration.calibrate import Calibrated
+from estimator.calibration.calibrate import Calibrated, with_named_senses
 from estimator.calibration.calibrate import calibrate as calibrate_runs
 from estimator.errors import Invalid
 from estimator.machine.document import Machine
@@ -88,6 +88,7 @@ def calibrate(machine: Machine, files: Sequence[str | Path], *, seed: int = 0) -
     try:
         runs, left_out = read_calibration_runs(machine, [Path(file) for file in files])
         with one_blas_thread():
-            return CalibratedMachine(calibrate_runs(machine, runs, seed=seed), tuple(left_out))
+            found = calibrate_runs(machine, runs, seed=seed)
+            return CalibratedMachine(with_named_senses(machine, runs, found, seed=seed), tuple(left_out))
     except (UnreadableFile, Rejected, ValueError) as error:
         raise NotCalibrated(str(error)) from None

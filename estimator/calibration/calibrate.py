@@ -100,19 +100,32 @@ def calibrate(machine: Machine, runs: Sequence[CalibrationRun], *, seed: int = 0
         FitFailed: No start leads to a finite misfit.
         SingularCondensation: The train cannot be condensed at a speed.
     """
-    remarks = check_runs(machine, runs)
-    found = _calibrated(machine, runs, remarks, seed, MOST_OF_SWEEPS)
+    return _calibrated(machine, runs, check_runs(machine, runs), seed, MOST_OF_SWEEPS)
+
+
+def with_named_senses(machine: Machine, runs: Sequence[CalibrationRun], found: Calibrated, *, seed: int = 0) -> Calibrated:
+    """Name the wrong senses of angles or phases without which a refused calibration would be accepted.
+
+    Args:
+        machine: The machine.
+        runs: The runs.
+        found: Their calibration, as `calibrate` returns it.
+        seed: Seed of the random starts.
+
+    Returns:
+        The calibration, with such senses in its verdict.
+    """
     if found.accepted:
         return found
     meant = explaining_senses(runs, lambda other: _is_accepted(machine, other, seed))
-    return replace(found, verdict=f"{found.verdict} {meant}") if meant else found
+    return replace(found, verdict=f"{found.verdict.rstrip('.')}. {meant}") if meant else found
 
 
 def _is_accepted(machine: Machine, runs: Sequence[CalibrationRun], seed: int) -> bool:
     """Return whether other runs calibrate, by a part of the samples of their sweeps."""
     try:
         return _calibrated(machine, runs, (), seed, (MOST_OF_SWEEPS[0],) * 2).accepted
-    except (FitFailed, SingularCondensation):
+    except (FitFailed, SingularCondensation, np.linalg.LinAlgError):
         return False
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
@@ -119,20 +120,24 @@ def _meant(disc: Disc, size: float) -> str:
 
 
 def _require_no_copies(runs: Sequence[CalibrationRun]) -> None:
-    """Check that no samples stand in two runs, or in two mountings of one. Raises CalibrationImpossible."""
-    seen: dict[bytes, tuple[int, str]] = {}
+    """Check that no run, and no mounting of one, holds the samples of another. Raises CalibrationImpossible.
+
+    Single samples may well be alike: repeats of one condition in numbers that were rounded.
+    """
+    held: dict[tuple[int, str], set[bytes]] = {}
     for number, run in enumerate(runs):
         measurement = run.measurement
         for row, mounting in enumerate(run.mounting):
-            if not measurement.usable[row].any():
-                continue
-            sample = np.r_[measurement.speed[row], np.where(measurement.usable[row], measurement.phasor[row], 0.0)].tobytes()
-            first, before = seen.setdefault(sample, (number, mounting))
-            if (first, before) != (number, mounting):
-                where = f"{before} and {mounting} of {run.name}" if first == number else f"{runs[first].name} and {run.name}"
-                raise CalibrationImpossible(
-                    f"{where} hold the same samples: one is a copy of the other, not a run with another trial weight"
-                )
+            if measurement.usable[row].any():
+                phasors = np.where(measurement.usable[row], measurement.phasor[row], 0.0)
+                held.setdefault((number, mounting), set()).add(np.r_[measurement.speed[row], phasors].tobytes())
+    for ((first, before), ones), ((second, mounting), others) in combinations(held.items(), 2):
+        if ones <= others or others <= ones:
+            name = runs[second].name
+            where = f"{before} and {mounting} of {name}" if first == second else f"{runs[first].name} and {name}"
+            raise CalibrationImpossible(
+                f"{where} hold the same samples: one is a copy of the other, not a run with another trial weight"
+            )
 
 
 def _alike(machine: Machine, added: Complexes, differs: np.ndarray) -> tuple[str, ...]:

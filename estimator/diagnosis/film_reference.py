@@ -66,11 +66,17 @@ def film_observation(fit: ObservedFit, machine: Machine, conditions: Mapping[str
     precision = taken_off(fit.covariance[among], own.prior.precision / np.outer(own.unit, own.unit))
     theta = own.theta(said.reference[known])
     reference, gradient, information = said.reference.copy(), said.gradient.copy(), said.information.copy()
-    reference[known] = nominal.point(theta)
     gradient[known] += precision @ (own.unit * (theta - own.centre))
     information[among] -= precision
     believed = np.zeros(len(said.names))
     believed[known] = np.diag(precision)
+    # From what the run's conditions made of the document to what the document states: forces are scaled.
+    slope = np.ones(len(said.names))
+    slope[known] = _scaling(own, nominal)
+    reference[known] = nominal.origin + slope[known] * (said.reference[known] - own.origin)
+    gradient /= slope
+    information /= np.outer(slope, slope)
+    believed /= slope**2
 
     @cache
     def model() -> UpdatedModel:
@@ -85,6 +91,13 @@ def film_observation(fit: ObservedFit, machine: Machine, conditions: Mapping[str
         loads=cache(lambda: film_loads(model())),
         model=model,
     )
+
+
+def _scaling(own: Coordinates, nominal: Coordinates) -> Floats:
+    """Return by how much each coordinate's physical value (n,) changes in the document's machine for that in the run's [-]."""
+    forces = np.array([describe(name).element.startswith("static_load.") for name in own.names])
+    reversed_ = forces & (own.point(own.centre) * nominal.point(nominal.centre) < 0.0)
+    return np.where(reversed_, -1.0, 1.0) * nominal.unit / own.unit
 
 
 def film_reference(machine: Machine, baseline: Sequence[Observation], variation: HealthyVariation) -> Reference:

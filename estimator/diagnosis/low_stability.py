@@ -10,7 +10,6 @@ from dataclasses import replace
 import numpy as np
 
 from estimator.alignment.stability_margin import LEAST_DECREMENT, StabilityMargin, stability_margin
-from estimator.arrays import Floats
 from estimator.diagnosis.data_faults import CERTAIN, DataFault
 from estimator.diagnosis.observation import Observation
 from estimator.machine.parameter_description import describe
@@ -41,10 +40,7 @@ def low_stability(baseline: Sequence[Observation], window: Sequence[Observation]
         margin = None if model is None else stability_margin(model)
         if model is None or margin is None or _lacking(margin, LEAST_DECREMENT) <= CERTAIN:
             return
-        then = [other.model().values for other in baseline if other.model is not None]
-        if not then:
-            return
-        usual = stability_margin(_with_oil_of(model, np.mean(then, axis=0)))
+        usual = stability_margin(_with_conditions_of(model, [other.model() for other in baseline if other.model is not None]))
         least = 0.0 if usual is None else min(LEAST_DECREMENT, LEFT * usual.log_decrement)
         lacking.insert(0, _lacking(margin, least))
         if lacking[0] <= CERTAIN:
@@ -57,7 +53,9 @@ def _lacking(margin: StabilityMargin, least: float) -> float:
     return (least - margin.log_decrement) / max(margin.error, TINY)
 
 
-def _with_oil_of(now: UpdatedModel, then: Floats) -> UpdatedModel:
-    """Return the baseline's mean model, by its values, with the oil of a run."""
+def _with_conditions_of(now: UpdatedModel, baseline: Sequence[UpdatedModel]) -> UpdatedModel:
+    """Return the mean of a baseline's models under the conditions of a run: with its oil, and forces as it scales them."""
+    own = now.coordinates_at(np.ones(1))
+    then = np.mean([one.coordinates_at(np.ones(1)).theta(one.values) for one in baseline], axis=0)
     oil = np.array([describe(name).quantity in OIL for name in now.coordinates])
-    return replace(now, values=np.where(oil, now.values, then))
+    return replace(now, values=own.point(np.where(oil, own.theta(now.values), then)))

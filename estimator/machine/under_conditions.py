@@ -13,6 +13,9 @@ FAR = 40.0
 NEAR = 12.0
 """Difference from the stated temperature up to which one that was read as °F explains the other [K]."""
 
+LEAST_FACTOR = 1e-3
+"""Least part of a force's spread that is left at conditions at which the force itself is zero [-]."""
+
 
 class ConditionImpossible(ValueError):
     """Raised when an operating condition has a value that no machine has."""
@@ -89,5 +92,6 @@ def _load(load: StaticLoad, known: Mapping[str, float]) -> StaticLoad:
     if value is None or load.stated_at is None:
         return load
     factor = value / load.stated_at
-    spreads = {name: abs(factor) * getattr(load, name) for name in ("force_x_spread", "force_y_spread")}
+    # Where nothing is left of a force it stays an unknown, of which the run says nothing.
+    spreads = {name: max(abs(factor), LEAST_FACTOR) * getattr(load, name) for name in ("force_x_spread", "force_y_spread")}
     return load.model_copy(update={"force_x": factor * load.force_x, "force_y": factor * load.force_y, **spreads})

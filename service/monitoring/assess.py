@@ -139,8 +139,11 @@ def _causes(context: AssessmentContext, compared: BaselineComparison, diagnosis:
     causes = []
     for number, named in enumerate(diagnosis.causes):
         found = explained(context, diagnosis, number)
-        if found.cause is not named and not _reaches_limit(context, named, _size(context, compared, named, amplitude)):
-            found = Explanation(named, diagnosis.runners_up[number])  # a 2× raises no alert where there would be none
+        if found.cause is not named and not all(
+            _reaches_limit(context, one, _size(context, compared, one, amplitude)) for one in (named, found.cause)
+        ):
+            # A 2× raises no alert where there would be none, and sets none aside for what raises none.
+            found = Explanation(named, diagnosis.runners_up[number])
         cause = found.cause
         size = _size(context, compared, cause, amplitude)
         place = compared.watch.began(cause, compared.observations)

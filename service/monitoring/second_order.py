@@ -56,7 +56,9 @@ def explained(context: AssessmentContext, diagnosis: "Diagnosis", place: int) ->
     alone = sum(bool(one.names) for one in diagnosis.causes) == 1
     needed, _ = delays(context.limits, second.kind, second.element)
     agreed = needed <= len(second.agreement) and min(second.agreement[-needed:]) > 0.0
-    tied = cause.evidence - second.evidence <= TIE and (cause.kind, cause.element) not in context.open_causes
+    # One that was preferred before is not given up for a little more than a tie.
+    close = CLOSE if (second.kind, second.element) in context.open_causes else TIE
+    tied = cause.evidence - second.evidence <= close and (cause.kind, cause.element) not in context.open_causes
     if for_second is None or not (alone and agreed and tied):
         return found
     return Explanation(second, (cause, *others[1:]), replace(for_second, decided=True))

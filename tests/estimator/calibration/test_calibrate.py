@@ -113,6 +113,16 @@ def refused(plant: SimulatedKit, runs: list[CalibrationRun]) -> str:
     return str(caught.value)
 
 
+def test_samples_that_are_alike_by_rounding_make_no_copy(plant: SimulatedKit, runs: list[CalibrationRun]) -> None:
+    first, second = (one.measurement for one in runs[:2])
+    speed, phasor = second.speed.copy(), second.phasor.copy()
+    speed[0], phasor[0] = first.speed[0], first.phasor[0]
+    check_runs(plant.machine, [runs[0], replace(runs[1], measurement=replace(second, speed=speed, phasor=phasor)), *runs[2:]])
+    copy = replace(runs[1], measurement=replace(second, speed=first.speed, phasor=first.phasor, usable=first.usable))
+    with pytest.raises(CalibrationImpossible, match="hold the same samples"):
+        check_runs(plant.machine, [runs[0], copy, *runs[2:]])
+
+
 def weighted(run: CalibrationRun, added: np.ndarray | None) -> CalibrationRun:
     measurement = run.measurement
     rows = None if added is None else np.tile(added, (measurement.speed.size, 1)).astype(complex)

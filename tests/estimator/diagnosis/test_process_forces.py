@@ -13,6 +13,7 @@ from estimator.diagnosis.observation import Observation
 from estimator.diagnosis.run_windows import RunWindows
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.document import Machine, parse_machine
+from estimator.machine.under_conditions import under_conditions
 from estimator.updated_model.model import expected_model
 from service.wording.finding_words import process_force_words
 from service.wording.told_finding import ToldFinding
@@ -80,3 +81,30 @@ def test_a_force_that_was_hardly_there_is_not_large_in_per_cent() -> None:
 
 def test_forces_that_are_known_exactly_do_not_change() -> None:
     assert list(process_forces(columns_of(TWO_SHAFTS))) == []
+
+
+def scaled_run(power: float) -> Observation:
+    """A run at some power that finds what the document states, the force within a tenth of what it may be off."""
+    said = train().model_dump(mode="json", exclude_none=True)
+    said["conditions"] = [{"name": "power", "unit": "MW"}]
+    said["static_loads"][0] |= {"scaled_by": "power", "stated_at": 8.0}
+    machine = parse_machine(said)
+    conditions = {"power": power}
+    model = expected_model(under_conditions(machine, conditions))
+    coordinates = model.coordinates_at(np.ones(1))
+    error = 0.1 * np.where(coordinates.spread > 1.0, 1e-5, coordinates.spread) * coordinates.unit
+    return film_observation(observed(replace(model, covariance=np.diag(error**2))), machine, conditions)
+
+
+@pytest.mark.parametrize("power", [4.0, -8.0, 0.8])
+def test_a_force_that_follows_the_power_is_told_at_the_power_that_the_document_states(power: float) -> None:
+    stated, scaled = scaled_run(8.0), scaled_run(power)
+    place = stated.names.index(FORCE_Y)
+    assert scaled.reference[place] == pytest.approx(-500.0)
+    assert scaled.information[place, place] == pytest.approx(stated.information[place, place], rel=1e-6)
+
+
+def test_a_run_at_no_power_says_nothing_of_the_force_and_is_still_compared() -> None:
+    stated, none = scaled_run(8.0), scaled_run(0.0)
+    assert none.names == stated.names
+    assert np.isfinite(none.information).all()
