@@ -140,10 +140,10 @@ def pool_threads() -> set[threading.Thread]:
 
 
 def test_a_process_that_a_shutdown_kills_while_it_starts_is_no_error(caplog: pytest.LogCaptureFixture) -> None:
-    others, begun = pool_threads(), len(multiprocessing.active_children())
+    others, before = pool_threads(), {one.pid for one in multiprocessing.active_children()}
     made = ProcessPool(1, memory_bytes=MEMORY)
     waiting = made.submit(10.0, os.getpid)
-    wait_until(lambda: len(multiprocessing.active_children()) > begun)
+    wait_until(lambda: any(one.pid not in before for one in multiprocessing.active_children()))
     made.shutdown()
     with pytest.raises(Interrupted, match="was shut down"):
         waiting.result(SOON_S)
