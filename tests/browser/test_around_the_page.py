@@ -1,7 +1,9 @@
 """Finding one's way: windows of all sizes, keys, addresses that lead nowhere."""
 
+import time
+
 import pytest
-from playwright.sync_api import Locator, expect
+from playwright.sync_api import Locator, Route, expect
 
 from tests.browser.conftest import Seen
 from tests.browser.story import MACHINE
@@ -75,9 +77,15 @@ def test_keys_alone_lead_through_the_page(seen: Seen) -> None:
     assert seen.errors == []
 
 
+def _late(route: Route) -> None:
+    time.sleep(0.05)
+    route.continue_()
+
+
 def test_what_comes_late_moves_nothing(seen: Seen) -> None:
     watch = "new PerformanceObserver((list) => { for (const one of list.getEntries()) window.moved += one.value; })"
     seen.page.add_init_script(f"window.moved = 0; {watch}.observe({{ type: 'layout-shift', buffered: true }});")
+    seen.page.route("**/api/v1/**", _late)
     for place in ("", f"machines/{MACHINE}", f"machines/{MACHINE}/trends", f"machines/{MACHINE}/response"):
         seen.open(place)
         seen.page.reload()

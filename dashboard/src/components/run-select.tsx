@@ -25,11 +25,9 @@ export function RunSelect({ all, listed, run, reference }: RunSelection) {
         </select>
       </label>
       <Truncated shown={listed} limit={MAX_RUNS} of={t("runs")} />
-      {sameKind.length > 0 && (
-        <button type="button" onClick={() => replaceQuery({ reference: String(sameKind.at(-1)!.id) })}>
-          {t("overlayTheOldestOfIts")}
-        </button>
-      )}
+      <button type="button" disabled={sameKind.length === 0} onClick={() => replaceQuery({ reference: String(sameKind.at(-1)!.id) })}>
+        {t("overlayTheOldestOfIts")}
+      </button>
     </>
   );
 }
