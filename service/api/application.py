@@ -96,6 +96,24 @@ REPORTS = 16
 """Printed reports that are kept, of some 0.3 MB each."""
 DOCUMENTATION = ("/docs/static",)
 """Public paths without a route of ours: they are equal in every installation and hold no data."""
+OF_MACHINE = "GET /api/v1/machines/<id>"
+LISTED: Mapping[str, str] = {
+    "machine": ": GET /api/v1/machines lists those there are",
+    "revision": f": {OF_MACHINE}/revisions lists them",
+    "parameter": "",
+    "run": f": {OF_MACHINE}/runs lists those of a machine",
+    "balancing": f": {OF_MACHINE}/balancings lists those of a machine",
+    "calibration": f": {OF_MACHINE}/model-calibrations lists those of a machine",
+    "identification": f": {OF_MACHINE}/identifications lists them",
+    "slow-roll vectors": f"; {OF_MACHINE}/slow-roll lists the versions",
+    "job": f": {OF_MACHINE}/jobs lists those of a machine",
+    "alert": ": GET /api/v1/alerts lists those there are",
+    "suppression": f": {OF_MACHINE}/suppressions lists those in force",
+    "subscription": ": GET /api/v1/subscriptions lists those there are",
+    "key": ": `rundown key list` shows them",
+    "delivery": ": GET /api/v1/subscriptions/<id>/deliveries lists them",
+}
+"""Hint on where existing objects are listed, by the subject of the missing one."""
 
 
 def application(
@@ -147,7 +165,7 @@ def application(
     app.state.texts = texts or SiteTexts()
     app.state.delivery_networks = delivery_networks
     app.state.broadcaster = Broadcaster(database, app.state.texts)
-    add_handlers(app)
+    add_handlers(app, LISTED)
     app.add_middleware(Idempotency, database=database, sealing=app.state.secrets.sealing)
     app.add_middleware(BodyLimit)
     app.add_middleware(Compression)

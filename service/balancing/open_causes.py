@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from sqlalchemy.orm import Session
 
 from estimator.errors import Conflict
+from service.monitoring.finding_rules import finding_name
 from service.wording.language import ENGLISH, Language
 from storage.alerts import alerts
 from storage.alerts.alerts import ListedAlert
@@ -43,4 +44,4 @@ def _words(other: Sequence[ListedAlert], language: Language) -> str:
 
 
 def _finding(alert: ListedAlert, language: Language) -> str:
-    return language.say("finding_of", finding=language.named(alert.rule), element=language.element(alert.element))
+    return language.say("finding_of", finding=finding_name(alert.rule, language), element=language.element(alert.element))
