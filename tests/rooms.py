@@ -67,6 +67,8 @@ rotorundown: estimator estimator/calibration estimator/diagnosis estimator/fit e
     estimator/machine estimator/modes estimator/phasors estimator/simulation estimator/updated_model
     rotorundown/environment rotorundown/plots service/configuration service/sources service/wire storage
     storage/encoding
+service/balancing: estimator estimator/calibration estimator/fit estimator/machine estimator/phasors
+    estimator/updated_model service/wording storage/alerts storage/machines storage/measurements
 service/workers: service/configuration
 service/edge: estimator estimator/machine estimator/phasors estimator/signal service/configuration service/sources
     service/wire storage
@@ -74,8 +76,6 @@ service/monitoring: estimator estimator/alignment estimator/diagnosis estimator/
     estimator/trends estimator/updated_model service/alerts service/configuration service/replication
     service/resilience service/wording service/workers storage storage/alerts storage/database storage/findings
     storage/machines storage/measurements storage/tables
-service/balancing: estimator estimator/calibration estimator/fit estimator/machine estimator/phasors
-    estimator/updated_model service/monitoring service/wording storage/alerts storage/machines storage/measurements
 service/advice: estimator estimator/diagnosis service/alerts service/configuration service/monitoring service/wording
     storage storage/alerts storage/tables
 service/delivery: estimator service/advice service/alerts service/configuration service/monitoring service/replication

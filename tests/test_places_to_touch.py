@@ -75,8 +75,9 @@ def finding(copy: Copy) -> str:
     copy.insert(
         "service/monitoring/finding_rules.py",
         "FINDING_RULES: tuple[FindingRule, ...] = (",
-        '\n    FindingRule("rub", AlertRule("rub", Rule(alert=Level(sigma=3.0)), ("sigma",)), '
-        'FindingTexts("Shaft {id} rubs: {size}", ("a",), ("b",), ("c",), (), ("e",), ("f",))),',
+        '\n    FindingRule("rub", AlertRule("rub", Rule(alert=Level(sigma=3.0)), ("sigma",)), {"de": "Anstreifen"}, '
+        '{"en": FindingTexts("Shaft {id} rubs: {size}", ("a",), ("b",), ("c",), (), ("e",), ("f",)), '
+        '"de": FindingTexts("Welle {id} streift an: {size}", ("g",), ("h",), ("i",), (), ("k",), ("l",))}),',
     )
     return """
 from estimator.diagnosis.finding_kinds import finding_kind
@@ -87,6 +88,7 @@ from service.monitoring.limits import Limits
 assert concerned_elements(finding_rule("rub").rule) == ("shaft",)
 assert Limits().rule("rub", "shaft.S1").alert.sigma == 3.0
 assert '"rub"' in documents()["findings.ts"]
+assert '"rub": "Anstreifen"' in documents()["findings.ts"]
 assert '"rub"' in text()
 """
 
@@ -109,7 +111,9 @@ class Logbook:
         return DeliveryOutcome("delivered", message.event.message)
 
 
-LOGBOOK = ChannelKind("logbook", "Logbook", "none", None, lambda row, connections: Logbook())
+LOGBOOK = ChannelKind(
+    "logbook", {"en": "Logbook", "de": "Betriebsbuch"}, "none", None, lambda row, connections: Logbook()
+)
 ''',
     )
     copy.insert("service/delivery/channels.py", "CHANNEL_KINDS: tuple[ChannelKind, ...] = (", "LOGBOOK, ")
@@ -125,6 +129,7 @@ api("POST", "/subscriptions", 201, json={"kind": "logbook", "name": "a"})
 assert [one["kind"] for one in api.value("/subscriptions")] == ["logbook"]
 assert type(open_channel(SubscriptionRow(kind="logbook"), None)).__name__ == "Logbook"
 assert '"Logbook"' in documents()["channels.ts"]
+assert '"Betriebsbuch"' in documents()["channels.ts"]
 """
 
 
@@ -276,11 +281,25 @@ def downgrade() -> None:
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from estimator.errors import Missing
 from storage.tables.machines import RemarkRow
+
+
+class RemarkUnknown(Missing):
+    """Raised when there is no remark of a number."""
+
+    subject = "remark"
 
 
 def add(session: Session, machine_id: str, text: str) -> None:
     session.add(RemarkRow(machine_id=machine_id, text=text))
+
+
+def get(session: Session, machine_id: str, remark_id: int) -> str:
+    row = session.get(RemarkRow, remark_id)
+    if row is None or row.machine_id != machine_id:
+        raise RemarkUnknown(str(remark_id))
+    return row.text
 
 
 def texts(session: Session, machine_id: str) -> list[str]:
@@ -312,6 +331,11 @@ def list_remarks(session: Reading, machine_id: MachineId) -> list[Remark]:
     return [Remark(text=one) for one in remarks.texts(session, machine_id)]
 
 
+@router.get("/{number}", operation_id="get_remark")
+def get_remark(session: Reading, machine_id: MachineId, number: int) -> Remark:
+    return Remark(text=remarks.get(session, machine_id, number))
+
+
 @router.post("", operation_id="add_remark", status_code=201, dependencies=[ANALYST])
 def add_remark(request: Request, machine_id: MachineId, said: Remark) -> Remark:
     with database(request).transaction() as session:
@@ -321,6 +345,7 @@ def add_remark(request: Request, machine_id: MachineId, said: Remark) -> Remark:
     )
     application = "service/api/application.py"
     copy.insert(application, "    for part in (\n", "        remarks,\n")
+    copy.insert(application, "LISTED: Mapping[str, str] = {\n", '    "remark": f": {OF_MACHINE}/remarks lists them",\n')
     copy.insert(application, "from service.api.alerts.routes import router as alerts\n", f"{REMARKS}\n")
     return """
 from service.commands.openapi import text
@@ -335,6 +360,11 @@ api = Api(database)
 api("POST", "/machines/pump-7/remarks", 201, json={"text": "oil changed"})
 assert api.value("/machines/pump-7/remarks") == [{"text": "oil changed"}]
 assert api.get("/machines/none/remarks").status_code == 404
+assert api.value("/machines/pump-7/remarks/1") == {"text": "oil changed"}
+unknown = api.get("/machines/pump-7/remarks/2")
+assert (unknown.status_code, unknown.json()["detail"]) == (
+    404, "no remark 2: GET /api/v1/machines/<id>/remarks lists them"
+)
 assert "list_remarks" in text()
 """
 

@@ -80,7 +80,7 @@ def test_texts_that_could_not_be_told_are_refused(texts: FindingTexts, words: st
         (NAMES, {"en": RUBS}, "texts of finding 'rub' is missing in: de"),
         (NAMES, {"de": RUBS}, "texts of finding 'rub' is missing in: en"),
         (NAMES, {"en": RUBS, "de": RUBS, "fr": RUBS}, "texts of finding 'rub' is said in fr, and the languages are en, de"),
-        (NAMES, {"en": RUBS, "de": FindingTexts("Welle streift an")}, r"'rub' \(de\) has no texts of check"),
+        (NAMES, {"en": RUBS, "de": FindingTexts("Welle {id} streift an")}, r"'rub' \(de\) has no texts of check"),
         (
             NAMES,
             {"en": RUBS, "de": FindingTexts("Welle {if} streift an", *RUBS_LISTS)},
