@@ -133,7 +133,7 @@ service/api/alerts: estimator service/advice service/alerts service/api/cache se
 service/api: service/advice service/api/alerts service/api/cache service/api/conventions service/api/findings
     service/api/machines service/api/measurements service/api/operation service/api/trends service/configuration
     service/delivery service/http service/identification service/journal service/reports service/resilience
-    service/security storage/database
+    service/security storage/database storage/tables
 service/doctor: service/api service/configuration service/delivery service/maintenance service/messaging service/mqtt
     service/security service/wire storage/alerts storage/backup storage/database storage/operation
 service/commands/results: estimator estimator/calibration estimator/fit estimator/identification estimator/machine

@@ -16,8 +16,12 @@ import pytest
 from tests.paths import ROOT
 
 PACKAGES = ("estimator", "storage", "service", "rotorundown")
+PAGE = "dashboard/src"
 BOUNDS = {"finding": 2, "channel": 2, "bearing model": 2, "resource": 5}
 """Most files that each may take."""
+LANGUAGES = ("tests/service/wording/test_language.py", "tests/service/test_dashboard_messages.py")
+CHECKS = {"finding": LANGUAGES, "channel": LANGUAGES, "resource": ("tests/service/http/test_error_categories.py",)}
+"""Tests that must pass with it: of the languages of the service and of the page, of where missing objects are listed."""
 
 
 class Copy:
@@ -28,6 +32,7 @@ class Copy:
         self.touched: set[str] = set()
         for package in PACKAGES:
             shutil.copytree(ROOT / package, folder / package, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(ROOT / PAGE, folder / PAGE)
 
     def write(self, file: str, text: str) -> None:
         """Write a new file."""
@@ -49,14 +54,21 @@ class Copy:
         path.write_text(path.read_text() + text)
         self.touched.add(file)
 
-    def run(self, script: str) -> str:
-        """Run a script on the copy; return what it prints."""
+    def run(self, *arguments: str) -> None:
+        """Run Python with arguments on the copy."""
         where = {**os.environ, "PYTHONPATH": f"{self.folder}{os.pathsep}{ROOT}", "PYTHONDONTWRITEBYTECODE": "1"}
         done = subprocess.run(
-            [sys.executable, "-c", script], cwd=self.folder, env=where, capture_output=True, text=True, check=False
+            [sys.executable, *arguments], cwd=self.folder, env=where, capture_output=True, text=True, check=False
         )
-        assert done.returncode == 0, done.stderr
-        return done.stdout
+        assert done.returncode == 0, done.stdout + done.stderr
+
+    def check(self, tests: tuple[str, ...]) -> None:
+        """Run files of tests on the copy, with the page's declarations written anew as `make dashboard` does."""
+        self.run("-m", "service.commands.page_declarations", f"{PAGE}/declarations")
+        for file in tests:
+            (self.folder / file).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(ROOT / file, self.folder / file)
+        self.run("-m", "pytest", "-q", "-p", "no:cacheprovider", "--import-mode=importlib", *tests)
 
 
 @pytest.fixture
@@ -313,7 +325,7 @@ def texts(session: Session, machine_id: str) -> list[str]:
 from fastapi import APIRouter, Request
 from pydantic import BaseModel
 
-from service.api.conventions.dependencies import MachineId, Reading, database
+from service.api.conventions.dependencies import MachineId, Number, Reading, database
 from service.api.conventions.problems import RESPONSES
 from service.security.requirement import ANALYST, VIEWER
 from storage.machines import machines, remarks
@@ -331,9 +343,9 @@ def list_remarks(session: Reading, machine_id: MachineId) -> list[Remark]:
     return [Remark(text=one) for one in remarks.texts(session, machine_id)]
 
 
-@router.get("/{number}", operation_id="get_remark")
-def get_remark(session: Reading, machine_id: MachineId, number: int) -> Remark:
-    return Remark(text=remarks.get(session, machine_id, number))
+@router.get("/{remark_id}", operation_id="get_remark")
+def get_remark(session: Reading, machine_id: MachineId, remark_id: Number) -> Remark:
+    return Remark(text=remarks.get(session, machine_id, remark_id))
 
 
 @router.post("", operation_id="add_remark", status_code=201, dependencies=[ANALYST])
@@ -345,6 +357,8 @@ def add_remark(request: Request, machine_id: MachineId, said: Remark) -> Remark:
     )
     application = "service/api/application.py"
     copy.insert(application, "    for part in (\n", "        remarks,\n")
+    copy.insert(application, "ROWS: ScopedRows = {\n", '    "remark_id": (RemarkRow, "remark"),\n')
+    copy.insert(application, "import BalancingRow, MachineRow, ModelCalibrationRow", ", RemarkRow")
     copy.insert(application, "LISTED: Mapping[str, str] = {\n", '    "remark": f": {OF_MACHINE}/remarks lists them",\n')
     copy.insert(application, "from service.api.alerts.routes import router as alerts\n", f"{REMARKS}\n")
     return """
@@ -386,4 +400,30 @@ def test_one_more_takes_few_files_and_works(copy: Copy, what: str, add: Callable
     script = add(copy)
     assert len(copy.touched) <= BOUNDS[what], copy.touched
     place = f"import estimator, service, storage\nassert estimator.__file__.startswith({str(copy.folder)!r})\n"
-    copy.run(place + script)
+    copy.run("-c", place + script)
+    if what in CHECKS:
+        copy.check(CHECKS[what])
+
+
+@pytest.mark.parametrize(
+    ("add", "file", "said", "missing"),
+    [
+        (finding, "service/monitoring/finding_rules.py", '{"de": "Anstreifen"}', "name of finding 'rub' is missing in: de"),
+        (
+            channel,
+            "service/delivery/logbook.py",
+            ', "de": "Betriebsbuch"',
+            "title of channel kind 'logbook' is missing in: de",
+        ),
+    ],
+)
+def test_one_that_a_language_lacks_does_not_start(
+    copy: Copy, add: Callable[[Copy], str], file: str, said: str, missing: str
+) -> None:
+    script = add(copy)
+    path = copy.folder / file
+    content = path.read_text()
+    assert content.count(said) == 1
+    path.write_text(content.replace(said, "{}" if said.startswith("{") else ""))
+    with pytest.raises(AssertionError, match=missing):
+        copy.run("-c", script)

@@ -86,8 +86,12 @@ from service.security.login import router as login
 from service.security.operations import Operations
 from service.security.repeated_entries import RepeatedEntries
 from service.security.requirement import Requirement
-from service.security.scope import FREE, ROWS, Visibility
+from service.security.scope import FREE, ScopedRows, Visibility
 from storage.database.engine import Database
+from storage.tables.alerting import AlertRow, DeliveryRow, SubscriptionRow, SuppressionRow
+from storage.tables.findings import IdentificationRow, JobRow
+from storage.tables.machines import BalancingRow, MachineRow, ModelCalibrationRow
+from storage.tables.measurements import RunRow
 
 PREFIX = "/api/v1"
 THREADS = 6
@@ -96,6 +100,19 @@ REPORTS = 16
 """Printed reports that are kept, of some 0.3 MB each."""
 DOCUMENTATION = ("/docs/static",)
 """Public paths without a route of ours: they are equal in every installation and hold no data."""
+ROWS: ScopedRows = {
+    "machine_id": (MachineRow, "machine"),
+    "job_id": (JobRow, "job"),
+    "run_id": (RunRow, "run"),
+    "identification_id": (IdentificationRow, "identification"),
+    "balancing_id": (BalancingRow, "balancing"),
+    "calibration_id": (ModelCalibrationRow, "calibration"),
+    "alert_id": (AlertRow, "alert"),
+    "suppression_id": (SuppressionRow, "suppression"),
+    "subscription_id": (SubscriptionRow, "subscription"),
+    "delivery_id": (DeliveryRow, "delivery"),
+}
+"""Table and subject of each path parameter. The application does not start with an undeclared one."""
 OF_MACHINE = "GET /api/v1/machines/<id>"
 LISTED: Mapping[str, str] = {
     "machine": ": GET /api/v1/machines lists those there are",
@@ -282,7 +299,7 @@ def _guard(app: FastAPI, database: Database, security: Security) -> None:
     app.state.security = security
     app.state.operations = operations_of(app)
     app.state.authentication = Authentication(database, tokens=security.tokens, required=security.required)
-    app.state.visibility = Visibility(database)
+    app.state.visibility = Visibility(database, ROWS)
     app.state.failures = RateLimit(per_s=security.failures[0], burst=security.failures[1])
     app.state.repeated = RepeatedEntries(database)
     app.add_middleware(
