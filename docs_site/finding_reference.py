@@ -9,6 +9,7 @@ from service.monitoring.finding_rule import FindingRule
 from service.monitoring.finding_rules import FINDING_RULES, RATE_RULE
 from service.monitoring.limit_rule import Level, Quantity
 from service.wording.finding_texts import PLACES
+from service.wording.language import ENGLISH
 
 HEAD = f"""# Findings: reference
 
@@ -50,7 +51,8 @@ def findings_page() -> str:
 
 
 def _finding(rule: FindingRule) -> Iterator[str]:
-    yield from ("", f"## {rule.kind.replace('_', ' ').capitalize()}", "", f"> {rule.texts.what}", "")
+    texts = rule.texts_in(ENGLISH)
+    yield from ("", f"## {rule.kind.replace('_', ' ').capitalize()}", "", f"> {texts.what}", "")
     yield from ("| | |", "|---|---|", f"| name | `{rule.kind}`, rule `{rule.rule.name}` |")
     if rule is not RATE_RULE:
         kind = finding_kind(rule.kind)
@@ -59,9 +61,9 @@ def _finding(rule: FindingRule) -> Iterator[str]:
     yield f"| alert | {'always' if limits is None else level_words(limits.alert)} |"
     yield f"| danger | {'never' if limits is None or limits.danger is None else level_words(limits.danger)} |"
     for name, title in LISTS.items():
-        texts = getattr(rule.texts, name)
-        if texts:
-            yield f"| {title} | {'<br>'.join(table_cell(one) for one in texts)} |"
+        said = getattr(texts, name)
+        if said:
+            yield f"| {title} | {'<br>'.join(table_cell(one) for one in said)} |"
 
 
 def level_words(level: Level) -> str:

@@ -78,8 +78,8 @@ service/monitoring: estimator estimator/alignment estimator/diagnosis estimator/
     storage/machines storage/measurements storage/tables
 service/advice: estimator estimator/diagnosis service/alerts service/configuration service/monitoring service/wording
     storage storage/alerts storage/tables
-service/delivery: estimator service/advice service/alerts service/configuration service/replication service/resilience
-    service/secrets service/wording storage storage/alerts storage/backup storage/database storage/encoding
+service/delivery: estimator service/advice service/alerts service/configuration service/monitoring service/replication
+    service/resilience service/secrets service/wording storage storage/alerts storage/backup storage/database storage/encoding
     storage/machines storage/operation storage/tables
 service/runs: estimator estimator/machine estimator/runs service/replication service/resilience storage
     storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
@@ -133,7 +133,7 @@ service/api/alerts: estimator service/advice service/alerts service/api/cache se
 service/api: service/advice service/api/alerts service/api/cache service/api/conventions service/api/findings
     service/api/machines service/api/measurements service/api/operation service/api/trends service/configuration
     service/delivery service/http service/identification service/journal service/reports service/resilience
-    service/security storage/database
+    service/security storage/database storage/tables
 service/doctor: service/api service/configuration service/delivery service/maintenance service/messaging service/mqtt
     service/security service/wire storage/alerts storage/backup storage/database storage/operation
 service/commands/results: estimator estimator/calibration estimator/fit estimator/identification estimator/machine

@@ -16,8 +16,12 @@ import pytest
 from tests.paths import ROOT
 
 PACKAGES = ("estimator", "storage", "service", "rotorundown")
+PAGE = "dashboard/src"
 BOUNDS = {"finding": 2, "channel": 2, "bearing model": 2, "resource": 5}
 """Most files that each may take."""
+LANGUAGES = ("tests/service/wording/test_language.py", "tests/service/test_dashboard_messages.py")
+CHECKS = {"finding": LANGUAGES, "channel": LANGUAGES, "resource": ("tests/service/http/test_error_categories.py",)}
+"""Tests that must pass with it: of the languages of the service and of the page, of where missing objects are listed."""
 
 
 class Copy:
@@ -28,6 +32,7 @@ class Copy:
         self.touched: set[str] = set()
         for package in PACKAGES:
             shutil.copytree(ROOT / package, folder / package, ignore=shutil.ignore_patterns("__pycache__"))
+        shutil.copytree(ROOT / PAGE, folder / PAGE)
 
     def write(self, file: str, text: str) -> None:
         """Write a new file."""
@@ -49,14 +54,21 @@ class Copy:
         path.write_text(path.read_text() + text)
         self.touched.add(file)
 
-    def run(self, script: str) -> str:
-        """Run a script on the copy; return what it prints."""
+    def run(self, *arguments: str) -> None:
+        """Run Python with arguments on the copy."""
         where = {**os.environ, "PYTHONPATH": f"{self.folder}{os.pathsep}{ROOT}", "PYTHONDONTWRITEBYTECODE": "1"}
         done = subprocess.run(
-            [sys.executable, "-c", script], cwd=self.folder, env=where, capture_output=True, text=True, check=False
+            [sys.executable, *arguments], cwd=self.folder, env=where, capture_output=True, text=True, check=False
         )
-        assert done.returncode == 0, done.stderr
-        return done.stdout
+        assert done.returncode == 0, done.stdout + done.stderr
+
+    def check(self, tests: tuple[str, ...]) -> None:
+        """Run files of tests on the copy, with the page's declarations written anew as `make dashboard` does."""
+        self.run("-m", "service.commands.page_declarations", f"{PAGE}/declarations")
+        for file in tests:
+            (self.folder / file).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(ROOT / file, self.folder / file)
+        self.run("-m", "pytest", "-q", "-p", "no:cacheprovider", "--import-mode=importlib", *tests)
 
 
 @pytest.fixture
@@ -75,8 +87,9 @@ def finding(copy: Copy) -> str:
     copy.insert(
         "service/monitoring/finding_rules.py",
         "FINDING_RULES: tuple[FindingRule, ...] = (",
-        '\n    FindingRule("rub", AlertRule("rub", Rule(alert=Level(sigma=3.0)), ("sigma",)), '
-        'FindingTexts("Shaft {id} rubs: {size}", ("a",), ("b",), ("c",), (), ("e",), ("f",))),',
+        '\n    FindingRule("rub", AlertRule("rub", Rule(alert=Level(sigma=3.0)), ("sigma",)), {"de": "Anstreifen"}, '
+        '{"en": FindingTexts("Shaft {id} rubs: {size}", ("a",), ("b",), ("c",), (), ("e",), ("f",)), '
+        '"de": FindingTexts("Welle {id} streift an: {size}", ("g",), ("h",), ("i",), (), ("k",), ("l",))}),',
     )
     return """
 from estimator.diagnosis.finding_kinds import finding_kind
@@ -87,6 +100,7 @@ from service.monitoring.limits import Limits
 assert concerned_elements(finding_rule("rub").rule) == ("shaft",)
 assert Limits().rule("rub", "shaft.S1").alert.sigma == 3.0
 assert '"rub"' in documents()["findings.ts"]
+assert '"rub": "Anstreifen"' in documents()["findings.ts"]
 assert '"rub"' in text()
 """
 
@@ -109,7 +123,9 @@ class Logbook:
         return DeliveryOutcome("delivered", message.event.message)
 
 
-LOGBOOK = ChannelKind("logbook", "Logbook", "none", None, lambda row, connections: Logbook())
+LOGBOOK = ChannelKind(
+    "logbook", {"en": "Logbook", "de": "Betriebsbuch"}, "none", None, lambda row, connections: Logbook()
+)
 ''',
     )
     copy.insert("service/delivery/channels.py", "CHANNEL_KINDS: tuple[ChannelKind, ...] = (", "LOGBOOK, ")
@@ -125,6 +141,7 @@ api("POST", "/subscriptions", 201, json={"kind": "logbook", "name": "a"})
 assert [one["kind"] for one in api.value("/subscriptions")] == ["logbook"]
 assert type(open_channel(SubscriptionRow(kind="logbook"), None)).__name__ == "Logbook"
 assert '"Logbook"' in documents()["channels.ts"]
+assert '"Betriebsbuch"' in documents()["channels.ts"]
 """
 
 
@@ -276,11 +293,25 @@ def downgrade() -> None:
 from sqlalchemy import select
 from sqlalchemy.orm import Session
 
+from estimator.errors import Missing
 from storage.tables.machines import RemarkRow
+
+
+class RemarkUnknown(Missing):
+    """Raised when there is no remark of a number."""
+
+    subject = "remark"
 
 
 def add(session: Session, machine_id: str, text: str) -> None:
     session.add(RemarkRow(machine_id=machine_id, text=text))
+
+
+def get(session: Session, machine_id: str, remark_id: int) -> str:
+    row = session.get(RemarkRow, remark_id)
+    if row is None or row.machine_id != machine_id:
+        raise RemarkUnknown(str(remark_id))
+    return row.text
 
 
 def texts(session: Session, machine_id: str) -> list[str]:
@@ -294,7 +325,7 @@ def texts(session: Session, machine_id: str) -> list[str]:
 from fastapi import APIRouter, Request
 from pydantic import BaseModel
 
-from service.api.conventions.dependencies import MachineId, Reading, database
+from service.api.conventions.dependencies import MachineId, Number, Reading, database
 from service.api.conventions.problems import RESPONSES
 from service.security.requirement import ANALYST, VIEWER
 from storage.machines import machines, remarks
@@ -312,6 +343,11 @@ def list_remarks(session: Reading, machine_id: MachineId) -> list[Remark]:
     return [Remark(text=one) for one in remarks.texts(session, machine_id)]
 
 
+@router.get("/{remark_id}", operation_id="get_remark")
+def get_remark(session: Reading, machine_id: MachineId, remark_id: Number) -> Remark:
+    return Remark(text=remarks.get(session, machine_id, remark_id))
+
+
 @router.post("", operation_id="add_remark", status_code=201, dependencies=[ANALYST])
 def add_remark(request: Request, machine_id: MachineId, said: Remark) -> Remark:
     with database(request).transaction() as session:
@@ -321,6 +357,9 @@ def add_remark(request: Request, machine_id: MachineId, said: Remark) -> Remark:
     )
     application = "service/api/application.py"
     copy.insert(application, "    for part in (\n", "        remarks,\n")
+    copy.insert(application, "ROWS: ScopedRows = {\n", '    "remark_id": (RemarkRow, "remark"),\n')
+    copy.insert(application, "import BalancingRow, MachineRow, ModelCalibrationRow", ", RemarkRow")
+    copy.insert(application, "LISTED: Mapping[str, str] = {\n", '    "remark": f": {OF_MACHINE}/remarks lists them",\n')
     copy.insert(application, "from service.api.alerts.routes import router as alerts\n", f"{REMARKS}\n")
     return """
 from service.commands.openapi import text
@@ -335,6 +374,11 @@ api = Api(database)
 api("POST", "/machines/pump-7/remarks", 201, json={"text": "oil changed"})
 assert api.value("/machines/pump-7/remarks") == [{"text": "oil changed"}]
 assert api.get("/machines/none/remarks").status_code == 404
+assert api.value("/machines/pump-7/remarks/1") == {"text": "oil changed"}
+unknown = api.get("/machines/pump-7/remarks/2")
+assert (unknown.status_code, unknown.json()["detail"]) == (
+    404, "no remark 2: GET /api/v1/machines/<id>/remarks lists them"
+)
 assert "list_remarks" in text()
 """
 
@@ -356,4 +400,30 @@ def test_one_more_takes_few_files_and_works(copy: Copy, what: str, add: Callable
     script = add(copy)
     assert len(copy.touched) <= BOUNDS[what], copy.touched
     place = f"import estimator, service, storage\nassert estimator.__file__.startswith({str(copy.folder)!r})\n"
-    copy.run(place + script)
+    copy.run("-c", place + script)
+    if what in CHECKS:
+        copy.check(CHECKS[what])
+
+
+@pytest.mark.parametrize(
+    ("add", "file", "said", "missing"),
+    [
+        (finding, "service/monitoring/finding_rules.py", '{"de": "Anstreifen"}', "name of finding 'rub' is missing in: de"),
+        (
+            channel,
+            "service/delivery/logbook.py",
+            ', "de": "Betriebsbuch"',
+            "title of channel kind 'logbook' is missing in: de",
+        ),
+    ],
+)
+def test_one_that_a_language_lacks_does_not_start(
+    copy: Copy, add: Callable[[Copy], str], file: str, said: str, missing: str
+) -> None:
+    script = add(copy)
+    path = copy.folder / file
+    content = path.read_text()
+    assert content.count(said) == 1
+    path.write_text(content.replace(said, "{}" if said.startswith("{") else ""))
+    with pytest.raises(AssertionError, match=missing):
+        copy.run("-c", script)

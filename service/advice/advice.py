@@ -11,7 +11,7 @@ from service.advice.site_texts import SiteTexts
 from service.advice.urgency import urgency
 from service.alerts.advice_message import Action, Advice, Certainty, Figure
 from service.alerts.lifecycle import Severity
-from service.monitoring.finding_rules import RATE_RULE, is_finding, told_rule
+from service.monitoring.finding_rules import RATE_RULE, finding_name, is_finding, told_rule
 from service.wording.finding_texts import FindingTexts
 from service.wording.finding_words import UNITS, compared_words, part_words, rounded, second_order_words, told_parts
 from service.wording.language import ENGLISH, Language
@@ -60,7 +60,7 @@ def plain_message(kind: str, element: str, language: Language = ENGLISH) -> str:
     words = (
         language.say("itself", element=name)
         if element.startswith(f"{kind}.")
-        else language.say("finding_of", finding=language.named(kind), element=name)
+        else language.say("finding_of", finding=finding_name(kind, language), element=name)
     )
     return words[:1].upper() + words[1:]
 

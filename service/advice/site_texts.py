@@ -98,7 +98,10 @@ def _parsed(content: Mapping[Any, Any]) -> tuple[Written, list[str]]:
         if not wrong:
             rule = told_rule(kind)
             found[kind] = {name: one if name == "what" else tuple(one) for name, one in said.items()}
-            problems += [f"{kind}.{where}: {message}" for where, message in rule.problems(replace(rule.texts, **found[kind]))]
+            problems += [
+                f"{kind}.{where}: {message}"
+                for where, message in rule.problems(replace(rule.texts_in(ENGLISH), **found[kind]))
+            ]
     return found, problems
 
 

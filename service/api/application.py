@@ -86,8 +86,12 @@ from service.security.login import router as login
 from service.security.operations import Operations
 from service.security.repeated_entries import RepeatedEntries
 from service.security.requirement import Requirement
-from service.security.scope import FREE, ROWS, Visibility
+from service.security.scope import FREE, ScopedRows, Visibility
 from storage.database.engine import Database
+from storage.tables.alerting import AlertRow, DeliveryRow, SubscriptionRow, SuppressionRow
+from storage.tables.findings import IdentificationRow, JobRow
+from storage.tables.machines import BalancingRow, MachineRow, ModelCalibrationRow
+from storage.tables.measurements import RunRow
 
 PREFIX = "/api/v1"
 THREADS = 6
@@ -96,6 +100,37 @@ REPORTS = 16
 """Printed reports that are kept, of some 0.3 MB each."""
 DOCUMENTATION = ("/docs/static",)
 """Public paths without a route of ours: they are equal in every installation and hold no data."""
+ROWS: ScopedRows = {
+    "machine_id": (MachineRow, "machine"),
+    "job_id": (JobRow, "job"),
+    "run_id": (RunRow, "run"),
+    "identification_id": (IdentificationRow, "identification"),
+    "balancing_id": (BalancingRow, "balancing"),
+    "calibration_id": (ModelCalibrationRow, "calibration"),
+    "alert_id": (AlertRow, "alert"),
+    "suppression_id": (SuppressionRow, "suppression"),
+    "subscription_id": (SubscriptionRow, "subscription"),
+    "delivery_id": (DeliveryRow, "delivery"),
+}
+"""Table and subject of each path parameter. The application does not start with an undeclared one."""
+OF_MACHINE = "GET /api/v1/machines/<id>"
+LISTED: Mapping[str, str] = {
+    "machine": ": GET /api/v1/machines lists those there are",
+    "revision": f": {OF_MACHINE}/revisions lists them",
+    "parameter": "",
+    "run": f": {OF_MACHINE}/runs lists those of a machine",
+    "balancing": f": {OF_MACHINE}/balancings lists those of a machine",
+    "calibration": f": {OF_MACHINE}/model-calibrations lists those of a machine",
+    "identification": f": {OF_MACHINE}/identifications lists them",
+    "slow-roll vectors": f"; {OF_MACHINE}/slow-roll lists the versions",
+    "job": f": {OF_MACHINE}/jobs lists those of a machine",
+    "alert": ": GET /api/v1/alerts lists those there are",
+    "suppression": f": {OF_MACHINE}/suppressions lists those in force",
+    "subscription": ": GET /api/v1/subscriptions lists those there are",
+    "key": ": `rundown key list` shows them",
+    "delivery": ": GET /api/v1/subscriptions/<id>/deliveries lists them",
+}
+"""Hint on where existing objects are listed, by the subject of the missing one."""
 
 
 def application(
@@ -147,7 +182,7 @@ def application(
     app.state.texts = texts or SiteTexts()
     app.state.delivery_networks = delivery_networks
     app.state.broadcaster = Broadcaster(database, app.state.texts)
-    add_handlers(app)
+    add_handlers(app, LISTED)
     app.add_middleware(Idempotency, database=database, sealing=app.state.secrets.sealing)
     app.add_middleware(BodyLimit)
     app.add_middleware(Compression)
@@ -264,7 +299,7 @@ def _guard(app: FastAPI, database: Database, security: Security) -> None:
     app.state.security = security
     app.state.operations = operations_of(app)
     app.state.authentication = Authentication(database, tokens=security.tokens, required=security.required)
-    app.state.visibility = Visibility(database)
+    app.state.visibility = Visibility(database, ROWS)
     app.state.failures = RateLimit(per_s=security.failures[0], burst=security.failures[1])
     app.state.repeated = RepeatedEntries(database)
     app.add_middleware(

@@ -1,6 +1,6 @@
 """Open alerts that say that something else than unbalance is wrong: weights would hide it, and the trial runs would lie."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from sqlalchemy.orm import Session
 
@@ -17,17 +17,20 @@ GONE = ("normal", "returned")
 """Conditions of an alert whose cause is gone."""
 MOST = 1000
 
+FindingNames = Callable[[str, Language], str]
+"""Function that returns the name of a finding in a language."""
+
 
 class SomethingElseWrong(Conflict):
     """Raised when no masses are proposed because an open alert names another cause of the vibration."""
 
 
-def require_nothing_else(session: Session, machine_id: str, language: Language = ENGLISH) -> None:
+def require_nothing_else(session: Session, machine_id: str, finding_name: FindingNames, language: Language = ENGLISH) -> None:
     """Raise SomethingElseWrong while an open alert of the machine has a present cause that no weight mends, in a language."""
     found = alerts.find(session, machine_id=machine_id, only_open=True, limit=MOST)
     other = [one for one in found if one.condition not in GONE and not _is_of_unbalance(one)]
     if other:
-        raise SomethingElseWrong(_words(other, language))
+        raise SomethingElseWrong(_words(other, finding_name, language))
 
 
 def _is_of_unbalance(alert: ListedAlert) -> bool:
@@ -35,12 +38,13 @@ def _is_of_unbalance(alert: ListedAlert) -> bool:
     return alert.rule in BALANCED_AWAY or (alert.rule == rule and alert.element.startswith(element))
 
 
-def _words(other: Sequence[ListedAlert], language: Language) -> str:
+def _words(other: Sequence[ListedAlert], finding_name: FindingNames, language: Language) -> str:
     names = dict.fromkeys(alert.element.rpartition(".")[2] or language.say("balance.what_is_wrong") for alert in other)
-    told = "; ".join(language.say("balance.alert", id=alert.id, finding=_finding(alert, language)) for alert in other[:3])
+    told = "; ".join(_told(alert, finding_name, language) for alert in other[:3])
     more = language.say("balance.more", count=len(other) - 3) if len(other) > 3 else ""
     return language.say("balance.first", names=", ".join(names), alerts=told + more)
 
 
-def _finding(alert: ListedAlert, language: Language) -> str:
-    return language.say("finding_of", finding=language.named(alert.rule), element=language.element(alert.element))
+def _told(alert: ListedAlert, finding_name: FindingNames, language: Language) -> str:
+    name, element = finding_name(alert.rule, language), language.element(alert.element)
+    return language.say("balance.alert", id=alert.id, finding=language.say("finding_of", finding=name, element=element))

@@ -1,15 +1,16 @@
-"""Writes the page's declarations of findings and delivery channels: TypeScript made from the Python declarations.
+"""Writes the page's declarations of findings and delivery channels, with their names in each language, as TypeScript.
 
 `python -m service.commands.page_declarations dashboard/src/declarations` writes the files anew; they are committed.
 """
 
 import json
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from service.delivery.channels import CHANNEL_KINDS
-from service.monitoring.finding_rules import LIMITED_RULES
+from service.monitoring.finding_rules import FINDING_RULES, LIMITED_RULES, RATE_RULE
+from service.wording.language import LANGUAGES, Language
 
 FINDINGS, CHANNELS = "findings.ts", "channels.ts"
 HEAD = "// Written by `python -m service.commands.page_declarations` from {source}; not to be changed here.\n\n"
@@ -27,34 +28,49 @@ def write(folder: Path) -> None:
 
 
 def _findings() -> str:
-    names = ", ".join(json.dumps(name) for name in LIMITED_RULES)
-    quantities = "".join(f"  {name}: {json.dumps(rule.quantities)},\n" for name, rule in LIMITED_RULES.items())
+    names = ", ".join(_written(name) for name in LIMITED_RULES)
+    quantities = "".join(f"  {name}: {_written(rule.quantities)},\n" for name, rule in LIMITED_RULES.items())
+    declared = (*FINDING_RULES, RATE_RULE)
     return (
         HEAD.format(source="service/monitoring/finding_rules.py")
         + "/** Kinds of findings that have limits of their own. */\n"
         + f"export const RULES = [{names}] as const;\n\n"
         + "export type RuleName = (typeof RULES)[number];\n\n"
         + "/** Quantities that the limits of each kind may name. */\n"
-        + f"export const QUANTITIES: Record<RuleName, readonly string[]> = {{\n{quantities}}};\n"
+        + f"export const QUANTITIES: Record<RuleName, readonly string[]> = {{\n{quantities}}};\n\n"
+        + "/** Names of all kinds of findings, by language. */\n"
+        + _by_language("FINDING_NAMES", lambda language: {one.kind: one.name_in(language) for one in declared})
     )
 
 
 def _channels() -> str:
-    kinds = "".join(
-        f"  {{ kind: {json.dumps(one.kind)}, title: {json.dumps(one.title, ensure_ascii=False)}, "
-        f"reports: {json.dumps(one.reporting)} }},\n"
-        for one in CHANNEL_KINDS
-    )
-    addresses = ", or ".join(dict.fromkeys(one.address for one in CHANNEL_KINDS if one.address is not None))
-    without = ", ".join(one.kind for one in CHANNEL_KINDS if one.address is None)
-    words = f"{addresses}; none for {without}" if without else addresses
+    kinds = "".join(f"  {{ kind: {_written(one.kind)}, reports: {_written(one.reporting)} }},\n" for one in CHANNEL_KINDS)
     return (
         HEAD.format(source="service/delivery/channels.py")
         + "/** Ways in which people and programs are told of alerts; reports: whether reports of machines go there. */\n"
         + f"export const CHANNELS = [\n{kinds}] as const;\n\n"
-        + "/** Forms of their addresses, in words. */\n"
-        + f"export const ADDRESS_FORMS = {json.dumps(words, ensure_ascii=False)};\n"
+        + "/** Their names, by language. */\n"
+        + _by_language("CHANNEL_NAMES", lambda language: {one.kind: one.title[language.code] for one in CHANNEL_KINDS})
+        + "\n/** Forms of their addresses in words, by language. */\n"
+        + _by_language("ADDRESS_FORMS", _address_forms)
     )
+
+
+def _address_forms(language: Language) -> str:
+    forms = dict.fromkeys(one.address[language.code] for one in CHANNEL_KINDS if one.address is not None)
+    said = language.say("or").join(forms)
+    without = ", ".join(one.kind for one in CHANNEL_KINDS if one.address is None)
+    return language.say("addresses", forms=said, without=without) if without else said
+
+
+def _by_language(name: str, said: Callable[[Language], object]) -> str:
+    """Return a constant that holds what is said in each language, by its code."""
+    lines = "".join(f"  {language.code}: {_written(said(language))},\n" for language in LANGUAGES)
+    return f"export const {name} = {{\n{lines}}};\n"
+
+
+def _written(value: object) -> str:
+    return json.dumps(value, ensure_ascii=False)
 
 
 if __name__ == "__main__":

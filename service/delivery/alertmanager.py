@@ -80,9 +80,9 @@ def _open(row: SubscriptionRow, connections: Connections) -> Alertmanager:
 
 ALERTMANAGER = ChannelKind(
     "alertmanager",
-    title="Prometheus Alertmanager",
+    title={"en": "Prometheus Alertmanager", "de": "Prometheus Alertmanager"},
     description="the URL of a Prometheus Alertmanager",
-    address="a URL",
+    address={"en": "a URL", "de": "eine URL"},
     open=_open,
     url_target=True,
     reminded=True,

@@ -1,6 +1,6 @@
 """Declaration of a kind of delivery channel, and the connections that its channels use."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Protocol
 
@@ -12,6 +12,7 @@ from service.alerts.event_message import AlertEvent
 from service.configuration.settings import Settings
 from service.delivery.channel import Channel
 from service.delivery.signing_secrets import SigningSecrets
+from service.wording.language import Locale, require_every_language
 from storage.tables.alerting import SubscriptionRow
 
 
@@ -43,19 +44,20 @@ def _accept(_target: str) -> None:
 
 @dataclass(frozen=True)
 class ChannelKind:
-    """Declaration of one kind of channel. Raises ValueError where its parts contradict each other.
+    """Declaration of one kind of channel. Raises ValueError where its parts contradict each other, or a language is missing.
 
-    kind: its name in the API. title: its name on the page. description: of a subscription's target, for the API. address: form
-    of the target in a few words; None where there is no target. open: makes the channel of a subscription; may raise
-    SecretUnusable. check_target: raises ValueError for a target of another form. url_target: whether the target is a URL,
-    whose address is checked before delivery. signed: whether messages are signed with a secret of the subscription. reminded:
-    whether its channels are RemindingChannels. reporting: whether reports of machines can be sent by it.
+    kind: its name in the API. title: its name on the page, by language. description: of a subscription's target, for the API.
+    address: form of the target in a few words, by language; None where there is no target. open: makes the channel of a
+    subscription; may raise SecretUnusable. check_target: raises ValueError for a target of another form. url_target: whether
+    the target is a URL, whose address is checked before delivery. signed: whether messages are signed with a secret of the
+    subscription. reminded: whether its channels are RemindingChannels. reporting: whether reports of machines can be sent by
+    it.
     """
 
     kind: str
-    title: str
+    title: Mapping[Locale, str]
     description: str
-    address: str | None
+    address: Mapping[Locale, str] | None
     open: Callable[[SubscriptionRow, Connections], Channel]
     check_target: Callable[[str], None] = _accept
     url_target: bool = False
@@ -66,3 +68,6 @@ class ChannelKind:
     def __post_init__(self) -> None:
         if self.address is None and (self.url_target or self.check_target is not _accept):
             raise ValueError(f"channel kind '{self.kind}' has no target and checks one")
+        require_every_language(f"title of channel kind '{self.kind}'", self.title)
+        if self.address is not None:
+            require_every_language(f"address of channel kind '{self.kind}'", self.address)

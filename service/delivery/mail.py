@@ -13,6 +13,7 @@ from service.delivery.channel import DeliveryOutcome, EventMessage
 from service.delivery.channel_kind import ChannelKind, Connections
 from service.delivery.cloud_event import event_id
 from service.delivery.daemon_threads import DaemonThreads
+from service.monitoring.finding_rules import finding_name
 from service.wording.language import ENGLISH, Language
 from storage.tables.alerting import SubscriptionRow
 
@@ -69,7 +70,8 @@ def letter(settings: Settings, target: str, message: EventMessage, language: Lan
     mail = EmailMessage()
     mail["From"] = settings.smtp_sender
     mail["To"] = target
-    rule, severity, state, kind = (language.named(one) for one in (event.rule, event.severity, event.state, event.kind))
+    rule = finding_name(event.rule, language)
+    severity, state, kind = (language.named(one) for one in (event.severity, event.state, event.kind))
     mail["Subject"] = language.say(
         "mail.subject", severity=severity, machine=event.machine, element=event.element, rule=rule, state=state
     )
@@ -107,9 +109,9 @@ def _check_target(target: str) -> None:
 
 EMAIL = ChannelKind(
     "email",
-    title="e-mail",
+    title={"en": "e-mail", "de": "E-Mail"},
     description="one address, or several with commas between",
-    address="e-mail addresses with commas between",
+    address={"en": "e-mail addresses with commas between", "de": "E-Mail-Adressen mit Kommas dazwischen"},
     open=_open,
     check_target=_check_target,
     reporting=True,

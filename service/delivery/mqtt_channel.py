@@ -19,7 +19,7 @@ def _open(_row: SubscriptionRow, connections: Connections) -> Channel:
 
 MQTT = ChannelKind(
     "mqtt",
-    title="the plant's broker (MQTT)",
+    title={"en": "the plant's broker (MQTT)", "de": "der Broker der Anlage (MQTT)"},
     description="the broker of the service's settings, no target; it is told of trends, too",
     address=None,
     open=_open,

@@ -42,10 +42,10 @@ def _open(row: SubscriptionRow, connections: Connections) -> Webhook:
 
 WEBHOOK = ChannelKind(
     "webhook",
-    title="webhook",
+    title={"en": "webhook", "de": "Webhook"},
     description="target is an http or https URL; "
     "the answer gives its secret, once, unless secret_file or secret_env says where one is",
-    address="a URL",
+    address={"en": "a URL", "de": "eine URL"},
     open=_open,
     url_target=True,
     signed=True,

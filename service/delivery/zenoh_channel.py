@@ -44,7 +44,7 @@ def _open(_row: SubscriptionRow, connections: Connections) -> PlantChannel:
 
 ZENOH = ChannelKind(
     "zenoh",
-    title="the plant's own network (zenoh)",
+    title={"en": "the plant's own network (zenoh)", "de": "das eigene Netz der Anlage (zenoh)"},
     description="the plant's own network, no target",
     address=None,
     open=_open,

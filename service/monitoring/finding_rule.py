@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 from service.monitoring.limit_rule import Quantity, Rule
 from service.wording.finding_texts import LISTS, FindingTexts
 from service.wording.finding_words import no_questions, size_words
-from service.wording.german_findings import GERMAN_FINDINGS
-from service.wording.language import ENGLISH, LANGUAGES, Language
+from service.wording.language import ENGLISH, LANGUAGES, Language, Locale, require_every_language
 from service.wording.told_finding import ToldFinding
 
 if TYPE_CHECKING:
@@ -54,14 +53,16 @@ Words = Callable[[ToldFinding], Mapping[str, str]]
 class FindingRule:
     """Declaration of how one kind of finding is reported. Raises ValueError when a part is missing or wrong.
 
-    texts: what is said of it, which a site may replace. words: what stands in its places. places: those beside `PLACES`.
+    names: by language; English may be left out where it is the kind with spaces. texts: what is said of it, by language, which
+    a site may replace. words: what stands in its places. places: those beside `PLACES`.
     force: the derived value of the element that is its force [N], such as `misalignment_force`; required when the rule's
     levels may name a force. open_questions: what the numbers of a finding leave open, beside what its texts say.
     """
 
     kind: str
     rule: AlertRule
-    texts: FindingTexts
+    names: Mapping[Locale, str]
+    texts: Mapping[Locale, FindingTexts]
     words: Words = size_words
     places: tuple[str, ...] = ()
     force: str | None = None
@@ -70,12 +71,18 @@ class FindingRule:
     def __post_init__(self) -> None:
         if "force" in self.rule.quantities and self.force is None:
             raise ValueError(f"finding '{self.kind}' can have a limit for a force, and does not say which value that is")
+        require_every_language(f"name of finding '{self.kind}'", {"en": self.kind, **self.names})
+        require_every_language(f"texts of finding '{self.kind}'", self.texts)
         for language in LANGUAGES:
             self._require_told(self.texts_in(language), "" if language == ENGLISH else f" ({language.code})")
 
     def texts_in(self, language: Language) -> FindingTexts:
-        """Return the texts in a language; the English ones where it has none."""
-        return GERMAN_FINDINGS.get(self.kind, self.texts) if language.code == "de" else self.texts
+        """Return the texts in a language."""
+        return self.texts[language.code]
+
+    def name_in(self, language: Language) -> str:
+        """Return its name in a language."""
+        return self.names.get(language.code) or self.kind.replace("_", " ")
 
     @property
     def can_be_danger(self) -> bool:
@@ -84,7 +91,7 @@ class FindingRule:
 
     def problems(self, texts: FindingTexts) -> list[tuple[str, str]]:
         """Return what is wrong with texts of it, as (field, message)."""
-        needed = [one for one in ("id", "size", *self.places) if f"{{{one}}}" in self.texts.what]
+        needed = [one for one in ("id", "size", *self.places) if f"{{{one}}}" in self.texts["en"].what]
         return list(texts.problems(self.places, needed))
 
     def _require_told(self, texts: FindingTexts, where: str) -> None:

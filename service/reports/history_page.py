@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from service.alerts.event_message import AlertEvent
+from service.monitoring.finding_rules import finding_name
 from service.reports.contents import ReportContents, ReportedAlert
 from service.reports.page_parts import muted, section, shown_time, table
 from service.wording.language import Language
@@ -40,4 +41,10 @@ def _alert(one: ReportedAlert, language: Language) -> tuple[str, ...]:
 
 def _event(one: AlertEvent, language: Language) -> tuple[str, ...]:
     kind, severity, state = (language.named(each) for each in (one.kind, one.severity, one.state))
-    return shown_time(one.at), f"{language.named(one.rule)} {one.element}", f"{kind}: {severity}, {state}", one.by, one.comment
+    return (
+        shown_time(one.at),
+        f"{finding_name(one.rule, language)} {one.element}",
+        f"{kind}: {severity}, {state}",
+        one.by,
+        one.comment,
+    )

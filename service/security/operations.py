@@ -63,7 +63,7 @@ def _operations(
         names = tuple(pattern.groupindex)
         unknown = [name for name in names if name not in scoped | free]
         if unknown:
-            raise Undeclared(f"route {path}: say in service.security.scope which plant {{{unknown[0]}}} belongs to")
+            raise Undeclared(f"route {path}: say in ROWS of service.api.application which plant {{{unknown[0]}}} belongs to")
         yield ApiOperation(
             name=str(getattr(route, "operation_id", None) or getattr(route, "name", None) or path),
             path=path,

@@ -7,24 +7,10 @@ from estimator.errors import Missing
 from service.security.principal import Principal
 from storage.database.engine import Database
 from storage.database.plant_scope import PlantScope
-from storage.tables.alerting import AlertRow, DeliveryRow, SubscriptionRow, SuppressionRow
-from storage.tables.findings import IdentificationRow, JobRow
-from storage.tables.machines import BalancingRow, MachineRow, ModelCalibrationRow
-from storage.tables.measurements import RunRow
+from storage.tables.machines import MachineRow
 
-ROWS: Mapping[str, tuple[type[Any], str]] = {
-    "machine_id": (MachineRow, "machine"),
-    "job_id": (JobRow, "job"),
-    "run_id": (RunRow, "run"),
-    "identification_id": (IdentificationRow, "identification"),
-    "balancing_id": (BalancingRow, "balancing"),
-    "calibration_id": (ModelCalibrationRow, "calibration"),
-    "alert_id": (AlertRow, "alert"),
-    "suppression_id": (SuppressionRow, "suppression"),
-    "subscription_id": (SubscriptionRow, "subscription"),
-    "delivery_id": (DeliveryRow, "delivery"),
-}
-"""Table and subject of each path parameter. The application does not start with an undeclared one."""
+ScopedRows = Mapping[str, tuple[type[Any], str]]
+"""Table and subject of each path parameter."""
 FREE = frozenset({"name", "path"})
 """Parameters that name files of the pages, which are public."""
 LARGEST = 2**62
@@ -42,8 +28,9 @@ class NotThere(Missing):
 class Visibility:
     """Visible rows of a database. An object never changes its plant, and look-ups are cached."""
 
-    def __init__(self, database: Database) -> None:
+    def __init__(self, database: Database, rows: ScopedRows) -> None:
         self._database = database
+        self._rows = rows
         self._plants: dict[str, str] = {}
         self._seen: set[tuple[frozenset[str], str, str]] = set()
 
@@ -57,7 +44,7 @@ class Visibility:
             return
         with PlantScope(self._database, who.plants).reading() as session:
             for name, value in parameters.items():
-                row, what = ROWS[name]
+                row, what = self._rows[name]
                 key = _key(row, value)
                 if key is None:
                     continue  # the endpoint rejects it

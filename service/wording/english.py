@@ -25,6 +25,7 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "size.of_element": "{quantity} of {element}",
     "size.per_cent_interval": "{value} % ({lower} to {upper})",
     "and": " and ",
+    "addresses": "{forms}; none for {without}",
     "or": ", or ",
     "compared.baseline": "against the baseline",
     "compared.mean": "mean of the newest {runs} runs against the baseline",

@@ -61,6 +61,16 @@ GERMAN = Language("de")
 LANGUAGES = tuple(Language(code) for code in SENTENCES)
 
 
+def require_every_language(what: str, said: Mapping[Locale, object]) -> None:
+    """Raise ValueError for something said that a language lacks, or that is said in one that there is not."""
+    missing = [code for code in SENTENCES if not said.get(code)]
+    unknown = sorted(set(said) - set(SENTENCES))
+    if missing:
+        raise ValueError(f"{what} is missing in: {', '.join(missing)}")
+    if unknown:
+        raise ValueError(f"{what} is said in {', '.join(unknown)}, and the languages are {', '.join(SENTENCES)}")
+
+
 def asked_language(accepted: str, default: Language) -> Language:
     """Return the language that an Accept-Language header asks for (RFC 9110 §12.5.4); the default without one of ours."""
     best, wished = default, 0.0

@@ -71,7 +71,7 @@ def test_every_field_of_a_document_has_a_meaning() -> None:
 def test_every_finding_has_its_texts_and_limits() -> None:
     page = findings_page()
     for rule in (*FINDING_RULES, RATE_RULE):
-        assert f"> {rule.texts.what}\n" in page
+        assert f"> {rule.texts['en'].what}\n" in page
         assert f"| name | `{rule.kind}`, rule `{rule.rule.name}` |" in page
         if rule.rule.limits is not None:
             assert f"| alert | {level_words(rule.rule.limits.alert)} |" in page

@@ -2,12 +2,21 @@
 
 /** Ways in which people and programs are told of alerts; reports: whether reports of machines go there. */
 export const CHANNELS = [
-  { kind: "webhook", title: "webhook", reports: false },
-  { kind: "alertmanager", title: "Prometheus Alertmanager", reports: false },
-  { kind: "email", title: "e-mail", reports: true },
-  { kind: "zenoh", title: "the plant's own network (zenoh)", reports: false },
-  { kind: "mqtt", title: "the plant's broker (MQTT)", reports: false },
+  { kind: "webhook", reports: false },
+  { kind: "alertmanager", reports: false },
+  { kind: "email", reports: true },
+  { kind: "zenoh", reports: false },
+  { kind: "mqtt", reports: false },
 ] as const;
 
-/** Forms of their addresses, in words. */
-export const ADDRESS_FORMS = "a URL, or e-mail addresses with commas between; none for zenoh, mqtt";
+/** Their names, by language. */
+export const CHANNEL_NAMES = {
+  en: {"webhook": "webhook", "alertmanager": "Prometheus Alertmanager", "email": "e-mail", "zenoh": "the plant's own network (zenoh)", "mqtt": "the plant's broker (MQTT)"},
+  de: {"webhook": "Webhook", "alertmanager": "Prometheus Alertmanager", "email": "E-Mail", "zenoh": "das eigene Netz der Anlage (zenoh)", "mqtt": "der Broker der Anlage (MQTT)"},
+};
+
+/** Forms of their addresses in words, by language. */
+export const ADDRESS_FORMS = {
+  en: "a URL, or e-mail addresses with commas between; none for zenoh, mqtt",
+  de: "eine URL oder E-Mail-Adressen mit Kommas dazwischen; keine für zenoh, mqtt",
+};

@@ -21,3 +21,9 @@ export const QUANTITIES: Record<RuleName, readonly string[]> = {
   sensor: ["sigma", "per_cent"],
   rate_of_change: ["rate_per_cent_per_week"],
 };
+
+/** Names of all kinds of findings, by language. */
+export const FINDING_NAMES = {
+  en: {"misalignment": "misalignment", "bearing": "bearing", "coupling": "coupling", "pedestal": "pedestal", "settlement": "settlement", "wear": "wear", "oil": "oil", "process_force": "process force", "light_load": "light load", "heavy_load": "heavy load", "low_stability": "low stability", "unbalance": "unbalance", "rotating_coupling": "rotating coupling", "bow": "bow", "run_out": "run out", "sensor": "sensor", "misfit": "misfit", "outliers": "outliers", "rate_of_change": "rate of change"},
+  de: {"misalignment": "Ausrichtfehler", "bearing": "Lager", "coupling": "Kupplung", "pedestal": "Lagerbock", "settlement": "Setzung", "wear": "Verschleiß", "oil": "Öl", "process_force": "statische Kraft", "light_load": "zu geringe Lagerlast", "heavy_load": "zu hohe Lagerlast", "low_stability": "geringe Stabilität", "unbalance": "Unwucht", "rotating_coupling": "Rundlauf der Kupplung", "bow": "Wellenkrümmung", "run_out": "Runout", "sensor": "Messkette", "misfit": "Modell passt nicht", "outliers": "Ausreißer", "rate_of_change": "Änderungsrate"},
+};

@@ -1,10 +1,10 @@
 // Add a subscription to alerts.
 import { useState } from "preact/hooks";
 import { ReportSelect } from "../components/report-select";
-import { CHANNELS } from "../declarations/channels";
+import { ADDRESS_FORMS, CHANNELS } from "../declarations/channels";
 import { post, type IdempotencyKeys } from "../data/http-client";
 import { refetch } from "../data/resource";
-import { t, term } from "../messages/messages";
+import { shownLocale, t, term } from "../messages/messages";
 import type { NewSubscription } from "../schemas/subscriptions";
 import { FormDialog } from "./form-dialog";
 
@@ -32,7 +32,7 @@ export function SubscriptionDialog({ onAdded, onClose }: { onAdded: (one: NewSub
         <input name="name" required maxLength={120} />
       </label>
       <label>
-        {t("addressOf", { forms: t("addressForms") })}
+        {t("addressOf", { forms: ADDRESS_FORMS[shownLocale] })}
         <input name="target" maxLength={2000} />
       </label>
       {CHANNELS.find((one) => one.kind === kind)?.reports && (

@@ -1,5 +1,7 @@
 // The page's messages in its language. Every module that says something waits until they are there.
 import type { ComponentChildren } from "preact";
+import { CHANNEL_NAMES } from "../declarations/channels";
+import { FINDING_NAMES } from "../declarations/findings";
 import { en, type Key } from "./en";
 import { locale, type Locale } from "./locale";
 
@@ -18,10 +20,14 @@ async function catalogue(): Promise<Partial<Record<Key, string>>> {
 }
 
 const translated = await catalogue();
-document.documentElement.lang = translated === en ? "en" : locale;
+/** The language of the messages: English where the catalogue of the one that is wanted could not be loaded. */
+export const shownLocale: Locale = translated === en ? "en" : locale;
+document.documentElement.lang = shownLocale;
 
 /** What a language lacks is said in English. */
 const MESSAGES: Readonly<Record<string, string | undefined>> = { ...en, ...translated };
+/** Names of what the service declares: findings and delivery channels. */
+const DECLARED: Readonly<Record<string, string | undefined>> = { ...FINDING_NAMES[shownLocale], ...CHANNEL_NAMES[shownLocale] };
 const PLACE = /\{(\w+)\}/;
 
 type PlacesIn<Text extends string> = Text extends `${string}{${infer Name}}${infer Rest}` ? Name | PlacesIn<Rest> : never;
@@ -45,7 +51,8 @@ function partsOf<V>(key: Key, values: Record<string, V> = {}): (V | string)[] {
 
 /** An identifier of the API in words: `run-up` of `run_up`; with spaces where there are no words for it. */
 export function term(identifier: string): string {
-  return MESSAGES[`term.${identifier.replace(/[ -]/g, "_")}`] ?? identifier.replaceAll("_", " ");
+  const name = identifier.replace(/[ -]/g, "_");
+  return MESSAGES[`term.${name}`] ?? DECLARED[name] ?? identifier.replaceAll("_", " ");
 }
 
 const STORED = "said.";

@@ -59,7 +59,7 @@ class SubscriptionIn(StrictModel):
         if declared.address is None and self.target:
             raise ValueError(f"target: {self.kind} needs none")
         if declared.address is not None and not self.target:
-            raise ValueError(f"target: {self.kind} needs one: {declared.address}")
+            raise ValueError(f"target: {self.kind} needs one: {declared.address['en']}")
         try:
             declared.check_target(self.target)
         except ValueError as error:

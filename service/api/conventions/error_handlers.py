@@ -22,28 +22,11 @@ from service.http.security_headers import ALWAYS
 
 UNREADABLE = "There was an error parsing the body"
 """Detail that the framework gives for a body that is not JSON."""
-OF_MACHINE = "GET /api/v1/machines/<id>"
-LISTED: Mapping[str, str] = {
-    "machine": ": GET /api/v1/machines lists those there are",
-    "revision": f": {OF_MACHINE}/revisions lists them",
-    "parameter": "",
-    "run": f": {OF_MACHINE}/runs lists those of a machine",
-    "balancing": f": {OF_MACHINE}/balancings lists those of a machine",
-    "calibration": f": {OF_MACHINE}/model-calibrations lists those of a machine",
-    "identification": f": {OF_MACHINE}/identifications lists them",
-    "slow-roll vectors": f"; {OF_MACHINE}/slow-roll lists the versions",
-    "job": f": {OF_MACHINE}/jobs lists those of a machine",
-    "alert": ": GET /api/v1/alerts lists those there are",
-    "suppression": f": {OF_MACHINE}/suppressions lists those in force",
-    "subscription": ": GET /api/v1/subscriptions lists those there are",
-    "key": ": `rundown key list` shows them",
-    "delivery": ": GET /api/v1/subscriptions/<id>/deliveries lists them",
-}
-"""Hint on where existing objects are listed, by the subject of the missing one."""
 
 
-def add_handlers(app: FastAPI) -> None:
-    """Register handlers that answer every error with a problem detail."""
+def add_handlers(app: FastAPI, listed: Mapping[str, str]) -> None:
+    """Register handlers that answer every error with a problem detail. listed: hints by the subject of what is missing."""
+    app.state.listed = listed
     app.exception_handler(DomainError)(_domain_error)
     app.exception_handler(RequestValidationError)(_wrong_request)
     app.exception_handler(StarletteHTTPException)(_http_error)
@@ -51,8 +34,8 @@ def add_handlers(app: FastAPI) -> None:
     app.exception_handler(Exception)(_unexpected)
 
 
-async def _domain_error(_request: Request, error: DomainError) -> JSONResponse:
-    detail = error.detail + (LISTED.get(error.subject, "") if isinstance(error, Missing) else "")
+async def _domain_error(request: Request, error: DomainError) -> JSONResponse:
+    detail = error.detail + (request.app.state.listed.get(error.subject, "") if isinstance(error, Missing) else "")
     headers = {} if error.retry_after_s is None else {"Retry-After": str(error.retry_after_s)}
     return problem_response(status_of(error), detail, headers, _field_problems(error.field_errors))
 

@@ -36,6 +36,7 @@ from service.balancing.open_causes import require_nothing_else
 from service.balancing.rendering import check_fields, correction_fields, on_scale
 from service.balancing.stored_runs import StoredWeight, balancing_run, read_weights
 from service.identification.stored_model import identified
+from service.monitoring.finding_rules import finding_name
 from service.security.requirement import ANALYST, VIEWER
 from storage.clock import now, to_datetime
 from storage.machines import balancings, machines
@@ -111,7 +112,7 @@ def compute_correction(
     Answers 409 and proposes no masses while an open alert says that something else than unbalance is wrong.
     """
     with database(request).reading() as session:
-        require_nothing_else(session, machine_id)
+        require_nothing_else(session, machine_id, finding_name)
         row = balancings.get(session, machine_id, balancing_id)
         read = row.updated_at
         found = _computed(session, row, said.model_dump(mode="json", exclude={"by"}))

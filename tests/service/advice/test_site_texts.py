@@ -7,7 +7,7 @@ import pytest
 from service.advice.site_texts import read_texts
 from service.monitoring.finding_rules import finding_rule
 from service.wording.finding_texts import TextsWrong
-from service.wording.language import GERMAN
+from service.wording.language import ENGLISH, GERMAN
 
 
 def written(folder: Path, text: str) -> str:
@@ -17,10 +17,10 @@ def written(folder: Path, text: str) -> str:
 
 def test_what_a_site_writes_stands_and_all_else_stays(tmp_path: Path) -> None:
     texts = read_texts(written(tmp_path, 'misalignment: {at_next_stop: ["Call the crew (417) for {id}"]}'))
-    shipped = finding_rule("misalignment").texts
+    shipped = finding_rule("misalignment").texts_in(ENGLISH)
     assert texts.of("misalignment").at_next_stop == ("Call the crew (417) for {id}",)
     assert texts.of("misalignment").what == shipped.what
-    assert texts.of("wear") is finding_rule("wear").texts
+    assert texts.of("wear") is finding_rule("wear").texts_in(ENGLISH)
     assert read_texts("").of("misalignment") is shipped
 
 
@@ -29,7 +29,7 @@ def test_texts_may_be_for_readers_of_one_language(tmp_path: Path) -> None:
     english, german = read_texts(file), read_texts(file, "de")
     assert english.of("wear").check == german.of("wear").check == ("Tel. 417",)
     assert german.of("wear").confirm == ("Schablone 12",)
-    assert english.of("wear").confirm == finding_rule("wear").texts.confirm
+    assert english.of("wear").confirm == finding_rule("wear").texts_in(ENGLISH).confirm
     assert german.of("wear").what == finding_rule("wear").texts_in(GERMAN).what
     assert english.in_language(GERMAN).of("wear") == german.of("wear")
 

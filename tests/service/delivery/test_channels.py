@@ -1,5 +1,6 @@
 """Kinds of channels: declared once, and none takes the place of one that is unknown."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,9 @@ from service.delivery.channel_kind import ChannelKind
 from service.delivery.channels import CHANNEL_KINDS, ChannelUnknown, by_kind, channel_kind, is_channel
 from service.delivery.mail import EMAIL
 from service.delivery.zenoh_channel import ZENOH
+from service.wording.language import Locale
 
+TELEX: Mapping[Locale, str] = {"en": "telex", "de": "Fernschreiber"}
 DOCS = Path(__file__).parents[3] / "docs"
 
 
@@ -29,7 +32,14 @@ def test_a_kind_is_declared_once() -> None:
 
 def test_a_target_is_checked_only_where_there_is_one() -> None:
     with pytest.raises(ValueError, match="'telex' has no target and checks one"):
-        ChannelKind("telex", "telex", "none", None, open=ZENOH.open, check_target=EMAIL.check_target)
+        ChannelKind("telex", TELEX, "none", None, open=ZENOH.open, check_target=EMAIL.check_target)
+
+
+def test_every_language_names_a_channel_and_its_addresses() -> None:
+    with pytest.raises(ValueError, match="title of channel kind 'telex' is missing in: de"):
+        ChannelKind("telex", {"en": "telex"}, "none", None, open=ZENOH.open)
+    with pytest.raises(ValueError, match="address of channel kind 'telex' is missing in: en"):
+        ChannelKind("telex", TELEX, "a number", {"de": "eine Nummer"}, open=ZENOH.open)
 
 
 @pytest.mark.parametrize(

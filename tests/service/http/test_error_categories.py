@@ -4,10 +4,9 @@ from collections.abc import Iterator
 
 import pytest
 
-import service.api.application  # noqa: F401 - it imports every module whose errors reach HTTP
 from estimator.errors import Damaged, DomainError, Invalid, Missing, Unavailable
 from estimator.machine.document import DocumentError
-from service.api.conventions.error_handlers import LISTED
+from service.api.application import LISTED  # with every module whose errors reach HTTP
 from service.http.error_status import STATUS, status_of
 from service.identification.job_quota import QuotaExceeded
 from storage.encoding.sample_blocks import DamagedBlock
@@ -40,9 +39,7 @@ def test_every_error_is_of_one_category(kind: type[DomainError]) -> None:
 
 @pytest.mark.parametrize("kind", [one for one in ERRORS if issubclass(one, Missing) and hasattr(one, "subject")])
 def test_of_what_is_missing_it_is_told_where_it_is_listed(kind: type[Missing]) -> None:
-    assert kind.subject in LISTED, (
-        f"LISTED of service/api/conventions/error_handlers.py lacks '{kind.subject}' of {kind.__name__}"
-    )
+    assert kind.subject in LISTED, f"LISTED of service/api/application.py lacks '{kind.subject}' of {kind.__name__}"
 
 
 def test_an_error_says_what_a_special_answer_needs() -> None:

@@ -1,14 +1,16 @@
 """Declarations of findings: complete, without contradictions, and in the documentation as in the code."""
 
 import re
+from collections.abc import Mapping
 
 import pytest
 
 from estimator.diagnosis.finding_kinds import FINDING_KINDS
 from service.monitoring.finding_rule import AlertRule, FindingRule
-from service.monitoring.finding_rules import FINDING_RULES, LIMITED_RULES, require_complete
+from service.monitoring.finding_rules import FINDING_RULES, LIMITED_RULES, finding_name, require_complete
 from service.monitoring.limit_rule import Level, Rule
 from service.wording.finding_texts import FindingTexts
+from service.wording.language import ENGLISH, GERMAN, Locale
 from tests.paths import ROOT
 
 DOCS = ROOT / "docs"
@@ -17,6 +19,12 @@ KINDS = [one.kind for one in FINDING_KINDS]
 
 RUBS_LISTS = (("a",), ("b",), ("c",), ("d",), ("e",), ("f",))
 RUBS = FindingTexts("Shaft {id} rubs", *RUBS_LISTS)
+NAMES: Mapping[Locale, str] = {"de": "Anstreifen"}
+
+
+def in_all(english: FindingTexts) -> Mapping[Locale, FindingTexts]:
+    """Texts in every language: German ones that can be told, and the English ones."""
+    return {"de": FindingTexts("Welle {id} streift an", *RUBS_LISTS), "en": english}
 
 
 def test_a_kind_without_texts_is_refused() -> None:
@@ -25,7 +33,7 @@ def test_a_kind_without_texts_is_refused() -> None:
 
 
 def test_texts_of_what_is_no_finding_is_refused() -> None:
-    rub = FindingRule("rub", AlertRule("rub"), RUBS)
+    rub = FindingRule("rub", AlertRule("rub"), NAMES, in_all(RUBS))
     with pytest.raises(ValueError, match="no kind of finding of the estimator: rub"):
         require_complete([*FINDING_RULES, rub], KINDS)
     with pytest.raises(ValueError, match="declared twice"):
@@ -46,7 +54,7 @@ def test_limits_that_contradict_their_rule_are_refused() -> None:
 def test_a_limit_for_a_force_needs_one() -> None:
     rule = AlertRule("rub", limits=Rule(alert=Level(sigma=4, force=5)), quantities=("sigma", "force"))
     with pytest.raises(ValueError, match="'rub' can have a limit for a force"):
-        FindingRule("rub", rule, RUBS)
+        FindingRule("rub", rule, NAMES, in_all(RUBS))
 
 
 @pytest.mark.parametrize(
@@ -61,7 +69,37 @@ def test_a_limit_for_a_force_needs_one() -> None:
 )
 def test_texts_that_could_not_be_told_are_refused(texts: FindingTexts, words: str) -> None:
     with pytest.raises(ValueError, match=f"finding 'rub'.*{words}"):
-        FindingRule("rub", AlertRule("rub"), texts)
+        FindingRule("rub", AlertRule("rub"), NAMES, in_all(texts))
+
+
+@pytest.mark.parametrize(
+    ("names", "texts", "words"),
+    [
+        ({}, in_all(RUBS), "name of finding 'rub' is missing in: de"),
+        ({"de": ""}, in_all(RUBS), "name of finding 'rub' is missing in: de"),
+        (NAMES, {"en": RUBS}, "texts of finding 'rub' is missing in: de"),
+        (NAMES, {"de": RUBS}, "texts of finding 'rub' is missing in: en"),
+        (NAMES, {"en": RUBS, "de": RUBS, "fr": RUBS}, "texts of finding 'rub' is said in fr, and the languages are en, de"),
+        (NAMES, {"en": RUBS, "de": FindingTexts("Welle {id} streift an")}, r"'rub' \(de\) has no texts of check"),
+        (
+            NAMES,
+            {"en": RUBS, "de": FindingTexts("Welle {if} streift an", *RUBS_LISTS)},
+            r"'rub' \(de\): what \{if\} is no place",
+        ),
+    ],
+)
+def test_a_language_that_lacks_a_finding_is_refused(
+    names: Mapping[Locale, str], texts: Mapping[Locale, FindingTexts], words: str
+) -> None:
+    with pytest.raises(ValueError, match=words):
+        FindingRule("rub", AlertRule("rub"), names, texts)
+
+
+def test_a_finding_is_named_in_each_language() -> None:
+    assert finding_name("light_load", ENGLISH) == "light load"
+    assert finding_name("light_load", GERMAN) == "zu geringe Lagerlast"
+    assert finding_name("rate_of_change", GERMAN) == "Änderungsrate"
+    assert finding_name("rubs_of_old", GERMAN) == "rubs of old"
 
 
 def test_the_documentation_has_every_kind_and_every_rule() -> None:
