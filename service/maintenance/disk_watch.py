@@ -42,7 +42,7 @@ class DiskWatch:
         try:
             found = disk.used(self._database, budget=self._budget)
         except OSError as error:
-            raise RuntimeError(f"the disk cannot be looked at: {error}") from error
+            raise RuntimeError(f"the disk cannot be read: {error}") from error
         finally:
             self._use = found
         self.warning = warning(found)

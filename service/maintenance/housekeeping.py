@@ -37,7 +37,7 @@ class Housekeeping(SupervisedThread):
     """The thread that keeps the store within its limits."""
 
     def __init__(self, database: Database, settings: Settings, share: Share | None = None) -> None:
-        super().__init__("housekeeping", failure="housekeeping is put off", retry_s=LOOK_S)
+        super().__init__("housekeeping", failure="housekeeping is postponed", retry_s=LOOK_S)
         self._share = WholeShare() if share is None else share
         self._database = database
         self._disk = DiskWatch(database, budget=int(settings.disk_budget_gb * 1e9) or None)
@@ -62,7 +62,7 @@ class Housekeeping(SupervisedThread):
     def warnings(self) -> list[str]:
         """Return warnings of too little space, and why the store is not kept within its limits."""
         hindered = [f"old samples are not deleted: {self.unfinished}"] if self.unfinished else []
-        blind = [f"how much room is left cannot be told: {self.unseen}"] if self.unseen else []
+        blind = [f"the free disk space is unknown: {self.unseen}"] if self.unseen else []
         return [words for words in (self._disk.warning, self._waiting_warning) if words] + hindered + blind
 
     @property
@@ -191,7 +191,7 @@ def _attempt(work: Callable[[], None]) -> str | None:
     try:
         work()
     except DBAPIError as error:
-        logger.warning("housekeeping is put off: %s", error.orig)
+        logger.warning("housekeeping is postponed: %s", error.orig)
         return str(error.orig)
     except Exception as error:
         logger.exception("unexpected error in housekeeping")

@@ -127,7 +127,7 @@ class MqttSamples(MqttThread):
                     self._nodes.follow(await asyncio.to_thread(self._mapped.read))
                 except Exception as error:
                     if not is_database_wide(error):
-                        logger.exception("documents cannot be looked at for Sparkplug")
+                        logger.exception("documents cannot be read for Sparkplug")
                 if new := set(self._nodes.filters) - subscribed:
                     await self._subscribe(client, sorted(new))
                     subscribed |= new

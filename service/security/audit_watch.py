@@ -22,7 +22,7 @@ class AuditWatch(SupervisedThread):
     """Thread that checks the audit trail periodically."""
 
     def __init__(self, database: Database, *, clock: Callable[[], float] = time.monotonic) -> None:
-        super().__init__("audit watch", failure="the audit trail cannot be looked at", retry_s=LOOK_S)
+        super().__init__("audit watch", failure="the audit trail cannot be checked", retry_s=LOOK_S)
         self._database = database
         self._clock = clock
         self._last_entry = (0, BEGINNING)

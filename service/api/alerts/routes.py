@@ -32,7 +32,7 @@ from storage.tables.alerting import AlertRow
 router = APIRouter(tags=["alerts"], responses=RESPONSES, dependencies=[VIEWER, Depends(vary_by_language)])
 
 OnlyOpen = Annotated[bool, Query(alias="open", description="only alerts that are still open")]
-After = Annotated[int, Query(ge=0, le=2**62, description="only events behind this one")]
+After = Annotated[int, Query(ge=0, le=2**62, description="only events after this one")]
 
 
 @router.get("/alerts", operation_id="list_alerts", response_model=list[schemas.AlertOut])

@@ -431,7 +431,7 @@ def test_what_cannot_be_looked_at_is_told_apart_from_retention(
     away = tmp_path.rename(tmp_path.with_name("away"))
     wait_until(lambda: one.unseen is not None, seconds=30)
     assert one.gauges["rundown_housekeeping_working"] == 0
-    assert "how much room is left cannot be told: RuntimeError: the disk cannot be looked at" in one.warnings[0]
+    assert "the free disk space is unknown: RuntimeError: the disk cannot be read" in one.warnings[0]
     assert "rundown_disk_used_ratio" not in one.gauges
     away.rename(tmp_path)
     wait_until(lambda: one.unseen is None, seconds=30)

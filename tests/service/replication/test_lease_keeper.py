@@ -58,7 +58,7 @@ def test_what_nobody_expected_is_told_of_until_it_is_over(plant: Database, monke
     living.start()
     try:
         living.puzzled = True
-        wait_until(lambda: living.trouble == "this replica cannot say that it lives: unexpected error; the log has it")
+        wait_until(lambda: living.trouble == "this replica's heartbeat cannot be stored: unexpected error; the log has it")
         living.puzzled = False
         wait_until(lambda: living.trouble is None)
     finally:
