@@ -111,7 +111,7 @@ class ServiceThreads:
         closing.callback(samples.stop)
 
     def _publisher(self) -> "MqttAlerts | None":
-        """Return what publishes on the MQTT broker, if one is configured and this role delivers."""
+        """Return the publisher of alerts over MQTT, if a broker is configured and this role delivers."""
         if not self._settings.mqtt_url or self._settings.role not in ("all", "identify"):
             return None
         from service.mqtt.publisher import MqttAlerts

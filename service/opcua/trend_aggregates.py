@@ -56,7 +56,7 @@ class Intervals:
 
     @classmethod
     def begun(cls, function: ua.NodeId, begin: int | None, end: int | None, details: ua.ReadProcessedDetails) -> "Intervals":
-        """Return what is asked for. Raises AggregateRefused."""
+        """Return the intervals of a request. Raises AggregateRefused."""
         if function.NamespaceIndex != 0 or function.Identifier not in FUNCTIONS:
             raise AggregateRefused(ua.StatusCodes.BadAggregateNotSupported)
         if begin is None or end is None or begin == end:

@@ -26,13 +26,13 @@ from storage.findings.jobs import RUN
 from storage.findings.trends import HistoryPoint
 
 MOST_NODES = 100
-"""Nodes in one request."""
+"""Largest number of nodes in one request."""
 PAGE, MOST_VALUES = 1_000, 10_000
-"""Values of one node, and of all, in one answer; more come behind a continuation point."""
+"""Largest number of values of one node, and of all, in one answer; a continuation point leads to more."""
 MOST_AGGREGATED = 100_000
-"""Raw values behind the aggregates of one answer."""
+"""Largest number of raw values that the aggregates of one answer are computed from."""
 MOST_WAITING = 20
-"""Requests that wait for others: one is answered at a time, so that no read slows the service."""
+"""Largest number of waiting requests: one is answered at a time, so that no read slows the service."""
 EARLIEST, LATEST = 0, 2**62
 UNSET = datetime(1601, 1, 2, tzinfo=UTC)
 """Times before this are OPC UA's way of saying none."""
@@ -69,7 +69,7 @@ class PageRequest:
 
     @classmethod
     def begun(cls, details: ua.ReadRawModifiedDetails) -> "PageRequest":
-        """Return what is asked for. Raises ValueError unless two of begin, end and number are given."""
+        """Return the page that a request begins with. Raises ValueError unless two of begin, end and number are given."""
         begin, end, count = _time(details.StartTime), _time(details.EndTime), details.NumValuesPerNode
         if begin is not None and end is not None:
             return cls(begin > end, min(begin, end), max(begin, end), count)
