@@ -45,7 +45,7 @@ class SecretWatch:
         self._secrets = secrets
         self._found = SecretReport()
 
-    def look(self) -> None:
+    def check(self) -> None:
         """Check all secrets; new faults are logged. Raises DBAPIError."""
         with self._database.reading() as session:
             found = SecretReport.at(deliveries.list_subscriptions_with_secret(session), self._secrets)

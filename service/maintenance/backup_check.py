@@ -14,7 +14,7 @@ logger = logging.getLogger(__name__)
 LOOK_S = 60.0
 
 
-class BackupWatch(SupervisedThread):
+class BackupCheck(SupervisedThread):
     """The thread that reads the age of a folder's newest backup. Without a folder it does nothing."""
 
     def __init__(self, folder: str) -> None:

@@ -41,7 +41,7 @@ class Housekeeping(SupervisedThread):
         self._share = WholeShare() if share is None else share
         self._database = database
         self._disk = DiskWatch(database, budget=int(settings.disk_budget_gb * 1e9) or None)
-        self._looked_at = time.monotonic()
+        self._disk_checked_at = time.monotonic()
         self._next_round = 0.0
         self.unfinished: str | None = None
         """Why the last round was not finished; kept until one is."""
@@ -104,19 +104,19 @@ class Housekeeping(SupervisedThread):
 
     def _wait_unless_stopped(self, pause: float = 0.0) -> bool:
         """Wait, and look at disk and memory when that is due, since a round may take long; return False to stop."""
-        if time.monotonic() >= self._looked_at + LOOK_S:
-            self.look()
+        if time.monotonic() >= self._disk_checked_at + LOOK_S:
+            self.check_disk()
         return not self._stop.wait(pause)
 
-    def look(self) -> None:
+    def check_disk(self) -> None:
         """Check the disk space, and give free memory back to the system."""
-        self._looked_at = time.monotonic()
+        self._disk_checked_at = time.monotonic()
         release_free_memory()
-        self.unseen = _attempt(self._disk.look)
+        self.unseen = _attempt(self._disk.check)
 
     def turn(self) -> float:
         """Look at disk and memory, and do a round when one is due. A stop takes effect between two transactions."""
-        self.look()
+        self.check_disk()
         if not self._share.is_leader(RETENTION):
             self._leave_to_another()
         elif time.monotonic() >= self._next_round:

@@ -26,7 +26,7 @@ CHECK_S = 300.0
 WAITING = "{} API keys wait since a restore: `rundown key list` shows them, `rundown key confirm` lets them be good again"
 
 
-class StoreWatch(SupervisedThread):
+class StoreCheck(SupervisedThread):
     """The thread that monitors the store's files."""
 
     def __init__(self, database: Database) -> None:

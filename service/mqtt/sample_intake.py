@@ -92,7 +92,7 @@ class MqttSamples(MqttThread):
         """Take messages one after the other; many are being stored at once."""
         self._under_way = set()
         await self._subscribe(client, [self._topics.all_samples])
-        self.begun()
+        self.note_connected()
         taking = asyncio.create_task(self._take_all(client))
         following = asyncio.create_task(self._follow_documents(client))
         try:

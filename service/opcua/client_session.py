@@ -103,7 +103,7 @@ class ClientSession(OwnSubscriptions):
         """List references, in pages; those to what is not visible are left out."""
         _at_most(params.NodesToBrowse, MOST_BROWSED)
         most = params.RequestedMaxReferencesPerNode
-        return await self._pages([BrowsePage.begun(one, most) for one in params.NodesToBrowse])
+        return await self._pages([BrowsePage.first(one, most) for one in params.NodesToBrowse])
 
     async def browse_next(self, parameters: ua.BrowseNextParameters) -> list[ua.BrowseResult]:
         """List the references behind continuation points."""

@@ -68,7 +68,7 @@ class PageRequest:
         return cls(descending, first, last, left, (time, number))
 
     @classmethod
-    def begun(cls, details: ua.ReadRawModifiedDetails) -> "PageRequest":
+    def of_request(cls, details: ua.ReadRawModifiedDetails) -> "PageRequest":
         """Return the page that a request begins with. Raises ValueError unless two of begin, end and number are given."""
         begin, end, count = _time(details.StartTime), _time(details.EndTime), details.NumValuesPerNode
         if begin is not None and end is not None:
@@ -132,7 +132,7 @@ class TrendHistory:
         self, path: list[str], given: bytes | None, details: ua.ReadRawModifiedDetails, page: int
     ) -> ua.HistoryReadResult:
         try:
-            wanted = PageRequest.continued(given) if given else PageRequest.begun(details)
+            wanted = PageRequest.continued(given) if given else PageRequest.of_request(details)
         except ValueError:
             wrong = ua.StatusCodes.BadContinuationPointInvalid if given else ua.StatusCodes.BadHistoryOperationInvalid
             return _failed(wrong)
@@ -159,7 +159,7 @@ class TrendHistory:
     ) -> ua.HistoryReadResult:
         """Read aggregates of at most a page of intervals, from at most so many raw values."""
         try:
-            intervals = Intervals.begun(function, _time(details.StartTime), _time(details.EndTime), details)
+            intervals = Intervals.of_request(function, _time(details.StartTime), _time(details.EndTime), details)
             first = _INTERVAL.unpack(given)[1] if given else 0
         except AggregateRefused as refused:
             return _failed(refused.code)

@@ -22,7 +22,7 @@ ROUND_S = 2.0
 """Interval of heartbeats and of checks of the other replicas."""
 
 
-class Leasing(SupervisedThread):
+class LeaseKeeper(SupervisedThread):
     """A replica, as a `Share`. Its share is that of the last round; `require` checks it for certain."""
 
     def __init__(self, database: Database, role: Role) -> None:
