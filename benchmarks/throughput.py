@@ -35,7 +35,7 @@ from benchmarks.chain import (
 )
 from service.messaging.session import session, wait_connected
 from service.sources.publisher import Source
-from service.sources.sqlite_replay_log import DurableLog
+from service.sources.sqlite_replay_log import SqliteReplayLog
 from service.wire import ENCODINGS, Key, SampleBatch
 from tests.end_to_end.processes import Service, until
 from tests.end_to_end.test_real_input import ross_batch
@@ -89,7 +89,7 @@ def publishing_process(options: argparse.Namespace) -> None:
         start = time.time() + 1.0
         sources, threads = [], []
         for seed, machine in enumerate(machines):
-            log = DurableLog(Path(options.folder) / f"{machine}.log", source=machine)
+            log = SqliteReplayLog(Path(options.folder) / f"{machine}.log", source=machine)
             source = Source(stream, Key(PLANT, machine), name="benchmark", encoding=options.encoding, log=log)
             how = {"rate": rate, "size": size, "batches": batches, "start": start, "seed": seed, "channels": options.channels}
             sources.append(source)

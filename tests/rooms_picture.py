@@ -12,6 +12,8 @@ from tests.paths import ROOT
 from tests.rooms import ROOMS
 
 PICTURE, TABLE = ROOT / "docs" / "developers.md", ROOT / "docs" / "rooms.md"
+LABEL = 13
+"""Width of the column of packages: the longest name and two blanks."""
 BEGIN, END = "<!-- rooms: drawn by `python -m tests.rooms_picture` -->\n", "<!-- end of rooms -->"
 
 
@@ -52,7 +54,10 @@ def drawing() -> str:
                 storeys.setdefault(height(room), []).append(room.removeprefix(f"{package}/"))
         for number, storey in enumerate(sorted(storeys, reverse=True)):
             lines += textwrap.wrap(
-                "  ".join(storeys[storey]), 110, initial_indent=f"{'' if number else package:11}", subsequent_indent=" " * 11
+                "  ".join(storeys[storey]),
+                110,
+                initial_indent=f"{'' if number else package:{LABEL}}",
+                subsequent_indent=" " * LABEL,
             )
         lines.append("")
     return "\n".join([*lines[:-1], "```"]) + "\n"

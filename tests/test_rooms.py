@@ -16,7 +16,7 @@ from statistics import median
 import pytest
 
 from tests.rooms import ROOMS
-from tests.rooms_picture import PICTURE, TABLE, drawn
+from tests.rooms_picture import PICTURE, TABLE, drawing, drawn
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("estimator", "storage", "service", "rotorundown")
@@ -155,6 +155,11 @@ def test_each_room_says_what_lives_there(package: str) -> None:
 def test_the_developers_page_shows_the_picture() -> None:
     for page in (PICTURE, TABLE):
         assert drawn(page) == page.read_text(), f"{page.name} is stale: run `python -m tests.rooms_picture`, commit the page"
+
+
+def test_the_packages_stand_apart_from_their_rooms() -> None:
+    labels = [line for line in drawing().splitlines() if line and line[0] not in " `"]
+    assert [label.split()[0] for label in labels] == ["service", "rotorundown", "storage", "estimator"]
 
 
 def test_the_page_for_developers_is_two_pages() -> None:

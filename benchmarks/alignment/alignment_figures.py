@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from benchmarks.alignment.alignment_trials import AlignmentTrial, Told, alignment_trial
+from benchmarks.alignment.alignment_trials import AlignmentTrial, ReportedInterval, alignment_trial
 from benchmarks.fluid_film.film_fits import LEAST_OF_A_KIND
 from benchmarks.fluid_film.report_line import ReportLine
 from tests.film_plant.motor_compressor import CouplingKind
@@ -48,7 +48,7 @@ def figures(kind: CouplingKind, plants: int) -> Iterator[ReportLine]:
     yield _determined(trials)
 
 
-def _coverage(what: str, told: Sequence[Told], *, judged: bool) -> Iterator[ReportLine]:
+def _coverage(what: str, told: Sequence[ReportedInterval], *, judged: bool) -> Iterator[ReportLine]:
     """Yield the part of all intervals that hold the truth, then that of each kind."""
     low, high = COVERAGE
     part = _part(told)
@@ -60,11 +60,11 @@ def _coverage(what: str, told: Sequence[Told], *, judged: bool) -> Iterator[Repo
         yield ReportLine(f"        {quantity}s, {len(own)} determined", ">= 86 %", f"{part:.1%}" if own else "-", kept)
 
 
-def _part(told: Sequence[Told]) -> float:
+def _part(told: Sequence[ReportedInterval]) -> float:
     return float(np.mean([one.holds for one in told])) if told else 0.0
 
 
-def _width(what: str, told: Sequence[Told], widest: float) -> ReportLine:
+def _width(what: str, told: Sequence[ReportedInterval], widest: float) -> ReportLine:
     """Return the median half width, with the rms error in parentheses."""
     own = [one for one in told if one.name == VERTICAL]
     half = float(np.median([one.half for one in own])) if own else np.inf

@@ -35,8 +35,8 @@ BELIEVED = Priors(elevation=SPREAD, rigid_elevation=SPREAD)
 
 
 @dataclass(frozen=True)
-class Told:
-    """Lower and upper end of the 95 % interval told of one quantity, and its true value [SI]."""
+class ReportedInterval:
+    """Lower and upper end of the 95 % interval reported of one quantity, and its true value [SI]."""
 
     name: str
     lower: float
@@ -69,10 +69,10 @@ class AlignmentTrial:
 
     verdicts: tuple[str, ...]
     runs: int
-    absolute: tuple[Told, ...] = ()
-    changes: tuple[Told, ...] = ()
+    absolute: tuple[ReportedInterval, ...] = ()
+    changes: tuple[ReportedInterval, ...] = ()
     withheld: tuple[str, ...] = ()
-    centred: tuple[Told, ...] = ()
+    centred: tuple[ReportedInterval, ...] = ()
 
 
 def plant_of(seed: int, kind: CouplingKind) -> Plant:
@@ -110,7 +110,7 @@ def alignment_trial(seed: int, kind: CouplingKind) -> AlignmentTrial:
 
 def _with_centreline(
     machine: Machine, run: Plant, fitted: Identification, seed: int, truth: dict[str, complex]
-) -> tuple[Told, ...]:
+) -> tuple[ReportedInterval, ...]:
     """Return what the first run tells with gaps of 1 µm noise, whose zeros drift by 5 µm; nothing where it is refused."""
     films = run.films(run.speeds(SAMPLES))
     gaps = measured_gaps(films, np.random.default_rng([seed, 3]))
@@ -119,14 +119,14 @@ def _with_centreline(
     return _absolute(derived_quantities(machine, found), truth) if found.accepted else ()
 
 
-def _absolute(found: Sequence[Derived], truth: dict[str, complex]) -> tuple[Told, ...]:
-    return tuple(_told(one, truth[one.name].real) for one in found if one.name in truth and one.value is not None)
+def _absolute(found: Sequence[Derived], truth: dict[str, complex]) -> tuple[ReportedInterval, ...]:
+    return tuple(_interval(one, truth[one.name].real) for one in found if one.name in truth and one.value is not None)
 
 
-def _told(one: Derived, true: float) -> Told:
+def _interval(one: Derived, true: float) -> ReportedInterval:
     assert one.lower is not None
     assert one.upper is not None
-    return Told(one.name, one.lower, one.upper, true)
+    return ReportedInterval(one.name, one.lower, one.upper, true)
 
 
 def _loads(plant: Plant, machine: Machine) -> dict[str, complex]:
@@ -134,7 +134,7 @@ def _loads(plant: Plant, machine: Machine) -> dict[str, complex]:
     return {name: value for name, value in film_result_truths(plant, reported_rpm(machine)).items() if ".load_" in name}
 
 
-def _changes(machine: Machine, fits: Sequence[Identification], plant: Plant, later: Plant) -> list[Told]:
+def _changes(machine: Machine, fits: Sequence[Identification], plant: Plant, later: Plant) -> list[ReportedInterval]:
     """Return the changes of offsets and angles against the baseline's accepted runs that are determined."""
     models = [updated_model(machine, one) for one in fits if one.accepted]
     before, after = true_alignment(plant), true_alignment(later)
@@ -142,18 +142,22 @@ def _changes(machine: Machine, fits: Sequence[Identification], plant: Plant, lat
     for one in alignment_changes(models[:-1], models[-1]):
         half = CONFIDENCE_95 * one.error
         if one.error <= PRIOR_PART * one.believed:
-            found.append(Told(one.name, one.value - half, one.value + half, (after[one.name] - before[one.name]).real))
+            found.append(
+                ReportedInterval(one.name, one.value - half, one.value + half, (after[one.name] - before[one.name]).real)
+            )
     return found
 
 
-def _load_changes(first: Sequence[Derived], last: Sequence[Derived], truths: Sequence[dict[str, complex]]) -> list[Told]:
+def _load_changes(
+    first: Sequence[Derived], last: Sequence[Derived], truths: Sequence[dict[str, complex]]
+) -> list[ReportedInterval]:
     """Return the changes of loads between two runs, with the errors of both as if they were independent."""
     before, found = {one.name: one for one in first}, []
     for one in last:
         other = before.get(one.name)
         if ".load_" not in one.name or other is None or one.value is None or other.value is None:
             continue
-        half = float(np.hypot(_told(one, 0.0).half, _told(other, 0.0).half))
+        half = float(np.hypot(_interval(one, 0.0).half, _interval(other, 0.0).half))
         change, true = one.value - other.value, (truths[1][one.name] - truths[0][one.name]).real
-        found.append(Told(one.name, change - half, change + half, true))
+        found.append(ReportedInterval(one.name, change - half, change + half, true))
     return found

@@ -112,7 +112,7 @@ def _conventions(machine: Machine, rng: np.random.Generator) -> dict[str, Sent]:
 
 def _named_rightly(name: str, sent: Sent, seed: int, *, nominal: bool) -> bool:
     """Send a run with a wrong convention and return whether that one is named, alone or with what is the same."""
-    machine = _told(name, seed, nominal=nominal)
+    machine = _described_machine(name, seed, nominal=nominal)
     parts = _runs(name, seed, weighed=sent.weighed)
     found = _judged(machine, [(sent.wrong.run(run), sent.wrong.measurement(measured)) for run, measured in parts])
     verdict = "" if found.gated.identification is None else found.gated.identification.verdict
@@ -170,7 +170,7 @@ def _machine(name: str) -> Machine:
     return parse_machine(copy.deepcopy(_document(name)))
 
 
-def _told(name: str, seed: int, *, nominal: bool) -> Machine:
+def _described_machine(name: str, seed: int, *, nominal: bool) -> Machine:
     """Return what the document says: coefficients off by up to 30 %, or no stiffness of the bearings."""
     document = _document(name)
     told = perturbed(document, seed=seed, span=SPAN) if nominal else without(document, ("bearings",), STIFFNESS)

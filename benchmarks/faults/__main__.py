@@ -65,7 +65,7 @@ def every_scenario(rounds: int, kills: int) -> Iterator[tuple[str, Callable[[Pat
         name = f"mangled, without a log, seed {seed}"
         yield name, partial(scenarios.mangled_without_log, seed=seed, samples=10_000)
         name = f"alerts told through 20 kills, seed {seed}"
-        yield name, partial(alert_deliveries.told_through_kills, seed=seed, kills=20)
+        yield name, partial(alert_deliveries.deliveries_through_kills, seed=seed, kills=20)
 
 
 def _wandering_clock(folder: Path, *, seed: int) -> clocks.Wandered:

@@ -129,7 +129,7 @@ def _updated(
         if severity is not None:
             now[key] = severity
     for key, severity in before.items():
-        gone = watch.gone(after, *key, off_delay=delays(limits, *key)[1])
+        gone = watch.has_gone(after, *key, off_delay=delays(limits, *key)[1])
         if key not in now and key not in seen and not gone:
             now[key] = severity
     return now

@@ -26,7 +26,7 @@ class RunLikelihood:
     vector: Floats
 
     def seen_through(self, varying: Floats) -> "RunLikelihood":
-        """Return what is left for coordinates about which the run's own lie with some covariance.
+        """Return the remaining likelihood of coordinates about which the run's own lie with some covariance.
 
         Args:
             varying: The covariance (n, n) [-].

@@ -44,7 +44,7 @@ class AllowedAlignment:
     stated: frozenset[str]
 
     def of(self, quantity: str) -> float:
-        """Return what is allowed of a quantity.
+        """Return the tolerance of a quantity.
 
         Args:
             quantity: Its name, such as `offset_vertical`.
@@ -84,14 +84,14 @@ class ToleratedChange:
 
 
 def allowed_alignment(machine: Machine, coupling: str) -> AllowedAlignment:
-    """Return what is allowed at a coupling at running speed (document, else Prüftechnik's table).
+    """Return the tolerances of a coupling at running speed (document, else Prüftechnik's table).
 
     Args:
         machine: The machine.
         coupling: Id of the coupling.
 
     Returns:
-        What is allowed.
+        The tolerances.
     """
     rpm = reported_rpm(machine)[-1]
     said = next((one for one in machine.operation.alignment_tolerances if one.coupling == coupling), None)

@@ -24,7 +24,7 @@ CONSTANT = Constant()
 
 
 def _by_name(named: Iterable[tuple[str, T]]) -> dict[str, T]:
-    """Return what is registered by its names. Raises ValueError for a name that stands twice."""
+    """Return a dictionary of registered objects. Raises ValueError for a name that is registered twice."""
     found: dict[str, T] = {}
     for name, one in named:
         if name in found:

@@ -101,11 +101,11 @@ def _check_weights(machine: Machine, run: CalibrationRun) -> None:
         if not np.isfinite(eccentricity) or eccentricity > LARGEST_ECCENTRICITY:
             raise CalibrationImpossible(
                 f"{run.name}: {size:g} kg m on disc {disc.id} ({disc.mass:g} kg) would move its centre of mass by "
-                f"{eccentricity:.3g} m{_meant(disc, float(size))}"
+                f"{eccentricity:.3g} m{_likely_weight_text(disc, float(size))}"
             )
 
 
-def _meant(disc: Disc, size: float) -> str:
+def _likely_weight_text(disc: Disc, size: float) -> str:
     """Name what the weight would be if its number was meant in g mm."""
     likely = [
         (unit, 1e6 * factor * size)

@@ -48,7 +48,7 @@ RUN_OUT_TOLERANCE = 0.5
 ROTATING_TOLERANCE = {"rotating_offset": 3e-5, "rotating_angle": 3e-4}
 """Standard deviations of a coupling's run-outs of bore and face as believed before the baseline [m, rad]."""
 UNKNOWN_PRECISION = 1e-6
-"""Precision of everything else as believed before the baseline, in units of the healthy variation [-]: nothing."""
+"""Precision of all other parameters as believed before the baseline, in units of the healthy variation [-]: next to none."""
 
 
 @dataclass(frozen=True)

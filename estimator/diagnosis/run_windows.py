@@ -93,7 +93,7 @@ class RunWindows:
         order = sorted(causes.values(), key=lambda pair: -pair[0].evidence)
         return Diagnosis(tuple(cause for cause, _ in order), tuple(others for _, others in order))
 
-    def gone(self, after: Sequence[Observation], kind: str, element: str, *, off_delay: int) -> bool:
+    def has_gone(self, after: Sequence[Observation], kind: str, element: str, *, off_delay: int) -> bool:
         """Check whether the newest runs show a cause no more.
 
         Args:

@@ -69,10 +69,10 @@ def fit_with_run_outs(problem: FitProblem, start: Floats, *, near: bool) -> RunO
     found = fit(whole, theta, near=near)
     if not judge(whole, found).accepted:
         return None
-    return _told(whole, found, own)
+    return _run_out_fit(whole, found, own)
 
 
-def _told(whole: FitProblem, found: FitResult, own: NDArray[np.intp]) -> RunOutFit:
+def _run_out_fit(whole: FitProblem, found: FitResult, own: NDArray[np.intp]) -> RunOutFit:
     """Return what a fit with run-outs says, these counted among the errors that a fit without them leaves out."""
     coordinates, effects = whole.coordinates, channel_effects(whole, found)
     turning = np.setdiff1d(np.arange(coordinates.size), own)

@@ -149,7 +149,7 @@ def _ratio(problem: FitProblem, found: FitResult, rows: GapRows, one: ChannelGap
 
 
 def _ratio_words(problem: FitProblem, channel: int, ratio: float) -> str:
-    """Return what a gap's motion over that expected says."""
+    """Return the words on the ratio of a gap's measured motion to the expected one."""
     machine = problem.train.machine
     said = None if machine is None else machine.probes[channel].gap_grows
     if -2.0 < ratio < -0.5:

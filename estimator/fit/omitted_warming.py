@@ -35,7 +35,7 @@ class ViscosityTrend:
 
     @property
     def words(self) -> str:
-        """Return what is wrong; empty where nothing is."""
+        """Return the words on the viscosity's change with speed; empty where none is significant."""
         score = self.exponent / self.error
         if abs(score) <= LARGEST_SCORE:
             return ""

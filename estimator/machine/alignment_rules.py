@@ -45,7 +45,7 @@ class CouplingPosition(Part):
 
     @property
     def stated(self) -> dict[str, float]:
-        """Return what is given, by name [m, rad]."""
+        """Return the given offsets and angles, by name [m, rad]."""
         return {name: value for name in CouplingPosition.model_fields if (value := getattr(self, name)) is not None}
 
 

@@ -37,7 +37,7 @@ class CalibrationRunRecord(Part):
 
     name: Name = Field(description="of the recording")
     samples: Annotated[int, Field(ge=1)] = Field(description="number of its samples")
-    mountings: Annotated[int, Field(ge=1)] = Field(description="number of times that weights were mounted anew in it")
+    mountings: Annotated[int, Field(ge=1)] = Field(description="number of times that weights were remounted in it")
     sha256: Annotated[str, Field(pattern=r"^([0-9a-f]{64})?$")] = Field(default="", description="of the recording's file")
 
 

@@ -58,7 +58,7 @@ class FilmParameters:
 
     @cached_property
     def parameters(self) -> tuple[ModelParameter, ...]:
-        """Return what is read, then the own ones film by film; one that films share stands with the first of them."""
+        """Return the stiffnesses read, then the films' own parameters; one that films share stands with the first of them."""
         return tuple(one for one, _ in self._acting)
 
     @cached_property

@@ -41,7 +41,7 @@ class FindingFacts:
 
 
 def advice_of(facts: FindingFacts, texts: SiteTexts) -> Advice | None:
-    """Return what is told of a finding; None where its kind is unknown or an older release has stored too few numbers."""
+    """Return the advice on a finding; None where its kind is unknown or an older release has stored too few numbers."""
     told = ToldFinding(facts.kind, facts.element, facts.evidence, texts.language)
     of_rate = facts.kind == RATE_RULE.kind and "per_week_per_cent" in facts.evidence
     if not of_rate and not (is_finding(facts.kind) and told.is_tellable()):
@@ -55,7 +55,7 @@ def advice_of(facts: FindingFacts, texts: SiteTexts) -> Advice | None:
 
 
 def plain_message(kind: str, element: str, language: Language = ENGLISH) -> str:
-    """Return what is said of a finding of which only kind and element are known."""
+    """Return the message on a finding of which only kind and element are known."""
     name = language.element(element)
     words = (
         language.say("itself", element=name)

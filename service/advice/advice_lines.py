@@ -19,7 +19,7 @@ def advice_lines(advice: Advice, language: Language = ENGLISH) -> list[str]:
 
 
 def by_opportunity(advice: Advice, language: Language = ENGLISH) -> list[tuple[str, list[str]]]:
-    """Return what is to be done below a heading for each opportunity, the most urgent first."""
+    """Return the actions below a heading for each opportunity, the most urgent first."""
     found: dict[str, list[str]] = {}
     for one in advice.actions:
         found.setdefault(one.opportunity, []).append(one.text)

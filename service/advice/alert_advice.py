@@ -14,7 +14,7 @@ from storage.tables.alerting import AlertEventRow, AlertRow
 
 
 def alert_advice(row: AlertRow | ListedAlert, texts: SiteTexts) -> Advice | None:
-    """Return what is told of an alert; None where an older release has stored too few numbers."""
+    """Return the advice on an alert; None where an older release has stored too few numbers."""
     evidence = row.evidence or {}
     return advice_of(_facts(row, evidence, to_datetime(row.measured_at)), texts)
 

@@ -106,7 +106,7 @@ def _parsed(content: Mapping[Any, Any]) -> tuple[Written, list[str]]:
 
 
 def _wrong_fields(said: Any) -> list[tuple[str, str]]:
-    """Return what is wrong with the form of a finding's texts, as (field, message)."""
+    """Return the faults in the form of a finding's texts, as (field, message)."""
     if not isinstance(said, dict):
         return [("", f"must have texts by name: {', '.join(FIELDS)}")]
     found = []

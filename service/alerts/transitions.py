@@ -34,9 +34,9 @@ from storage.tables.alerting import AlertRow, SuppressionRow
 SERVICE = "rundown"
 """Author of events that no person causes."""
 EXPIRED_AT_ONCE = 20
-"""Suppressions that end in one transaction."""
+"""Largest number of suppressions that end in one transaction."""
 MOST_SUPPRESSIONS = 500
-"""In force on a machine."""
+"""Largest number of suppressions in force on a machine."""
 LONGEST_SHELVING_DAYS = 30
 LONGEST_SHELVING_NS = LONGEST_SHELVING_DAYS * 86_400 * 1_000_000_000
 """Longest shelving: thirty days [ns]."""

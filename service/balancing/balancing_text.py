@@ -53,7 +53,7 @@ def _effects(found: FieldBalancing, check: BalancingCheck | None) -> Iterator[st
         yield f"  {one.channel:<12} {one.before:9.3g} {one.after:9.3g} {one.upper:9.3g}{shown}"
     limit = limit_verdicts(found)
     if limit is not None:
-        yield f"  limit of the document {limit[0]:.3g} µm pp: {_told(limit[1])}"
+        yield f"  limit of the document {limit[0]:.3g} µm pp: {_verdict_text(limit[1])}"
 
 
 def _residual(found: FieldBalancing, check: BalancingCheck | None) -> Iterator[str]:
@@ -71,7 +71,7 @@ def _planes(rotors: tuple[RotorBalance, ...]) -> Iterator[str]:
     for planes in zip(*(rotor.planes for rotor in rotors), strict=True):
         shown = "; ".join(
             f"{_g_mm(one.unbalance, one.iso_permissible)} (below {one.upper / GRAM_MILLIMETRE:.3g}), "
-            f"G {round(one.grade, 3):.2g}, {_told(one.iso)}"
+            f"G {round(one.grade, 3):.2g}, {_verdict_text(one.iso)}"
             for one in planes
         )
         first = planes[0]
@@ -96,5 +96,5 @@ def _check(found: FieldBalancing, check: BalancingCheck) -> Iterator[str]:
         yield f"  {plane:<12} {size:10.4g} {angle:7.1f}"
 
 
-def _told(verdict: str) -> str:
+def _verdict_text(verdict: str) -> str:
     return "NOT MET" if verdict == "not met" else verdict

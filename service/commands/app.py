@@ -269,7 +269,7 @@ def replay(
 @app.command()
 def edge(
     configuration: Annotated[Path, typer.Argument(help="what is measured, YAML or JSON; see docs/edge.md")],
-    leave: Annotated[bool, typer.Option("--exit", help="end behind the last file instead of answering replays")] = False,
+    leave: Annotated[bool, typer.Option("--exit", help="exit after the last file instead of answering replays")] = False,
     speedup: Annotated[float | None, typer.Option(min=0.001, help="pace of files over real time; as fast as it goes")] = None,
 ) -> None:
     """Run the edge agent: raw probe waveforms with a keyphasor in, samples of phasors out, through a durable log."""

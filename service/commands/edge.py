@@ -12,7 +12,7 @@ from service.messaging.access_control import from_environment
 from service.messaging.session import session as zenoh_session
 from service.messaging.session import wait_connected
 from service.sources.publisher import Source
-from service.sources.sqlite_replay_log import DurableLog
+from service.sources.sqlite_replay_log import SqliteReplayLog
 from service.wire import Key
 
 LINGER_S = 5.0
@@ -47,8 +47,8 @@ def run_edge(path: Path, stop: threading.Event, *, leave: bool, speedup: float |
                 stop.wait(LINGER_S)
 
 
-def open_log(configuration: EdgeConfiguration) -> DurableLog:
+def open_log(configuration: EdgeConfiguration) -> SqliteReplayLog:
     """Open the agent's log. Raises LogError."""
     log = configuration.log
     owner = f"{configuration.plant}/{configuration.machine}/{configuration.source}"
-    return DurableLog(log.path, source=owner, samples=log.samples, payload_bytes=round(log.megabytes * (1 << 20)))
+    return SqliteReplayLog(log.path, source=owner, samples=log.samples, payload_bytes=round(log.megabytes * (1 << 20)))

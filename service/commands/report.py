@@ -39,7 +39,7 @@ def report(
         url = database_url(database)
         settings = settings_of()
         texts, period = (
-            read_texts(settings.finding_texts, _asked(locale) or settings.locale),
+            read_texts(settings.finding_texts, _find_locale(locale) or settings.locale),
             asked_period(first, last, moment=now()),
         )
         require_file(url)
@@ -59,7 +59,7 @@ def report(
     say(f"{output}: {len(contents.open_alerts)} open alerts, {output.stat().st_size / 1e3:.0f} kB")
 
 
-def _asked(locale: str | None) -> "Locale | None":
+def _find_locale(locale: str | None) -> "Locale | None":
     from service.wording.language import LANGUAGES
 
     if locale is None:

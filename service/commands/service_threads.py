@@ -16,11 +16,11 @@ from service.identification.scheduler import JobScheduler
 from service.ingest.ingest_thread import Ingest
 from service.journal.http_queue import Submissions, SubmissionSink
 from service.journal.journal import Journal
-from service.maintenance.backup_check import BackupWatch
+from service.maintenance.backup_check import BackupCheck
 from service.maintenance.housekeeping import Housekeeping
-from service.maintenance.store_check import StoreWatch
+from service.maintenance.store_check import StoreCheck
 from service.opcua.serving import OpcUaServing
-from service.replication.lease_keeper import Leasing
+from service.replication.lease_keeper import LeaseKeeper
 from service.reports.mailing import ReportMailing
 from service.runs.closing import Closing
 from service.runs.collector import Collector
@@ -68,7 +68,7 @@ class ServiceThreads:
         self._settings = settings
         self.texts = texts or SiteTexts()
         self.submissions = Submissions()
-        self.leasing = Leasing(database, settings.role)
+        self.leasing = LeaseKeeper(database, settings.role)
         collector = Collector(late_s=settings.late_s)
         journal = Journal(database, collector, self.leasing)
         self._ingest = Ingest(session, journal, silence_s=settings.silence_s, submissions=self.submissions, share=self.leasing)
@@ -80,8 +80,8 @@ class ServiceThreads:
             database, session, settings, self.leasing, secrets, broker=self._alerts_to_broker, texts=self.texts
         )
         self._housekeeping = Housekeeping(database, settings, self.leasing)
-        self._backup_watch = BackupWatch(settings.backups)
-        self._store_watch = StoreWatch(database)
+        self._backup_watch = BackupCheck(settings.backups)
+        self._store_watch = StoreCheck(database)
         self._audit_watch = AuditWatch(database)
         serves_opcua = settings.opcua_listen and settings.role in ("all", "opcua")
         self._opcua = OpcUaServing(database, settings, self.texts) if serves_opcua else None
@@ -111,7 +111,7 @@ class ServiceThreads:
         closing.callback(samples.stop)
 
     def _publisher(self) -> "MqttAlerts | None":
-        """Return what publishes on the MQTT broker, if one is configured and this role delivers."""
+        """Return the publisher of alerts over MQTT, if a broker is configured and this role delivers."""
         if not self._settings.mqtt_url or self._settings.role not in ("all", "identify"):
             return None
         from service.mqtt.publisher import MqttAlerts

@@ -29,7 +29,7 @@ def working(what: str) -> Iterator[Callable[[int, int], None]]:
     Yields a function that is told how much of how much is done, for work that knows it; a bar is shown from then on.
     """
     if not sys.stderr.isatty():
-        yield _untold
+        yield _ignore_progress
         return
     # Only here: it takes a tenth of a second, and programs never see it.
     from rich.console import Console
@@ -47,5 +47,5 @@ def working(what: str) -> Iterator[Callable[[int, int], None]]:
         yield lambda done, total: progress.update(task, completed=done, total=max(total, 1))
 
 
-def _untold(_done: int, _total: int) -> None:
-    """Tell nobody: the output goes to a file or a program."""
+def _ignore_progress(_done: int, _total: int) -> None:
+    """Show no progress: the output goes to a file or a program."""

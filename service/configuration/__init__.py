@@ -1,3 +1,3 @@
-"""Settings, log format and documents in files: the lowest room. It imports no room of the service but `secrets`; every room
-may import it.
+"""Settings, log format and documents in files. It imports `secrets`, no other room of the service; every room above may import
+it.
 """

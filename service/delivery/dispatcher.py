@@ -122,7 +122,7 @@ class Dispatcher(SupervisedThread):
         moment = time.monotonic()
         if moment >= self._watch_at:
             self._watch_at = moment + SECRETS_S
-            await asyncio.to_thread(self.watch.look)
+            await asyncio.to_thread(self.watch.check)
         if not self._share.is_leader(DELIVERY):
             return
         if moment >= self._expire_at:

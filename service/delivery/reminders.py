@@ -67,4 +67,6 @@ async def _remind_one(row: SubscriptionRow, channel: Channel, messages: Sequence
     if own and isinstance(channel, RemindingChannel):
         outcome = await within_deadline(channel.push(own))
         if outcome.result != "delivered":
-            logger.warning("%s '%s' cannot be told of lasting alerts: %s", row.kind, row.name, outcome.answer[:200])
+            logger.warning(
+                "reminders of lasting alerts cannot be sent to %s '%s': %s", row.kind, row.name, outcome.answer[:200]
+            )

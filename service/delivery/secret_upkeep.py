@@ -33,7 +33,7 @@ class SecretReport:
         why = f": {secrets.reason}" if secrets.sealing is None else ": the next start seals it"
         return cls(
             [f"webhook '{name}' is told nothing: {trouble}" for name, trouble in troubles if trouble],
-            [f"the secret of webhook '{row.name}' lies plain in the database{why}" for row in rows if is_plain(row.secret)],
+            [f"the secret of webhook '{row.name}' is stored unencrypted{why}" for row in rows if is_plain(row.secret)],
         )
 
 
@@ -45,7 +45,7 @@ class SecretWatch:
         self._secrets = secrets
         self._found = SecretReport()
 
-    def look(self) -> None:
+    def check(self) -> None:
         """Check all secrets; new faults are logged. Raises DBAPIError."""
         with self._database.reading() as session:
             found = SecretReport.at(deliveries.list_subscriptions_with_secret(session), self._secrets)
@@ -80,7 +80,7 @@ def open_secrets(database: Database, settings: Settings) -> SigningSecrets:
     except DBAPIError as error:
         logger.error("secrets of webhooks stay as they are: %s", error.orig)
     except ScrubFailed as error:
-        logger.warning("copies of secrets that lay plain may be left: %s", error)
+        logger.warning("copies of unencrypted secrets may be left: %s", error)
     return secrets
 
 
@@ -98,5 +98,5 @@ def seal(database: Database, secrets: SigningSecrets) -> int:
                 row.secret = renewed
         if plain:  # answers that are kept for who asks again told them as well
             idempotency.forget_answers_with(session, PREFIX.encode())
-    logger.info("secrets of webhooks are sealed: %d that lay plain, %d with the newest key", plain, again)
+    logger.info("secrets of webhooks are sealed: %d unencrypted ones, %d again with the newest key", plain, again)
     return plain

@@ -77,7 +77,7 @@ class LastStates:
                 try:
                     event = alert_event(alerts.history(reading, row.id)[-1], self._texts)
                 except (ValueError, OverflowError):
-                    logger.exception("the last event of alert %d cannot be told on the network", row.id)
+                    logger.exception("the last event of alert %d cannot be published", row.id)
                     continue
                 key = alert_key(plants[row.machine_id], event)
                 if query.key_expr.intersects(zenoh.KeyExpr(key)):

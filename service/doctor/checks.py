@@ -228,7 +228,7 @@ def _disk_room(settings: Settings, used: Callable[[int | None], DiskUse]) -> Che
     try:
         use = used(int(settings.disk_budget_gb * 1e9) or None)
     except (DatabaseUnusable, SQLAlchemyError, OSError) as error:
-        return CheckResult("warning", "room", f"cannot be told: {error}")
+        return CheckResult("warning", "room", f"unknown: {error}")
     left = "" if use.free is None else f", {use.free / 1e9:.1f} GB are free"
     taken = f"the data take {use.data / 1e9:.2f} GB{left}"
     if use.part is None:
@@ -245,7 +245,7 @@ def _subscription_kinds(engine: Engine) -> Iterator[CheckResult]:
         with Session(engine) as session:
             unknown = [(row.name, row.kind) for row in deliveries.list_subscriptions(session) if not is_channel(row.kind)]
     except SQLAlchemyError as error:
-        yield CheckResult("warning", what, f"cannot be looked at: {words_of(error)}")
+        yield CheckResult("warning", what, f"cannot be checked: {words_of(error)}")
         return
     for name, kind in unknown:
         yield CheckResult("wrong", what, f"'{name}' is told nothing: this release knows no subscriptions of kind '{kind}'")
@@ -258,14 +258,14 @@ def _webhook_secrets(settings: Settings, engine: Engine) -> Iterator[CheckResult
             rows = deliveries.list_subscriptions_with_secret(session)
             found = SecretReport.at(rows, SigningSecrets.of(settings))
     except SQLAlchemyError as error:
-        yield CheckResult("warning", what, f"cannot be looked at: {words_of(error)}")
+        yield CheckResult("warning", what, f"cannot be checked: {words_of(error)}")
         return
     for words in found.unsigned:
         yield CheckResult("wrong", what, words)
     for words in found.plain:
         yield CheckResult("warning", what, words)
     if rows and not found.unsigned and not found.plain:
-        yield CheckResult("ok", what, f"all of the {len(rows)} that there are can be had, and none lies plain in the database")
+        yield CheckResult("ok", what, f"all of the {len(rows)} that there are can be read, and none is stored unencrypted")
 
 
 def _certificates(settings: Settings) -> Iterator[CheckResult]:
@@ -301,7 +301,7 @@ def _backups(folder: Path) -> CheckResult:
     try:
         newest = newest_in(folder)
     except OSError as error:
-        return CheckResult("wrong", "backups", f"{folder} cannot be looked into: {error.strerror}")
+        return CheckResult("wrong", "backups", f"{folder} cannot be read: {error.strerror}")
     if newest is None:
         return CheckResult("wrong", "backups", f"there is none in {folder}: rundown backup FILE makes one")
     old = datetime.now(UTC) - newest > BACKUP_EVERY
@@ -391,7 +391,7 @@ def _machines(client: httpx.Client) -> Generator[CheckResult, None, Key | None]:
         sources = _get_list(client, "/api/v1/sources")
     except _KeyRequired:
         words = (
-            "the rest needs a key of a viewer or more: give one with --api-key-file (behind a restore, one that is confirmed)"
+            "the rest needs a key of a viewer or more: give one with --api-key-file (after a restore, one that is confirmed)"
         )
         yield CheckResult("warning", "API key", words)
         return None

@@ -83,7 +83,7 @@ def credentials_asked(settings: Settings) -> tuple[bool, str]:
     except DatabaseUnusable as error:
         there = False
         missing = path is not None and not path.exists()
-        told = "there is no store yet" if missing else f"whether there are API keys cannot be told, none is counted ({error})"
+        told = "there is no store yet" if missing else f"API keys cannot be read and none is counted ({error})"
     issuer = f"oidc_issuer={settings.oidc_issuer}" if settings.oidc_issuer else "no oidc_issuer"
     return (
         credentials_needed(settings, keys_are_there=there),

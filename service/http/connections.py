@@ -90,7 +90,7 @@ class Acceptor:
         if self._open[address] >= most and not self._exempt(address):
             connection.close()
             if not self._log_rate.take(address):
-                logger.warning("%s has %d connections open: more of it are closed", address, most)
+                logger.warning("%s has %d connections open: further ones are closed", address, most)
             return
         self._open[address] += 1
         connection.setblocking(False)

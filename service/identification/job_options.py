@@ -78,11 +78,11 @@ def request_identification(session: Session, run_id: int, request: Request, aske
     def repeated(again: int) -> dict[str, Any]:
         return options | ({_AGAIN: again} if again else {})
 
-    def asked(again: int) -> JobRow | None:
+    def find_repetition(again: int) -> JobRow | None:
         return jobs.find_request(session, scope=scope, run_ids=[run_id], options=repeated(again))
 
-    again = _first_missing(lambda number: asked(number) is not None)
-    newest = asked(again - 1) if again else None
+    again = _first_missing(lambda number: find_repetition(number) is not None)
+    newest = find_repetition(again - 1) if again else None
     if newest is not None and newest.state in (jobs.QUEUED, jobs.RUNNING):
         return newest
     by = asker.identity[:LONGEST_IDENTITY]

@@ -88,22 +88,24 @@ class ResultFiling:
     def _file_error(self, job_id: int, error: Exception) -> None:
         """Put a job back if the error is not its own or may not recur; fail it otherwise."""
         if isinstance(error, BrokenProcessPool):
-            logger.error("the process that computed job %d died; it is tried again", job_id)
+            logger.error("the worker process of job %d died; it is retried", job_id)
             self._held.requeue(job_id, str(error))
         elif isinstance(error, WorkerStuck):
-            logger.error("job %d was given up with what computed it; it is tried three times: %s", job_id, error)
+            logger.error("job %d was given up with its worker process; it is tried three times at most: %s", job_id, error)
             self._stuck.append((time.monotonic(), str(error)))
             self.stuck_count += 1
             self._held.requeue(job_id, f"Stuck: {error}")
         elif isinstance(error, TaskRefused | Interrupted):
-            logger.warning("job %d is taken again: %s", job_id, error)
+            logger.warning("job %d is retried: %s", job_id, error)
             self._held.requeue_uncounted(job_id)
         elif isinstance(error, CancelledError):
-            logger.warning("job %d was lost with what computed it; it is tried again", job_id)
+            logger.warning("job %d was lost with its worker process; it is retried", job_id)
             self._held.requeue_uncounted(job_id)
         elif isinstance(error, OutOfTime | MemoryError):
             # Beside less other work it may have enough of both: that is tried as often as after a death.
-            logger.error("job %d took more than it may; it is tried three times: %s", job_id, type(error).__name__)
+            logger.error(
+                "job %d exceeded its time or memory limit; it is tried three times at most: %s", job_id, type(error).__name__
+            )
             self._held.requeue(job_id, f"{type(error).__name__}: {error}")
         else:
             self._held.fail(job_id, f"{type(error).__name__}: {error}")
@@ -116,7 +118,7 @@ class ResultFiling:
                 return
             machines.lock(session, row.machine_id)
             if reopened(session, row) != taken.reopened:
-                logger.info("job %d is computed again: late samples have made its run anew meanwhile", taken.job_id)
+                logger.info("job %d is computed again: late samples have rebuilt its run meanwhile", taken.job_id)
                 jobs.requeue_uncounted(row)
                 return
             if isinstance(outcome, CalibrationOutcome):
@@ -142,6 +144,6 @@ def _stored(session: Session, row: JobRow, options: Options, outcome: Identifica
     stored = identifications.add(session, came_from, outcome.identification)
     derived.add(session, stored, outcome.derived)
     if outcome.underived is not None:
-        logger.warning("nothing is derived from identification %d: %s", stored.id, outcome.underived)
+        logger.warning("no derived quantities for identification %d: %s", stored.id, outcome.underived)
     session.flush()
     return stored

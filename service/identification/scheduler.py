@@ -108,7 +108,7 @@ class JobScheduler(SupervisedThread):
     def _schedule(self) -> None:
         """Submit waiting jobs, file computed ones, and queue pooled jobs when it is time."""
         try:
-            self._executor.look()
+            self._executor.check_tasks()
             self._assessments.submit()
             self._submission.submit()  # first: no worker need wait for results to be filed
         finally:

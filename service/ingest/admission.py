@@ -48,7 +48,7 @@ class Admission:
         except Exception as error:
             if is_database_wide(error):
                 raise
-            logger.exception("a message under %s cannot be looked at", message.key)
+            logger.exception("a message under %s cannot be checked", message.key)
             self._refuse(message, key.machine, "unexpected_error", see_log(error))
             return None
         return ArrivedBatch(batch, message.key, message.payload, message.received_at)
@@ -84,7 +84,7 @@ class Admission:
         except Exception as error:
             if is_database_wide(error):
                 raise
-            logger.exception("%s: a batch cannot be looked at", where)
+            logger.exception("%s: a batch cannot be checked", where)
             self._refuse(message, machine or None, "unexpected_error", see_log(error))
             raise NotStoring(UNFORESEEN) from error
         return ArrivedBatch(batch, message.key, body, message.received_at)

@@ -68,7 +68,7 @@ class OwnClock:
         self._look_up = newest_receipt
         self._newest_receipt: int | None = None
         self._sources: BoundedDict[tuple[str, str], _Source] = BoundedDict()
-        self._looked_at = 0
+        self._assessed_at = 0
         self.doubt: str | None = None
         """Why the clock is doubted, and the remedy; None while it is not."""
 
@@ -82,15 +82,15 @@ class OwnClock:
         if last <= clock + FUTURE_TOLERANCE:
             self._newest_receipt = max(self._known_receipt(), clock)
             return False
-        self._judge_if_due(clock, monotonic)
+        self._assess_if_due(clock, monotonic)
         return self.doubt is not None
 
-    def look(self) -> bool:
+    def assess(self) -> bool:
         """Assess the clock again; return whether a doubt has ended."""
         clock, before = now(), self.doubt
         if before is None and self._known_receipt() <= clock + FUTURE_TOLERANCE:
             return False
-        self._judge_if_due(clock, time.monotonic_ns())
+        self._assess_if_due(clock, time.monotonic_ns())
         return before is not None and self.doubt is None
 
     def forget(self) -> None:
@@ -109,12 +109,12 @@ class OwnClock:
         else:
             self._sources[name] = _Source(first, last, monotonic, last, monotonic)
 
-    def _judge_if_due(self, clock: int, monotonic: int) -> None:
-        if monotonic - self._looked_at >= COST * len(self._sources):
-            self._looked_at = monotonic
-            self._judge(clock, monotonic)
+    def _assess_if_due(self, clock: int, monotonic: int) -> None:
+        if monotonic - self._assessed_at >= COST * len(self._sources):
+            self._assessed_at = monotonic
+            self._assess(clock, monotonic)
 
-    def _judge(self, clock: int, monotonic: int) -> None:
+    def _assess(self, clock: int, monotonic: int) -> None:
         receipt = self._known_receipt()
         heard = [(name, one) for name, one in self._sources.items() if monotonic - one.heard <= HEARD_LATELY]
         # A machine counts once, however many sources it has.

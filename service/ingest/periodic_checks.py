@@ -32,7 +32,7 @@ class IngestChecks:
 
     def look_at_clock(self) -> None:
         """Check whether a doubt about the own clock has ended; if so, request what was left in the logs at once."""
-        if self._own_clock.look():
+        if self._own_clock.assess():
             self._next = 0.0
 
     def check_if_due(self) -> None:

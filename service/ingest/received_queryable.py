@@ -48,7 +48,7 @@ class ReceivedQueryable:
             except Exception as error:
                 if is_database_wide(error):
                     raise
-                logger.exception("%s: how far its sources are durable cannot be told", key.machine)
+                logger.exception("%s: the sequence numbers stored of its sources cannot be sent", key.machine)
 
     def _reply(self, query: zenoh.Query, key: Key) -> None:
         if self._share.is_owner(key.machine) and self._journal.plant_of(key.machine) == key.plant:

@@ -20,7 +20,7 @@ from storage.database.errors import is_database_wide
 from storage.encoding.source_key import SourceKey
 
 MAXIMUM_TRIES = 50
-"""Batches of a source that are tried while none of them could be stored; the rest is left in its log."""
+"""Largest number of batches of a source that are tried while none could be stored; the rest stays in its log."""
 MAXIMUM_DOUBLINGS = 6
 """Largest number of doublings of MAXIMUM_TRIES, one per earlier failure: some batches after many bad ones may be good."""
 

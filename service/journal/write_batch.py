@@ -77,7 +77,7 @@ class WriteBatch:
         except Exception as error:
             if is_database_wide(error):
                 raise
-            logger.error("%d messages cannot be stored together: one by one", len(self._held), exc_info=error)
+            logger.error("%d messages cannot be stored together; they are stored one by one", len(self._held), exc_info=error)
             self._single_writes.begin(self._held)
             self._held = []
             self._store_one_by_one()

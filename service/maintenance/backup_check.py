@@ -14,11 +14,11 @@ logger = logging.getLogger(__name__)
 LOOK_S = 60.0
 
 
-class BackupWatch(SupervisedThread):
+class BackupCheck(SupervisedThread):
     """The thread that reads the age of a folder's newest backup. Without a folder it does nothing."""
 
     def __init__(self, folder: str) -> None:
-        super().__init__("backup watch", failure=f"backups in {folder} cannot be looked at", retry_s=LOOK_S)
+        super().__init__("backup watch", failure=f"backups in {folder} cannot be checked", retry_s=LOOK_S)
         self._folder = folder
         self._newest: datetime | None = None
 
@@ -44,5 +44,5 @@ class BackupWatch(SupervisedThread):
         try:
             self._newest = newest_in(Path(self._folder))
         except OSError as error:
-            logger.warning("backups in %s cannot be looked at: %s", self._folder, error)
+            logger.warning("backups in %s cannot be checked: %s", self._folder, error)
         return LOOK_S

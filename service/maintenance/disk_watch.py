@@ -21,7 +21,7 @@ class DiskWatch:
         self._use: DiskUse | None = None
         self._level = 0
         self.warning = ""
-        """Warning of the last look; empty when there is enough space."""
+        """Warning of the last check; empty when there is enough space."""
 
     @property
     def gauges(self) -> dict[str, float]:
@@ -36,13 +36,13 @@ class DiskWatch:
         }
         return {"rundown_database_bytes": use.data} | {name: value for name, value in known.items() if value is not None}
 
-    def look(self) -> None:
+    def check(self) -> None:
         """Read how much space is left, and log when that becomes too little. Raises RuntimeError when it cannot be read."""
         found = None  # outdated figures must not be shown as current
         try:
             found = disk.used(self._database, budget=self._budget)
         except OSError as error:
-            raise RuntimeError(f"the disk cannot be looked at: {error}") from error
+            raise RuntimeError(f"the disk cannot be read: {error}") from error
         finally:
             self._use = found
         self.warning = warning(found)

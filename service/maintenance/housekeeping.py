@@ -37,11 +37,11 @@ class Housekeeping(SupervisedThread):
     """The thread that keeps the store within its limits."""
 
     def __init__(self, database: Database, settings: Settings, share: Share | None = None) -> None:
-        super().__init__("housekeeping", failure="housekeeping is put off", retry_s=LOOK_S)
+        super().__init__("housekeeping", failure="housekeeping is postponed", retry_s=LOOK_S)
         self._share = WholeShare() if share is None else share
         self._database = database
         self._disk = DiskWatch(database, budget=int(settings.disk_budget_gb * 1e9) or None)
-        self._looked_at = time.monotonic()
+        self._disk_checked_at = time.monotonic()
         self._next_round = 0.0
         self.unfinished: str | None = None
         """Why the last round was not finished; kept until one is."""
@@ -62,7 +62,7 @@ class Housekeeping(SupervisedThread):
     def warnings(self) -> list[str]:
         """Return warnings of too little space, and why the store is not kept within its limits."""
         hindered = [f"old samples are not deleted: {self.unfinished}"] if self.unfinished else []
-        blind = [f"how much room is left cannot be told: {self.unseen}"] if self.unseen else []
+        blind = [f"the free disk space is unknown: {self.unseen}"] if self.unseen else []
         return [words for words in (self._disk.warning, self._waiting_warning) if words] + hindered + blind
 
     @property
@@ -104,19 +104,19 @@ class Housekeeping(SupervisedThread):
 
     def _wait_unless_stopped(self, pause: float = 0.0) -> bool:
         """Wait, and look at disk and memory when that is due, since a round may take long; return False to stop."""
-        if time.monotonic() >= self._looked_at + LOOK_S:
-            self.look()
+        if time.monotonic() >= self._disk_checked_at + LOOK_S:
+            self.check_disk()
         return not self._stop.wait(pause)
 
-    def look(self) -> None:
+    def check_disk(self) -> None:
         """Check the disk space, and give free memory back to the system."""
-        self._looked_at = time.monotonic()
+        self._disk_checked_at = time.monotonic()
         release_free_memory()
-        self.unseen = _attempt(self._disk.look)
+        self.unseen = _attempt(self._disk.check)
 
     def turn(self) -> float:
         """Look at disk and memory, and do a round when one is due. A stop takes effect between two transactions."""
-        self.look()
+        self.check_disk()
         if not self._share.is_leader(RETENTION):
             self._leave_to_another()
         elif time.monotonic() >= self._next_round:
@@ -191,7 +191,7 @@ def _attempt(work: Callable[[], None]) -> str | None:
     try:
         work()
     except DBAPIError as error:
-        logger.warning("housekeeping is put off: %s", error.orig)
+        logger.warning("housekeeping is postponed: %s", error.orig)
         return str(error.orig)
     except Exception as error:
         logger.exception("unexpected error in housekeeping")

@@ -125,7 +125,7 @@ def first_cut_off(session: Session, tier: Tier, machine_ids: Collection[str], *,
         except DBAPIError:
             raise
         except Exception:
-            logger.exception("%s: how old its samples are cannot be told", machine_id)
+            logger.exception("%s: the age of its samples is unknown", machine_id)
             continue
         if extent is not None:
             firsts.append(extent.first)

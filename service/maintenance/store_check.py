@@ -26,11 +26,11 @@ CHECK_S = 300.0
 WAITING = "{} API keys wait since a restore: `rundown key list` shows them, `rundown key confirm` lets them be good again"
 
 
-class StoreWatch(SupervisedThread):
+class StoreCheck(SupervisedThread):
     """The thread that monitors the store's files."""
 
     def __init__(self, database: Database) -> None:
-        super().__init__("store watch", failure="the store cannot be looked after", retry_s=LOOK_S, first_pause_s=LOOK_S)
+        super().__init__("store watch", failure="the store cannot be checked", retry_s=LOOK_S, first_pause_s=LOOK_S)
         self._database = database
         self._last_message = ""
         self._check_at = self._keys_at = 0.0
@@ -65,7 +65,7 @@ class StoreWatch(SupervisedThread):
             with self._database.reading() as session:
                 self._waiting = api_keys.count_unconfirmed(session)
         except DBAPIError as error:
-            logger.warning("API keys cannot be looked at: %s", error_message(error))
+            logger.warning("API keys cannot be read: %s", error_message(error))
 
     def _check(self) -> None:
         """Check all pages when damage is known."""
@@ -75,7 +75,7 @@ class StoreWatch(SupervisedThread):
         try:
             self._database.check_integrity(within_s=CHECK_S, stopped=self._stop.is_set)
         except (DBAPIError, sqlite3.Error) as error:
-            logger.warning("the store cannot be looked through for damage: %s", error_message(error))
+            logger.warning("the store cannot be checked for damage: %s", error_message(error))
         self._check_at = time.monotonic() + CHECK_EVERY_S
         if damage.trouble is None:
-            logger.warning("the store was looked through, and is whole")
+            logger.warning("the store was checked and is undamaged")

@@ -226,7 +226,7 @@ def _cleared_causes(
 
     def is_gone(kind: str, element: str) -> bool:
         off_delay = delays(context.limits, kind, element)[1]
-        return (kind, element) in seen or compared.watch.gone(compared.observations, kind, element, off_delay=off_delay)
+        return (kind, element) in seen or compared.watch.has_gone(compared.observations, kind, element, off_delay=off_delay)
 
     return frozenset(one for one in context.open_causes if is_gone(*one))
 

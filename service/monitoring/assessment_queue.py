@@ -32,7 +32,7 @@ from storage.measurements import quarantine
 logger = logging.getLogger(__name__)
 
 LARGEST_ATTEMPTS = 3
-"""Interval at which an assessment may crash its worker or exceed a limit."""
+"""Largest number of times that an assessment may crash its worker or exceed a limit."""
 
 
 @dataclass(frozen=True)
@@ -116,10 +116,10 @@ class AssessmentQueue:
         try:
             assessment = future.result()
         except (CancelledError, TaskRefused, Interrupted):
-            logger.warning("an assessment of %s was lost with what computed it; it is tried again", due.machine_id)
+            logger.warning("an assessment of %s was lost with its worker process; it is retried", due.machine_id)
         except (BrokenProcessPool, WorkerStuck, OutOfTime, MemoryError) as error:
             self._attempts[due.job_id] += 1
-            logger.error("identification %d cannot be judged: %s", due.identification_id, error or type(error).__name__)
+            logger.error("identification %d cannot be assessed: %s", due.identification_id, error or type(error).__name__)
             if self._attempts[due.job_id] >= LARGEST_ATTEMPTS:
                 self._give_up(due, error)
         except Exception as error:  # noqa: BLE001 - whatever an assessment raises is told
@@ -137,7 +137,7 @@ class AssessmentQueue:
                     stored = identifications.get(session, due.identification_id)
                     state = assessment_context.load_state(session, stored)
                     if state.basis != context.basis:
-                        logger.info("identification %d is judged again: baseline or limits were changed", stored.id)
+                        logger.info("identification %d is assessed again: baseline or limits were changed", stored.id)
                         return
                     conclusions.apply(session, stored, context, assessment, state)
                     jobs.finish(row, state=jobs.DONE)

@@ -22,7 +22,7 @@ Limit = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 
 class Level(StrictModel):
-    """From where on something is an alert, or a danger. What is null does not matter."""
+    """Limits from which a finding is an alert or a danger; null fields are not checked."""
 
     model_config = ConfigDict(frozen=True)
 

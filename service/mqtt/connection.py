@@ -52,8 +52,8 @@ class MqttThread(SupervisedThread):
     async def leave(self) -> None:
         """Complete what is under way before the connection is closed."""
 
-    def begun(self) -> None:
-        """Note that the connection works."""
+    def note_connected(self) -> None:
+        """Note that the broker is connected."""
         if self.trouble is not None:
             logger.info("%s: connected to %s", self._thread.name, self._settings.mqtt_url)
         self.trouble, self._retry_pause = None, FIRST_RETRY_S

@@ -125,7 +125,7 @@ class MqttAlerts(MqttThread):
         await self._publish_all(client, await asyncio.to_thread(self._last_states))
         await client.publish(self._topics.status(self._settings.mqtt_client_id), b"online", qos=1, retain=True)
         self._ready = client
-        self.begun()
+        self.note_connected()
         await asyncio.to_thread(self._hasten)
         while True:
             await self._publish_all(client, await asyncio.to_thread(self._new_trends))

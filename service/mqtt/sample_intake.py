@@ -92,7 +92,7 @@ class MqttSamples(MqttThread):
         """Take messages one after the other; many are being stored at once."""
         self._under_way = set()
         await self._subscribe(client, [self._topics.all_samples])
-        self.begun()
+        self.note_connected()
         taking = asyncio.create_task(self._take_all(client))
         following = asyncio.create_task(self._follow_documents(client))
         try:
@@ -127,7 +127,7 @@ class MqttSamples(MqttThread):
                     self._nodes.follow(await asyncio.to_thread(self._mapped.read))
                 except Exception as error:
                     if not is_database_wide(error):
-                        logger.exception("documents cannot be looked at for Sparkplug")
+                        logger.exception("documents cannot be read for Sparkplug")
                 if new := set(self._nodes.filters) - subscribed:
                     await self._subscribe(client, sorted(new))
                     subscribed |= new

@@ -46,7 +46,7 @@ class BrowsePage:
         return cls(asked, place, min(max(size, 1), PAGE))
 
     @classmethod
-    def begun(cls, asked: ua.BrowseDescription, most: int) -> "BrowsePage":
+    def first(cls, asked: ua.BrowseDescription, most: int) -> "BrowsePage":
         """Return a browse from its beginning. most: references in an answer that the client wants; 0 for any number."""
         return cls(asked, 0, min(most or PAGE, PAGE))
 

@@ -22,9 +22,9 @@ from service.opcua.trend_history import TrendHistory
 from service.security.principal import Principal
 
 MOST_READ, MOST_BROWSED, MOST_CALLED = 10_000, 1_000, 100
-"""Nodes in one request."""
+"""Largest number of nodes that one request reads, browses, and calls methods of."""
 MOST_ITEMS = 5_000
-"""Monitored items of one session."""
+"""Largest number of monitored items of one session."""
 
 current: ContextVar["ClientSession"] = ContextVar("opcua_session")
 """The session whose method call is being handled."""
@@ -103,7 +103,7 @@ class ClientSession(OwnSubscriptions):
         """List references, in pages; those to what is not visible are left out."""
         _at_most(params.NodesToBrowse, MOST_BROWSED)
         most = params.RequestedMaxReferencesPerNode
-        return await self._pages([BrowsePage.begun(one, most) for one in params.NodesToBrowse])
+        return await self._pages([BrowsePage.first(one, most) for one in params.NodesToBrowse])
 
     async def browse_next(self, parameters: ua.BrowseNextParameters) -> list[ua.BrowseResult]:
         """List the references behind continuation points."""

@@ -13,11 +13,11 @@ from asyncua.server.internal_session import InternalSession
 from asyncua.server.internal_subscription import InternalSubscription
 
 MOST_SUBSCRIPTIONS = 20
-"""Of one session."""
+"""Largest number of subscriptions of one session."""
 MOST_QUEUED = 1_000
-"""Values or events that wait of one monitored item."""
+"""Largest number of values or events that wait for one monitored item to be published."""
 FASTEST_MS, SLOWEST_MS = 100.0, 3_600_000.0
-"""Publishing intervals [ms]: the store is looked at ten times a second."""
+"""Shortest and longest publishing interval [ms]: the store is read ten times a second."""
 
 
 class OwnSubscriptions(InternalSession):

@@ -100,7 +100,7 @@ class PlantReader:
             except (DBAPIError, ValueError) as error:
                 if isinstance(error, DBAPIError) and is_database_wide(error):
                     raise
-                logger.error("machine '%s' cannot be told over OPC UA, as it cannot be read: %s", name, error_message(error))
+                logger.error("machine '%s' is not shown over OPC UA: it cannot be read: %s", name, error_message(error))
             self._glances[name] = glance
             self._read_at[name] = now()
         return found

@@ -32,7 +32,7 @@ class OpcUaServing(SupervisedThread):
     """The OPC UA server until it is stopped. A turn runs its event loop for the pause too: clients are served meanwhile."""
 
     def __init__(self, database: Database, settings: Settings, texts: SiteTexts | None = None) -> None:
-        super().__init__("opcua", failure="OPC UA clients are told nothing new", retry_s=RETRY_S)
+        super().__init__("opcua", failure="OPC UA clients are not updated", retry_s=RETRY_S)
         self._database = database
         self._settings = settings
         self._texts = texts

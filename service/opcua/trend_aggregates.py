@@ -55,8 +55,10 @@ class Intervals:
     percent_bad: int = WHOLE_PERCENT
 
     @classmethod
-    def begun(cls, function: ua.NodeId, begin: int | None, end: int | None, details: ua.ReadProcessedDetails) -> "Intervals":
-        """Return what is asked for. Raises AggregateRefused."""
+    def of_request(
+        cls, function: ua.NodeId, begin: int | None, end: int | None, details: ua.ReadProcessedDetails
+    ) -> "Intervals":
+        """Return the intervals of a request. Raises AggregateRefused."""
         if function.NamespaceIndex != 0 or function.Identifier not in FUNCTIONS:
             raise AggregateRefused(ua.StatusCodes.BadAggregateNotSupported)
         if begin is None or end is None or begin == end:

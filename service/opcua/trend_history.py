@@ -26,13 +26,13 @@ from storage.findings.jobs import RUN
 from storage.findings.trends import HistoryPoint
 
 MOST_NODES = 100
-"""Nodes in one request."""
+"""Largest number of nodes in one request."""
 PAGE, MOST_VALUES = 1_000, 10_000
-"""Values of one node, and of all, in one answer; more come behind a continuation point."""
+"""Largest number of values of one node, and of all, in one answer; a continuation point leads to more."""
 MOST_AGGREGATED = 100_000
-"""Raw values behind the aggregates of one answer."""
+"""Largest number of raw values that the aggregates of one answer are computed from."""
 MOST_WAITING = 20
-"""Requests that wait for others: one is answered at a time, so that no read slows the service."""
+"""Largest number of waiting requests: one is answered at a time, so that no read slows the service."""
 EARLIEST, LATEST = 0, 2**62
 UNSET = datetime(1601, 1, 2, tzinfo=UTC)
 """Times before this are OPC UA's way of saying none."""
@@ -68,8 +68,8 @@ class PageRequest:
         return cls(descending, first, last, left, (time, number))
 
     @classmethod
-    def begun(cls, details: ua.ReadRawModifiedDetails) -> "PageRequest":
-        """Return what is asked for. Raises ValueError unless two of begin, end and number are given."""
+    def of_request(cls, details: ua.ReadRawModifiedDetails) -> "PageRequest":
+        """Return the page that a request begins with. Raises ValueError unless two of begin, end and number are given."""
         begin, end, count = _time(details.StartTime), _time(details.EndTime), details.NumValuesPerNode
         if begin is not None and end is not None:
             return cls(begin > end, min(begin, end), max(begin, end), count)
@@ -132,7 +132,7 @@ class TrendHistory:
         self, path: list[str], given: bytes | None, details: ua.ReadRawModifiedDetails, page: int
     ) -> ua.HistoryReadResult:
         try:
-            wanted = PageRequest.continued(given) if given else PageRequest.begun(details)
+            wanted = PageRequest.continued(given) if given else PageRequest.of_request(details)
         except ValueError:
             wrong = ua.StatusCodes.BadContinuationPointInvalid if given else ua.StatusCodes.BadHistoryOperationInvalid
             return _failed(wrong)
@@ -159,7 +159,7 @@ class TrendHistory:
     ) -> ua.HistoryReadResult:
         """Read aggregates of at most a page of intervals, from at most so many raw values."""
         try:
-            intervals = Intervals.begun(function, _time(details.StartTime), _time(details.EndTime), details)
+            intervals = Intervals.of_request(function, _time(details.StartTime), _time(details.EndTime), details)
             first = _INTERVAL.unpack(given)[1] if given else 0
         except AggregateRefused as refused:
             return _failed(refused.code)

@@ -22,11 +22,13 @@ ROUND_S = 2.0
 """Interval of heartbeats and of checks of the other replicas."""
 
 
-class Leasing(SupervisedThread):
+class LeaseKeeper(SupervisedThread):
     """A replica, as a `Share`. Its share is that of the last round; `require` checks it for certain."""
 
     def __init__(self, database: Database, role: Role) -> None:
-        super().__init__("leasing", failure="this replica cannot say that it lives", retry_s=ROUND_S, first_pause_s=ROUND_S)
+        super().__init__(
+            "leasing", failure="this replica's heartbeat cannot be stored", retry_s=ROUND_S, first_pause_s=ROUND_S
+        )
         self._database = database
         self._role = role
         self._number: int | None = None
@@ -46,7 +48,9 @@ class Leasing(SupervisedThread):
                 with self._database.transaction() as session:
                     _release_dead(session, self._number)
             except DBAPIError as error:
-                logger.warning("the others are not told that this replica leaves; they will notice: %s", error.orig)
+                logger.warning(
+                    "the other replicas could not be notified of this shutdown; they will detect it: %s", error.orig
+                )
 
     @property
     def holder(self) -> int | None:

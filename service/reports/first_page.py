@@ -47,11 +47,11 @@ def _finding(one: ReportedAlert, language: Language) -> str:
     event, advice = one.last, one.last.advice
     severity, state = language.named(event.severity), language.named(event.state)
     since = language.say("report.open_since", severity=severity, state=state, at=shown_time(event.opened_at))
-    told = "" if advice is None else _told(advice, language)
+    told = "" if advice is None else _advice_html(advice, language)
     return f'<div class="panel {event.severity}"><p class="lead">{escaped(event.message)}</p>{muted(since)}{told}</div>'
 
 
-def _told(advice: Advice, language: Language) -> str:
+def _advice_html(advice: Advice, language: Language) -> str:
     by, say = advice.how_urgent.by, language.say
     when = say("report.by", day=shown_day(by)) if by is not None else ""
     parts = [f'<p class="by">{escaped(when + advice.how_urgent.words)}</p>']

@@ -48,11 +48,11 @@ def result_pages(contents: ReportContents) -> str:
             (say("report.alignment"), _alignment),
             (say("report.balance"), _balance),
         )
-        parts += [section(title, _made(title, part, contents, fit)) for title, part in with_fit]
+        parts += [section(title, _render(title, part, contents, fit)) for title, part in with_fit]
     return "".join(parts)
 
 
-def _made(title: str, part: Callable[[ReportContents, ReportedFit], str], contents: ReportContents, fit: ReportedFit) -> str:
+def _render(title: str, part: Callable[[ReportContents, ReportedFit], str], contents: ReportContents, fit: ReportedFit) -> str:
     try:
         return part(contents, fit)
     except (ValueError, ArithmeticError, np.linalg.LinAlgError) as error:

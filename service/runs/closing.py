@@ -100,7 +100,7 @@ class Closing(SupervisedThread):
                     _close_with(session, row, found)
             self._run_backoff.succeeded(run_id)
         except LeaseLost:
-            logger.info("run %d is another replica's to close", run_id)
+            logger.info("another replica closes run %d", run_id)
         except Exception as error:
             if is_database_wide(error):
                 raise
@@ -134,7 +134,9 @@ class Closing(SupervisedThread):
         except Exception as error:
             if is_database_wide(error):
                 raise
-            logger.warning("%d machines cannot be looked at together: one by one", len(machine_ids), exc_info=error)
+            logger.warning(
+                "%d machines cannot be checked together; they are checked one by one", len(machine_ids), exc_info=error
+            )
 
     def _sort_in_windows(self, machine_id: str) -> None:
         """Sort in window by window, and close the runs that this ends in between: the next window may lie beside them."""

@@ -75,7 +75,9 @@ class SilentMachines:
         except Exception as error:
             if is_database_wide(error):
                 raise
-            logger.warning("%d machines cannot be looked at together: one by one", len(machine_ids), exc_info=error)
+            logger.warning(
+                "%d machines cannot be checked together; they are checked one by one", len(machine_ids), exc_info=error
+            )
 
     def _end_first(self, due: list[str]) -> list[str]:
         """End the runs of the first of these machines in one short transaction; return those that are left."""

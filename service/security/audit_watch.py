@@ -22,7 +22,7 @@ class AuditWatch(SupervisedThread):
     """Thread that checks the audit trail periodically."""
 
     def __init__(self, database: Database, *, clock: Callable[[], float] = time.monotonic) -> None:
-        super().__init__("audit watch", failure="the audit trail cannot be looked at", retry_s=LOOK_S)
+        super().__init__("audit watch", failure="the audit trail cannot be checked", retry_s=LOOK_S)
         self._database = database
         self._clock = clock
         self._last_entry = (0, BEGINNING)
@@ -35,7 +35,7 @@ class AuditWatch(SupervisedThread):
         """Return figures for a monitoring system, by the name of the metric."""
         return {"rundown_audit_trail_holds": float(not self.warnings)}
 
-    def look(self, *, tell: bool = False) -> None:
+    def check(self, *, tell: bool = False) -> None:
         """Compare the trail with the recorded entry, and record the newest. tell: log it now, not only once a day."""
         with self._database.reading() as session:
             held, newest = audit.is_intact(session, self._last_entry), audit.head(session)
@@ -51,9 +51,9 @@ class AuditWatch(SupervisedThread):
 
     def turn(self) -> float:
         """Check once; the first successful check logs the newest entry."""
-        self.look()
+        self.check()
         return LOOK_S
 
     def finish(self) -> None:
         """Log the newest entry, to show entries cut off while the service does not run."""
-        self.look(tell=True)
+        self.check(tell=True)

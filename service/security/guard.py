@@ -36,7 +36,10 @@ HOW = "send 'Authorization: Bearer' with an API key or a token, or log in at /lo
 
 @dataclass(frozen=True)
 class AccessRules:
-    """Who may do what. names_checked: without authentication, accept only names of this machine itself."""
+    """Rules of access: operations, keys, and the plants that each person sees.
+
+    names_checked: without authentication, accept only names of this machine itself.
+    """
 
     operations: Operations
     authentication: Authentication

@@ -53,7 +53,7 @@ class KeySet:
             if old or self._chosen(key_id) is None:
                 self._fetch(now)
             if self._read_at is None or now - self._read_at > STALE_S:
-                raise KeysUnavailable(f"the issuer's keys cannot be had: it is tried again every {RETRY_S:.0f} s")
+                raise KeysUnavailable(f"the issuer's keys are unavailable: they are fetched again every {RETRY_S:.0f} s")
             return self._chosen(key_id)
 
     def _chosen(self, key_id: str | None) -> tuple[str, PublicKey] | None:

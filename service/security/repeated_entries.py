@@ -70,7 +70,7 @@ class RepeatedEntries:
 
     def write(self, *, everything: bool = False) -> None:
         """Write the counts of ended minutes, or of all. Blocks."""
-        entries = self._taken(everything=everything)
+        entries = self._take_counted(everything=everything)
         if not entries:
             return
         try:
@@ -99,7 +99,7 @@ class RepeatedEntries:
                 await asyncio.to_thread(self.write)
         await asyncio.to_thread(self.write, everything=True)
 
-    def _taken(self, *, everything: bool) -> list[AuditedOperation]:
+    def _take_counted(self, *, everything: bool) -> list[AuditedOperation]:
         now = self._clock()
         with self._lock:
             over = [kind for kind, minute in self._minutes.items() if everything or minute.ends <= now]

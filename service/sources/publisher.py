@@ -1,8 +1,8 @@
 """A source of samples as an edge device would be one: it numbers its samples, keeps a log and replies to replay queries.
 
 Publishing never blocks on the network and may lose messages on the way (congestion, a restart of the service); the log makes
-the store complete. With a `DurableLog` the source continues with the next number after its process was killed. Sources without
-a log work too: what they lose is counted, but not recovered.
+the store complete. With a `SqliteReplayLog` the source continues with the next number after its process was killed. Sources
+without a log work too: what they lose is counted, but not recovered.
 """
 
 import logging

@@ -260,7 +260,7 @@ def read_sidecar(path: Path) -> Sidecar:
     try:
         return Sidecar.model_validate(read_yaml(path))
     except ValidationError as error:
-        problems = "\n".join(dict.fromkeys(f"  {_told(item['loc'], item['msg'])}" for item in _chosen(error)))
+        problems = "\n".join(dict.fromkeys(f"  {_fault_text(item['loc'], item['msg'])}" for item in _chosen(error)))
         raise UnreadableFile(f"{path} is not a recording's sidecar:\n{problems}") from error
 
 
@@ -275,7 +275,7 @@ def _is_alternative(names: tuple[int | str, ...], kind: str) -> bool:
     return bool(names) and str(names[0]).startswith(kind)
 
 
-def _told(location: tuple[int | str, ...], message: str) -> str:
+def _fault_text(location: tuple[int | str, ...], message: str) -> str:
     """Return one fault: the field, where it is one field's, and what would be right."""
     fields = tuple(one for one in location if not str(one).startswith(("dict[", "literal[", "constrained-", "function-")))
     message = message.removeprefix("Value error, ")

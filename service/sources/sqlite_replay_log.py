@@ -24,7 +24,7 @@ RETRY_S = 0.5
 """Pause after the disk refused a transaction."""
 
 
-class DurableLog:
+class SqliteReplayLog:
     """The log of one source in a file, created when there is none.
 
     source: the log's owner, in any words; another source's log is refused. samples, payload_bytes: limits beyond which the

@@ -186,7 +186,7 @@ def _channel_faults(batch: SampleBatch, size: NDArray[np.float64], wrong: NDArra
 
 
 def _time_words(time: int) -> str:
-    """Return what is wrong with a time [ns], and in which unit it probably was meant."""
+    """Return the fault of a time [ns], and the unit in which it probably was meant."""
     meant = [unit for unit, factor in COARSER_UNITS.items() if EARLIEST_TIME <= time * factor < LATEST_TIME]
     hint = f": it looks like {meant[0]}, and must be nanoseconds since 1970" if meant else ""
     return f"time {time} ns is before 2000 or more than ten minutes ahead{hint}"

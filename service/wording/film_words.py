@@ -21,7 +21,7 @@ Numbers = Mapping[str, float]
 
 
 def alignment_judgement(numbers: Numbers, language: Language = ENGLISH) -> str:
-    """Return what is said of a coupling whose alignment has changed, beside by how much."""
+    """Return the words that judge a coupling whose alignment has changed; `alignment_words` say by how much."""
     parts = [
         _probability_beyond(numbers, name)
         for name in numbers

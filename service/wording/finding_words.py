@@ -31,7 +31,7 @@ def size_words(told: ToldFinding) -> Mapping[str, str]:
 
 
 def misalignment_words(told: ToldFinding) -> Mapping[str, str]:
-    """Return what is said of a misalignment, and its size."""
+    """Return the words on a misalignment and its size."""
     language = told.language
     if told.of_films:
         judgement = alignment_judgement(told.quantities, language)
@@ -41,7 +41,7 @@ def misalignment_words(told: ToldFinding) -> Mapping[str, str]:
 
 
 def bearing_words(told: ToldFinding) -> Mapping[str, str]:
-    """Return what is said of a bearing or a seal, and its size; of a film, how far it deviates from its model."""
+    """Return the words on a bearing or a seal and its size; of a film, how far it deviates from its model."""
     times = told.quantities.get("deviation_times_allowed")
     if times is None:
         kind = told.language.named(told.element_kind).capitalize()
@@ -98,7 +98,7 @@ def unbalance_words(told: ToldFinding) -> Mapping[str, str]:
 
 
 def sensor_words(told: ToldFinding) -> Mapping[str, str]:
-    """Return what a probe does now."""
+    """Return the words on a probe's gain and phase since the baseline."""
     q, language = told.quantities, told.language
     if not q:
         return {"size": language.say("size.no_phasors")}
@@ -150,7 +150,7 @@ def no_questions(_told: ToldFinding) -> Sequence[str]:
 
 
 def alignment_questions(told: ToldFinding) -> Sequence[str]:
-    """Return what is left open of an alignment."""
+    """Return the words on the quantities of an alignment that are not determined."""
     if told.of_films:
         missing = undetermined_alignment(told.quantities, told.language)
         return [*(one[:1].upper() + one[1:] for one in missing), told.language.say("open.relative")]
@@ -165,7 +165,7 @@ def element_questions(told: ToldFinding) -> Sequence[str]:
 
 
 def compared_words(told: ToldFinding) -> str:
-    """Return what is compared: alignments on oil films are those of the newest run, other sizes the mean of several."""
+    """Return the words on the runs compared: the newest for alignments on oil films, the mean of several otherwise."""
     runs = told.evidence.get("runs")
     if told.of_films or runs is None or runs < 2 or not told.quantities:
         return told.language.say("compared.baseline")
@@ -189,7 +189,7 @@ def part_words(one: SizePart, language: Language = ENGLISH) -> str:
 
 
 def part_name(name: str, language: Language = ENGLISH) -> str:
-    """Return what a figure is of."""
+    """Return the words on the element and quantity of a figure."""
     said = describe(name)
     if not said.quantity:  # of the machine as a whole
         return language.named(said.element_id or said.element)

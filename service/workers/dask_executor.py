@@ -92,7 +92,7 @@ class DaskExecutor:
         future.add_done_callback(partial(self._forward_outcome, answer))
         return answer
 
-    def look(self) -> None:
+    def check_tasks(self) -> None:
         """Find silent workers, and give up their overdue tasks. Raises ExecutorUnavailable."""
         with self._lock:
             sent = dict(self._sent)

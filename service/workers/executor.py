@@ -29,7 +29,7 @@ class Executor(Protocol):
         TaskRefused or Interrupted, or is cancelled when the executor lost it. Raises ExecutorUnavailable.
         """
 
-    def look(self) -> None:
+    def check_tasks(self) -> None:
         """Check the tasks that are being computed; must be called regularly. Raises ExecutorUnavailable."""
 
     def warnings(self) -> Sequence[str]:

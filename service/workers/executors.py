@@ -36,7 +36,7 @@ class LocalExecutor:
         """Compute a task, see `Executor.submit`."""
         return self._processes.submit(limit_s, work, task)
 
-    def look(self) -> None:
+    def check_tasks(self) -> None:
         """Do nothing: the process pool monitors its processes itself."""
 
     def warnings(self) -> Sequence[str]:

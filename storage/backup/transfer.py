@@ -37,7 +37,7 @@ class TransferReport:
 
 
 def move(source_url: str, target_url: str, report: Callable[[int, int], None] = lambda _done, _all: None) -> TransferReport:
-    """Transfer all data into an empty database. report: is told how many rows of how many are copied, or compared.
+    """Transfer all data into an empty database. report: receives the numbers of rows done and to do.
 
     The source's schema is upgraded first; nothing else in it changes. Raises NotMoved, DatabaseUnusable; also when the source
     does not exist, and while a service uses one of the two.
@@ -57,10 +57,10 @@ def move(source_url: str, target_url: str, report: Callable[[int, int], None] = 
                 raise TransferFailed(f"database {redacted_url(target_url)} holds {held} rows: it must be a new one")
             tables = _tables()
             escaped: Counter[str] = Counter()
-            told = _Told(report, 2 * sum(row_counts(reading).values()))
+            progress = _RowProgress(report, 2 * sum(row_counts(reading).values()))
             for table in tables:
-                escaped += _copy(table, reading, writing, told)
-            found = {table.name: _compared(table, reading, writing, told) for table in tables}
+                escaped += _copy(table, reading, writing, progress)
+            found = {table.name: _compared(table, reading, writing, progress) for table in tables}
             for table in tables:
                 _advance_sequences(table, reading, writing)
         return TransferReport(found, dict(escaped))
@@ -108,19 +108,19 @@ def _values(table: Table, row: Any) -> tuple[Any, ...]:
     return tuple(found)
 
 
-class _Told:
-    """Count of the rows that are done, told as it grows."""
+class _RowProgress:
+    """Count of the rows that are done, reported as it grows."""
 
     def __init__(self, report: Callable[[int, int], None], total: int) -> None:
         self._report, self._total, self._done = report, total, 0
 
     def more(self, rows: int) -> None:
-        """Tell that some more rows are done."""
+        """Report that some more rows are done."""
         self._done += rows
         self._report(self._done, self._total)
 
 
-def _copy(table: Table, reading: Connection, writing: Connection, told: _Told) -> Counter[str]:
+def _copy(table: Table, reading: Connection, writing: Connection, progress: _RowProgress) -> Counter[str]:
     """Copy a table's rows; return the number of texts per column in which NUL was escaped."""
     names = [column.name for column in table.columns]
     escaped: Counter[str] = Counter()
@@ -132,7 +132,7 @@ def _copy(table: Table, reading: Connection, writing: Connection, told: _Told) -
                 changed = sum(isinstance(old[i], str) and old[i] != new[i] for old, new in zip(taken, stored, strict=True))
                 escaped += Counter({f"{table.name}.{name}": changed})
             writing.execute(insert(table), [dict(zip(names, row, strict=True)) for row in stored])
-            told.more(len(stored))
+            progress.more(len(stored))
     return escaped
 
 
@@ -160,7 +160,7 @@ def _escaped(table: Table, column: Column[Any], text: str, values: tuple[Any, ..
     return found
 
 
-def _compared(table: Table, reading: Connection, writing: Connection, told: _Told) -> int:
+def _compared(table: Table, reading: Connection, writing: Connection, progress: _RowProgress) -> int:
     """Return the number of rows of a table; raise NotMoved when a row differs between the two sides."""
     count = 0
     with _rows(table, reading) as before, _rows(table, writing) as after:
@@ -170,8 +170,8 @@ def _compared(table: Table, reading: Connection, writing: Connection, told: _Tol
                 raise TransferFailed(f"{table.name} ({keys}) was not taken over as it was")
             count += 1
             if count % AT_ONCE == 0:
-                told.more(AT_ONCE)
-    told.more(count % AT_ONCE)
+                progress.more(AT_ONCE)
+    progress.more(count % AT_ONCE)
     return count
 
 

@@ -134,7 +134,7 @@ class Database:
     @property
     def needs_restart(self) -> bool:
         """Return whether this process cannot go on with its open files, and its end loses nothing."""
-        return self._files is not None and not self._files.look() and self._files.saved
+        return self._files is not None and not self._files.check() and self._files.saved
 
     def save_lost_files(self) -> None:
         """Save data whose file has lost its name, or was cut off or overwritten.
@@ -142,7 +142,7 @@ class Database:
         Raises DatabaseUnusable when a file of an SQLite store was deleted, replaced, overwritten or cut off.
         """
         files = self._files
-        if files is None or files.look(further=FRAMES_AT_A_LOOK):
+        if files is None or files.check(further=FRAMES_AT_A_LOOK):
             return
         mended = files.mended
         self._turn.save(files)
@@ -191,7 +191,7 @@ class Database:
         """Close all connections and release the claim."""
         self._claim.release()
         until = time.monotonic() + CLOSING_S
-        while self._files is not None and not self._files.look(further=EVERY_FRAME):  # what it says afterwards
+        while self._files is not None and not self._files.check(further=EVERY_FRAME):  # what it says afterwards
             self._turn.save(self._files)  # no checkpoint may copy what is missing in a log, or into a foreign file
             if self._files.saved or time.monotonic() > until:
                 break

@@ -58,7 +58,7 @@ class SqliteFiles:
         self.mended = 0
         """Number of times damage in the log was got rid of without a loss."""
 
-    def look(self, *, further: int = 0) -> bool:
+    def check(self, *, further: int = 0) -> bool:
         """Return whether all files still exist and hold what is ours; costs some 40 µs.
 
         further: number of the log's frames whose checksums are looked at besides, some 10 µs each.
@@ -95,7 +95,7 @@ class SqliteFiles:
     @property
     def trouble(self) -> str | None:
         """Return which file is missing, overwritten or cut off and the remedy; None when none is."""
-        if self.look():
+        if self.check():
             return None
         if self._overwritten:
             return self._words_of_overwritten()

@@ -1,7 +1,8 @@
 """SQLite's write-ahead log as its index counts it: whether all of it is there, and what is left when it is not.
 
-SQLite does not notice that its log was cut off or overwritten by somebody else: it reads what is missing as zeros, writes on
-behind the hole, and copies the zeros into the main file with the next checkpoint; checksums it compares behind a crash only.
+SQLite does not notice that its log was cut off or overwritten by somebody else: it reads the missing part as zeros,
+continues to write after it, and copies the zeros into the main file at the next checkpoint. It compares checksums only after
+a crash.
 Formats: https://www.sqlite.org/walformat.html
 """
 

@@ -66,6 +66,6 @@ class WriterTurn:
             return
         self._files.require()
         yield
-        if not self._files.look() and not self._files.save():
+        if not self._files.check() and not self._files.save():
             self._files.require()
         self._files.require_content()

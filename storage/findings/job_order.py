@@ -50,20 +50,20 @@ def next_jobs(session: Session, limit: int, *, behind: int, overdue: bool) -> li
     behind: how many of them may be other than automatic. overdue: whether a job that has waited too long comes first.
     """
     rows = _overdue(session) if overdue and limit > 0 and behind > 0 else []
-    rows += _taken(session, JobRow.priority == AUTOMATIC, limit - len(rows))
+    rows += _take_queued(session, JobRow.priority == AUTOMATIC, limit - len(rows))
     others = min(limit - len(rows), behind - sum(row.priority != AUTOMATIC for row in rows))
     known = [row.id for row in rows if row.priority != AUTOMATIC]
-    return [*rows, *_taken(session, (JobRow.priority > AUTOMATIC) & JobRow.id.not_in(known), others)]
+    return [*rows, *_take_queued(session, (JobRow.priority > AUTOMATIC) & JobRow.id.not_in(known), others)]
 
 
 def _overdue(session: Session) -> list[JobRow]:
     """Return the job that has waited longest among the first of each priority, if it is overdue."""
-    first = [row for priority in (ASKED, RECOMPUTED, TRIED) for row in _taken(session, JobRow.priority == priority, 1)]
+    first = [row for priority in (ASKED, RECOMPUTED, TRIED) for row in _take_queued(session, JobRow.priority == priority, 1)]
     late = [row for row in first if row.created_at < now() - int(1e9 * OVERDUE_S)]
     return sorted(late, key=lambda row: row.created_at)[:1]
 
 
-def _taken(session: Session, which: ColumnElement[bool], limit: int) -> Sequence[JobRow]:
+def _take_queued(session: Session, which: ColumnElement[bool], limit: int) -> Sequence[JobRow]:
     if limit <= 0:
         return []
     query = select(JobRow).where(JobRow.state == QUEUED, which)

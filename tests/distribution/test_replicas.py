@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from sqlalchemy.exc import DBAPIError
 
-from service.replication.lease_keeper import Leasing
+from service.replication.lease_keeper import LeaseKeeper
 from service.replication.work_share import lease_of
 from service.wire import JSON, encode_body
 from storage.database.engine import Database
@@ -120,7 +120,7 @@ def test_who_hangs_in_the_middle_of_a_transaction_keeps_nobody_waiting_for_long(
     url = databases.new(tmp_path / "hangs.db")
     hanging, waiting = Database(url), Database(url)
     waiting.claim(shared=True)
-    leasing = Leasing(waiting, "all")
+    leasing = LeaseKeeper(waiting, "all")
     leasing.start()
     try:
         with contextlib.suppress(DBAPIError), hanging.transaction() as session:

@@ -44,7 +44,7 @@ def test_secrets_are_sealed_at_an_upgrade_and_a_backup_needs_the_key(stores: Sto
     stores.databases("sqlite").copy(stores.empty("sqlite"), path)
     with closing(Database(sqlite_url(path))) as database, database.transaction() as session:
         old = deliveries.subscribe(session, kind="webhook", name="old", target=http.url("/ok"), secret=plain).id
-    assert "lies plain in the database" in rundown("doctor", RUNDOWN_DATABASE=sqlite_url(path), RUNDOWN_PORT="1").stdout
+    assert "is stored unencrypted" in rundown("doctor", RUNDOWN_DATABASE=sqlite_url(path), RUNDOWN_PORT="1").stdout
     service = Service(folder, **ALLOWED)
     with service.running():
         sent(service, old, http, plain)

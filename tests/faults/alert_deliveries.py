@@ -44,8 +44,11 @@ HEARD = 10
 
 
 @dataclass(frozen=True)
-class Told:
-    """events: that happened. repeated: webhooks that came more than once. heard: events that came over the network."""
+class DeliveryCounts:
+    """Counts of a trial.
+
+    events: that happened. repeated: webhooks that came more than once. heard: events that came over the network.
+    """
 
     events: int
     repeated: int
@@ -132,7 +135,7 @@ class Following:
                 return
 
 
-def told_through_kills(folder: Path, *, seed: int, kills: int) -> Told:
+def deliveries_through_kills(folder: Path, *, seed: int, kills: int) -> DeliveryCounts:
     """Alerts change all the time; the service is killed at random moments and started again; then all must have been told."""
     rng = random.Random(seed)
     service = Service(folder, RUNDOWN_DELIVERY_NETWORKS=json.dumps(LOOPBACK))
@@ -181,7 +184,7 @@ def told_through_kills(folder: Path, *, seed: int, kills: int) -> Told:
         _check_deliveries(database, webhook, len(events))
     database.close()
     assert "Traceback" not in service.log.read_text()
-    return Told(len(events), repeated, len({(one["alert"], one["number"]) for one in heard}))
+    return DeliveryCounts(len(events), repeated, len({(one["alert"], one["number"]) for one in heard}))
 
 
 def _prepared(database: Database, target: str) -> tuple[int, int]:

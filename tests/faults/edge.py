@@ -13,7 +13,7 @@ from pathlib import Path
 
 from service.messaging.session import session
 from service.sources.publisher import Source
-from service.sources.sqlite_replay_log import DurableLog
+from service.sources.sqlite_replay_log import SqliteReplayLog
 from service.wire import BINARY
 from tests.faults.measured import SIZE, measured
 from tests.plant import KEY
@@ -25,7 +25,7 @@ def main() -> None:
     stop = threading.Event()
     signal.signal(signal.SIGTERM, lambda *_: stop.set())
     with session(listen=[], connect=[endpoint]) as stream:
-        log = DurableLog(path, source=KEY.machine)
+        log = SqliteReplayLog(path, source=KEY.machine)
         with Source(stream, KEY, name="edge", encoding=BINARY, log=log) as source:
             due = time.monotonic()
             while source.sequence < samples and not stop.wait(max(0.0, due - time.monotonic())):

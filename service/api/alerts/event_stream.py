@@ -172,7 +172,7 @@ def _stream_event(row: AlertEventRow, texts: SiteTexts) -> StreamEvent:
         event = alert_event(row, texts)
         return StreamEvent(row.id, event, _text(event))
     except (ValueError, OverflowError):
-        logger.exception("alert event %d cannot be told in streams", row.id)
+        logger.exception("alert event %d cannot be sent to streams", row.id)
         return StreamEvent(row.id, None)
 
 
@@ -242,7 +242,7 @@ async def stream(
 )
 async def stream_alert_events(
     request: Request,
-    last_event_id: Annotated[int | None, Header(ge=0, le=2**62, description="continue behind this event")] = None,
+    last_event_id: Annotated[int | None, Header(ge=0, le=2**62, description="continue after this event")] = None,
     after: Annotated[int | None, Query(ge=0, le=2**62, description="the same, for clients that cannot set headers")] = None,
 ) -> StreamingResponse:
     """Stream alert events as they happen (server-sent events); `data` is an alert event in JSON."""

@@ -32,7 +32,7 @@ from storage.tables.alerting import AlertRow
 router = APIRouter(tags=["alerts"], responses=RESPONSES, dependencies=[VIEWER, Depends(vary_by_language)])
 
 OnlyOpen = Annotated[bool, Query(alias="open", description="only alerts that are still open")]
-After = Annotated[int, Query(ge=0, le=2**62, description="only events behind this one")]
+After = Annotated[int, Query(ge=0, le=2**62, description="only events after this one")]
 
 
 @router.get("/alerts", operation_id="list_alerts", response_model=list[schemas.AlertOut])
@@ -96,7 +96,7 @@ def acknowledge_alert(
 ) -> schemas.AlertOut:
     """Acknowledge an alert: a person has seen it."""
     change = AlertChange(request, response, alert_id, if_match)
-    return change.made(lambda session, row: transitions.acknowledge(session, row, _person(said)))
+    return change.apply(lambda session, row: transitions.acknowledge(session, row, _person(said)))
 
 
 @router.post("/alerts/{alert_id}/reset", operation_id="reset_alert", dependencies=[OPERATOR], responses=CHANGES)
@@ -105,7 +105,7 @@ def reset_alert(
 ) -> schemas.AlertOut:
     """Unlatch an acknowledged alert whose cause is gone."""
     change = AlertChange(request, response, alert_id, if_match)
-    return change.made(lambda session, row: transitions.reset(session, row, _person(said)))
+    return change.apply(lambda session, row: transitions.reset(session, row, _person(said)))
 
 
 @router.post("/alerts/{alert_id}/shelve", operation_id="shelve_alert", dependencies=[OPERATOR], responses=CHANGES)
@@ -115,7 +115,7 @@ def shelve_alert(
     """Shelve an alert until a moment: it notifies nobody, nor, unless `until_cleared`, when its cause returns before then."""
     until, once = instant(said.until), said.until_cleared
     change = AlertChange(request, response, alert_id, if_match)
-    return change.made(lambda session, row: transitions.shelve(session, row, _person(said), until=until, until_cleared=once))
+    return change.apply(lambda session, row: transitions.shelve(session, row, _person(said), until=until, until_cleared=once))
 
 
 @router.post("/alerts/{alert_id}/unshelve", operation_id="unshelve_alert", dependencies=[OPERATOR], responses=CHANGES)
@@ -124,7 +124,7 @@ def unshelve_alert(
 ) -> schemas.AlertOut:
     """End a shelving before its time."""
     change = AlertChange(request, response, alert_id, if_match)
-    return change.made(lambda session, row: transitions.unshelve(session, row, _person(said)))
+    return change.apply(lambda session, row: transitions.unshelve(session, row, _person(said)))
 
 
 @router.post("/alerts/{alert_id}/comments", operation_id="comment_alert", dependencies=[ANALYST])
@@ -132,7 +132,7 @@ def comment_alert(request: Request, response: Response, alert_id: Number, said: 
     """Add a comment to an alert, open or closed."""
     person = Person(said.by, said.comment)
     change = AlertChange(request, response, alert_id, ANYTHING)
-    return change.made(lambda session, row: transitions.comment(session, row, person))
+    return change.apply(lambda session, row: transitions.comment(session, row, person))
 
 
 @dataclass
@@ -144,7 +144,7 @@ class AlertChange:
     alert_id: int
     if_match: str | None
 
-    def made(self, change: Callable[[Session, AlertRow], None]) -> schemas.AlertOut:
+    def apply(self, change: Callable[[Session, AlertRow], None]) -> schemas.AlertOut:
         """Apply a change and return the alert. Raises AlertUnknown, PreconditionMissing, Stale and the change's errors."""
         with database(self.request).transaction() as session:
             row = alerts.get(session, self.alert_id, to_change=True)

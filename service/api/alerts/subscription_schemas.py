@@ -90,7 +90,7 @@ class SubscriptionOut(BaseModel):
     state: str = Field(description="active or disabled")
     reason: str | None = Field(description="why it is disabled")
     secret_kept: str | None = Field(description="where a webhook's secret is: sealed, file NAME, env NAME, or plain")
-    trouble: str | None = Field(description="why nothing can be sent: the secret cannot be had")
+    trouble: str | None = Field(description="why nothing can be sent: the secret is unavailable")
     plants: list[str] | None = Field(description="of whose events it tells; null for all")
     reports: str | None = Field(description="how often it gets the reports of its machines: weekly or monthly; null: never")
     created_at: datetime

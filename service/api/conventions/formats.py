@@ -34,7 +34,7 @@ def asked_format(request: Request, chosen: Format | None) -> Format:
     best = max(found, key=lambda name: found[name])  # on equal weights JSON wins, as the first
     if found[best] <= 0.0:
         offered = ", ".join(MEDIA_TYPES.values())
-        raise HTTPException(status.HTTP_406_NOT_ACCEPTABLE, f"this is to be had as {offered}, or by ?format=")
+        raise HTTPException(status.HTTP_406_NOT_ACCEPTABLE, f"available as {offered}; choose by Accept or ?format=")
     return best
 
 

@@ -1,8 +1,9 @@
-"""Places for requests that read from the store: so many at a time, and people in turn.
+"""Limits how many requests read from the store at once, and serves callers in turn.
 
 A request holds its connection to the database from its first query on, also while it waits for a thread to go on in. More of
 them than there are connections would wait for each other: those with a thread for a connection, those with a connection for a
-thread. Who waits for a place has neither. Of many waiting requests of one person one is taken, then one of the next person's.
+thread. A request that waits for a place has neither. Of the waiting requests of one caller one is served, then one of the next
+caller's.
 """
 
 import asyncio

@@ -42,15 +42,15 @@ async def reject_unknown_parameters(request: Request) -> None:
 
 def _known(route: APIRoute) -> dict[str, bool]:
     if route.unique_id not in _names:
-        _names[route.unique_id] = dict(_taken(route.dependant))
+        _names[route.unique_id] = dict(_known_parameters(route.dependant))
     return _names[route.unique_id]
 
 
-def _taken(dependant: Dependant) -> Iterator[tuple[str, bool]]:
+def _known_parameters(dependant: Dependant) -> Iterator[tuple[str, bool]]:
     for one in dependant.query_params:
         yield one.alias, _is_list(one.field_info.annotation)
     for below in dependant.dependencies:
-        yield from _taken(below)
+        yield from _known_parameters(below)
 
 
 def _is_list(annotation: Any) -> bool:

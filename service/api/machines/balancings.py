@@ -248,13 +248,14 @@ def _rendered(session: Session, row: BalancingRow) -> schemas.BalancingOut:
             "trials": on_scale(row.steps["trials"], scale, direction),
             "correction": None
             if correction is None
-            else on_scale(correction["result"], scale, direction) | _taken(correction),
+            else on_scale(correction["result"], scale, direction) | _author_and_time(correction),
             "check": None
             if check is None
-            else on_scale(check["result"] | {key: check[key] for key in ("run", "weights")}, scale, direction) | _taken(check),
+            else on_scale(check["result"] | {key: check[key] for key in ("run", "weights")}, scale, direction)
+            | _author_and_time(check),
         }
     )
 
 
-def _taken(step: dict[str, Any]) -> dict[str, Any]:
+def _author_and_time(step: dict[str, Any]) -> dict[str, Any]:
     return {"by": step["by"], "at": to_datetime(step["at"])}

@@ -50,7 +50,7 @@ class ModelCalibrationIn(StrictModel):
 
 
 class CalibrationInForceIn(StrictModel):
-    """Who puts a calibration in force."""
+    """Putting a calibration in force, with the person who does so."""
 
     by: Author
 

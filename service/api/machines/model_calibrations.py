@@ -57,7 +57,7 @@ def request_model_calibration(
     """
     with database(request).transaction() as session:
         direction = machines.document(session, machine_id).direction
-        asked = [_asked(one, said.disc_scale, direction) for one in said.runs]
+        asked = [_calibration_run(one, said.disc_scale, direction) for one in said.runs]
         if said.balancing is not None:
             asked += _of_a_balancing(session, machine_id, said.balancing)
         row = calibration_jobs.request_calibration(
@@ -82,7 +82,7 @@ def put_in_force(
         return _rendered(session, model_calibrations.get(session, machine_id, calibration_id))
 
 
-def _asked(said: schemas.CalibrationRunIn, scale: DiscScale, direction: int) -> CalibrationRunAsked:
+def _calibration_run(said: schemas.CalibrationRunIn, scale: DiscScale, direction: int) -> CalibrationRunAsked:
     weights = tuple(one.stored(scale, direction) for one in said.weights)
     return CalibrationRunAsked(said.run, weights, said.mounting, said.steady)
 

@@ -128,7 +128,7 @@ class InForce(StrictModel):
 
     version: int | None = Field(ge=1, le=2**62, description="null: none")
     identify_again: int = Field(
-        default=0, ge=0, le=1000, description="so many of the newest runs are identified again with it"
+        default=0, ge=0, le=1000, description="number of newest runs that are identified again with it"
     )
 
 

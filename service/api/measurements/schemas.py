@@ -125,7 +125,7 @@ class Run(BaseModel):
     samples: int | None
     speed_minimum_rpm: float | None
     speed_maximum_rpm: float | None
-    reopened_at: datetime | None = Field(description="when late samples last made it anew; its newest identification counts")
+    reopened_at: datetime | None = Field(description="when late samples last rebuilt it; its newest identification counts")
     samples_released_at: datetime | None = Field(description="when its samples were deleted; null while it has them")
     coverage: RunCoverage | None = Field(description="null until it is closed, and for runs of older releases")
     quality: QualitySummary | None = Field(description="null until it was judged")

@@ -124,7 +124,7 @@ def read_vibration_trend(
     machine_id: MachineId,
     period: Period,
     slow_roll: SlowRollChoice = "none",
-    limit: Annotated[int, Query(ge=1, le=MOST_RUNS, description="so many of the newest runs")] = 200,
+    limit: Annotated[int, Query(ge=1, le=MOST_RUNS, description="number of newest runs that are read")] = 200,
 ) -> schemas.VibrationTrend:
     """Read 1×, 2× and their ratio at running speed, run by run, with the acceptance region of each probe and kind of run.
 

@@ -134,7 +134,7 @@ _GAUGES = {
     "rundown_retention_waiting": "machines of which old samples wait for `rundown retention confirm`",
     "rundown_backup_age_seconds": "of the newest complete backup in the folder that is looked at; +Inf: there is none",
     "rundown_certificate_days_left": "until the first of the service's own certificates expires",
-    "rundown_webhooks_unsigned": "active webhooks that are told nothing, for their secret cannot be had",
+    "rundown_webhooks_unsigned": "active webhooks that receive nothing because their secret is unavailable",
     "rundown_stuck_identifications": "identifications whose process or Dask worker stopped answering, since the start",
     "rundown_audit_trail_holds": "1 while the newest entry that was seen before is still there as it was",
     "rundown_opcua_sessions": "clients of the OPC UA server",

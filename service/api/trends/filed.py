@@ -95,7 +95,7 @@ def list_estimates(
     if wanted == "influx":
         return Response(filed_lines(rows, values), media_type=LINES, headers=headers)
     if wanted == "json":
-        told = [_told(rows[one.identification], one) for one in values]
+        told = [_estimate_row(rows[one.identification], one) for one in values]
         body = msgspec.json.encode({"after": last, "more": len(found) > limit, "estimates": told})
     else:
         columns = _columns(rows, values)
@@ -103,7 +103,7 @@ def list_estimates(
     return Response(body, media_type=MEDIA_TYPES[wanted], headers=headers)
 
 
-def _told(row: IdentificationRow, one: Row[Any]) -> dict[str, Any]:
+def _estimate_row(row: IdentificationRow, one: Row[Any]) -> dict[str, Any]:
     unbalance = one.imaginary is not None
     return {
         "identification": row.id,
@@ -128,6 +128,6 @@ def _columns(rows: Mapping[int, IdentificationRow], values: Sequence[Row[Any]]) 
     """Return the values column by column; the columns are there without rows, too."""
     columns: dict[str, list[Any]] = {name: [] for name in FiledEstimate.model_fields}
     for one in values:
-        for name, value in _told(rows[one.identification], one).items():
+        for name, value in _estimate_row(rows[one.identification], one).items():
             columns[name].append(value)
     return columns

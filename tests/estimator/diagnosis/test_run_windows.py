@@ -18,7 +18,7 @@ def said(runs: tuple[Observation, ...], on_delay: int = 2) -> set[tuple[str, str
 
 
 def gone(runs: tuple[Observation, ...], off_delay: int = 2) -> bool:
-    return plant.watch().gone(runs, *MISALIGNED, off_delay=off_delay)
+    return plant.watch().has_gone(runs, *MISALIGNED, off_delay=off_delay)
 
 
 def test_as_many_runs_as_the_delay_must_agree() -> None:
@@ -83,16 +83,16 @@ def test_a_fault_that_comes_and_goes_has_not_gone() -> None:
         ("outliers", "machine"): plant.after(plant.true_machine(), edit=plant.scattered(0.05)),
     }
     for cause, runs in faulty.items():
-        assert not plant.watch().gone((*runs, quiet[0]), *cause, off_delay=2)
-        assert not plant.watch().gone((*runs, quiet[0], runs[0]), *cause, off_delay=2)
-        assert plant.watch().gone((*runs, *quiet), *cause, off_delay=2)
+        assert not plant.watch().has_gone((*runs, quiet[0]), *cause, off_delay=2)
+        assert not plant.watch().has_gone((*runs, quiet[0], runs[0]), *cause, off_delay=2)
+        assert plant.watch().has_gone((*runs, *quiet), *cause, off_delay=2)
 
 
 def test_a_fit_that_is_refused_for_another_reason_than_its_misfit_explains_nothing_either() -> None:
     """Not converged, or an estimated noise with a pattern: χ² is as it should be."""
     refused = tuple(replace(one, accepted=False) for one in plant.after(plant.misaligned(0.2)))
     assert said(refused) == {("misfit", "machine")}
-    assert not plant.watch().gone(refused, "misfit", "machine", off_delay=2)
+    assert not plant.watch().has_gone(refused, "misfit", "machine", off_delay=2)
 
 
 def test_a_refused_fit_is_judged_beside_a_lost_probe_as_without_it() -> None:

@@ -12,7 +12,7 @@ from service.delivery.dispatcher import Dispatcher
 from service.delivery.signing_secrets import SigningSecrets
 from service.identification.scheduler import JobScheduler
 from service.ingest.ingest_thread import Ingest
-from service.replication.lease_keeper import Leasing
+from service.replication.lease_keeper import LeaseKeeper
 from service.runs.closing import Closing
 from storage.database.engine import Database
 
@@ -21,7 +21,7 @@ PARTS: dict[Any, str] = {
     Dispatcher: "delivery",
     Closing: "closing",
     Ingest: "ingest",
-    Leasing: "leasing",
+    LeaseKeeper: "leasing",
 }
 
 

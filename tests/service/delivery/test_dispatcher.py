@@ -473,7 +473,7 @@ def test_a_webhook_whose_secret_cannot_be_had_is_stated_and_holds_up_no_other(
         wait_until(lambda: one.watch.gauges == {"rundown_webhooks_unsigned": 1})
         unsigned, plain = one.watch.warnings
         assert unsigned.startswith("webhook 'lost' is told nothing: its secret is sealed")
-        assert plain.startswith("the secret of webhook 'old' lies plain in the database")
+        assert plain.startswith("the secret of webhook 'old' is stored unencrypted")
         assert one.trouble is None
         assert asyncio.run(one.try_out(lost)).result == "failed"
     assert http.at("/ok/lost") == []

@@ -229,7 +229,7 @@ def test_the_newest_backup_is_looked_at(stores: Stores, tmp_path: Path) -> None:
     chosen = Settings(database=database, port=free_port(), zenoh_listen=[f"tcp/127.0.0.1:{free_port()}"], backups=str(folder))
     assert found_without_the_service(chosen)["backups"] == (
         "wrong",
-        f"{folder} cannot be looked into: No such file or directory",
+        f"{folder} cannot be read: No such file or directory",
     )
     folder.mkdir()
     level, words = found_without_the_service(chosen)["backups"]

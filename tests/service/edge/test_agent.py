@@ -23,7 +23,7 @@ from service.edge.configuration import EdgeConfiguration
 from service.edge.topic import Topic
 from service.edge.waveform_message import encode_waveforms
 from service.sources.publisher import Source
-from service.sources.sqlite_replay_log import DurableLog
+from service.sources.sqlite_replay_log import SqliteReplayLog
 from service.wire import SampleBatch, decode_batch, to_samples
 from storage.encoding.sample_blocks import Samples, join
 from tests.plant import KEY, assert_same_samples, document, listened_to, machine, wait_until
@@ -238,7 +238,7 @@ def test_with_a_full_disk_it_waits_and_loses_nothing(
     configuration = configured(tmp_path, encoding="json")
     with started(client, configuration) as agent:
         log = agent._source.log
-        assert isinstance(log, DurableLog)
+        assert isinstance(log, SqliteReplayLog)
         log._file._database.execute("pragma max_page_count = 1")
         reading = threading.Thread(target=agent.read_files, args=(threading.Event(),))
         reading.start()

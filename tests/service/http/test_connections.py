@@ -59,7 +59,7 @@ def test_one_address_holds_so_many_connections(database: Database, caplog: pytes
             with half_open(port_of(base), 1, source="127.0.0.2") as others:
                 assert not closed(others[0])
         said = [record for record in caplog.records if "connections open" in record.getMessage()]
-        assert [record.getMessage() for record in said] == ["127.0.0.1 has 5 connections open: more of it are closed"]
+        assert [record.getMessage() for record in said] == ["127.0.0.1 has 5 connections open: further ones are closed"]
         assert until(lambda: answers(base), within_s=10, what="they have ended, and others may come")
 
 
@@ -76,7 +76,7 @@ def test_of_few_descriptors_one_address_gets_a_part_and_others_are_answered_at_o
             assert service.client.get("/alive", timeout=2.0).status_code == 200
             with httpx.Client(base_url=f"http://127.0.0.1:{service.port}", timeout=2.0) as another:
                 assert another.get(ALIVE).status_code == 200
-    assert "127.0.0.2 has 32 connections open: more of it are closed" in service.log.read_text()
+    assert "127.0.0.2 has 32 connections open: further ones are closed" in service.log.read_text()
 
 
 def answers(base: str) -> bool:

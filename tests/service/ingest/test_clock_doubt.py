@@ -59,16 +59,16 @@ class World:
             found.append(self.clock.withholds(self.batch(one, off=off)))
         return found
 
-    def look(self) -> bool:
+    def assess(self) -> bool:
         """Whether a doubt has ended."""
         self.passed += SECOND // 1000
-        return self.clock.look()
+        return self.clock.assess()
 
     def go_on(self, *sources: str, seconds: int = 120, off: int = 0) -> None:
         for _ in range(0, seconds, 10):
             self.passed += 10 * SECOND
             self.hear(*sources, off=off)
-            self.look()
+            self.assess()
 
 
 @pytest.fixture
@@ -109,7 +109,7 @@ def test_a_clock_that_jumps_back_is_noticed_at_once_and_heals_by_itself(world: W
     world.go_on("a", seconds=1200)
     assert world.hear("a") == [True]
     world.off = 0
-    assert world.look()
+    assert world.assess()
     assert world.clock.doubt is None
     assert world.hear("a") == [False]
 
@@ -117,14 +117,14 @@ def test_a_clock_that_jumps_back_is_noticed_at_once_and_heals_by_itself(world: W
 @pytest.mark.parametrize("off", [-11 * MINUTE, -DAY, -YEAR, -50 * YEAR])
 def test_a_clock_that_is_behind_at_the_start_is_known_by_what_is_stored(world: World, off: int) -> None:
     world.receipt, world.off = world.time - 5 * SECOND, off
-    world.look()
+    world.assess()
     assert world.clock.doubt is not None
     assert world.hear("a") == [True]
 
 
 def test_a_few_minutes_are_no_doubt(world: World) -> None:
     world.receipt, world.off = world.time, -9 * MINUTE
-    world.look()
+    world.assess()
     assert world.clock.doubt is None
     assert world.hear("a", "b") == [False, False]
 
@@ -134,7 +134,7 @@ def test_old_samples_are_taken_by_whatever_clock(world: World) -> None:
     world.receipt, world.off = world.time, -DAY
     assert world.hear("a", off=-2 * DAY) == [False]
     assert world.clock.doubt is None
-    world.look()
+    world.assess()
     assert world.clock.doubt is not None
     assert world.hear("a", off=-2 * DAY) == [False]
 
@@ -142,7 +142,7 @@ def test_old_samples_are_taken_by_whatever_clock(world: World) -> None:
 def test_samples_that_came_while_the_clock_was_ahead_cast_no_lasting_doubt(world: World) -> None:
     """The clock is right now: the sources say so, though one goes by the clock that was wrong."""
     world.receipt = world.time + YEAR
-    world.look()
+    world.assess()
     assert world.clock.doubt is not None
     assert world.hear("a", "b") == [False, False]
     assert world.hear("c", off=YEAR) == [True]
@@ -156,11 +156,11 @@ def test_samples_that_came_while_the_clock_was_ahead_cast_no_lasting_doubt(world
 def test_a_log_that_is_caught_up_with_does_not_agree_as_it_passes(world: World) -> None:
     world.go_on("a")
     world.off = -DAY
-    world.look()
+    world.assess()
     for hours in range(-72, 0):
         waits = world.hear("a", off=hours * 3600 * SECOND)
         world.passed += 10 * SECOND
-        world.look()
+        world.assess()
         assert waits == [hours > -24]
         assert world.clock.doubt is not None
 

@@ -169,5 +169,5 @@ def test_a_question_that_cannot_be_answered_stops_nobody(
         assert [answer for question in questions for answer in question if answer.ok is not None] == []
         wait_until(lambda: received(plant) == 5)
         assert ingest.trouble is None
-    assert caplog.text.count("pump-9: how far its sources are durable cannot be told") == 5
+    assert caplog.text.count("pump-9: the sequence numbers stored of its sources cannot be sent") == 5
     assert "unexpected error in ingest" not in caplog.text

@@ -142,7 +142,7 @@ def test_whoever_waits_over_http_is_answered(
     assert counts(plant) == (5, 5, 0)
 
 
-def test_a_message_that_cannot_be_looked_at_is_put_aside_by_itself(
+def test_a_message_that_cannot_be_checked_is_put_aside_by_itself(
     router: zenoh.Session, plant: Database, client: zenoh.Session
 ) -> None:
     with ExitStack() as until:

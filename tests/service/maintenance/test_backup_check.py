@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from service.maintenance import backup_check
-from service.maintenance.backup_check import BackupWatch
+from service.maintenance.backup_check import BackupCheck
 from storage.backup.backup import back_up
 from storage.database.engine import Database
 from tests.plant import wait_until
@@ -14,7 +14,7 @@ from tests.plant import wait_until
 
 def test_the_age_of_the_newest_backup_is_told(plant: Database, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(backup_check, "LOOK_S", 0.02)
-    watch = BackupWatch(str(tmp_path / "backups"))
+    watch = BackupCheck(str(tmp_path / "backups"))
     watch.start()
     assert watch.gauges == {"rundown_backup_age_seconds": math.inf}
     (tmp_path / "backups").mkdir()
@@ -24,6 +24,6 @@ def test_the_age_of_the_newest_backup_is_told(plant: Database, tmp_path: Path, m
 
 
 def test_where_no_folder_is_named_nothing_is_told() -> None:
-    watch = BackupWatch("")
+    watch = BackupCheck("")
     watch.start()
     assert watch.gauges == {}

@@ -18,7 +18,7 @@ from service.journal.http_queue import Submissions
 from service.journal.journal import Journal
 from service.maintenance.housekeeping import Housekeeping
 from service.maintenance.retention_tiers import Tier
-from service.maintenance.store_check import StoreWatch
+from service.maintenance.store_check import StoreCheck
 from service.runs.collector import Collector
 from service.wire import JSON, encode_body
 from storage.database import file_inspection
@@ -109,7 +109,7 @@ def test_it_is_told_until_a_check_is_clean_also_behind_a_restart(path: Path, tmp
     path.write_bytes((tmp_path / "whole").read_bytes())
     with closing(Database(sqlite_url(path))) as database:
         assert database.damage.trouble is not None
-        watch = StoreWatch(database)
+        watch = StoreCheck(database)
         watch.start()
         try:
             wait_until(lambda: database.damage.trouble is None, seconds=10.0)

@@ -324,7 +324,7 @@ def test_room_is_given_back_to_the_file_system(plant: Database, journal: PromptJ
 def test_the_room_is_shown_and_warned_of(plant: Database, caplog: pytest.LogCaptureFixture) -> None:
     one = Housekeeping(plant, Settings(database=plant.url, disk_budget_gb=0.0001))
     api = Api(plant, warnings=lambda: one.warnings, gauges=lambda: one.gauges)
-    one.look()
+    one.check_disk()
     (said,) = [words for words in api.value("/health")["warnings"] if words.startswith("the store is")]
     assert "nearly full" in said
     assert "of 0.0 GB that it may take" in said
@@ -431,7 +431,7 @@ def test_what_cannot_be_looked_at_is_told_apart_from_retention(
     away = tmp_path.rename(tmp_path.with_name("away"))
     wait_until(lambda: one.unseen is not None, seconds=30)
     assert one.gauges["rundown_housekeeping_working"] == 0
-    assert "how much room is left cannot be told: RuntimeError: the disk cannot be looked at" in one.warnings[0]
+    assert "the free disk space is unknown: RuntimeError: the disk cannot be read" in one.warnings[0]
     assert "rundown_disk_used_ratio" not in one.gauges
     away.rename(tmp_path)
     wait_until(lambda: one.unseen is None, seconds=30)
@@ -446,6 +446,6 @@ def test_no_part_is_shown_of_room_that_is_not_known(stores: Stores, tmp_path: Pa
         url = stores.databases(kind).copy(stores.empty(kind), tmp_path / "rundown.db")
         with closing(Database(url)) as database:
             one = Housekeeping(database, Settings(database=url, disk_budget_gb=budget))
-            one.look()
+            one.check_disk()
             assert ("rundown_disk_used_ratio" in one.gauges) == shown, (kind, budget)
             assert one.gauges["rundown_database_bytes"] > 0

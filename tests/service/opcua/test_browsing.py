@@ -56,14 +56,14 @@ def pages(browsing: Browsing, first: BrowsePage, sees: Sees = everything, most: 
 
 @pytest.mark.parametrize(("most", "sizes"), [(0, [PAGE, PAGE, 500]), (400, [400] * 6 + [100]), (5_000, [PAGE, PAGE, 500])])
 def test_every_machine_comes_once_over_pages(browsing: Browsing, most: int, sizes: list[int]) -> None:
-    found = pages(browsing, BrowsePage.begun(asked(), most))
+    found = pages(browsing, BrowsePage.first(asked(), most))
     assert [len(one) for one in found] == sizes
     assert [name for one in found for name in one] == [f"M{number}" for number in range(MACHINES)]
 
 
 def test_no_page_holds_what_is_hidden(browsing: Browsing) -> None:
     hidden = {NAMES.node("harbour", f"M{number}") for number in range(0, MACHINES, 2)}
-    found = pages(browsing, BrowsePage.begun(asked(), 300), lambda node: node not in hidden)
+    found = pages(browsing, BrowsePage.first(asked(), 300), lambda node: node not in hidden)
     names = [name for one in found for name in one]
     assert names == [f"M{number}" for number in range(1, MACHINES, 2)]
     result = browsing.page(BrowsePage(asked(), 10, 5), lambda node: node != PLANT, most=10)
@@ -71,12 +71,12 @@ def test_no_page_holds_what_is_hidden(browsing: Browsing) -> None:
 
 
 def test_kinds_classes_and_directions_are_kept_over_pages(browsing: Browsing) -> None:
-    none = pages(browsing, BrowsePage.begun(asked(NodeClassMask=int(ua.NodeClass.Variable)), 5))
+    none = pages(browsing, BrowsePage.first(asked(NodeClassMask=int(ua.NodeClass.Variable)), 5))
     assert none == [[]]
     exactly = asked(IncludeSubtypes=False)
-    assert pages(browsing, BrowsePage.begun(exactly, 5)) == [[]]
+    assert pages(browsing, BrowsePage.first(exactly, 5)) == [[]]
     back = asked(NodeId=NAMES.node("harbour", "M7"), BrowseDirection=ua.BrowseDirection.Inverse)
-    assert pages(browsing, BrowsePage.begun(back, 5)) == [["harbour"]]
+    assert pages(browsing, BrowsePage.first(back, 5)) == [["harbour"]]
 
 
 @pytest.mark.parametrize("point", [b"", b"\x01", b"\x02" + b"\0" * 30, b"\x01" + b"\xff" * 30, b"\x01" + b"\0" * 5_000])

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 import pytest
 
 from service.replication.held_jobs import HeldJobs
-from service.replication.lease_keeper import Leasing
+from service.replication.lease_keeper import LeaseKeeper
 from service.replication.work_share import WholeShare
 from storage.database.engine import Database
 from storage.findings import jobs
@@ -29,10 +29,10 @@ def state(database: Database, job_id: int) -> tuple[str, int, str | None]:
 
 
 @pytest.fixture
-def leasing(plant: Database) -> Iterator[Leasing]:
+def leasing(plant: Database) -> Iterator[LeaseKeeper]:
     """A replica that is registered."""
     plant.claim(shared=True)
-    found = Leasing(plant, "all")
+    found = LeaseKeeper(plant, "all")
     found.start()
     yield found
     found.stop()
@@ -56,7 +56,7 @@ def test_a_job_ends_as_its_holder_says(plant: Database, ending: Ending, expected
 
 
 @pytest.mark.parametrize("ending", [ending for ending, _ in ENDINGS])
-def test_a_job_that_another_took_over_is_left_to_that_one(plant: Database, leasing: Leasing, ending: Ending) -> None:
+def test_a_job_that_another_took_over_is_left_to_that_one(plant: Database, leasing: LeaseKeeper, ending: Ending) -> None:
     with plant.transaction() as session:
         other = replicas.join(session, role="all", host="there", process=2)
     job = taken(plant, holder=other)
@@ -96,7 +96,7 @@ def test_what_an_earlier_process_left_is_taken_again(plant: Database) -> None:
     assert state(plant, job) == (jobs.QUEUED, 0, None)
 
 
-def test_jobs_of_living_replicas_are_left_to_them(plant: Database, leasing: Leasing) -> None:
+def test_jobs_of_living_replicas_are_left_to_them(plant: Database, leasing: LeaseKeeper) -> None:
     own, dead = leasing.holder, 10_000
     job, lost = taken(plant, run=1, holder=own), taken(plant, run=2, holder=own)
     with plant.transaction() as session:

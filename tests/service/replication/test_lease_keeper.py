@@ -3,7 +3,7 @@
 import pytest
 
 from service.replication import lease_keeper
-from service.replication.lease_keeper import Leasing
+from service.replication.lease_keeper import LeaseKeeper
 from service.replication.work_share import INGEST, lease_of
 from storage.database.engine import Database
 from storage.database.errors import LeaseLost
@@ -24,7 +24,7 @@ def test_a_round_takes_over_what_the_dead_held_and_were_computing(plant: Databas
         row = next(one for one in replicas.list_all(session) if one.id == dead)
         row.seen_at -= int(2 * replicas.LEASE_S * 1e9)
     plant.claim(shared=True)
-    living = Leasing(plant, "all")
+    living = LeaseKeeper(plant, "all")
     living.start()
     try:
         assert living.is_owner(KEY.machine)
@@ -40,7 +40,7 @@ def test_a_round_takes_over_what_the_dead_held_and_were_computing(plant: Databas
             living.require(session, [KEY.machine])
 
 
-class Confused(Leasing):
+class Confused(LeaseKeeper):
     """Meets what nobody expected, until it is told that this is over."""
 
     puzzled = False
@@ -58,7 +58,7 @@ def test_what_nobody_expected_is_told_of_until_it_is_over(plant: Database, monke
     living.start()
     try:
         living.puzzled = True
-        wait_until(lambda: living.trouble == "this replica cannot say that it lives: unexpected error; the log has it")
+        wait_until(lambda: living.trouble == "this replica's heartbeat cannot be stored: unexpected error; the log has it")
         living.puzzled = False
         wait_until(lambda: living.trouble is None)
     finally:

@@ -134,8 +134,8 @@ def test_a_cut_of_end_and_head_is_noticed_by_the_service_and_told_by_its_log(
 ) -> None:
     caplog.set_level(logging.INFO)
     watch = AuditWatch(trail, clock=lambda: 0.0)
-    watch.look()
-    watch.look()
+    watch.check()
+    watch.check()
     assert (watch.warnings, watch.gauges) == ([], {"rundown_audit_trail_holds": 1.0})
     noted = [record.getMessage() for record in caplog.records]
     assert len(noted) == 1
@@ -144,7 +144,7 @@ def test_a_cut_of_end_and_head_is_noticed_by_the_service_and_told_by_its_log(
     (tmp_path / "rundown.log").write_text(f"INFO service: ready\n2026-01-01 INFO {noted[0]}\n")
     told = rundown("audit", "verify", "--noted-in", str(tmp_path / "rundown.log"), "--database", url)
     assert (told.returncode, "entry 5: was noted, and there are only 3" in told.stderr) == (1, True)
-    watch.look()
+    watch.check()
     assert watch.warnings == ["the audit trail was changed: entry 5, which was there before, is not there as it was"]
     assert watch.gauges == {"rundown_audit_trail_holds": 0.0}
     assert "rundown audit verify --noted 5:" in caplog.text
@@ -172,18 +172,18 @@ def test_the_newest_entry_is_in_the_log_at_the_start_and_each_day(trail: Databas
     now = 0.0
     watch = AuditWatch(trail, clock=lambda: now)
     for _ in range(3 * 144 + 1):
-        watch.look()
+        watch.check()
         now += LOOK_S
     assert caplog.text.count("audit trail: the newest entry is 5:") == 4
 
 
 def test_an_entry_that_grew_into_another_is_noticed(trail: Database) -> None:
     watch = AuditWatch(trail)
-    watch.look()
+    watch.check()
     broken(trail, "UPDATE audit SET hash = 'x' WHERE number = 5", "UPDATE audit_head SET hash = 'x'")
-    watch.look()
+    watch.check()
     assert len(watch.warnings) == 1
-    watch.look()
+    watch.check()
     assert len(watch.warnings) == 1
 
 

@@ -246,7 +246,7 @@ def test_keys_outlast_an_issuer_that_is_away_but_not_for_ever(tmp_path: Path, is
 def test_a_service_whose_issuer_is_away_says_so(store: Database, filled: Filled, issuer: Issuer) -> None:
     gone = Tokens(issuer=issuer.url, audience=AUDIENCE, keys=KeySet("/nowhere/keys.json"), claims=Claims())
     api = opened_api(store, Security(tokens=gone, requests=PATIENT, failures=PATIENT))
-    assert "cannot be had" in problem(api.ask("GET", ME, headers=bearer(issuer.token())), 503)["detail"]
+    assert "are unavailable" in problem(api.ask("GET", ME, headers=bearer(issuer.token())), 503)["detail"]
     assert api.ask("GET", ME, headers=bearer(filled.keys["viewer"])).status_code == 200
     api.http.close()
 

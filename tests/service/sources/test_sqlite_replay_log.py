@@ -15,13 +15,13 @@ import zenoh
 
 from service.sources.publisher import Source
 from service.sources.replay_log import LogDamaged, LogEntry, LogError, LogFull, LogInUse, LogOfAnother, MemoryLog, SourceLog
-from service.sources.sqlite_replay_log import DurableLog
+from service.sources.sqlite_replay_log import SqliteReplayLog
 from service.wire import decode_batch
 from tests.plant import KEY, SECOND, START, batch, listened_to, wait_until
 
 
-def opened(path: Path, **bounds: int) -> DurableLog:
-    return DurableLog(path, source="edge", **bounds)
+def opened(path: Path, **bounds: int) -> SqliteReplayLog:
+    return SqliteReplayLog(path, source="edge", **bounds)
 
 
 def entry(first: int, count: int = 2, *, payload: bytes = b"x", position: str | None = None) -> LogEntry:
@@ -115,7 +115,7 @@ def test_two_processes_cannot_have_it(path: Path) -> None:
 def test_the_log_of_another_source_is_refused(path: Path) -> None:
     opened(path).close()
     with pytest.raises(LogOfAnother, match="the log of edge, not of other"):
-        DurableLog(path, source="other")
+        SqliteReplayLog(path, source="other")
     with sqlite3.connect(path) as database:
         database.execute("pragma user_version = 2")
     database.close()
@@ -193,10 +193,10 @@ def test_a_full_disk_is_named_and_what_was_refused_can_be_given_again(path: Path
 WRITER = """
     import sys
     from pathlib import Path
-    from service.sources.sqlite_replay_log import DurableLog
+    from service.sources.sqlite_replay_log import SqliteReplayLog
     from service.sources.replay_log import LogEntry
 
-    log = DurableLog(Path(sys.argv[1]), source="edge", samples=10**9)
+    log = SqliteReplayLog(Path(sys.argv[1]), source="edge", samples=10**9)
     print(log.epoch, log.next_sequence, flush=True)
     while True:
         first = log.next_sequence
