@@ -68,7 +68,7 @@ def test_fractions_have_the_decimal_mark_of_the_language() -> None:
 
 
 def test_quantities_of_parameters_have_german_names() -> None:
-    """Also those that are called as a finding is: a drift's size names them."""
+    """Also those that are called as a finding is: sizes of findings and reports name them."""
     named = {quantity: GERMAN.named(quantity) for quantity in ("unbalance", "bow", "run_out", "gain", "clearance")}
     assert named == {
         "unbalance": "Unwucht",
