@@ -1,6 +1,7 @@
 """The findings that are reported to people, each declared once: alert rule and limits, names and texts in each language.
 
-`FINDING_RULES` has one declaration for each of the estimator's `FINDING_KINDS`; otherwise the import of this module fails.
+`ROTOR_FINDINGS` holds those of rotors, probes and data. `FINDING_RULES` has one declaration for each of the estimator's
+`FINDING_KINDS`; otherwise the import of this module fails.
 """
 
 from collections.abc import Iterable, Mapping, Sequence

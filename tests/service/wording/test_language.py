@@ -43,7 +43,7 @@ def _shape(texts: FindingTexts) -> list[tuple[str, int, set[tuple[str, str]]]]:
     return [("what", 1, places(texts.what)), *((name, len(getattr(texts, name)), set()) for name in LISTS)]
 
 
-def test_a_finding_called_as_an_element_has_its_name() -> None:
+def test_a_finding_called_as_an_element_or_quantity_has_its_name() -> None:
     """Pages and reports name both by one identifier."""
     for language in LANGUAGES:
         own = {one.kind: one.name_in(language) for one in DECLARED}
@@ -65,6 +65,18 @@ def test_fractions_have_the_decimal_mark_of_the_language() -> None:
     assert GERMAN.digits("12.35 ± 0.12") == "12,35 ± 0,12"
     assert GERMAN.element("coupling.C1") == "Kupplung C1"
     assert GERMAN.element("machine") == "Maschine"
+
+
+def test_quantities_of_parameters_have_german_names() -> None:
+    """Also those that are called as a finding is: sizes of findings and reports name them."""
+    named = {quantity: GERMAN.named(quantity) for quantity in ("unbalance", "bow", "run_out", "gain", "clearance")}
+    assert named == {
+        "unbalance": "Unwucht",
+        "bow": "Wellenkrümmung",
+        "run_out": "Runout",
+        "gain": "Verstärkung",
+        "clearance": "Lagerspiel",
+    }
 
 
 @pytest.mark.parametrize(
