@@ -7,10 +7,11 @@ import httpx
 import pytest
 from fastapi import APIRouter, FastAPI
 
+from service.api.application import ROWS
 from service.security.operations import ApiOperation, Operations, Undeclared
 from service.security.requirement import ANYBODY, VIEWER, Requirement
 from service.security.role import Role
-from service.security.scope import FREE, ROWS
+from service.security.scope import FREE
 from tests.api_in_process import Api, InProcess, problem
 from tests.service.security.conftest import Filled, bearer
 from tests.service.security.forged import KINDS, refused
