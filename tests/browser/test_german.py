@@ -11,7 +11,7 @@ from tests.browser.story import ZONE
 from tests.browser.test_accessibility import faults
 from tests.browser.views import VIEWS, show
 from tests.end_to_end.processes import Service
-from tests.service.test_dashboard_messages import PLACE, catalogue
+from tests.service.test_dashboard_messages import PLACE, catalogue, declared
 
 READ = """() => {
   const found = [];
@@ -45,7 +45,8 @@ def said(page: Page) -> list[str]:
 
 def english_messages() -> re.Pattern[str]:
     """What English says and German does not, with anything in its places; as short as one word."""
-    english, other = catalogue("en"), catalogue("de")
+    names = declared("findings.ts", "FINDING_NAMES"), declared("channels.ts", "CHANNEL_NAMES")
+    english, other = ({**catalogue(one), **names[0][one], **names[1][one]} for one in ("en", "de"))
     texts = {text.strip() for key, text in english.items() if other[key] != text}
     texts -= {text.strip() for text in other.values()}
     words = [text for text in texts if re.search(r"[A-Za-z]{3}", PLACE.sub("", text))]
