@@ -100,7 +100,7 @@ def check_trend_follows_truth(service: Service, truth: Path) -> None:
 @pytest.mark.long
 def test_service_killed_twice_resumes_with_nothing_lost_and_nothing_twice(service: Service, tmp_path: Path) -> None:
     truth = tmp_path / "truth.jsonl"
-    arguments = simulation(service, truth, f"{EXAMPLES / DRIFTING}.yaml:misalignment", rate=150)
+    arguments = simulation(service, truth, f"{EXAMPLES / DRIFTING}.yaml:misalignment", rate=30)
     with process(tmp_path / "simulate.log", *arguments) as simulator:
         with service.running() as serving:
             service.create(DRIFTING)
