@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Annotated, cast
 
-from fastapi import APIRouter, Depends, Query, Request, Response
+from fastapi import APIRouter, Query, Request, Response
 from sqlalchemy.orm import Session
 
 from service.advice.alert_advice import alert_event
@@ -19,7 +19,7 @@ from service.api.conventions.dependencies import MachineId, Number, Reading, dat
 from service.api.conventions.paging import ById, ByTime, Paging
 from service.api.conventions.preconditions import ANYTHING, IfMatch, Stale, require, tagged
 from service.api.conventions.problems import CHANGES, RESPONSES
-from service.api.conventions.reader_language import reader_language, vary_by_language
+from service.api.conventions.reader_language import VARIES_BY_LANGUAGE, reader_language, vary_by_language
 from service.security.requirement import ANALYST, OPERATOR, VIEWER
 from service.wording.language import LANGUAGES
 from storage.alerts import alerts
@@ -29,7 +29,7 @@ from storage.machines import machines
 from storage.paging import Keys
 from storage.tables.alerting import AlertRow
 
-router = APIRouter(tags=["alerts"], responses=RESPONSES, dependencies=[VIEWER, Depends(vary_by_language)])
+router = APIRouter(tags=["alerts"], responses=RESPONSES, dependencies=[VIEWER, VARIES_BY_LANGUAGE])
 
 OnlyOpen = Annotated[bool, Query(alias="open", description="only alerts that are still open")]
 After = Annotated[int, Query(ge=0, le=2**62, description="only events after this one")]

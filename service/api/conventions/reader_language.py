@@ -2,7 +2,7 @@
 
 from typing import cast
 
-from fastapi import Request, Response
+from fastapi import Depends, Request, Response
 
 from service.wording.language import Language, asked_language
 
@@ -16,3 +16,11 @@ def vary_by_language(request: Request, response: Response) -> None:
     """Say which language an answer is in, and that others get another (RFC 9110 §8.5, §12.5.5)."""
     response.headers["Content-Language"] = reader_language(request).code
     response.headers["Vary"] = "Accept-Language"
+
+
+async def _varying(request: Request, response: Response) -> None:
+    vary_by_language(request, response)
+
+
+VARIES_BY_LANGUAGE = Depends(_varying)
+"""Dependency of routes whose answers follow the language; asynchronous, as a thread for it would cost more than it does."""

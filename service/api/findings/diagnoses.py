@@ -3,7 +3,7 @@
 from datetime import datetime
 from typing import Any
 
-from fastapi import APIRouter, Depends, Request
+from fastapi import APIRouter, Request
 from pydantic import BaseModel, Field
 from sqlalchemy.orm import Session
 
@@ -14,7 +14,7 @@ from service.alerts.advice_message import Advice
 from service.alerts.lifecycle import Severity
 from service.api.conventions.dependencies import MachineId, Number, Reading
 from service.api.conventions.problems import RESPONSES, Unsuitable
-from service.api.conventions.reader_language import reader_language, vary_by_language
+from service.api.conventions.reader_language import VARIES_BY_LANGUAGE, reader_language
 from service.api.findings.evidence import CauseOut, with_moved_in_per_cent
 from service.security.requirement import VIEWER
 from storage.alerts import alerts
@@ -23,7 +23,7 @@ from storage.findings import diagnoses, identifications
 from storage.machines import machines
 from storage.tables.findings import DiagnosisRow
 
-router = APIRouter(tags=["diagnosis"], responses=RESPONSES, dependencies=[VIEWER, Depends(vary_by_language)])
+router = APIRouter(tags=["diagnosis"], responses=RESPONSES, dependencies=[VIEWER, VARIES_BY_LANGUAGE])
 
 MOST_ALERTS = 1000
 """Most open alerts of a machine that are looked through."""
