@@ -144,11 +144,7 @@ class PhysicalLimits:
         Returns:
             The modes; none for a speed at which there is none.
         """
-        return tuple(
-            LeastDampedMode(spin, complex(slow[np.argmin(damping_ratio(slow))]))
-            for spin, all_slow in self._slow_modes(theta)
-            if (slow := all_slow[self._is_root(all_slow)]).size
-        )
+        return self._least_damped(theta, lambda _spin, found: np.ones(found.size, dtype=bool))
 
     def least_damped_below_speed(self, theta: Floats) -> tuple[LeastDampedMode, ...]:
         """Return the least damped of the modes that oscillate more slowly than the shaft turns, at each speed.
@@ -159,10 +155,15 @@ class PhysicalLimits:
         Returns:
             The modes; none for a speed at which there is none.
         """
+        return self._least_damped(theta, lambda spin, found: (found.imag > 0.0) & (found.imag < spin))
+
+    def _least_damped(
+        self, theta: Floats, among: Callable[[float, Complexes], NDArray[np.bool_]]
+    ) -> tuple[LeastDampedMode, ...]:
         return tuple(
             LeastDampedMode(spin, complex(slow[np.argmin(damping_ratio(slow))]))
             for spin, found in self._slow_modes(theta)
-            if (slow := found[self._is_root(found) & (found.imag > 0.0) & (found.imag < spin)]).size
+            if (slow := found[self._is_root(found) & among(spin, found)]).size
         )
 
     def grow(self, modes: Sequence[LeastDampedMode]) -> bool:

@@ -19,7 +19,7 @@ def mat_columns(path: Path) -> MeasuredColumns:
     try:
         with path.open("rb") as opened:
             found: dict[str, Any] = scipy.io.loadmat(cast(Any, opened))
-    except NotImplementedError as error:
+    except NotImplementedError as error:  # what scipy raises for version 7.3, which is HDF5
         raise BrokenFile("unreadable_file", "a MAT file of version 7.3: save it with -v7, or as HDF5 with vectors") from error
     except OSError as error:
         if error.errno is not None:
