@@ -7,7 +7,6 @@ from functools import cache
 import numpy as np
 import pytest
 
-from estimator.diagnosis.observation import ObservedFit
 from estimator.fit.identification import Identification, Options
 from estimator.identification.quality_gate import identify_gated
 from estimator.machine.document import Machine, parse_machine
@@ -24,6 +23,7 @@ from tests.film_plant.plant import Plant
 from tests.film_plant.plants import Priors, motor_compressor_plant
 from tests.film_plant.scatter import run_of
 from tests.film_plant.train import ConstantOil
+from tests.observed_fit import observed_fit
 
 BASELINE = 5
 WIDE = Priors(elevation=150e-6, rigid_elevation=150e-6)
@@ -59,18 +59,7 @@ def baseline() -> tuple[Identification, ...]:
 
 
 def assessed(number: int, one: Identification) -> AssessedRun:
-    fit = ObservedFit(
-        coordinates=one.coordinates,
-        point=one.point,
-        covariance=one.covariance,
-        effects=one.channel_effects,
-        accepted=one.accepted,
-        chi_square=one.chi_square,
-        degrees_of_freedom=one.degrees_of_freedom,
-        samples=one.samples,
-        outliers=one.outliers,
-    )
-    return AssessedRun(number, number * WEEK, {}, fit)
+    return AssessedRun(number, number * WEEK, {}, observed_fit(one))
 
 
 def diagnosed(change: Change, *, runs: int = 2) -> MachineDiagnosis:

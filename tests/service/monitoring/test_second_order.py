@@ -8,8 +8,6 @@ import pytest
 
 from estimator.diagnosis.bayes_factors import Diagnosis
 from estimator.diagnosis.finding_kind import Cause
-from estimator.diagnosis.observation import ObservedFit
-from estimator.fit.identification import Identification
 from estimator.updated_model.derived_quantities import Derived
 from service.monitoring.assess import assess
 from service.monitoring.assessment import WEEK, AssessedRun, AssessmentBasis, AssessmentContext, ComparedValue
@@ -22,6 +20,7 @@ from storage.database.engine import Database
 from storage.findings import derived
 from storage.machines import machines
 from tests.estimator.diagnosis import watched_machine
+from tests.observed_fit import observed_fit
 from tests.plant import KEY, START, identification, store_identification
 
 BEARING, MISALIGNMENT = ("bearing", "bearing.B2"), ("misalignment", "coupling.C1")
@@ -112,23 +111,9 @@ def test_words_say_what_it_rests_on() -> None:
     assert second_order_words(ToldFinding(*MISALIGNMENT, {}), "") == ""
 
 
-def fit(one: Identification) -> ObservedFit:
-    return ObservedFit(
-        coordinates=one.coordinates,
-        point=one.point,
-        covariance=one.covariance,
-        effects=one.channel_effects,
-        accepted=one.accepted,
-        chi_square=one.chi_square,
-        degrees_of_freedom=one.degrees_of_freedom,
-        samples=one.samples,
-        outliers=one.outliers,
-    )
-
-
 def test_a_2x_that_grows_at_a_healthy_machine_raises_nothing() -> None:
     identified = [watched_machine.run(watched_machine.true_machine(), seed) for seed in range(300, 300 + BASELINE + 2)]
-    runs = [AssessedRun(number, number * WEEK, {}, fit(one)) for number, one in enumerate(identified)]
+    runs = [AssessedRun(number, number * WEEK, {}, observed_fit(one)) for number, one in enumerate(identified)]
     whole = replace(context(BESIDE), baseline=tuple(runs[:BASELINE]), after=tuple(runs[BASELINE:]))
     diagnosis = assess(whole).diagnosis
     assert diagnosis is not None
