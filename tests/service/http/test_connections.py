@@ -16,12 +16,26 @@ from benchmarks.serving import serving
 from service.api.application import application
 from service.http import connections
 from storage.database.engine import Database
-from tests.end_to_end.processes import ROOT, Service, until
+from tests.end_to_end.processes import ROOT, Service, python, until
 
 MOST = 5
 ALIVE = "/api/v1/alive"
 HELLO = b"\x16\x03\x01\x02\x00"
 """Of a TLS handshake the head of the first record."""
+WITH_DESCRIPTORS = """
+import os, resource, sys
+resource.setrlimit(resource.RLIMIT_NOFILE, (int(sys.argv[1]), int(sys.argv[1])))
+os.execv(sys.executable, [sys.executable, *sys.argv[2:]])
+"""
+
+
+class ServiceOfFewDescriptors(Service):
+    """A service that may hold 160 file descriptors; the tests' own process, which may hold more already, keeps its limit."""
+
+    def started(self) -> contextlib.AbstractContextManager[subprocess.Popen[bytes]]:
+        """As of Service."""
+        flags = ["--database", self.database, "--port", str(self.port), "--zenoh-listen", self.endpoint]
+        return python(self.log, "-c", WITH_DESCRIPTORS, "160", "-m", "service", "serve", *flags)
 
 
 def port_of(base: str) -> int:
@@ -64,18 +78,11 @@ def test_one_address_holds_so_many_connections(database: Database, caplog: pytes
 
 
 def test_of_few_descriptors_one_address_gets_a_part_and_others_are_answered_at_once(tmp_path: Path) -> None:
-    service = Service(tmp_path)
-    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
-    resource.setrlimit(resource.RLIMIT_NOFILE, (160, hard))
-    with contextlib.closing(service.client), contextlib.ExitStack() as stack:
-        try:
-            stack.enter_context(service.running())
-        finally:
-            resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
-        with half_open(service.port, 200, "127.0.0.2"):
-            assert service.client.get("/alive", timeout=2.0).status_code == 200
-            with httpx.Client(base_url=f"http://127.0.0.1:{service.port}", timeout=2.0) as another:
-                assert another.get(ALIVE).status_code == 200
+    service = ServiceOfFewDescriptors(tmp_path)
+    with contextlib.closing(service.client), service.running(), half_open(service.port, 200, "127.0.0.2"):
+        assert service.client.get("/alive", timeout=2.0).status_code == 200
+        with httpx.Client(base_url=f"http://127.0.0.1:{service.port}", timeout=2.0) as another:
+            assert another.get(ALIVE).status_code == 200
     assert "127.0.0.2 has 32 connections open: further ones are closed" in service.log.read_text()
 
 
