@@ -95,7 +95,7 @@ def finding(copy: Copy) -> str:
 from estimator.diagnosis.finding_kinds import finding_kind
 from service.commands.openapi import text
 from service.commands.page_declarations import documents
-from service.monitoring.finding_rules import finding_rule, concerned_elements
+from service.monitoring.finding_catalogue import finding_rule, concerned_elements
 from service.monitoring.limits import Limits
 assert concerned_elements(finding_rule("rub").rule) == ("shaft",)
 assert Limits().rule("rub", "shaft.S1").alert.sigma == 3.0

@@ -20,7 +20,7 @@ from service.alerts.lifecycle import Severity
 from service.monitoring.assess import assess
 from service.monitoring.assessment import AssessedRun, AssessmentBasis, AssessmentContext, DiagnosedCause
 from service.monitoring.diagnosis_rules import cause_severity
-from service.monitoring.finding_rules import finding_rule
+from service.monitoring.finding_catalogue import finding_rule
 from service.monitoring.limits import Limits
 from tests.film_plant.plant import noisy
 from tests.film_plant.scatter import run_of

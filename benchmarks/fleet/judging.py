@@ -12,7 +12,7 @@ from estimator.fit.identification import Identification
 from service.alerts.lifecycle import Severity
 from service.monitoring.assessment_context import LOOKED_BACK
 from service.monitoring.diagnosis_rules import cause_severity, delays
-from service.monitoring.finding_rules import finding_rule
+from service.monitoring.finding_catalogue import finding_rule
 from service.monitoring.limits import Limits
 
 Named = tuple[str, str]

@@ -9,7 +9,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from service.delivery.channels import CHANNEL_KINDS
-from service.monitoring.finding_rules import FINDING_RULES, LIMITED_RULES, RATE_RULE
+from service.monitoring.finding_catalogue import LIMITED_RULES
+from service.monitoring.finding_rules import FINDING_RULES, RATE_RULE
 from service.wording.language import LANGUAGES, Language
 
 FINDINGS, CHANNELS = "findings.ts", "channels.ts"

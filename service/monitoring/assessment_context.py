@@ -19,7 +19,8 @@ from service.monitoring.assessment import (
     Conditions,
 )
 from service.monitoring.comparison import ComparisonTerms, baseline_of, compared_with, terms_of
-from service.monitoring.finding_rules import DIAGNOSIS_RULES, RATE_OF_CHANGE, is_finding
+from service.monitoring.finding_catalogue import DIAGNOSIS_RULES, is_finding
+from service.monitoring.finding_rules import RATE_OF_CHANGE
 from service.monitoring.limits_in_force import limits_of
 from storage.alerts import alerts
 from storage.findings import derived, identifications, jobs

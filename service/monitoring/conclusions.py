@@ -17,7 +17,8 @@ from service.alerts.transitions import AlertFinding
 from service.monitoring.assessment import Assessment, AssessmentContext, DiagnosedCause, MachineDiagnosis, RateAssessment
 from service.monitoring.assessment_context import MonitoringState, diagnosed_kind
 from service.monitoring.diagnosis_rules import cause_severity
-from service.monitoring.finding_rules import DIAGNOSIS_RULES, MISALIGNMENT, RATE_OF_CHANGE, finding_rule
+from service.monitoring.finding_catalogue import DIAGNOSIS_RULES, finding_rule
+from service.monitoring.finding_rules import MISALIGNMENT, RATE_OF_CHANGE
 from service.monitoring.finding_text import Statement
 from service.monitoring.limits import Limits
 from storage.clock import from_datetime, to_datetime

@@ -3,7 +3,7 @@
 from typing import TYPE_CHECKING
 
 from service.alerts.lifecycle import Severity
-from service.monitoring.finding_rules import finding_rule
+from service.monitoring.finding_catalogue import finding_rule
 from service.monitoring.limits import Limits, severity_of
 
 if TYPE_CHECKING:

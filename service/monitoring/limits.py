@@ -13,7 +13,7 @@ from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe
 from estimator.strict_model import StrictModel
 from service.alerts.lifecycle import Severity
-from service.monitoring.finding_rules import LIMITED_RULES, concerned_elements
+from service.monitoring.finding_catalogue import LIMITED_RULES, concerned_elements
 from service.monitoring.limit_rule import Rule
 
 RULES = tuple(LIMITED_RULES)
