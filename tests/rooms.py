@@ -69,7 +69,7 @@ rotorundown: estimator estimator/calibration estimator/diagnosis estimator/fit e
     storage/encoding
 service/balancing: estimator estimator/calibration estimator/fit estimator/machine estimator/phasors
     estimator/updated_model service/wording storage/alerts storage/machines storage/measurements
-service/workers: service/configuration
+service/workers: service/configuration service/resilience
 service/edge: estimator estimator/machine estimator/phasors estimator/signal service/configuration service/sources
     service/wire storage
 service/monitoring: estimator estimator/alignment estimator/diagnosis estimator/fit estimator/machine estimator/rotor

@@ -10,7 +10,8 @@ import uuid
 from typing import TypedDict
 
 from service.configuration.release import VERSION
-from service.workers.process_pool import ProcessPool, failed
+from service.workers.process_pool import ProcessPool
+from service.workers.worker_process import failed
 
 TASK_FORM = 5
 """Version of the tasks and their results within a release, including their modules' names: they travel pickled."""

@@ -1,11 +1,11 @@
 """A pool of worker processes on this machine, each with one task at a time.
 
 Each process has a thread that talks to it through a pipe, and may wait for it for ever. Another thread enforces the time
-limits: a process that exceeds its time is killed (SIGKILL, which ends stopped processes as well), its task ends in Stuck, and
-a new process takes its slot. Nothing waits for a process that the kernel does not let die, such as one in hanging I/O.
+limits: a process that exceeds its time is killed (SIGKILL, which ends stopped processes as well), its task ends in
+WorkerStuck, and a new process takes its slot. Nothing waits for a process that the kernel does not let die, such as one in
+hanging I/O.
 """
 
-import contextlib
 import logging
 import math
 import multiprocessing
@@ -20,7 +20,9 @@ from multiprocessing.connection import Connection
 from queue import Empty, SimpleQueue
 from typing import Any, ParamSpec, TypeVar
 
+from service.resilience.supervised_thread import SupervisedThread
 from service.workers import process_setup, time_limit
+from service.workers.worker_process import WorkerSetup, serve
 
 P = ParamSpec("P")
 T = TypeVar("T")
@@ -34,11 +36,11 @@ HAND_OVER_S = 30.0
 GRACE_S = time_limit.GRACE_S + 5.0
 """Time after a task's limit at which its process is killed; it should have ended itself by then."""
 WATCH_S = 0.25
+"""Pause between two looks at the processes."""
 RETRY_S = 1.0
 """Pause after a process could not be started."""
 DEATH_S = 2.0
 """Longest wait for the death of a process."""
-HERE = b"here"
 
 
 class WorkerStuck(RuntimeError):
@@ -58,20 +60,11 @@ class _WorkItem:
     future: Future[Any]
 
 
-@dataclass(frozen=True)
-class _Setup:
-    """The setup sent to each process at its start; unpickling its tasks there imports their modules."""
-
-    memory_bytes: int
-    niceness: int
-    tasks: tuple[Callable[..., object], ...]
-
-
 class ProcessPool:
     """A number of processes, started with the first task, and the queue of tasks that wait for them.
 
-    A task ends in its exception, in BrokenProcessPool when its process died, in Stuck when that stopped responding, or in
-    Interrupted by `shutdown`.
+    A task ends in its exception, in BrokenProcessPool when its process died, in WorkerStuck when that stopped responding, or
+    in Interrupted by `shutdown`.
     """
 
     def __init__(self, workers: int, *, memory_bytes: int, tasks: Collection[Callable[..., object]] = ()) -> None:
@@ -81,34 +74,34 @@ class ProcessPool:
         process imports at its start, so that this does not count towards its first task's time.
         """
         self._workers = workers
-        self._setup = _Setup(memory_bytes, process_setup.NICENESS, tuple(tasks))
+        self._setup = WorkerSetup(memory_bytes, process_setup.NICENESS, tuple(tasks))
         self._waiting: SimpleQueue[_WorkItem | None] = SimpleQueue()
         self._lock = threading.Lock()
         self._slots: list[_Slot] = []
-        self._stop = threading.Event()
-        self._watching = threading.Thread(target=self._watch, name="watching processes", daemon=True)
+        self._shut_down = False
+        self._watch = _SlotWatch(self._look_at_all)
 
     def submit(self, limit_s: float, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         """Queue a task that keeps to its own time of `limit_s` [s]; one that does not is stopped shortly afterwards."""
         future: Future[T] = Future()
         payload = pickle.dumps((work, args, kwargs))
         with self._lock:
-            if self._stop.is_set():
+            if self._shut_down:
                 raise Interrupted("these processes are shut down")
             if not self._slots:
                 self._slots = [_Slot(self._waiting, self._setup) for _ in range(self._workers)]
-                self._watching.start()
+                self._watch.start()
         self._waiting.put(_WorkItem(payload, limit_s, future))
         return future
 
     def shutdown(self) -> None:
         """Kill the processes, give up their tasks and cancel the queued ones."""
         with self._lock:
-            self._stop.set()
+            self._shut_down = True
             slots = self._slots
         if not slots:
             return
-        self._watching.join()
+        self._watch.stop()
         while (item := self._next()) is not None:
             item.future.cancel()
         for slot in slots:
@@ -124,13 +117,9 @@ class ProcessPool:
         except Empty:
             return None
 
-    def _watch(self) -> None:
-        while not self._stop.wait(WATCH_S):
-            for number, slot in enumerate(self._slots):
-                try:
-                    self._look_at(number, slot)
-                except Exception:
-                    logger.exception("a worker process cannot be looked after, trying again")
+    def _look_at_all(self) -> None:
+        for number, slot in enumerate(self._slots):
+            self._look_at(number, slot)
 
     def _look_at(self, number: int, slot: "_Slot") -> None:
         if (silent := slot.silent_s()) is not None:
@@ -139,10 +128,28 @@ class ProcessPool:
             slot.give_up(WorkerStuck(f"its process did not answer for {silent:.0f} s and was killed"))
 
 
+class _SlotWatch(SupervisedThread):
+    """The thread that kills and replaces processes which do not answer in time."""
+
+    def __init__(self, look: Callable[[], None]) -> None:
+        super().__init__(
+            "watching processes",
+            failure="worker processes cannot be looked after",
+            retry_s=WATCH_S,
+            first_pause_s=WATCH_S,
+        )
+        self._look = look
+
+    def turn(self) -> float:
+        """Look at all processes once; return the pause before the next look [s]."""
+        self._look()
+        return WATCH_S
+
+
 class _Slot:
     """A process and the thread that talks to it."""
 
-    def __init__(self, waiting: "SimpleQueue[_WorkItem | None]", setup: "_Setup") -> None:
+    def __init__(self, waiting: "SimpleQueue[_WorkItem | None]", setup: "WorkerSetup") -> None:
         self._waiting = waiting
         self._setup = setup
         self._lock = threading.Lock()
@@ -215,7 +222,7 @@ class _Slot:
         context = multiprocessing.get_context("spawn")
         self._allow(START_S)
         self._pipe, theirs = context.Pipe()
-        process = context.Process(target=_serve, args=(theirs, self._setup), daemon=True)
+        process = context.Process(target=serve, args=(theirs, self._setup), daemon=True)
         with theirs:
             process.start()
         with self._lock:
@@ -250,32 +257,3 @@ class _Slot:
         if process is not None:
             process.kill()
             process.join(DEATH_S)
-
-
-def _serve(pipe: Connection, setup: _Setup) -> None:
-    """Compute one task after the other in the process, until the parent closes the pipe or is gone."""
-    process_setup.set_up(setup.memory_bytes, setup.niceness)
-    with contextlib.suppress(EOFError, BrokenPipeError, ConnectionResetError):  # what a task raises is part of its outcome
-        pipe.send_bytes(HERE)
-        while True:
-            payload = pipe.recv_bytes()
-            pipe.send_bytes(HERE)
-            pipe.send_bytes(_outcome(payload))
-
-
-def _outcome(payload: bytes) -> bytes:
-    try:
-        work, args, kwargs = pickle.loads(payload)
-        return pickle.dumps((True, work(*args, **kwargs)))
-    except Exception as error:  # noqa: BLE001 - whatever it is, it is told
-        return failed(error)
-
-
-def failed(error: BaseException) -> bytes:
-    """Pickle an error for another process; as a RuntimeError with its message when it does not survive pickling."""
-    try:
-        told = pickle.dumps((False, error))
-        pickle.loads(told)
-    except Exception:  # noqa: BLE001 - errors may be anything
-        return pickle.dumps((False, RuntimeError(f"{type(error).__name__}: {error}")))
-    return told

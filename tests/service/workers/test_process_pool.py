@@ -14,7 +14,7 @@ import psutil
 import pytest
 
 from service.identification.computation import compute
-from service.workers import process_pool, process_setup
+from service.workers import process_pool, process_setup, worker_process
 from service.workers.executors import LocalExecutor
 from service.workers.process_pool import Interrupted, ProcessPool, WorkerStuck
 from tests.plant import wait_until
@@ -38,7 +38,7 @@ def two(monkeypatch: pytest.MonkeyPatch) -> Iterator[ProcessPool]:
 def test_a_process_whose_service_is_gone_before_it_was_ready_ends_quietly(capfd: pytest.CaptureFixture[str]) -> None:
     spawning = multiprocessing.get_context("spawn")
     ours, theirs = spawning.Pipe()
-    process = spawning.Process(target=process_pool._serve, args=(theirs, process_pool._Setup(MEMORY, 0, ())))
+    process = spawning.Process(target=worker_process.serve, args=(theirs, worker_process.WorkerSetup(MEMORY, 0, ())))
     process.start()
     theirs.close()
     ours.close()
@@ -132,6 +132,22 @@ def test_work_that_does_not_keep_to_its_time_is_ended_and_the_other_process_work
     assert [future.result(SOON_S) for future in others] == list(range(20))
     with pytest.raises(WorkerStuck):
         hanging.result(SOON_S)
+
+
+def test_an_error_of_the_watch_ends_one_look_and_is_logged(
+    two: ProcessPool, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    silent_s, errors = process_pool._Slot.silent_s, iter([RuntimeError("can't start new thread")])
+
+    def silent_after_an_error(slot: process_pool._Slot) -> float | None:
+        for error in errors:
+            raise error
+        return silent_s(slot)
+
+    monkeypatch.setattr(process_pool._Slot, "silent_s", silent_after_an_error)
+    with pytest.raises(WorkerStuck):
+        two.submit(0.5, time.sleep, 600.0).result(SOON_S)
+    assert "worker processes cannot be looked after: unexpected error; trying again" in caplog.messages
 
 
 def pool_threads() -> set[threading.Thread]:
