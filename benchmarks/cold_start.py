@@ -43,7 +43,7 @@ FIRST_ANSWERS: dict[str, dict[str, str]] = {
 PARTS = 20_000
 """Rows inserted at a time."""
 
-Row = dict[str, Any]
+StoredRow = dict[str, Any]
 
 
 def build(url: str, *, count: int, identified: int, weeks: int) -> None:
@@ -74,7 +74,7 @@ def _first_week(weeks: int) -> int:
     return time.time_ns() - (weeks - 1) * WEEK_NS - 3600 * 10**9
 
 
-def _copies(model: type, rows: list[Row], count: int, identified: int, weeks: int) -> Iterator[Row]:
+def _copies(model: type, rows: list[StoredRow], count: int, identified: int, weeks: int) -> Iterator[StoredRow]:
     """Yield rows like those known, for every machine or for every identification."""
     if model is MachineRow:
         return (rows[0] | {"id": _name(i)} for i in range(count))
@@ -101,7 +101,7 @@ def _copies(model: type, rows: list[Row], count: int, identified: int, weeks: in
     )
 
 
-def _runs(identified: int, weeks: int) -> Iterator[Row]:
+def _runs(identified: int, weeks: int) -> Iterator[StoredRow]:
     """Yield closed runs whose samples were deleted."""
     first = _first_week(weeks)
     for i in range(identified):
@@ -127,7 +127,7 @@ def _hurry(connection: Any, _record: Any) -> None:
     connection.execute("PRAGMA cache_size = -2000000")
 
 
-def _insert(database: Database, model: type[Base], rows: Iterator[Row]) -> None:
+def _insert(database: Database, model: type[Base], rows: Iterator[StoredRow]) -> None:
     while part := list(itertools.islice(rows, PARTS)):
         with database.for_writing.begin() as connection:
             connection.execute(insert(model), part)

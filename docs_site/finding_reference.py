@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 
 from docs_site.cli_reference import table_cell
-from estimator.diagnosis.finding_kind import Place
+from estimator.diagnosis.finding_kind import FindingPlace
 from estimator.diagnosis.finding_kinds import finding_kind
 from service.monitoring.finding_rule import FindingRule
 from service.monitoring.finding_rules import FINDING_RULES, RATE_RULE
-from service.monitoring.limit_rule import Level, Quantity
+from service.monitoring.limit_rule import Level, LimitQuantity
 from service.wording.finding_texts import PLACES
 from service.wording.language import ENGLISH
 
@@ -26,12 +26,12 @@ LISTS = {
     "not_determined": "Not determined",
 }
 """Titles of the lists of a finding's texts."""
-PLACE_WORDS: dict[Place, str] = {
+PLACE_WORDS: dict[FindingPlace, str] = {
     "machine": "in the machine",
     "channels": "in a measuring channel, not in the machine",
     "data": "in the data, or in what the document says of the machine",
 }
-QUANTITY_WORDS: dict[Quantity, str] = {
+QUANTITY_WORDS: dict[LimitQuantity, str] = {
     "sigma": "{:g} standard deviations",
     "per_cent": "{:g} % against the baseline",
     "force": "{:g} N of force in the coupling",

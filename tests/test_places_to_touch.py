@@ -255,7 +255,7 @@ class RemarkRow(Base):
 
     __tablename__ = "remarks"
 
-    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    id: Mapped[int] = mapped_column(RowKey, primary_key=True)
     machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"))
     text: Mapped[str] = mapped_column(Text)
 ''',

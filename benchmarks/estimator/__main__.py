@@ -19,18 +19,8 @@ import numpy as np
 import scipy.optimize
 from threadpoolctl import threadpool_limits
 
-from benchmarks.estimator.trains import (
-    Complexes,
-    Floats,
-    SimulatedTrain,
-    cramer_rao,
-    modelled,
-    off,
-    silent,
-    three_shafts,
-    two_shafts,
-    values,
-)
+from benchmarks.estimator.trains import SimulatedTrain, cramer_rao, modelled, off, silent, three_shafts, two_shafts, values
+from estimator.arrays import Complexes, Floats
 from estimator.fit.identification import Identification
 from estimator.fit.identify import identify
 from estimator.machine.document import Machine, parse_machine

@@ -16,12 +16,12 @@ import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import yaml
 from threadpoolctl import threadpool_limits
 
+from benchmarks.documents import Document
 from benchmarks.estimator.trains import EXAMPLES
 from estimator.arrays import Complexes, Floats
 from estimator.bearings.terms import TERMS
@@ -67,8 +67,6 @@ STARTS = 3
 
 STEADY = ("thesis-chapter-3", "motor-pump", "turbine-compressor-generator", "sealed-pump", "thesis-chapter-5-rig")
 """Examples that beats are looked for in, in vain."""
-
-Document = dict[str, Any]
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,12 @@ import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from threadpoolctl import threadpool_limits
 
+from benchmarks.documents import Document
 from estimator.bearings.terms import TERMS
 from estimator.fit.identification import Identification
 from estimator.fit.identify import identify
@@ -42,7 +43,6 @@ CAMPBELL_POINTS = 40
 NOMINAL_S, IDENTIFICATION_S, CAMPBELL_S = 0.5, 30.0, 5.0
 """Bounds at 300 sections, processor time [s]."""
 
-Document = dict[str, Any]
 T = TypeVar("T")
 
 

@@ -22,10 +22,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from benchmarks.estimator.arguments import runs_asked
+from estimator.arrays import Floats
 from estimator.signal.keyphasor import ShaftAngle, read_keyphasor
 from estimator.signal.order_tracking import track_orders
 from estimator.thesis.time_history import band_passed, extrema_phasor
@@ -36,8 +36,6 @@ from service.edge.configuration import EdgeConfiguration
 from service.messaging.session import session
 from service.sources.publisher import Source
 from service.wire import BINARY, Key
-
-Floats = NDArray[np.float64]
 
 RUNS = 400
 SECONDS = 3.2

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.machine.rules import SpeedRange
-from estimator.runs.operating_state import Event, ModeChanged, OperatingLimits, OperatingState, advance
+from estimator.runs.operating_state import ModeChanged, OperatingEvent, OperatingLimits, OperatingState, advance
 from estimator.runs.segmentation import RunEnded, SweepLimits
 from estimator.units import rpm_to_rad_per_s
 
@@ -51,11 +51,11 @@ def limits() -> OperatingLimits:
     )
 
 
-def follow(step: float, noise: float, *, of_reading: bool, seed: int) -> list[Event]:
+def follow(step: float, noise: float, *, of_reading: bool, seed: int) -> list[OperatingEvent]:
     """Return the events of one cycle with noisy speed readings."""
     rng = np.random.default_rng(seed)
     state = OperatingState()
-    events: list[Event] = []
+    events: list[OperatingEvent] = []
     told = limits()
     for second, rpm in cycle(step):
         size = noise * (rpm if of_reading else HIGHEST * (rpm > 0))

@@ -9,22 +9,18 @@ import copy
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import yaml
-from numpy.typing import NDArray
 
+from benchmarks.documents import Document
+from estimator.arrays import Complexes, Floats
 from estimator.fit.identification import Identification
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.condensation import condense
 from estimator.rotor.response import response, sensitivity
 from estimator.units import rpm_to_rad_per_s
-
-Floats = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
-Document = dict[str, Any]
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 REFERENCE = Path(__file__).parents[2] / "tests" / "data" / "thesis-chapter-3.npz"

@@ -16,7 +16,7 @@ from estimator.trends.control_charts import cusum, ewma
 from estimator.trends.deviations import Whitening, deviations
 from estimator.trends.parameter_vector import Point
 from estimator.trends.rate_of_change import WINDOW
-from estimator.trends.trend_tests import CUSUM_REFERENCE, EWMA_WEIGHT, RUN_LENGTH, Reading, creep_limit, step_limit
+from estimator.trends.trend_tests import CUSUM_REFERENCE, EWMA_WEIGHT, RUN_LENGTH, DatedPoint, creep_limit, step_limit
 from service.alerts.lifecycle import Severity
 from service.monitoring.limits import Limits
 from service.monitoring.rate_of_change import rate_findings
@@ -129,7 +129,7 @@ def rates(years: int, seed: int) -> None:
     for _ in range(years):
         machine, phase = Drawn(rng, own=0.005), rng.uniform(0, 2 * math.pi)
         history = [
-            Reading(float(week), machine.run(SEASON * math.sin(2 * math.pi * week / YEAR + phase) * stiffness))
+            DatedPoint(float(week), machine.run(SEASON * math.sin(2 * math.pi * week / YEAR + phase) * stiffness))
             for week in range(YEAR + WINDOW)
         ]
         told = [{one.element for one in rate_findings(Limits(), history[:week])} for week in range(WINDOW, len(history) + 1)]
@@ -141,7 +141,7 @@ def rates(years: int, seed: int) -> None:
         found = []
         for _ in range(years):
             machine = Drawn(rng, own=0.005)
-            history = [Reading(float(week), machine.run(_first(per_week * week))) for week in range(WINDOW)]
+            history = [DatedPoint(float(week), machine.run(_first(per_week * week))) for week in range(WINDOW)]
             found.append(max((one.severity for one in rate_findings(Limits(), history)), default=None))
         told_of = ", ".join(f"{one.label} {found.count(one) / years:.0%}" for one in Severity)
         print(f"   a stiffness that grows by {per_week:.2%} a week, after {WINDOW} weeks: {told_of}")

@@ -11,9 +11,8 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from estimator.arrays import Complexes, Floats
+from estimator.arrays import Bools, Complexes, Floats
 from estimator.machine.document import Machine
 from estimator.quantities import Quantity
 from estimator.rotor.parameters import Coefficient
@@ -26,7 +25,6 @@ WEEKS_A_YEAR = 52
 DAMPING: frozenset[Quantity] = frozenset({"damping", "angular damping"})
 
 Seasonality = Literal["together", "apart", "none"]
-Bools = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

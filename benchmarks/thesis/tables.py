@@ -5,9 +5,11 @@ import textwrap
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from estimator.arrays import Floats
+
+PrintedUnbalance = tuple[float, float]
+"""An unbalance as printed: magnitude [kg m], angle [°]."""
 
 
 def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -15,7 +15,7 @@ from estimator.bearings.model import CoefficientModel, ModelParameter
 from estimator.field_types import Part, Positive
 from estimator.units import rpm_to_rad_per_s
 
-Weights = Callable[[Floats, Floats], Floats]
+KnotWeights = Callable[[Floats, Floats], Floats]
 """Function of knots (P,) and speeds (S,) [rad/s] that returns the weights (S, P) with which the values at the knots make the
 one at each speed.
 """
@@ -50,7 +50,7 @@ def polynomial_weights(knots: Floats, speed: Floats) -> Floats:
     )
 
 
-WEIGHTS: dict[str, Weights] = {"piecewise": piecewise_weights, "polynomial": polynomial_weights}
+WEIGHTS: dict[str, KnotWeights] = {"piecewise": piecewise_weights, "polynomial": polynomial_weights}
 """Weights by form."""
 
 
@@ -67,7 +67,7 @@ class KnotModel:
 
     coefficient: ModelParameter
     knots_rpm: tuple[float, ...]
-    weights: Weights
+    weights: KnotWeights
     constant: bool = False
 
     @property

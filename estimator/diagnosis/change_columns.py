@@ -22,9 +22,9 @@ DAMPING_SPREAD = 0.15
 RUN_OUT = 0.3
 """Expected change of a run-out, each part, in units of the channel's median amplitude [-]."""
 
-Term = Literal["stiffness", "damping"]
+TermKind = Literal["stiffness", "damping"]
 """Kind of the terms that change together."""
-TERM_ORDER: Mapping[Term, int] = {"stiffness": 0, "damping": 1}
+TERM_ORDER: Mapping[TermKind, int] = {"stiffness": 0, "damping": 1}
 """Power of jω with which each kind of terms acts."""
 
 
@@ -96,7 +96,7 @@ class ChangeColumns:
             columns.append(size * (1.0 if one.direct else one.scale) * np.eye(len(self.names))[place])
         return columns
 
-    def direct_terms(self, element: str, term: Term) -> Floats:
+    def direct_terms(self, element: str, term: TermKind) -> Floats:
         """Return ones at the direct terms of an element that are stiffnesses, or dampings.
 
         Args:
@@ -120,7 +120,7 @@ class ChangeColumns:
             Columns (N, r) of each way [SI, logarithms of direct terms].
         """
         whole = [RISE * self.growth(element)]
-        terms: tuple[Term, ...] = ("stiffness", "damping")
+        terms: tuple[TermKind, ...] = ("stiffness", "damping")
         parts = [RISE * part for term in terms if (part := self.direct_terms(element, term)).any()]
         freest = [*parts, *self.single_coefficients(element)]
         return tuple(np.column_stack(columns) for columns in (whole, parts, freest) if columns)

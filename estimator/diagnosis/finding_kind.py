@@ -13,7 +13,7 @@ from estimator.diagnosis.observation import Observation
 from estimator.machine.parameter_description import describe
 
 ElementKind = Literal["coupling", "bearing", "seal", "pedestal", "disc", "shaft", "probe", "static_load", "machine"]
-Place = Literal["machine", "channels", "data"]
+FindingPlace = Literal["machine", "channels", "data"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +156,7 @@ class FindingKind:
 
     kind: str
     elements: tuple[ElementKind, ...]
-    place: Place
+    place: FindingPlace
     changes: Callable[[ChangeColumns], Iterator[ExpectedChange]] | None = None
     data_fault: Callable[[Sequence[Observation], Sequence[Observation]], Iterator[DataFault]] | None = None
     fit_fault: Callable[[Sequence[Observation], frozenset[str]], Iterator[DataFault]] | None = None

@@ -8,11 +8,10 @@ Nonlinear Problems, Springer, 2004.
 
 import numpy as np
 
-from estimator.arrays import Floats
+from estimator.arrays import Bools, Floats
 from estimator.errors import Invalid
 from estimator.films.film import FilmOverPosition
 from estimator.films.pad_table import THINNEST_FILM
-from estimator.films.reynolds import Bools
 
 _DIRECTIONS = 36
 _DISTANCES = np.array([1e-4, 1e-3, 0.01, 0.03, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.88, 0.94, 0.97, 0.99])

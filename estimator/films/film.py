@@ -9,12 +9,11 @@ from typing import Protocol
 
 import numpy as np
 
-from estimator.arrays import Floats
+from estimator.arrays import Bools, Floats
 from estimator.errors import Invalid
 from estimator.films.pad import FULL_ARC, Pad
 from estimator.films.pad_table import MOST_CONTINUOUS, THINNEST_FILM, PadTable, PolarFilm, pad_table
 from estimator.films.profiles import BearingProfile
-from estimator.films.reynolds import Bools
 from estimator.films.tilted_pads import TiltedPads
 
 

@@ -15,9 +15,9 @@ from functools import lru_cache
 import numpy as np
 import scipy
 
-from estimator.arrays import Floats
+from estimator.arrays import Bools, Floats
 from estimator.films.pad import FULL_ARC
-from estimator.films.reynolds import AROUND, Bools, PadSolver
+from estimator.films.reynolds import AROUND, PadSolver
 from estimator.films.tensor_spline import TensorSpline
 
 TABLES = 32

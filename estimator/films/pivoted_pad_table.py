@@ -13,10 +13,10 @@ from functools import lru_cache
 import numpy as np
 import scipy
 
-from estimator.arrays import Complexes, Floats
+from estimator.arrays import Bools, Complexes, Floats
 from estimator.films.pad_table import THINNEST_FILM, THINNEST_TABULATED
 from estimator.films.pivoted_pad import PivotedFilm, PivotedPadSolver
-from estimator.films.reynolds import AROUND, Bools
+from estimator.films.reynolds import AROUND
 
 TABLES = 32
 """Number of tables kept; each takes some kB."""

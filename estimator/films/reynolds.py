@@ -22,15 +22,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg.lapack import dpbsv
 
-from estimator.arrays import Floats
+from estimator.arrays import Bools, Floats
 from estimator.films.axial_nodes import axial_nodes
 from estimator.films.pad import FULL_ARC
 from estimator.films.pad_mesh import CircumferentialTerms, PadMesh, circumferential_terms, pad_mesh, term_changes
-
-Bools = NDArray[np.bool_]
 
 AROUND = 240
 """Cells around a pad: forces are within 0.2 % of those of ten times as many, up to an eccentricity of 0.95."""

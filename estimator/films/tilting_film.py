@@ -10,11 +10,10 @@ from typing import Protocol
 
 import numpy as np
 
-from estimator.arrays import Floats
+from estimator.arrays import Bools, Floats
 from estimator.films.film import FilmCoefficients, require_covered, slenderness_within
 from estimator.films.pad import FULL_ARC, InvalidPad
 from estimator.films.pivoted_pad_table import PivotedPadTable, pivoted_pad_table
-from estimator.films.reynolds import Bools
 from estimator.films.tilted_pads import TiltedPads
 
 FOREMOST_PIVOT, HINDMOST_PIVOT = 0.4, 0.8

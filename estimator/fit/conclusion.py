@@ -15,7 +15,7 @@ from estimator.fit.identification import Identification
 from estimator.fit.multistart import BestFit
 from estimator.fit.nuisance_parameters import excessive_deviations
 from estimator.fit.omitted_warming import viscosity_trend
-from estimator.fit.physical_limits import Limits, without_growing_modes
+from estimator.fit.physical_limits import LimitsFunction, without_growing_modes
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.profile_likelihood import flat_coordinates
@@ -26,7 +26,7 @@ thousands."""
 
 
 def conclude(
-    problem: FitProblem, best: BestFit, of_gaps: tuple[str, ...], reasons: Reasons | None, limits: Limits | None
+    problem: FitProblem, best: BestFit, of_gaps: tuple[str, ...], reasons: Reasons | None, limits: LimitsFunction | None
 ) -> Identification:
     """Judge a fit: its verdict, estimates with intervals, or the reasons why there are none.
 
@@ -127,7 +127,9 @@ def _with_form_alone(why: Callable[[str], str], names: frozenset[str]) -> Callab
     return reason
 
 
-def _possible(problem: FitProblem, found: FitResult, verdict: Verdict, limits: Limits | None) -> tuple[FitResult, Verdict]:
+def _possible(
+    problem: FitProblem, found: FitResult, verdict: Verdict, limits: LimitsFunction | None
+) -> tuple[FitResult, Verdict]:
     """Return an accepted fit without growing modes, or the verdict that it has one."""
     if limits is None or not verdict.accepted:
         return found, verdict

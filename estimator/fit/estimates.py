@@ -28,7 +28,7 @@ LARGEST_PRIOR_PART = 0.8
 
 Common = tuple[str, str, str, str]
 """Name, element, quantity and unit of an estimate."""
-Reason = Callable[[str], str] | None
+UndeterminedReason = Callable[[str], str] | None
 """Function that says why the data leave the coordinate of that name open; None where nothing can say it."""
 
 
@@ -89,7 +89,7 @@ def estimates(
     coordinates: Coordinates,
     theta: Floats,
     error: Floats,
-    reason: Reason,
+    reason: UndeterminedReason,
     doubtful: frozenset[int] = frozenset(),
 ) -> tuple[Estimate, ...]:
     """Convert fit coordinates to estimates of all parameters.
@@ -118,7 +118,7 @@ def _coefficients(
     coordinates: Coordinates,
     theta: Floats,
     error: Floats,
-    reason: Reason,
+    reason: UndeterminedReason,
     doubtful: frozenset[int],
 ) -> Iterator[Estimate]:
     values = coordinates.coefficients(theta)
@@ -203,7 +203,7 @@ def comparison_size(coefficient: Coefficient, size: dict[str, float]) -> float:
 
 
 def _parameter(
-    parameter: ModelParameter, common: Common, fitted: float, error: float, judged_by: float, reason: Reason
+    parameter: ModelParameter, common: Common, fitted: float, error: float, judged_by: float, reason: UndeterminedReason
 ) -> Estimate:
     """Build the estimate of a model's parameter from its fitted number and the standard error of that."""
     spread = parameter.step * error
@@ -223,7 +223,7 @@ def _parameter(
 
 
 def _excitations(
-    train: CondensedTrain, coordinates: Coordinates, theta: Floats, error: Floats, reason: Reason
+    train: CondensedTrain, coordinates: Coordinates, theta: Floats, error: Floats, reason: UndeterminedReason
 ) -> Iterator[Estimate]:
     values = coordinates.excitations(theta)
     unbalances = np.abs(values[: len(train.unknowns.unbalances)])
@@ -283,7 +283,7 @@ def _complex(common: Common, value: complex, error: Floats) -> Estimate:
     )
 
 
-def _reason_text(reason: Reason, name: str) -> str:
+def _reason_text(reason: UndeterminedReason, name: str) -> str:
     return "" if reason is None else f": {reason(name)}"
 
 

@@ -22,7 +22,7 @@ from estimator.fit.identifiability import Reasons, reasons_for
 from estimator.fit.identification import Identification, Options
 from estimator.fit.multistart import BestFit, FitFailed, best_fit
 from estimator.fit.nuisance_parameters import counted_by_effect
-from estimator.fit.physical_limits import Limits, limits_for
+from estimator.fit.physical_limits import LimitsFunction, limits_for
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem
 from estimator.fit.problem_setup import condensed_problem
@@ -85,7 +85,7 @@ def identify_train(
     noise: Noise,
     options: Options | None = None,
     reasons: Reasons | None = None,
-    limits: Limits | None = None,
+    limits: LimitsFunction | None = None,
     beginning: Floats | None = None,
 ) -> Identification:
     """Identify a train that is condensed at the speeds of the measurement; `identify` does this for a machine.

@@ -305,11 +305,11 @@ def _tilted(coordinates: Coordinates, theta: Floats) -> "tuple[FilmEquilibrium, 
     return next((curves.tilted(one.own(theta)) for one, curves in placed if isinstance(curves, FilmCurves)), None)
 
 
-Limits = Callable[[FitProblem], PhysicalLimits]
+LimitsFunction = Callable[[FitProblem], PhysicalLimits]
 """Function that returns the limits of a fit's problem."""
 
 
-def limits_for(machine: Machine) -> Limits:
+def limits_for(machine: Machine) -> LimitsFunction:
     """Return the function that prepares the search for growing modes of a machine's fit.
 
     Args:

@@ -13,8 +13,8 @@ MOST_PARAMETERS = 400
 LEAST_CORRELATION_EIGENVALUE = -1e-9
 """Eigenvalue of the correlation matrix below which a covariance is none [-]; rounding leaves some that are nearly zero."""
 
-Row = Annotated[tuple[Real, ...], Field(max_length=MOST_PARAMETERS)]
-Name = Annotated[Text, Field(min_length=1, max_length=200)]
+CovarianceRow = Annotated[tuple[Real, ...], Field(max_length=MOST_PARAMETERS)]
+CalibratedName = Annotated[Text, Field(min_length=1, max_length=200)]
 
 
 class ChannelScatter(Part):
@@ -28,14 +28,14 @@ class ChannelScatter(Part):
 class MountingSpread(Part):
     """Spread of something from one mounting of the machine to the next."""
 
-    name: Name = Field(description="of the parameter: disc.D1.unbalance [kg m] or probe.P1X.run_out [m]")
+    name: CalibratedName = Field(description="of the parameter: disc.D1.unbalance [kg m] or probe.P1X.run_out [m]")
     rms: NotNegative = Field(description="rms of the complex difference [kg m or m]")
 
 
 class CalibrationRunRecord(Part):
     """Provenance of a calibration: one of its recordings."""
 
-    name: Name = Field(description="of the recording")
+    name: CalibratedName = Field(description="of the recording")
     samples: Annotated[int, Field(ge=1)] = Field(description="number of its samples")
     mountings: Annotated[int, Field(ge=1)] = Field(description="number of times that weights were remounted in it")
     sha256: Annotated[str, Field(pattern=r"^([0-9a-f]{64})?$")] = Field(default="", description="of the recording's file")
@@ -47,12 +47,16 @@ class Calibration(Part):
     Parameters are the real coordinates of a fit: positive ones as logarithms, complex ones as `.real` and `.imaginary`.
     """
 
-    parameters: Annotated[tuple[Name, ...], Field(min_length=1, max_length=MOST_PARAMETERS)] = Field(
+    parameters: Annotated[tuple[CalibratedName, ...], Field(min_length=1, max_length=MOST_PARAMETERS)] = Field(
         description="names of the coordinates, in the order of `values`"
     )
-    values: Row = Field(description="[SI, logarithms of positive ones]")
-    covariance: Annotated[tuple[Row, ...], Field(max_length=MOST_PARAMETERS)] = Field(description="[products of their units]")
-    unbalances: tuple[Name, ...] = Field(default=(), description="parameters that later fits find anew: the machine's own")
+    values: CovarianceRow = Field(description="[SI, logarithms of positive ones]")
+    covariance: Annotated[tuple[CovarianceRow, ...], Field(max_length=MOST_PARAMETERS)] = Field(
+        description="[products of their units]"
+    )
+    unbalances: tuple[CalibratedName, ...] = Field(
+        default=(), description="parameters that later fits find anew: the machine's own"
+    )
     mounting: Annotated[tuple[MountingSpread, ...], Field(max_length=300)] = ()
     scatter: Annotated[tuple[ChannelScatter, ...], Field(max_length=2000)] = ()
     runs: Annotated[tuple[CalibrationRunRecord, ...], Field(max_length=1000)] = ()

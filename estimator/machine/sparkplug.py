@@ -6,7 +6,7 @@ from pydantic import Field
 
 from estimator.field_types import Identifier, Part, Text
 
-Level = Annotated[Text, Field(min_length=1, max_length=100, pattern=r"^[^/+#]+$")]
+TopicLevel = Annotated[Text, Field(min_length=1, max_length=100, pattern=r"^[^/+#]+$")]
 Metric = Annotated[Text, Field(min_length=1, max_length=200)]
 
 
@@ -20,9 +20,9 @@ class SparkplugChannel(Part):
 class Sparkplug(Part):
     """Sources of the machine's metrics, `spBv1.0/<group>/…/<node>/<device>`, and what each is."""
 
-    group: Level = Field(description="of the edge node, as in its topics")
-    node: Level = Field(description="the edge node's own name")
-    device: Level | None = Field(default=None, description="of the node; by default the node's own metrics")
+    group: TopicLevel = Field(description="of the edge node, as in its topics")
+    node: TopicLevel = Field(description="the edge node's own name")
+    device: TopicLevel | None = Field(default=None, description="of the node; by default the node's own metrics")
     speed: Metric = Field(description="name of the metric that is the speed")
     channels: Annotated[dict[Identifier, SparkplugChannel], Field(min_length=1, max_length=120)] = Field(
         description="by probe of the document"

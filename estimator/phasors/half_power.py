@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from estimator.arrays import Floats
 
-Excitation = Literal["unbalance", "constant force"]
+ExcitationKind = Literal["unbalance", "constant force"]
 
 
 class HalfPowerNotReached(ValueError):
@@ -43,7 +43,7 @@ class HalfPowerPoints:
 
 
 def half_power_points(
-    speed: Floats, amplitude: Floats, *, excitation: Excitation, near: float | None = None
+    speed: Floats, amplitude: Floats, *, excitation: ExcitationKind, near: float | None = None
 ) -> HalfPowerPoints:
     """Find the half-power points of the largest peak, or of the peak nearest to a speed (thesis §2.3).
 

@@ -26,7 +26,7 @@ from estimator.rotor.assembly import Rotor
 from estimator.rotor.parameters import Excitation, ScaleFactor
 from estimator.rotor.scaled_rotor import ScaledRotor
 
-Numbers = NDArray[np.float64] | NDArray[np.complex128]
+FloatsOrComplexes = NDArray[np.float64] | NDArray[np.complex128]
 
 BLOCK = 256
 """Number of speeds eliminated at a time."""
@@ -49,10 +49,10 @@ class _Side:
     Transfer and response have e = 0 where they were not kept.
     """
 
-    transfer: Numbers
-    response: Numbers
-    stiffness: Numbers
-    force: Numbers
+    transfer: FloatsOrComplexes
+    response: FloatsOrComplexes
+    stiffness: FloatsOrComplexes
+    force: FloatsOrComplexes
 
     def pick(self, which: slice) -> "_Side":
         """Return this side at some of the speeds."""
@@ -300,10 +300,10 @@ class _Plan:
 
     def _block(
         self, matrices: tuple[Floats, Floats, Floats], speed: Floats, whirl: int, keep: bool
-    ) -> tuple[Numbers, Numbers, Numbers, Numbers]:
+    ) -> tuple[FloatsOrComplexes, FloatsOrComplexes, FloatsOrComplexes, FloatsOrComplexes]:
         inner, outer = self.eliminated, self.retained
 
-        def part(rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Numbers:
+        def part(rows: NDArray[np.intp], columns: NDArray[np.intp]) -> FloatsOrComplexes:
             stiffness, inertia, damping = (matrix[np.ix_(rows, columns)] for matrix in matrices)
             real = stiffness - (speed**2)[:, None, None] * inertia
             return real + 1j * speed[:, None, None] * damping if np.any(damping) else real
@@ -394,15 +394,15 @@ class _BandedSystem:
         self._across = [matrix[np.ix_(inner, outer)] for matrix in whole]
         self._kept = [matrix[np.ix_(outer, outer)] for matrix in whole]
 
-    def across(self, speed: float) -> Numbers:
+    def across(self, speed: float) -> FloatsOrComplexes:
         """Return the part (e, r) of A at a speed [rad/s]."""
         return _at(self._across, speed)
 
-    def kept(self, speed: float) -> Numbers:
+    def kept(self, speed: float) -> FloatsOrComplexes:
         """Return the part (r, r) of A at a speed [rad/s]."""
         return _at(self._kept, speed)
 
-    def solved(self, inside: Numbers, speed: float, scale: Floats | None = None) -> Numbers:
+    def solved(self, inside: FloatsOrComplexes, speed: float, scale: Floats | None = None) -> FloatsOrComplexes:
         """Solve for A⁻¹ times columns (e, n) at a speed; scale: as in `_solve`. Raises SingularCondensation."""
         try:
             found: Any = scipy.linalg.solve_banded((BANDS, BANDS), _at(self._bands, speed), inside, check_finite=False)
@@ -424,13 +424,13 @@ def _bands(matrix: Floats) -> Floats:
     return bands
 
 
-def _at(parts: list[Floats], speed: float) -> Numbers:
+def _at(parts: list[Floats], speed: float) -> FloatsOrComplexes:
     """Compute stiffness - ω² inertia + jω damping."""
     real = parts[0] - speed**2 * parts[1]
     return real + 1j * speed * parts[2] if len(parts) > 2 else real
 
 
-def _solve(own: Numbers, inside: Numbers, speed: Floats, scale: Floats) -> Numbers:
+def _solve(own: FloatsOrComplexes, inside: FloatsOrComplexes, speed: Floats, scale: Floats) -> FloatsOrComplexes:
     """Solve for A⁻¹ times the columns of `inside`, of which the first belong to retained degrees of freedom; scale: (e, r)."""
     try:
         solved = np.asarray(np.linalg.solve(own, inside))

@@ -13,7 +13,7 @@ other way.
 """
 
 Arguments = TypeVarTuple("Arguments")
-Result = TypeVar("Result")
+Computed = TypeVar("Computed")
 
 
 class _IdentityKey:
@@ -32,7 +32,7 @@ class _IdentityKey:
         )
 
 
-def cached_by_identity(function: Callable[[*Arguments], Result]) -> Callable[[*Arguments], Result]:
+def cached_by_identity(function: Callable[[*Arguments], Computed]) -> Callable[[*Arguments], Computed]:
     """Cache a function's results by the identity of its arguments; neither they nor the result may be changed.
 
     Args:
@@ -43,11 +43,11 @@ def cached_by_identity(function: Callable[[*Arguments], Result]) -> Callable[[*A
     """
 
     @lru_cache(maxsize=CACHE_SIZE)
-    def known(key: _IdentityKey) -> Result:
+    def known(key: _IdentityKey) -> Computed:
         return function(*key.arguments)  # type: ignore[arg-type]
 
     @wraps(function)
-    def answered(*arguments: *Arguments) -> Result:
+    def answered(*arguments: *Arguments) -> Computed:
         return known(_IdentityKey(arguments))
 
     return answered

@@ -22,7 +22,7 @@ from estimator.rotor.identity_cache import cached_by_identity
 from estimator.rotor.parameters import dense, unknowns
 from estimator.rotor.shaft_element import NODE_DOFS, PLANE_DOFS
 
-Numbers = TypeVar("Numbers", Floats, Complexes)
+Entries = TypeVar("Entries", Floats, Complexes)
 
 SMALL = 200
 """Degrees of freedom up to which a mesh is left as it is."""
@@ -62,7 +62,7 @@ class Basis:
             raise ValueError("every degree of freedom is a coordinate of its own")
         return self.expanded(np.eye(2 * self.plane.shape[1]))
 
-    def onto(self, vectors: Numbers) -> Numbers:
+    def onto(self, vectors: Entries) -> Entries:
         """Project forces on the coordinates.
 
         Args:
@@ -75,7 +75,7 @@ class Basis:
             return vectors
         return _joined(*(self.plane.T @ part for part in in_planes(vectors)))
 
-    def expanded(self, shapes: Numbers) -> Numbers:
+    def expanded(self, shapes: Entries) -> Entries:
         """Expand motions of the coordinates to all degrees of freedom.
 
         Args:
@@ -88,7 +88,7 @@ class Basis:
             return shapes
         return _joined(*(self.plane @ part for part in in_planes(shapes)))
 
-    def coordinates(self, shapes: Numbers) -> Numbers:
+    def coordinates(self, shapes: Entries) -> Entries:
         """Compute the coordinates of motions, in the sense of least squares.
 
         Args:
@@ -202,7 +202,7 @@ def _unit_loads(machine: Machine, rotor: Rotor) -> Floats:
     return np.asarray(np.eye(rotor.plane_size)[:, touched])
 
 
-def in_planes(vectors: Numbers) -> tuple[Numbers, Numbers]:
+def in_planes(vectors: Entries) -> tuple[Entries, Entries]:
     """Divide vectors over (x, y, θx, θy) per node into the two bending planes.
 
     Args:
@@ -215,7 +215,7 @@ def in_planes(vectors: Numbers) -> tuple[Numbers, Numbers]:
     return _alternating(x, about_y), _alternating(y, -about_x)
 
 
-def _joined(x_plane: Numbers, y_plane: Numbers) -> Numbers:
+def _joined(x_plane: Entries, y_plane: Entries) -> Entries:
     """Join vectors of the two planes to vectors over (x, y, θx, θy) per node: the opposite of `in_planes`."""
     whole = np.empty((2 * len(x_plane), x_plane.shape[1]), dtype=x_plane.dtype)
     whole[0::NODE_DOFS], whole[3::NODE_DOFS] = x_plane[0::PLANE_DOFS], x_plane[1::PLANE_DOFS]
@@ -223,5 +223,5 @@ def _joined(x_plane: Numbers, y_plane: Numbers) -> Numbers:
     return whole
 
 
-def _alternating(displacement: Numbers, slope: Numbers) -> Numbers:
+def _alternating(displacement: Entries, slope: Entries) -> Entries:
     return np.stack([displacement, slope], axis=1).reshape(-1, displacement.shape[1])

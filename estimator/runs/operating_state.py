@@ -131,12 +131,12 @@ class ModeChanged:
     speed: float | None
 
 
-Event = RunEvent | ModeChanged
+OperatingEvent = RunEvent | ModeChanged
 
 
 def advance(
     state: OperatingState, limits: OperatingLimits, *, time: int, speed: float, direction: int
-) -> tuple[OperatingState, tuple[Event, ...]]:
+) -> tuple[OperatingState, tuple[OperatingEvent, ...]]:
     """Take one sample, later than all before it.
 
     Args:
@@ -153,7 +153,9 @@ def advance(
     return _with_mode_event(replace(state, sweep=sweep), limits, events)
 
 
-def silence(state: OperatingState, limits: OperatingLimits, *, reason: str) -> tuple[OperatingState, tuple[Event, ...]]:
+def silence(
+    state: OperatingState, limits: OperatingLimits, *, reason: str
+) -> tuple[OperatingState, tuple[OperatingEvent, ...]]:
     """End the run in progress because no samples came for a while; the mode is then unknown.
 
     Args:
@@ -175,9 +177,9 @@ def silence(state: OperatingState, limits: OperatingLimits, *, reason: str) -> t
 
 def _with_mode_event(
     state: OperatingState, limits: OperatingLimits, events: tuple[RunEvent, ...]
-) -> tuple[OperatingState, tuple[Event, ...]]:
+) -> tuple[OperatingState, tuple[OperatingEvent, ...]]:
     """Return the mode after a sample, its event behind those of its sweep."""
-    told: tuple[Event, ...] = events
+    told: tuple[OperatingEvent, ...] = events
     time, speed = state.sweep.believed_time, state.sweep.believed_speed
     if any(isinstance(event, RunEnded) for event in events):
         state = replace(state, judged=False)

@@ -8,9 +8,7 @@ document says of a sample's. `python -m benchmarks.estimator.capture` shows both
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.arrays import Floats
-
-Indices = NDArray[np.intp]
+from estimator.arrays import Floats, Indices
 
 LARGEST_COUNT = 1000
 """Number of samples to which a longer run is thinned."""

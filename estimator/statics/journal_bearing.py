@@ -5,14 +5,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from estimator.arrays import Floats
+from estimator.arrays import Bools, Floats
 from estimator.films.dimensional_film import dimensional_film
 from estimator.films.film import Film, FilmCoefficients, FilmOverPosition
 from estimator.films.heat_balance import film_temperature
 from estimator.films.oil import grade_oil
 from estimator.films.pad_table import MOST_CONTINUOUS
 from estimator.films.profiles import BearingProfile, elliptical, four_lobe, plain, three_lobe, two_axial_grooves
-from estimator.films.reynolds import Bools
 from estimator.films.tilting_film import TiltingFilm, TiltingProfile
 from estimator.films.viscosity_over_speed import ViscosityOverSpeed
 from estimator.machine.films import JournalFilm, TiltingPads

@@ -10,14 +10,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from estimator.arrays import Complexes, Floats
+from estimator.arrays import Complexes, Floats, Indices
 from estimator.machine.document import Machine
 from estimator.rotor.assembly import Rotor, assemble_rotor
 from estimator.rotor.parameters import Unknowns, dense, unknowns
 from estimator.rotor.rayleigh import RayleighCoefficients
 from estimator.rotor.shaft_element import NODE_DOFS
-
-Indices = NDArray[np.intp]
 
 
 @dataclass(frozen=True)

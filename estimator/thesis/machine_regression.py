@@ -19,7 +19,7 @@ from estimator.rotor.condensation import condense
 from estimator.rotor.response import response
 from estimator.rotor.shaft_element import NODE_DOFS
 from estimator.thesis.flexible_train import flexible_train
-from estimator.thesis.parameter_rules import Rule
+from estimator.thesis.parameter_rules import RegularisationRule
 from estimator.thesis.reduced_model import response_equations
 from estimator.thesis.reduction import high_frequency_condensed
 from estimator.thesis.regression import Scaling, Solution, solve
@@ -51,7 +51,7 @@ class NotMeasuredAtBearings(ValueError):
 
 
 def regress(
-    machine: Machine, measurement: Measurement, *, scaling: Scaling = "norm", tikhonov: Rule | None = None
+    machine: Machine, measurement: Measurement, *, scaling: Scaling = "norm", tikhonov: RegularisationRule | None = None
 ) -> PublishedEstimate:
     """Identify as Chapter 4 of the thesis does (Eq. 4.54-4.57, 4.71).
 

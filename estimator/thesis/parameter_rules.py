@@ -6,5 +6,5 @@ of Hansen and O'Leary (1993, doi:10.1137/0914086); `estimator.thesis.tikhonov` h
 
 from typing import Literal
 
-Rule = Literal["generalised cross-validation", "L-curve"]
+RegularisationRule = Literal["generalised cross-validation", "L-curve"]
 """Name of a rule."""

@@ -8,8 +8,8 @@ displacements, as if stiffness did not matter there.
 
 import numpy as np
 
-from estimator.arrays import Floats
-from estimator.thesis.flexible_train import FlexibleTrain, Indices, dynamic_stiffness, unbalance_force
+from estimator.arrays import Floats, Indices
+from estimator.thesis.flexible_train import FlexibleTrain, dynamic_stiffness, unbalance_force
 from estimator.thesis.reduced_model import ReducedModel
 
 

@@ -12,11 +12,11 @@ from typing import Literal
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.thesis.parameter_rules import Rule
+from estimator.thesis.parameter_rules import RegularisationRule
 from estimator.thesis.tikhonov import SpectralProblem, choose_parameter, filter_factors
 
 Scaling = Literal["none", "thesis", "norm"]
-Method = Literal["orthogonal", "inverse", "pseudo-inverse"]
+RegressionMethod = Literal["orthogonal", "inverse", "pseudo-inverse"]
 
 
 @dataclass(frozen=True)
@@ -119,8 +119,8 @@ def solve(
     regression: Regression,
     *,
     scaling: Scaling = "norm",
-    method: Method = "orthogonal",
-    tikhonov: Rule | None = None,
+    method: RegressionMethod = "orthogonal",
+    tikhonov: RegularisationRule | None = None,
     expected: Floats | None = None,
 ) -> Solution:
     """Solve a regression by least squares (thesis Eq. 2.14-2.18, Appendix D).
@@ -171,7 +171,7 @@ def solve(
     )
 
 
-def _orthogonal(matrix: Floats, target: Floats, rule: Rule | None) -> tuple[Floats, float]:
+def _orthogonal(matrix: Floats, target: Floats, rule: RegularisationRule | None) -> tuple[Floats, float]:
     left, singular_values, right = np.linalg.svd(matrix, full_matrices=False)
     if singular_values[-1] == 0.0:
         raise ValueError("the equations do not determine the unknowns: the matrix is singular")

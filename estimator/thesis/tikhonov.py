@@ -12,7 +12,7 @@ import numpy as np
 from scipy.optimize import minimize_scalar
 
 from estimator.arrays import Floats
-from estimator.thesis.parameter_rules import Rule
+from estimator.thesis.parameter_rules import RegularisationRule
 
 GRID = 200
 """Number of values of λ, evenly spaced in ln λ, that the rules compare before they refine."""
@@ -147,7 +147,7 @@ def l_curve_curvature(problem: SpectralProblem, parameter: float) -> float:
     return float(2.0 * solution * residual / abs(slope) * bend / (parameter**4 * solution**2 + residual**2) ** 1.5)
 
 
-def choose_parameter(problem: SpectralProblem, rule: Rule) -> float:
+def choose_parameter(problem: SpectralProblem, rule: RegularisationRule) -> float:
     """Choose λ by the rule: the best of a grid over the singular values' range, then refined around it.
 
     The smallest λ considered lies where it changes nothing; a rule that wants no regularisation ends there.

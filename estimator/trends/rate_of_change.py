@@ -15,7 +15,7 @@ from estimator.machine.parameter_description import is_direct
 from estimator.trends import drift as slow_drift
 from estimator.trends.between_run_scatter import sizes
 from estimator.trends.deviations import element_of
-from estimator.trends.trend_tests import Reading
+from estimator.trends.trend_tests import DatedPoint
 
 WINDOW = 16
 """Number of newest runs that the rate is computed from."""
@@ -55,7 +55,7 @@ class ParameterRate:
         return self.probability <= CHANCE
 
 
-def rates_of_change(readings: Sequence[Reading]) -> tuple[ParameterRate, ...]:
+def rates_of_change(readings: Sequence[DatedPoint]) -> tuple[ParameterRate, ...]:
     """Compute the rates of all coordinates of the newest reading that at least FEWEST of the newest WINDOW readings determine.
 
     Theil and Sen's slope, test of Mann and Kendall (sources in `slow_drift`).
@@ -90,6 +90,6 @@ def rates_of_change(readings: Sequence[Reading]) -> tuple[ParameterRate, ...]:
     return tuple(found)
 
 
-def _value(reading: Reading, name: str) -> float:
+def _value(reading: DatedPoint, name: str) -> float:
     names = reading.point.names
     return float(reading.point.value[names.index(name)]) if name in names else math.nan

@@ -39,7 +39,7 @@ LARGEST_LIMIT = 60.0
 
 
 @dataclass(frozen=True)
-class Reading:
+class DatedPoint:
     """Result of one identification at a time.
 
     Attributes:
@@ -98,7 +98,7 @@ class TrendTest:
 
 
 def trend_tests(
-    baseline: Sequence[Point], readings: Sequence[Reading], names: Sequence[str] | None = None
+    baseline: Sequence[Point], readings: Sequence[DatedPoint], names: Sequence[str] | None = None
 ) -> tuple[TrendTest, ...]:
     """Test the trend of every coordinate that the baseline determines, or of some, through the readings that determine it.
 
@@ -135,7 +135,7 @@ def trend_tests(
 
 
 def distance_trends(
-    baseline: Sequence[Point], readings: Sequence[Reading], elements: Sequence[str] | None = None
+    baseline: Sequence[Point], readings: Sequence[DatedPoint], elements: Sequence[str] | None = None
 ) -> tuple[TrendTest, ...]:
     """Test the trend of every element's distance, or of some, through the readings that determine all the newest one does.
 
@@ -271,6 +271,6 @@ def _step(time: Floats, deviation: Floats, limit: float) -> Chart:
     return Chart(value, limit, None if first is None else float(time[first]))
 
 
-def _require_ascending(readings: Sequence[Reading]) -> None:
+def _require_ascending(readings: Sequence[DatedPoint]) -> None:
     if any(later.time <= earlier.time for earlier, later in zip(readings, readings[1:], strict=False)):
         raise ValueError("the readings must ascend in time")

@@ -37,7 +37,7 @@ FEWER_EVEN_SPEEDS, NARROW_CROWD = 100, np.linspace(-3.0, 3.0, 25)
 identification.
 """
 
-Position = Literal["below", "within", "above"]
+SpeedPosition = Literal["below", "within", "above"]
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ class SeparationMargin:
     """
 
     peak: Peak
-    position: Position
+    position: SpeedPosition
     actual: float
     required: float | None
 
@@ -102,7 +102,7 @@ class SeparationMargin:
         return self.required is not None and self.actual >= self.required
 
 
-def required_margin(amplification_factor: float, *, position: Position) -> float | None:
+def required_margin(amplification_factor: float, *, position: SpeedPosition) -> float | None:
     """Return the separation margin that API RP 684 and API 617 require; formulas and caps in the module's docstring.
 
     Args:
@@ -132,7 +132,7 @@ def separation_margin(peak: Peak, *, minimum_speed: float, maximum_continuous_sp
         Actual and required margin [%].
     """
     if peak.speed < minimum_speed:
-        position: Position = "below"
+        position: SpeedPosition = "below"
         actual = 100.0 * (minimum_speed - peak.speed) / minimum_speed
     elif peak.speed > maximum_continuous_speed:
         position = "above"

@@ -36,7 +36,7 @@ LEAST_SHARE, LARGEST_SHARE, LARGEST_SHARE_OVERHUNG = 0.3, 0.7, 1.3
 bearings.
 """
 
-Verdict = Literal["met", "not met", "open"]
+PlaneVerdict = Literal["met", "not met", "open"]
 """Verdict on a plane; 'open' where the identification is not sure enough to tell."""
 PlaneUnbalances = Callable[[str, tuple[Bearing, Bearing]], PhasorBand]
 """Function that returns the unbalances (2,) of a shaft in the planes of two bearings [kg m]."""
@@ -67,12 +67,12 @@ class PlaneBalance:
     grade: float
 
     @property
-    def iso(self) -> Verdict:
+    def iso(self) -> PlaneVerdict:
         """Judge the plane by ISO 21940-11."""
         return _verdict(self, self.iso_permissible)
 
     @property
-    def api(self) -> Verdict:
+    def api(self) -> PlaneVerdict:
         """Judge the plane by API 617, 4W/N."""
         return _verdict(self, self.api_permissible)
 
@@ -262,7 +262,7 @@ def _identified_unbalances(model: UpdatedModel, shaft: str, ends: tuple[Bearing,
     return phasor_band(transfer @ model.excitations[:discs], slope, model.covariance)
 
 
-def _verdict(plane: PlaneBalance, permissible: float) -> Verdict:
+def _verdict(plane: PlaneBalance, permissible: float) -> PlaneVerdict:
     if plane.upper <= permissible:
         return "met"
     return "not met" if plane.lower > permissible else "open"

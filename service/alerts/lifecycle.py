@@ -112,14 +112,14 @@ class Released:
     suppression: Suppression
 
 
-Event = Raised | Cleared | Acknowledged | Reset | Suppressed | Released
+LifecycleEvent = Raised | Cleared | Acknowledged | Reset | Suppressed | Released
 
 
 class Forbidden(Conflict):
     """The event is not allowed in the alert's state; the message says why and what would be right."""
 
 
-def advance(standing: AlertStatus, event: Event) -> AlertStatus:
+def advance(standing: AlertStatus, event: LifecycleEvent) -> AlertStatus:
     """Return the next standing, an equal one when the event changes nothing. Raises Forbidden."""
     match event:
         case Raised(severity):

@@ -17,8 +17,8 @@ from service.alerts.lifecycle import (
     AlertCondition,
     AlertStatus,
     Cleared,
-    Event,
     Forbidden,
+    LifecycleEvent,
     Raised,
     Released,
     Reset,
@@ -238,7 +238,7 @@ def _matching(session: Session, one: SuppressionRow) -> list[AlertRow]:
     ]
 
 
-def _apply_event(session: Session, row: AlertRow, event: Event, kind: str, person: Person) -> None:
+def _apply_event(session: Session, row: AlertRow, event: LifecycleEvent, kind: str, person: Person) -> None:
     """Apply an event to an alert, and record it if it changes anything."""
     before = status_of(row)
     after = advance(before, event)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 import typer
 
 from estimator.errors import Invalid
-from estimator.thesis.parameter_rules import Rule
+from estimator.thesis.parameter_rules import RegularisationRule
 from service.commands.exit import fail
 from service.commands.json_output import JsonWanted, say_json
 from service.commands.terminal import say, say_lines, working
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from estimator.phasors.quality import Quality
     from estimator.phasors.recorded_run import RecordedRun
 
-Method = Literal["likelihood", "regression"]
+AnalysisMethod = Literal["likelihood", "regression"]
 MachineFile = Annotated[Path, typer.Argument(help="machine document")]
 RunFiles = Annotated[list[Path], typer.Argument(help="recorded runs, as for replay; several are fitted together")]
 OtherSidecar = Annotated[Path | None, typer.Option(help="another sidecar, for a single run")]
@@ -33,8 +33,12 @@ def identify_offline(
     machine: MachineFile,
     files: RunFiles,
     sidecar: OtherSidecar = None,
-    method: Annotated[Method, typer.Option(help="maximum likelihood, or the thesis's regression of Chapter 4")] = "likelihood",
-    tikhonov: Annotated[Rule | None, typer.Option(help="regularise the regression, its parameter chosen by this rule")] = None,
+    method: Annotated[
+        AnalysisMethod, typer.Option(help="maximum likelihood, or the thesis's regression of Chapter 4")
+    ] = "likelihood",
+    tikhonov: Annotated[
+        RegularisationRule | None, typer.Option(help="regularise the regression, its parameter chosen by this rule")
+    ] = None,
     advice: Annotated[bool, typer.Option(help="say which further speeds and probes would help most")] = False,
     gate: Annotated[bool, typer.Option("--gate/--no-gate", help="leave out points of bad quality")] = True,
     half_power: Annotated[
@@ -242,7 +246,13 @@ def show_slow_roll(
 
 
 def _regress(
-    machine: Path, files: list[Path], sidecar: Path | None, tikhonov: Rule | None, slow_roll: str | None, *, as_json: bool
+    machine: Path,
+    files: list[Path],
+    sidecar: Path | None,
+    tikhonov: RegularisationRule | None,
+    slow_roll: str | None,
+    *,
+    as_json: bool,
 ) -> None:
     import threadpoolctl
 

@@ -30,7 +30,7 @@ from service.commands.storage import backup, export, move, restore
 from service.commands.terminal import say, say_lines, working
 from service.configuration.log_format import log_to_terminal
 from service.configuration.release import VERSION
-from service.configuration.settings import DEFAULT_ZENOH_ENDPOINT, Role, Settings, SettingsWrong, settings_of
+from service.configuration.settings import DEFAULT_ZENOH_ENDPOINT, ProcessRole, Settings, SettingsWrong, settings_of
 from service.configuration.settings_file import VARIABLE as CONFIG_VARIABLE
 
 if TYPE_CHECKING:
@@ -72,7 +72,9 @@ def serve(
     zenoh_listen: Annotated[list[str] | None, typer.Option(help="endpoint on which to be a zenoh router")] = None,
     zenoh_connect: Annotated[list[str] | None, typer.Option(help="zenoh router to connect to")] = None,
     workers: Annotated[int | None, typer.Option(help="identification processes")] = None,
-    role: Annotated[Role | None, typer.Option(help="what this process does, beside others on one PostgreSQL database")] = None,
+    role: Annotated[
+        ProcessRole | None, typer.Option(help="what this process does, beside others on one PostgreSQL database")
+    ] = None,
     allow_no_authentication: Annotated[
         bool | None, typer.Option("--allow-no-authentication", help="the first of two settings; see docs/security.md")
     ] = None,

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 key_app = typer.Typer(no_args_is_help=True, help="API keys: who may ask the service, and for what.")
 audit_app = typer.Typer(no_args_is_help=True, help="The audit trail.")
 
-Store = Annotated[str | None, typer.Option("--database", help="SQLAlchemy URL; by default as for serve")]
-Days = Annotated[float, typer.Option(help="until it expires, a hundred years at most")]
+DatabaseOption = Annotated[str | None, typer.Option("--database", help="SQLAlchemy URL; by default as for serve")]
+KeyDays = Annotated[float, typer.Option(help="until it expires, a hundred years at most")]
 Prefix = Annotated[str, typer.Argument(help="the eight characters behind rundown_ by which the key is found")]
 A_YEAR = 365.0
 ENTRY = "[0-9]{1,18}:[0-9a-f]{64}"
@@ -39,8 +39,8 @@ def create_key(
     name: Annotated[str, typer.Argument(help="whose it is: a person, or a program")],
     role: Annotated[str, typer.Option(help=", ".join(one.label for one in Role))],
     plant: Annotated[list[str] | None, typer.Option(help="only for this plant; may be given again; by default all")] = None,
-    days: Days = A_YEAR,
-    database: Store = None,
+    days: KeyDays = A_YEAR,
+    database: DatabaseOption = None,
 ) -> None:
     """Make a key and print it; it is not shown again."""
     from service.security import api_keys
@@ -61,7 +61,7 @@ def create_key(
 
 
 @key_app.command("list")
-def list_keys(database: Store = None, as_json: JsonWanted = False) -> None:
+def list_keys(database: DatabaseOption = None, as_json: JsonWanted = False) -> None:
     """List all keys ever made, without their secrets."""
     from storage.clock import now
     from storage.operation import api_keys as keys
@@ -82,8 +82,8 @@ def list_keys(database: Store = None, as_json: JsonWanted = False) -> None:
 def rotate_key(
     prefix: Prefix,
     overlap_days: Annotated[float, typer.Option(help="how long the old one is good beside the new one")] = 7.0,
-    days: Days = A_YEAR,
-    database: Store = None,
+    days: KeyDays = A_YEAR,
+    database: DatabaseOption = None,
 ) -> None:
     """Replace a key by a new one, and print it."""
     from service.security import api_keys
@@ -105,7 +105,7 @@ def rotate_key(
 def confirm_key(
     prefix: Annotated[list[str] | None, typer.Argument(help="as `rundown key list` shows it")] = None,
     everyone: Annotated[bool, typer.Option("--all", help="every key that waits")] = False,
-    database: Store = None,
+    database: DatabaseOption = None,
 ) -> None:
     """Reactivate keys that a restore brought back and that may have been revoked since the backup."""
     from service.security import api_keys
@@ -130,7 +130,7 @@ def confirm_key(
 
 
 @key_app.command("revoke")
-def revoke_key(prefix: Prefix, database: Store = None) -> None:
+def revoke_key(prefix: Prefix, database: DatabaseOption = None) -> None:
     """Revoke a key; it stops working within seconds."""
     from service.security import api_keys
     from storage.operation.api_keys import KeyUnknown
@@ -153,7 +153,7 @@ def verify_audit(
         typer.FileText | None,
         typer.Option(errors="replace", help="log of the service, for the notes in it; - is standard input"),
     ] = None,
-    database: Store = None,
+    database: DatabaseOption = None,
     as_json: JsonWanted = False,
 ) -> None:
     """Check that no entry was changed, removed or moved. Prints the newest number and hash: note them elsewhere.

@@ -14,7 +14,7 @@ from service.configuration.opcua_settings import OpcUaSettings
 from service.configuration.settings_file import WrongSettingsFile, read_settings_file, settings_file
 from service.secrets.files import read_keys, read_secret, require_private
 
-Role = Literal["all", "ingest", "identify", "api", "opcua"]
+ProcessRole = Literal["all", "ingest", "identify", "api", "opcua"]
 """Roles of a process: everything, or one part beside other processes on one PostgreSQL database.
 
 ingest: zenoh and HTTP samples to the store. identify: computes, assesses, delivers alerts. api: the REST API and the page.
@@ -40,7 +40,7 @@ class Settings(MqttSettings, OpcUaSettings):
 
     model_config = SettingsConfigDict(env_prefix="RUNDOWN_", extra="ignore")
 
-    role: Role = Field(
+    role: ProcessRole = Field(
         default="all",
         description="what this process does: all, or ingest, identify, api or opcua beside others on one PostgreSQL",
     )

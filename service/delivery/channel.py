@@ -6,7 +6,7 @@ from typing import Literal, Protocol, runtime_checkable
 
 from service.alerts.event_message import AlertEvent
 
-Result = Literal["delivered", "failed", "gone"]
+DeliveryResult = Literal["delivered", "failed", "gone"]
 FIRING = frozenset({"unacknowledged", "acknowledged"})
 """States of alerts that persist and notify."""
 
@@ -23,7 +23,7 @@ class EventMessage:
 class DeliveryOutcome:
     """Outcome of an attempt. gone: the receiver wants no further messages; retry_after: pause that it asked for [s]."""
 
-    result: Result
+    result: DeliveryResult
     answer: str
     retry_after: float | None = None
 

@@ -44,7 +44,7 @@ from storage.database.file_inspection import damages, inspection_engine, revisio
 from storage.database.private_files import readable_by_others
 from storage.database.versions import named, objections
 
-Level = Literal["ok", "warning", "wrong"]
+CheckLevel = Literal["ok", "warning", "wrong"]
 
 CONNECT_S = 5.0
 ANSWER_S = 15.0
@@ -63,7 +63,7 @@ PAGES_S = 10.0
 class CheckResult:
     """Result of one check."""
 
-    level: Level
+    level: CheckLevel
     what: str
     words: str
 
@@ -234,7 +234,7 @@ def _disk_room(settings: Settings, used: Callable[[int | None], DiskUse]) -> Che
     if use.part is None:
         unseen = "how much room they have is not seen from here, and disk_budget_gb is not set"
         return CheckResult("warning", "room", f"{taken}; {unseen}: without RUNDOWN_DISK_BUDGET_GB nothing warns in time")
-    level: Level = "ok" if use.part < FULL else "warning"
+    level: CheckLevel = "ok" if use.part < FULL else "warning"
     return CheckResult(level, "room", f"{taken}; {100 * use.part:.0f} % of the room are used")
 
 
@@ -293,7 +293,7 @@ def _certificate(what: str, file: Path) -> CheckResult:
     days = (until - datetime.now(UTC)).days
     if days < 0:
         return CheckResult("wrong", what, f"{file} has expired on {until:%Y-%m-%d}: make a new one")
-    level: Level = "warning" if days < EXPIRES_SOON_DAYS else "ok"
+    level: CheckLevel = "warning" if days < EXPIRES_SOON_DAYS else "ok"
     return CheckResult(level, what, f"{file} is good for {days} days")
 
 

@@ -16,14 +16,14 @@ from service.doctor.exposed_endpoints import ENCRYPTED
 from service.doctor.own_addresses import api_trust, api_url, endpoint_here
 
 PATIENCE_S = 5.0
-Level = Literal["ok", "not tried", "open"]
+ProbeLevel = Literal["ok", "not tried", "open"]
 
 
 @dataclass(frozen=True)
 class ProbeResult:
     """Result of one probe."""
 
-    level: Level
+    level: ProbeLevel
     what: str
     words: str
 

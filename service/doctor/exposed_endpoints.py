@@ -27,7 +27,7 @@ from storage.database.private_files import readable_by_others
 from storage.database.read_only import read_only_session
 from storage.operation import api_keys
 
-Level = Literal["open", "weak", "guarded", "local"]
+ExposureLevel = Literal["open", "weak", "guarded", "local"]
 """Worst first: open to the network without authentication; needs improvement; as it should be; this machine only."""
 NETWORK, PROXY, MACHINE = "this network", "this network, by way of a proxy", "this machine only"
 NOBODY = "nothing"
@@ -48,7 +48,7 @@ class ExposedEndpoint:
     asks: required credentials. lets: actions permitted with no more than these. because: the settings behind it.
     """
 
-    level: Level
+    level: ExposureLevel
     what: str
     address: str
     reach: str
@@ -70,7 +70,7 @@ def exposed_endpoints(settings: Settings) -> list[ExposedEndpoint]:
         *(_inner_network(one) for one in settings.delivery_networks),
         *_files(settings),
     ]
-    return sorted(found, key=lambda one: get_args(Level).index(one.level))
+    return sorted(found, key=lambda one: get_args(ExposureLevel).index(one.level))
 
 
 def credentials_asked(settings: Settings) -> tuple[bool, str]:
@@ -95,7 +95,7 @@ def _api(settings: Settings, operations: Sequence[ApiOperation]) -> ExposedEndpo
     asked, told = credentials_asked(settings)
     reach, why = _reach_of_api(settings)
     encrypted = bool(settings.tls_certificate) or (reach == PROXY and settings.public_url.startswith("https:"))
-    level: Level = "local"
+    level: ExposureLevel = "local"
     if reach != MACHINE:
         level = "open" if not asked else "guarded" if encrypted else "weak"
     tls = "TLS" if settings.tls_certificate else "no TLS of its own"
@@ -121,7 +121,7 @@ def _reach_of_api(settings: Settings) -> tuple[str, str]:
     return MACHINE, why
 
 
-def _twice(settings: Settings, level: Level) -> str:
+def _twice(settings: Settings, level: ExposureLevel) -> str:
     if level != "open":
         return ""
     if allowed_twice(settings):
@@ -138,7 +138,7 @@ def _endpoint(settings: Settings, endpoint: str) -> ExposedEndpoint:
     reached = bool(beyond([endpoint]))
     certificates = endpoint.partition("/")[0] in ENCRYPTED and bool(settings.zenoh_tls_ca)
     everything = "publish samples for any machine, and waveforms to edge agents' topics; hear all samples and alerts"
-    level: Level = "guarded" if reached else "local"
+    level: ExposureLevel = "guarded" if reached else "local"
     because = f"zenoh_listen has {endpoint}, "
     if settings.zenoh_access:
         named = "a certificate of the authority that a rule names"
@@ -170,7 +170,7 @@ def _router(endpoint: str) -> ExposedEndpoint:
     """Describe an external router to which the service connects."""
     inside = not beyond([endpoint])
     clear = endpoint.partition("/")[0] not in ENCRYPTED
-    level: Level = "local" if inside else "weak" if clear else "guarded"
+    level: ExposureLevel = "local" if inside else "weak" if clear else "guarded"
     return ExposedEndpoint(
         level,
         "zenoh router",
@@ -188,8 +188,8 @@ def _opc_ua(settings: Settings) -> Iterator[ExposedEndpoint]:
     inside = is_loopback(settings.opcua_address[0])
     asked, told = credentials_asked(settings)
     clear = settings.opcua_allow_unencrypted
-    reached: Level = "open" if not asked else "weak" if clear else "guarded"
-    level: Level = "local" if inside else reached
+    reached: ExposureLevel = "open" if not asked else "weak" if clear else "guarded"
+    level: ExposureLevel = "local" if inside else reached
     channel = "a trusted certificate" if settings.opcua_certificate else ""
     channel += " or none at all" if channel and clear else "no certificate" if clear else ""
     yield ExposedEndpoint(
@@ -208,7 +208,7 @@ def _mqtt_broker(settings: Settings) -> Iterator[ExposedEndpoint]:
     if not settings.mqtt_url:
         return
     inside, encrypted = is_loopback(settings.mqtt_broker[0]), settings.mqtt_encrypted
-    level: Level = "local" if inside else "guarded" if encrypted else "weak"
+    level: ExposureLevel = "local" if inside else "guarded" if encrypted else "weak"
     samples = "publish samples for any machine, where its rules let them" if settings.mqtt_samples == "taken" else "nothing"
     yield ExposedEndpoint(
         level,
@@ -229,7 +229,7 @@ def _database(settings: Settings) -> Iterator[ExposedEndpoint]:
     mode = next(iter(url.normalized_query.get("sslmode", ())), "prefer")
     inside = not host or host.startswith("/") or is_loopback(host)
     checked = mode in CHECKED_TLS
-    level: Level = "local" if inside else "guarded" if checked else "weak"
+    level: ExposureLevel = "local" if inside else "guarded" if checked else "weak"
     yield ExposedEndpoint(
         level,
         "PostgreSQL",
@@ -246,7 +246,7 @@ def _scheduler(settings: Settings) -> Iterator[ExposedEndpoint]:
         return
     where = urlsplit(settings.dask_scheduler)
     inside, tls = is_loopback(where.hostname or ""), where.scheme == "tls"
-    level: Level = "local" if inside else "guarded" if tls else "open"
+    level: ExposureLevel = "local" if inside else "guarded" if tls else "open"
     yield ExposedEndpoint(
         level,
         "Dask scheduler",
@@ -261,7 +261,7 @@ def _scheduler(settings: Settings) -> Iterator[ExposedEndpoint]:
 def _inner_network(network: ipaddress.IPv4Network | ipaddress.IPv6Network) -> ExposedEndpoint:
     """Describe a private network to which the service posts."""
     own = any(network.overlaps(one) for one in map(ipaddress.ip_network, OWN) if one.version == network.version)
-    level: Level = "weak" if own or network.num_addresses > WIDE else "guarded"
+    level: ExposureLevel = "weak" if own or network.num_addresses > WIDE else "guarded"
     also = ", among them addresses of the service's machine itself" if own else ""
     return ExposedEndpoint(
         level,

@@ -10,9 +10,9 @@ from service.export.csv_cells import CsvWriter
 from storage.clock import to_datetime
 from storage.database.private_files import prepare
 
-Kind = Literal["integer", "number", "text", "truth", "time"]
+ColumnKind = Literal["integer", "number", "text", "truth", "time"]
 
-Rows = Sequence[Sequence[Any]]
+TableRows = Sequence[Sequence[Any]]
 
 
 class ParquetMissing(RuntimeError):
@@ -24,12 +24,12 @@ class Column:
     """One column. time: nanoseconds since 1970; RFC 3339 in CSV, a timestamp [ns, UTC] in Parquet. unit: empty for none."""
 
     name: str
-    kind: Kind
+    kind: ColumnKind
     meaning: str
     unit: str = ""
 
 
-def write(folder: Path, name: str, columns: Sequence[Column], pieces: Iterable[Rows]) -> int:
+def write(folder: Path, name: str, columns: Sequence[Column], pieces: Iterable[TableRows]) -> int:
     """Write `name`.csv (RFC 4180, missing values empty) and `name`.parquet at once, for their owner only.
 
     Returns the number of rows. Raises ParquetMissing, OSError.
@@ -73,7 +73,7 @@ def _field(column: Column) -> Any:
     return Field(column.name, types[column.kind], nullable=True)
 
 
-def _batch(columns: Sequence[Column], rows: Rows) -> Any:
+def _batch(columns: Sequence[Column], rows: TableRows) -> Any:
     from arro3.core import Array, DataType, RecordBatch, Schema
 
     arrays = []

@@ -13,7 +13,7 @@ from sqlalchemy.orm import Session, undefer
 
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.channel_status import ChannelStatus
-from service.export.column_writer import Column, Rows, write
+from service.export.column_writer import Column, TableRows, write
 from storage.database.engine import Database
 from storage.database.private_files import PRIVATE_FOLDER, prepare
 from storage.encoding.sample_blocks import DamagedBlock, Samples
@@ -317,7 +317,7 @@ def sample_columns(machine: Machine) -> tuple[Column, ...]:
 
 def _rows(
     session: Session, table: type[Base], machine_id: str, columns: Sequence[Column], order: Sequence[str]
-) -> Iterator[Rows]:
+) -> Iterator[TableRows]:
     fields = [getattr(table, "identification_id" if column is _ID else column.name) for column in columns]
     query = select(*fields).where(table.__table__.c.machine_id == machine_id).order_by(*(getattr(table, one) for one in order))
     with session.execute(query.execution_options(yield_per=AT_ONCE)) as found:
@@ -331,7 +331,7 @@ def _text(value: Any) -> Any:
 
 def _samples(
     session: Session, machine_id: str, revision: int, columns: Sequence[Column], written: Callable[[], None]
-) -> Iterator[Rows]:
+) -> Iterator[TableRows]:
     """Yield the samples run by run, in pieces, calling `written` after each; an unreadable one is left out and logged."""
     query = select(RunRow).where(RunRow.machine_id == machine_id, RunRow.revision == revision, RunRow.data.is_not(None))
     ordered = query.options(undefer(RunRow.data)).order_by(RunRow.time_first, RunRow.id).execution_options(yield_per=1)
@@ -349,7 +349,7 @@ def _samples(
             written()
 
 
-def _sample_rows(run: int, held: Samples, width: int) -> Rows:
+def _sample_rows(run: int, held: Samples, width: int) -> TableRows:
     rows: list[list[Any]] = []
     for i in range(len(held)):
         row: list[Any] = [run, int(held.time[i]), float(held.speed[i]), int(held.direction[i])]

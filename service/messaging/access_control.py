@@ -14,9 +14,9 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from service.configuration.settings import Settings, SettingsWrong, settings_of
 from service.wire.keys import Key
 
-Place = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}/[A-Za-z0-9_-]{1,64}$")]
-Wide = Annotated[str, Field(pattern=r"^([A-Za-z0-9_-]{1,64}|\*)/([A-Za-z0-9_-]{1,64}|\*)$")]
-Name = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[^\x00-\x1f]+$")]
+PlantMachine = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}/[A-Za-z0-9_-]{1,64}$")]
+PlantMachinePattern = Annotated[str, Field(pattern=r"^([A-Za-z0-9_-]{1,64}|\*)/([A-Za-z0-9_-]{1,64}|\*)$")]
+CertificateName = Annotated[str, Field(min_length=1, max_length=64, pattern=r"^[^\x00-\x1f]+$")]
 
 EVERYTHING = "rundown/v1/**"
 ALL = (
@@ -47,9 +47,9 @@ class StreamAccess(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    sources: dict[Name, Annotated[list[Place], Field(min_length=1)]] = {}
-    readers: dict[Name, Annotated[list[Wide], Field(min_length=1)]] = {}
-    routers: list[Name] = []
+    sources: dict[CertificateName, Annotated[list[PlantMachine], Field(min_length=1)]] = {}
+    readers: dict[CertificateName, Annotated[list[PlantMachinePattern], Field(min_length=1)]] = {}
+    routers: list[CertificateName] = []
 
     def rules(self) -> dict[str, Any]:
         """Return the rules in the form of zenoh's configuration."""

@@ -18,7 +18,7 @@ from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.film_speeds import follows_films
 from estimator.rotor.parameter_names import parameter_units
 from estimator.trends.covariates import Adjustment, adjustment
-from estimator.trends.trend_tests import Reading
+from estimator.trends.trend_tests import DatedPoint
 from service.monitoring.alignment_size import alignment_size, learnt
 from service.monitoring.assessment import (
     WEEK,
@@ -44,14 +44,14 @@ def assess(context: AssessmentContext) -> Assessment:
     return Assessment(_diagnosis(context), rates)
 
 
-def readings(history: BaselineHistory) -> list[Reading]:
+def readings(history: BaselineHistory) -> list[DatedPoint]:
     """Return the runs after a baseline adjusted to its mean operating conditions; of runs measured at one time only the
     last."""
     follows = adjustment(
         [point for point, _ in history.baseline], [measured for _, measured in history.baseline], history.conditions
     )
     adjusted = [follows.adjusted(point, measured) for point, measured in history.after]
-    return [Reading(time, point) for time, point in dict(zip(history.times, adjusted, strict=True)).items()]
+    return [DatedPoint(time, point) for time, point in dict(zip(history.times, adjusted, strict=True)).items()]
 
 
 @dataclass(frozen=True)
@@ -238,7 +238,7 @@ def _rates(context: AssessmentContext, history: BaselineHistory) -> RateAssessme
         rule = limits.rule(RATE_OF_CHANGE.name, element)
         return max(rule.on_delay, rule.off_delay)
 
-    def found(runs: Sequence[Reading]) -> dict[str, RateFinding]:
+    def found(runs: Sequence[DatedPoint]) -> dict[str, RateFinding]:
         return {one.element: one for one in rate_findings(limits, runs, drifting)}
 
     newest = found(adjusted)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 WEEK = 7 * 86_400 * 1_000_000_000
 """One week [ns]."""
-Conditions = Mapping[str, float | None]
+MeanConditions = Mapping[str, float | None]
 """Mean of each operating condition over a run by name; None for one that was not measured."""
 
 
@@ -28,7 +28,7 @@ class AssessedRun:
 
     id: int
     measured_at: int
-    conditions: Conditions
+    conditions: MeanConditions
     fit: ObservedFit
 
 
@@ -40,17 +40,17 @@ class BaselineHistory:
     """
 
     conditions: Sequence[Condition]
-    baseline: Sequence[tuple[Point, Conditions]]
+    baseline: Sequence[tuple[Point, MeanConditions]]
     times: Sequence[float]
-    after: Sequence[tuple[Point, Conditions]]
+    after: Sequence[tuple[Point, MeanConditions]]
 
 
 @dataclass(frozen=True)
 class ComparedRuns:
     """The parameters that the baseline's runs and the newest run determined, with their operating conditions."""
 
-    baseline: Sequence[tuple[Point, Conditions]]
-    newest: tuple[Point, Conditions]
+    baseline: Sequence[tuple[Point, MeanConditions]]
+    newest: tuple[Point, MeanConditions]
 
 
 @dataclass(frozen=True)

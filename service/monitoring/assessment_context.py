@@ -16,7 +16,7 @@ from service.monitoring.assessment import (
     BaselineHistory,
     ComparedRuns,
     ComparedValue,
-    Conditions,
+    MeanConditions,
 )
 from service.monitoring.comparison import ComparisonTerms, baseline_of, compared_with, terms_of
 from service.monitoring.finding_catalogue import DIAGNOSIS_RULES, is_finding
@@ -193,6 +193,6 @@ def _half_width(row: DerivedRow) -> float | None:
     return None if row.lower is None or row.upper is None else (row.upper - row.lower) / 2.0
 
 
-def _points(session: Session, rows: Sequence[IdentificationRow]) -> list[tuple[Point, Conditions]]:
+def _points(session: Session, rows: Sequence[IdentificationRow]) -> list[tuple[Point, MeanConditions]]:
     known = identifications.points(session, rows)
     return [(known[row.id], row.conditions or {}) for row in rows if row.id in known]

@@ -6,7 +6,7 @@ from sqlalchemy.orm import Session
 
 from estimator.trends.covariates import Adjustment, adjustment
 from estimator.trends.parameter_vector import Point
-from estimator.trends.trend_tests import Reading
+from estimator.trends.trend_tests import DatedPoint
 from service.monitoring.assessment import WEEK
 from service.monitoring.comparison import Compared
 from storage.findings import identifications
@@ -31,7 +31,7 @@ def condition_adjustment(session: Session, found: Compared) -> Adjustment:
     return adjustment([known[one.id] for one in baseline], [one.conditions or {} for one in baseline], conditions)
 
 
-def readings(session: Session, found: Compared) -> list[Reading]:
+def readings(session: Session, found: Compared) -> list[DatedPoint]:
     """Return the runs after the baseline at their times [weeks since 1970]; of runs measured at one time only the last."""
     by_time = dict(zip([row.measured_at for row in found.after], points(session, found, found.after), strict=True))
-    return [Reading(moment / WEEK, point) for moment, point in by_time.items()]
+    return [DatedPoint(moment / WEEK, point) for moment, point in by_time.items()]

@@ -10,8 +10,8 @@ from pydantic import ConfigDict, Field, model_validator
 
 from estimator.strict_model import StrictModel
 
-Quantity = Literal["sigma", "per_cent", "force", "rate_per_cent_per_week", "tolerance_per_cent", "beyond_tolerance"]
-QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
+LimitQuantity = Literal["sigma", "per_cent", "force", "rate_per_cent_per_week", "tolerance_per_cent", "beyond_tolerance"]
+QUANTITIES: tuple[LimitQuantity, ...] = get_args(LimitQuantity)
 """Quantities that a level can name."""
 SIZES = ("per_cent", "force", "rate_per_cent_per_week", "tolerance_per_cent", "beyond_tolerance")
 """Quantities of a level that are alternatives; `sigma` is required in addition."""

@@ -8,7 +8,7 @@ from estimator.diagnosis.change_progress import LimitAhead
 from estimator.machine.parameter_description import describe, is_direct
 from estimator.trends.parameter_vector import Point
 from estimator.trends.rate_of_change import ParameterRate, rates_of_change
-from estimator.trends.trend_tests import Reading, time_to_change, trend_tests
+from estimator.trends.trend_tests import DatedPoint, time_to_change, trend_tests
 from service.alerts.lifecycle import Severity
 from service.monitoring.finding_rules import RATE_OF_CHANGE
 from service.monitoring.limits import Limits, deviation_rule, severity_of
@@ -33,7 +33,7 @@ class RateFinding:
 
 
 def rate_findings(
-    limits: Limits, readings: Sequence[Reading], present: Mapping[str, Severity] | None = None
+    limits: Limits, readings: Sequence[DatedPoint], present: Mapping[str, Severity] | None = None
 ) -> tuple[RateFinding, ...]:
     """Return the elements that drift too fast as of the newest reading.
 
@@ -58,7 +58,7 @@ def rate_findings(
 
 
 def with_limits_ahead(
-    found: Sequence[RateFinding], limits: Limits, baseline: Sequence[Point], readings: Sequence[Reading]
+    found: Sequence[RateFinding], limits: Limits, baseline: Sequence[Point], readings: Sequence[DatedPoint]
 ) -> tuple[RateFinding, ...]:
     """Return drifts with the change so far and the time to the danger limit of its size, as trend tests tell them.
 
@@ -67,7 +67,9 @@ def with_limits_ahead(
     return tuple(_with_limit_ahead(one, limits, baseline, readings) for one in found) if baseline else tuple(found)
 
 
-def _with_limit_ahead(one: RateFinding, limits: Limits, baseline: Sequence[Point], readings: Sequence[Reading]) -> RateFinding:
+def _with_limit_ahead(
+    one: RateFinding, limits: Limits, baseline: Sequence[Point], readings: Sequence[DatedPoint]
+) -> RateFinding:
     tests = trend_tests(baseline, readings, [one.rate.name])
     if not tests or tests[0].drift is None or describe(one.rate.name).component is not None:
         return one

@@ -39,7 +39,7 @@ logger = logging.getLogger(__name__)
 LONGEST_COMMENT = 2000
 WORSE = ("raised", "severity_changed")
 """Events after which an acknowledgement of what was before is none of what is."""
-Change = Callable[[Session, AlertRow, Person], None]
+AlertOperation = Callable[[Session, AlertRow, Person], None]
 
 
 class CallRefused(Exception):
@@ -137,7 +137,13 @@ class ConditionMethods:
         return ua.StatusCode()
 
     async def _of_event(
-        self, parent: ua.NodeId, given: tuple[ua.Variant, ...], operation: str, change: Change, *, role: Role = Role.OPERATOR
+        self,
+        parent: ua.NodeId,
+        given: tuple[ua.Variant, ...],
+        operation: str,
+        change: AlertOperation,
+        *,
+        role: Role = Role.OPERATOR,
     ) -> ua.StatusCode:
         try:
             identifier, comment = _typed(given, (bytes | None, ua.LocalizedText | None))
@@ -152,7 +158,7 @@ class ConditionMethods:
         self,
         parent: ua.NodeId,
         operation: str,
-        change: Change,
+        change: AlertOperation,
         *,
         comment: str = "",
         identifier: bytes | None = None,
@@ -192,7 +198,7 @@ class ConditionMethods:
 class _AlertChange:
     """A change of an alert. event: the one that it is an answer to, where it names one."""
 
-    def __init__(self, alert: int, event: int | None, change: Change, comment: str, operation: str) -> None:
+    def __init__(self, alert: int, event: int | None, change: AlertOperation, comment: str, operation: str) -> None:
         self._alert, self._event, self._change = alert, event, change
         self._comment, self._operation = comment, operation
 

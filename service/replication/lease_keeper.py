@@ -9,7 +9,7 @@ from collections.abc import Collection
 from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
 
-from service.configuration.settings import Role
+from service.configuration.settings import ProcessRole
 from service.replication.work_share import DELIVERY, GATHERING, INGEST, RETENTION, lease_of
 from service.resilience.supervised_thread import SupervisedThread
 from storage.database.engine import Database
@@ -25,7 +25,7 @@ ROUND_S = 2.0
 class LeaseKeeper(SupervisedThread):
     """A replica, as a `Share`. Its share is that of the last round; `require` checks it for certain."""
 
-    def __init__(self, database: Database, role: Role) -> None:
+    def __init__(self, database: Database, role: ProcessRole) -> None:
         super().__init__(
             "leasing", failure="this replica's heartbeat cannot be stored", retry_s=ROUND_S, first_pause_s=ROUND_S
         )

@@ -8,30 +8,30 @@ from service.resilience.bounded_dict import BoundedDict
 FIRST_PAUSE_S = 10.0
 LONGEST_PAUSE_S = 3600.0
 
-Name = TypeVar("Name")
+WorkName = TypeVar("WorkName")
 
 
-class Backoff(Generic[Name]):
+class Backoff(Generic[WorkName]):
     """Retry times of many pieces of work, by name. free: this many failures in a row cause no pause."""
 
     def __init__(self, *, free: int = 0) -> None:
         self._free = free
-        self._failures: BoundedDict[Name, int] = BoundedDict()  # in a row
-        self._until: BoundedDict[Name, float] = BoundedDict()
+        self._failures: BoundedDict[WorkName, int] = BoundedDict()  # in a row
+        self._until: BoundedDict[WorkName, float] = BoundedDict()
 
     def __len__(self) -> int:
         """Return how many failed at their last attempt."""
         return len(self._failures)
 
-    def failures(self, name: Name) -> int:
+    def failures(self, name: WorkName) -> int:
         """Return the number of failures in a row."""
         return self._failures.get(name, 0)
 
-    def is_due(self, name: Name) -> bool:
+    def is_due(self, name: WorkName) -> bool:
         """Return whether an attempt may be made now."""
         return self._until.get(name, 0.0) <= time.monotonic()
 
-    def failed(self, name: Name, *, at_once: bool = False) -> float:
+    def failed(self, name: WorkName, *, at_once: bool = False) -> float:
         """Count a failure; return the pause before the next attempt [s]. at_once: pause even if the failure is free."""
         count = self._failures.get(name, 0) + 1
         if at_once:
@@ -42,7 +42,7 @@ class Backoff(Generic[Name]):
         self._until[name] = time.monotonic() + pause
         return pause
 
-    def succeeded(self, name: Name) -> None:
+    def succeeded(self, name: WorkName) -> None:
         """Reset the failures."""
         self._failures.pop(name, None)
         self._until.pop(name, None)

@@ -2,22 +2,22 @@
 
 from typing import TypeVar
 
-Key = TypeVar("Key")
-Value = TypeVar("Value")
+K = TypeVar("K")
+V = TypeVar("V")
 
 CAPACITY = 100_000
 """Largest number of entries: ten starts of the sources of ten thousand machines."""
 
 
-class BoundedDict(dict[Key, Value]):
+class BoundedDict(dict[K, V]):
     """A dictionary that drops its oldest entries beyond `CAPACITY`."""
 
-    def __setitem__(self, key: Key, value: Value) -> None:
+    def __setitem__(self, key: K, value: V) -> None:
         super().__setitem__(key, value)
         while len(self) > CAPACITY:
             del self[next(iter(self))]
 
-    def setdefault(self, key: Key, value: Value) -> Value:
+    def setdefault(self, key: K, value: V) -> V:
         """Return the value of a key, setting it first when there is none."""
         if key not in self:
             self[key] = value

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from sqlalchemy.orm import Session
 
 from estimator.machine.document import Machine
-from estimator.runs.operating_state import Event, ModeChanged, OperatingLimits, advance, silence
+from estimator.runs.operating_state import ModeChanged, OperatingEvent, OperatingLimits, advance, silence
 from estimator.runs.segmentation import RunEnded, RunStarted
 from estimator.runs.speed_bins import ROLLING, SpeedBins, filled
 from service.runs.collection_state import CollectionState, state_of, states_of
@@ -139,7 +139,7 @@ def _silence(session: Session, machine_id: str, now: CollectionState, *, reason:
         _record(session, machine, now.revision, now.direction, event)
 
 
-def _record(session: Session, machine: Machine, revision: int, direction: int, event: Event) -> None:
+def _record(session: Session, machine: Machine, revision: int, direction: int, event: OperatingEvent) -> None:
     if isinstance(event, ModeChanged):
         runs.add_state(session, machine.id, since=event.time, mode=event.mode, speed=event.speed)
     elif machine.collection.runs == ROLLING:

@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, StringConstraints
 from service.security.role import Role
 from storage.database.plant_scope import Plants
 
-Kind = Literal["open", "anonymous", "key", "token", "session"]
+PrincipalKind = Literal["open", "anonymous", "key", "token", "session"]
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Principal:
     name: str
     role: Role | None
     plants: Plants | None
-    kind: Kind
+    kind: PrincipalKind
     identity: str
     token: str | None = None
 

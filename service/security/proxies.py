@@ -3,12 +3,12 @@
 from collections.abc import Callable, Sequence
 from ipaddress import IPv4Network, IPv6Network, ip_address, ip_network
 
-Network = IPv4Network | IPv6Network
+ProxyNetwork = IPv4Network | IPv6Network
 MAPPED = "::ffff:"
 """Prefix of IPv4 peers on a socket that listens on IPv6 (RFC 4291, section 2.5.5.2)."""
 
 
-def proxy_matcher(networks: Sequence[Network]) -> Callable[[str], bool]:
+def proxy_matcher(networks: Sequence[ProxyNetwork]) -> Callable[[str], bool]:
     """Return a predicate that is true for addresses of these proxies."""
     seen = [ip_network(one) for one in normalised_networks(networks)]
 
@@ -22,7 +22,7 @@ def proxy_matcher(networks: Sequence[Network]) -> Callable[[str], bool]:
     return is_proxy
 
 
-def normalised_networks(networks: Sequence[Network]) -> list[str]:
+def normalised_networks(networks: Sequence[ProxyNetwork]) -> list[str]:
     """Return the networks, with the IPv4 ones also in their IPv6-mapped form."""
     mapped = [f"{MAPPED}{one.network_address}/{96 + one.prefixlen}" for one in networks if isinstance(one, IPv4Network)]
     return [*map(str, networks), *mapped]

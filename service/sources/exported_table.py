@@ -14,10 +14,10 @@ LONGEST_HEAD = 200
 """Most lines before the first numbers."""
 DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?")
 
-Row = dict[str, str | None]
+ExportedRow = dict[str, str | None]
 
 
-def exported_rows(text: str) -> list[Row]:
+def exported_rows(text: str) -> list[ExportedRow]:
     """Return the rows below the header by their columns' names; none where no header stands above numbers."""
     lines = text.splitlines()
     for separator in SEPARATORS:

@@ -7,13 +7,13 @@ from typing import Literal
 
 from estimator.arrays import Floats
 
-Fault = Literal["unreadable_file", "truncated_file", "damaged_file", "missing_column"]
+FileFault = Literal["unreadable_file", "truncated_file", "damaged_file", "missing_column"]
 
 
 class BrokenFile(ValueError):
     """A file of a measuring system cannot be read. fault: what kind of trouble it is."""
 
-    def __init__(self, fault: Fault, detail: str) -> None:
+    def __init__(self, fault: FileFault, detail: str) -> None:
         super().__init__(detail)
         self.fault = fault
 

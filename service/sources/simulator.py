@@ -34,7 +34,7 @@ from estimator.units import METRES, PEAK, RADIANS, rad_per_s_to_rpm
 from service.sources.publisher import Source
 from service.sources.recording import split
 from service.wire import WIRE_SCHEMA, Key, SampleBatch, as_sent
-from service.wire.schema import Table
+from service.wire.schema import ChannelTable
 
 logger = logging.getLogger(__name__)
 
@@ -229,6 +229,6 @@ def _batch(
     )
 
 
-def _table(values: Floats) -> Table:
+def _table(values: Floats) -> ChannelTable:
     """Return values with null for NaN."""
     return [[value if math.isfinite(value) else None for value in row] for row in values.tolist()]

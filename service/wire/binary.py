@@ -38,7 +38,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from service.wire.rejection import Rejected
-from service.wire.schema import STATUSES, SampleBatch, Table, require_schema
+from service.wire.schema import STATUSES, ChannelTable, SampleBatch, require_schema
 
 SPEED_UNITS = ("rpm", "rad/s", "Hz")
 AMPLITUDE_UNITS = ("um", "mil", "mm", "m", "V")
@@ -75,7 +75,7 @@ class NumberFormat(NamedTuple):
         if not (math.isfinite(self.quantum) and self.quantum > 0.0):
             raise Rejected("undecodable", f"a quantum of {self.quantum} is no quantum")
 
-    def write(self, rows: Table) -> bytes:
+    def write(self, rows: ChannelTable) -> bytes:
         """Return a table's bytes. Raises ValueError for numbers that do not fit."""
         values = np.array(rows, dtype=float)
         if self.kind == FLOAT64.kind:
@@ -86,14 +86,14 @@ class NumberFormat(NamedTuple):
             raise ValueError(f"{np.nanmax(np.abs(values)):.6g} is beyond {self.kind} in steps of {self.quantum:.6g}")
         return np.where(np.isnan(steps), nothing, steps).astype(self.kind).tobytes()
 
-    def read(self, body: bytes, at: int, shape: tuple[int, int]) -> Table:
+    def read(self, body: bytes, at: int, shape: tuple[int, int]) -> ChannelTable:
         """Return a table from its bytes, which begin at `at`."""
         stored = np.frombuffer(body, self.kind, shape[0] * shape[1], at).reshape(shape)
         if self.kind == FLOAT64.kind:
             values, nothing = stored.astype(float), np.isnan(stored)
         else:
             values, nothing = stored * self.quantum, stored == np.iinfo(self.kind).min
-        rows: Table = values.tolist()
+        rows: ChannelTable = values.tolist()
         for row, column in np.argwhere(nothing).tolist():
             rows[row][column] = None
         return rows
@@ -186,7 +186,7 @@ def decode_binary(body: bytes) -> SampleBatch:
         raise Rejected("undecodable", f"{len(body)} bytes; {what} make {expected}")
     shape = count, channels
 
-    def table(which: int) -> Table:
+    def table(which: int) -> ChannelTable:
         nonlocal at
         at, start = at + widths[which] * count * channels, at
         return formats[which].read(body, start, shape)

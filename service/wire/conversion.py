@@ -11,7 +11,7 @@ from estimator.phasors.channel_status import ChannelStatus
 from estimator.units import LEAD, METRES, PEAK, RAD_PER_S, RADIANS, rad_per_s_to_rpm, rpm_to_rad_per_s
 from service.wire.gap_conversion import to_gap
 from service.wire.rejection import Fault, Rejected
-from service.wire.schema import DIRECTIONS, STATUSES, SampleBatch, Table
+from service.wire.schema import DIRECTIONS, STATUSES, ChannelTable, SampleBatch
 from storage.clock import FUTURE_TOLERANCE
 from storage.encoding.packing import on_grid
 from storage.encoding.sample_blocks import Samples
@@ -152,7 +152,7 @@ def _metres(batch: SampleBatch, machine: Machine) -> NDArray[np.float64]:
     return np.array([1.0 / (sensitivity[channel] or np.nan) for channel in batch.channels])
 
 
-def _table(rows: Table) -> NDArray[np.float64]:
+def _table(rows: ChannelTable) -> NDArray[np.float64]:
     return np.array(rows, dtype=float)  # null becomes NaN
 
 

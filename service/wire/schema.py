@@ -20,7 +20,7 @@ DIRECTIONS = {"positive": 1, "negative": -1}
 TABLES = ("amplitude", "phase", "status", "scatter", "amplitude_2x", "phase_2x", "gap", "overall")
 """Fields with a row per sample and a column per channel."""
 
-Table = list[list[float | None]]
+ChannelTable = list[list[float | None]]
 
 
 class SampleBatch(msgspec.Struct, kw_only=True, omit_defaults=True):
@@ -53,15 +53,15 @@ class SampleBatch(msgspec.Struct, kw_only=True, omit_defaults=True):
     direction: str
     time_ns: list[int]
     speed: list[float]
-    amplitude: Table
-    phase: Table
+    amplitude: ChannelTable
+    phase: ChannelTable
     status: list[list[str]] | None = None
-    scatter: Table | None = None
-    amplitude_2x: Table | None = None
-    phase_2x: Table | None = None
-    gap: Table | None = None
+    scatter: ChannelTable | None = None
+    amplitude_2x: ChannelTable | None = None
+    phase_2x: ChannelTable | None = None
+    gap: ChannelTable | None = None
     gap_unit: str | None = None
-    overall: Table | None = None
+    overall: ChannelTable | None = None
     conditions: dict[str, list[float | None]] | None = None
 
 

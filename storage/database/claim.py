@@ -40,7 +40,7 @@ class Claim:
         self._file: TextIO | None = None
         self._made: Path | None = None
         """The lock file, where this claim has made it and takes it away again."""
-        self._place: file_lock.Place | None = None
+        self._place: file_lock.FileIdentity | None = None
         self._lock = threading.Lock()
 
     def take(self, *, shared: bool = False) -> None:

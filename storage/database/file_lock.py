@@ -21,15 +21,15 @@ _FLOCK = "hhqqi"
 _WITHOUT = (errno.EINVAL, errno.ENOSYS, errno.ENOTSUP)
 """Errors of file systems without such locks."""
 
-Place = tuple[int, int]
+FileIdentity = tuple[int, int]
 
 _guard = threading.Lock()
-_descriptors: dict[Place, int] = {}
-_taken: dict[Place, Path] = {}
-_users: Counter[Place] = Counter()
+_descriptors: dict[FileIdentity, int] = {}
+_taken: dict[FileIdentity, Path] = {}
+_users: Counter[FileIdentity] = Counter()
 
 
-def use(path: Path) -> Place:
+def use(path: Path) -> FileIdentity:
     """Register that SQLite has a file open in this process, until `leave`. Raises OSError."""
     with _guard:
         place = _place(os.stat(path))
@@ -37,7 +37,7 @@ def use(path: Path) -> Place:
         return place
 
 
-def leave(place: Place) -> None:
+def leave(place: FileIdentity) -> None:
     """Register that one user of a file has closed it; close our descriptor behind the last one."""
     with _guard:
         _users[place] -= 1
@@ -53,7 +53,7 @@ def descriptor(path: Path) -> int:
         return _open_descriptor(path)[1]
 
 
-def take(path: Path) -> Place | None:
+def take(path: Path) -> FileIdentity | None:
     """Lock an existing file; return the handle to release, None when the system or the file system has no such locks.
 
     Raises BlockingIOError when the file is locked, OSError.
@@ -74,7 +74,7 @@ def take(path: Path) -> Place | None:
         return place
 
 
-def release(place: Place) -> None:
+def release(place: FileIdentity) -> None:
     """Unlock a file."""
     with _guard:
         _lock_call(_descriptors[place], fcntl.F_OFD_SETLK, fcntl.F_UNLCK)
@@ -106,7 +106,7 @@ def _lock_call(descriptor: int, command: int, kind: int) -> int:
     return int(struct.unpack_from(_FLOCK, found)[0])
 
 
-def _open_descriptor(path: Path) -> tuple[Place, int]:
+def _open_descriptor(path: Path) -> tuple[FileIdentity, int]:
     place = _place(os.stat(path))
     if place not in _descriptors:
         descriptor = os.open(path, os.O_RDWR if os.access(path, os.W_OK) else os.O_RDONLY)
@@ -115,5 +115,5 @@ def _open_descriptor(path: Path) -> tuple[Place, int]:
     return place, _descriptors[place]
 
 
-def _place(found: os.stat_result) -> Place:
+def _place(found: os.stat_result) -> FileIdentity:
     return found.st_dev, found.st_ino

@@ -9,12 +9,12 @@ from sqlalchemy.orm import QueryableAttribute, Session
 
 from storage.database.damage import is_confined
 
-Columns = TypeVarTuple("Columns")
+RowColumns = TypeVarTuple("RowColumns")
 
 
 def readable_rows(
-    session: Session, query: Select[*Columns], key: QueryableAttribute[str], keys: Iterable[str]
-) -> list[Row[*Columns]]:
+    session: Session, query: Select[*RowColumns], key: QueryableAttribute[str], keys: Iterable[str]
+) -> list[Row[*RowColumns]]:
     """Return the rows of a query; without those that are damaged, if there are any.
 
     Args:
@@ -33,7 +33,7 @@ def readable_rows(
     return rows
 
 
-def _unless_damaged(session: Session, query: Select[*Columns]) -> list[Row[*Columns]] | None:
+def _unless_damaged(session: Session, query: Select[*RowColumns]) -> list[Row[*RowColumns]] | None:
     try:
         return list(session.execute(query).all())
     except DBAPIError as error:

@@ -32,7 +32,7 @@ TABLES = (
     "baselines",
 )
 """Tables from which histories, and the baselines they are compared with, are read."""
-Stamp = tuple[int | None, ...]
+HistoryStamp = tuple[int | None, ...]
 """A stamp that stays equal as long as nothing was stored that could change a machine's histories or their baselines."""
 
 
@@ -158,7 +158,7 @@ def _rows(session: Session, machine_id: str, names: Sequence[str], scope: str) -
         yield from session.execute(query)
 
 
-def stamp(session: Session, machine_id: str) -> Stamp:
+def stamp(session: Session, machine_id: str) -> HistoryStamp:
     """Return the stamp of everything that a machine's histories depend on."""
     newest = select(func.max(IdentificationRow.id)).where(IdentificationRow.machine_id == machine_id)
     gone = select(RunRow.id).where(RunRow.machine_id == machine_id, RunRow.state == DISCARDED).subquery()

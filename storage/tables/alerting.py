@@ -5,7 +5,7 @@ from typing import Any
 from sqlalchemy import ForeignKey, Index, String, Text, UniqueConstraint, false, text
 from sqlalchemy.orm import Mapped, mapped_column, relationship
 
-from storage.tables.base import Base, Key, Name
+from storage.tables.base import Base, Name, RowKey
 
 
 class AlertRow(Base):
@@ -31,7 +31,7 @@ class AlertRow(Base):
         Index(None, "machine_id", "opened_at"),
     )
 
-    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    id: Mapped[int] = mapped_column(RowKey, primary_key=True)
     machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"))
     rule: Mapped[str] = mapped_column(Name(64))
     element: Mapped[str] = mapped_column(Name(80))
@@ -60,7 +60,7 @@ class AlertEventRow(Base):
     __tablename__ = "alert_events"
     __table_args__ = (UniqueConstraint("alert_id", "number"), Index(None, "machine_id", "at"), Index(None, "at"))
 
-    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    id: Mapped[int] = mapped_column(RowKey, primary_key=True)
     alert_id: Mapped[int] = mapped_column(ForeignKey("alerts.id"))
     number: Mapped[int]
     machine_id: Mapped[str] = mapped_column(Name(64))
@@ -88,7 +88,7 @@ class SuppressionRow(Base):
     __tablename__ = "suppressions"
     __table_args__ = (Index(None, "machine_id", "ended_at"),)
 
-    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    id: Mapped[int] = mapped_column(RowKey, primary_key=True)
     machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"))
     rule: Mapped[str | None] = mapped_column(Name(64))
     element: Mapped[str | None] = mapped_column(Name(80))
@@ -111,7 +111,7 @@ class SubscriptionRow(Base):
 
     __tablename__ = "subscriptions"
 
-    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    id: Mapped[int] = mapped_column(RowKey, primary_key=True)
     kind: Mapped[str] = mapped_column(Name(32))
     name: Mapped[str] = mapped_column(Name(120), unique=True)
     target: Mapped[str] = mapped_column(Text)
@@ -143,7 +143,7 @@ class DeliveryRow(Base):
         Index(None, "subscription_id", "state", "alert_id"),
     )
 
-    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    id: Mapped[int] = mapped_column(RowKey, primary_key=True)
     subscription_id: Mapped[int] = mapped_column(ForeignKey("subscriptions.id"))
     event_id: Mapped[int] = mapped_column(ForeignKey("alert_events.id"))
     alert_id: Mapped[int]

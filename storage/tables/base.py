@@ -6,7 +6,7 @@ from sqlalchemy import JSON, BigInteger, Integer, MetaData, String
 from sqlalchemy.orm import DeclarativeBase
 
 # SQLite generates numbers only for INTEGER primary keys.
-Key = BigInteger().with_variant(Integer, "sqlite")
+RowKey = BigInteger().with_variant(Integer, "sqlite")
 
 
 def Name(length: int) -> String:

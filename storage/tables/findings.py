@@ -5,7 +5,7 @@ from typing import Any
 from sqlalchemy import ForeignKey, ForeignKeyConstraint, Index, LargeBinary, Text
 from sqlalchemy.orm import Mapped, mapped_column
 
-from storage.tables.base import Base, Key, Name
+from storage.tables.base import Base, Name, RowKey
 
 
 class JobRow(Base):
@@ -19,7 +19,7 @@ class JobRow(Base):
         Index(None, "asked_by", "state"),
     )
 
-    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    id: Mapped[int] = mapped_column(RowKey, primary_key=True)
     machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"))
     plant: Mapped[str] = mapped_column(Name(64), server_default="?")
     priority: Mapped[int] = mapped_column(server_default="0")
@@ -50,7 +50,7 @@ class IdentificationRow(Base):
         Index(None, "computed_at"),
     )
 
-    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    id: Mapped[int] = mapped_column(RowKey, primary_key=True)
     machine_id: Mapped[str] = mapped_column(Name(64))
     revision: Mapped[int]
     job_id: Mapped[int] = mapped_column(ForeignKey("identification_jobs.id"), unique=True)

@@ -5,7 +5,7 @@ from typing import Any
 from sqlalchemy import ForeignKey, Index, Text
 from sqlalchemy.orm import Mapped, mapped_column
 
-from storage.tables.base import Base, Key, Name
+from storage.tables.base import Base, Name, RowKey
 
 
 class MachineRow(Base):
@@ -64,7 +64,7 @@ class TimelineRow(Base):
     __tablename__ = "timeline"
     __table_args__ = (Index(None, "machine_id", "at"),)
 
-    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    id: Mapped[int] = mapped_column(RowKey, primary_key=True)
     machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"))
     at: Mapped[int]
     kind: Mapped[str] = mapped_column(Name(32))
@@ -79,7 +79,7 @@ class CalibrationRow(Base):
     __tablename__ = "calibrations"
     __table_args__ = (Index(None, "machine_id", "at"),)
 
-    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    id: Mapped[int] = mapped_column(RowKey, primary_key=True)
     machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"))
     channel: Mapped[str] = mapped_column(Name(64))
     at: Mapped[int]
@@ -94,7 +94,7 @@ class BalancingRow(Base):
     __tablename__ = "balancings"
     __table_args__ = (Index(None, "machine_id", "id"),)
 
-    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    id: Mapped[int] = mapped_column(RowKey, primary_key=True)
     machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"))
     revision: Mapped[int]
     """Revision of the document under which all its runs were measured."""
@@ -113,7 +113,7 @@ class ModelCalibrationRow(Base):
     __tablename__ = "model_calibrations"
     __table_args__ = (Index(None, "machine_id", "id"),)
 
-    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    id: Mapped[int] = mapped_column(RowKey, primary_key=True)
     machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"))
     revision: Mapped[int]
     """Revision of the document that it begins from."""
@@ -145,7 +145,7 @@ class BaselineRow(Base):
     __tablename__ = "baselines"
     __table_args__ = (Index(None, "machine_id", "since"),)
 
-    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    id: Mapped[int] = mapped_column(RowKey, primary_key=True)
     machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"))
     since: Mapped[int]
     identification_ids: Mapped[list[int] | None]

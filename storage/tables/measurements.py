@@ -5,7 +5,7 @@ from typing import Any
 from sqlalchemy import ForeignKey, ForeignKeyConstraint, Index, LargeBinary, Text, UniqueConstraint
 from sqlalchemy.orm import Mapped, mapped_column
 
-from storage.tables.base import Base, Key, Name
+from storage.tables.base import Base, Name, RowKey
 
 
 class SourceRow(Base):
@@ -38,7 +38,7 @@ class SampleBlockRow(Base):
         Index(None, "machine_id", "time_last"),
     )
 
-    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    id: Mapped[int] = mapped_column(RowKey, primary_key=True)
     machine_id: Mapped[str] = mapped_column(Name(64))
     revision: Mapped[int]
     source: Mapped[str] = mapped_column(Name(64))
@@ -67,7 +67,7 @@ class MachineStateRow(Base):
     __tablename__ = "machine_states"
     __table_args__ = (Index(None, "machine_id", "since"),)
 
-    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    id: Mapped[int] = mapped_column(RowKey, primary_key=True)
     machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"))
     since: Mapped[int]
     mode: Mapped[str] = mapped_column(Name(16))
@@ -86,7 +86,7 @@ class RunRow(Base):
         Index(None, "machine_id", "state"),
     )
 
-    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    id: Mapped[int] = mapped_column(RowKey, primary_key=True)
     machine_id: Mapped[str] = mapped_column(Name(64))
     revision: Mapped[int]
     kind: Mapped[str] = mapped_column(Name(16))
@@ -119,7 +119,7 @@ class QuarantineRow(Base):
     __tablename__ = "quarantine"
     __table_args__ = (Index(None, "reason"),)
 
-    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    id: Mapped[int] = mapped_column(RowKey, primary_key=True)
     received_at: Mapped[int]
     key: Mapped[str] = mapped_column(Name(512))
     machine_id: Mapped[str | None] = mapped_column(Name(64))

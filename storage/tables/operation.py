@@ -3,7 +3,7 @@
 from sqlalchemy import Index, LargeBinary, String, Text
 from sqlalchemy.orm import Mapped, mapped_column
 
-from storage.tables.base import Base, Key, Name
+from storage.tables.base import Base, Name, RowKey
 
 
 class IdempotencyKeyRow(Base):
@@ -26,7 +26,7 @@ class ReplicaRow(Base):
     __tablename__ = "replicas"
     __table_args__ = {"sqlite_autoincrement": True}  # noqa: RUF012
 
-    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    id: Mapped[int] = mapped_column(RowKey, primary_key=True)
     role: Mapped[str] = mapped_column(String(16))
     host: Mapped[str] = mapped_column(String(255))
     process: Mapped[int]
@@ -74,7 +74,7 @@ class ApiKeyRow(Base):
 
     __tablename__ = "api_keys"
 
-    id: Mapped[int] = mapped_column(Key, primary_key=True)
+    id: Mapped[int] = mapped_column(RowKey, primary_key=True)
     prefix: Mapped[str] = mapped_column(String(16), unique=True)
     hash: Mapped[str] = mapped_column(String(64))
     name: Mapped[str] = mapped_column(String(120))
@@ -122,7 +122,7 @@ class AuditRow(Base):
 
     __tablename__ = "audit"
 
-    number: Mapped[int] = mapped_column(Key, primary_key=True, autoincrement=False)
+    number: Mapped[int] = mapped_column(RowKey, primary_key=True, autoincrement=False)
     at: Mapped[int]
     who: Mapped[str] = mapped_column(String(200))
     address: Mapped[str] = mapped_column(String(64))
@@ -138,6 +138,6 @@ class AuditHeadRow(Base):
 
     __tablename__ = "audit_head"
 
-    id: Mapped[int] = mapped_column(Key, primary_key=True, autoincrement=False)
+    id: Mapped[int] = mapped_column(RowKey, primary_key=True, autoincrement=False)
     number: Mapped[int]
     hash: Mapped[str] = mapped_column(String(64))

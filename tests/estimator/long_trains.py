@@ -3,7 +3,8 @@
 import copy
 import math
 
-from benchmarks.estimator.large_trains import Document, large_train
+from benchmarks.documents import Document
+from benchmarks.estimator.large_trains import large_train
 
 SECTIONS = 60
 

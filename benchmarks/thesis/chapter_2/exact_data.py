@@ -4,12 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from benchmarks.thesis.chapter_2.experiments import Experiment, Floats, RigidCase, regression
+from benchmarks.thesis.chapter_2.experiments import Experiment, RigidCase, regression
 from benchmarks.thesis.chapter_2.misprints import GROUPS, MISPRINTS, shifts
 from benchmarks.thesis.chapter_2.printed import NATURAL_FREQUENCIES, TABLE_2_8, TABLES_2_4_TO_2_7
 from benchmarks.thesis.chapter_2.regularisation import SCALINGS
 from benchmarks.thesis.plots import PlottedCurve, chart, save
 from benchmarks.thesis.tables import decade, paragraphs, percent, power, prose, shift, short_name, table
+from estimator.arrays import Floats
 from estimator.rotor.response import response
 from estimator.thesis.regression import condition_number
 from estimator.thesis.rigid_regression import rigid_regression

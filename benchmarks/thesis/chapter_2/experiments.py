@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from estimator.arrays import Complexes, Floats
 from estimator.fit.identification import Identification
 from estimator.fit.identify import identify_train
 from estimator.machine.rules import Noise
@@ -14,13 +14,10 @@ from estimator.phasors.measurement import Measurement, joined
 from estimator.rotor.condensation import CondensedTrain
 from estimator.rotor.response import response, sensitivity
 from estimator.thesis.noise import Sharing, multiplicative_noise
-from estimator.thesis.parameter_rules import Rule
-from estimator.thesis.regression import Method, Scaling, Solution, solve
+from estimator.thesis.parameter_rules import RegularisationRule
+from estimator.thesis.regression import RegressionMethod, Scaling, Solution, solve
 from estimator.thesis.rigid_regression import rigid_regression
 from estimator.thesis.rigid_train import RigidTrain, condensed, printed_train
-
-Floats = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
 
 NOISE = (1.0, 2.0, 5.0)
 """Noise levels of the thesis's tables [%]."""
@@ -98,8 +95,8 @@ def regression(
     phasor: Complexes,
     *,
     scaling: Scaling = "norm",
-    method: Method = "orthogonal",
-    tikhonov: Rule | None = None,
+    method: RegressionMethod = "orthogonal",
+    tikhonov: RegularisationRule | None = None,
     expected: Floats | None = None,
 ) -> Solution:
     """Return the thesis's regression of phasors (S, 8)."""

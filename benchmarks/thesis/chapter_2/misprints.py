@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from benchmarks.thesis.chapter_2.experiments import Complexes, Experiment, Floats
+from benchmarks.thesis.chapter_2.experiments import Experiment
+from estimator.arrays import Complexes, Floats
 from estimator.rotor.condensation import CondensedTrain
 from estimator.rotor.elimination import GivenShafts
 from estimator.thesis.regression import Regression, solve

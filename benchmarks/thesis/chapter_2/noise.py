@@ -9,9 +9,7 @@ from benchmarks.thesis.chapter_2.experiments import (
     NOISE,
     SEEDS,
     START_SPAN,
-    Complexes,
     Experiment,
-    Floats,
     RigidCase,
     bound,
     exact_phase_bound,
@@ -25,6 +23,7 @@ from benchmarks.thesis.chapter_2.experiments import (
 from benchmarks.thesis.chapter_2.printed import TABLE_2_8
 from benchmarks.thesis.chapter_2.unbalances import UNBALANCE, complex_unbalances
 from benchmarks.thesis.tables import decade, median_and_worst, paragraphs, percent, prose, table, worst_of_seeds
+from estimator.arrays import Complexes, Floats
 from estimator.rotor.response import response
 from estimator.thesis.noise import Sharing, complex_noise, multiplicative_noise, multiplicative_rms
 from estimator.thesis.regression import solve

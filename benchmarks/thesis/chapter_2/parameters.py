@@ -6,12 +6,13 @@ from typing import Self
 
 import numpy as np
 
-from benchmarks.thesis.chapter_2.experiments import SEEDS, Experiment, Floats, bound, regression
+from benchmarks.thesis.chapter_2.experiments import SEEDS, Experiment, bound, regression
 from benchmarks.thesis.chapter_2.noise import likelihood_errors
 from benchmarks.thesis.chapter_2.printed import TABLES_2_4_TO_2_7
 from benchmarks.thesis.chapter_2.unbalances import UNBALANCE, complex_unbalances
 from benchmarks.thesis.plots import PlottedCurve, chart, save
 from benchmarks.thesis.tables import paragraphs, percent, prose, short_name, table
+from estimator.arrays import Floats
 from estimator.rotor.response import response
 from estimator.thesis.misalignment_force import misalignment_force
 from estimator.thesis.noise import multiplicative_rms

@@ -2,6 +2,8 @@
 
 from typing import NamedTuple
 
+from benchmarks.thesis.tables import PrintedUnbalance
+
 
 class Summary(NamedTuple):
     """A line of Table 2.8: largest errors [%] and condition numbers at 1, 2 and 5 % noise."""
@@ -88,9 +90,7 @@ TABLES_2_4_TO_2_7 = {
     "disc.D4.unbalance.imaginary": (0.0065, 0.0066, 0.0066, 0.0066, 0.0067),
 }
 """Method II, Case C: assumed; estimated without noise, with 1, 2 and 5 % noise [SI]."""
-Plane = tuple[float, float]
-"""An unbalance: magnitude [kg m], angle [degrees]."""
-TABLE_2_9: tuple[tuple[tuple[Plane, ...], tuple[Plane, ...]], ...] = (
+TABLE_2_9: tuple[tuple[tuple[PrintedUnbalance, ...], tuple[PrintedUnbalance, ...]], ...] = (
     (
         ((9.6e-3, 36.0), (6.0e-3, 108.0), (7.5e-3, 240.0), (11.1e-3, 300.0)),
         ((9.9e-3, 36.8), (6.1e-3, 108.4), (7.7e-3, 240.9), (11.5e-3, 300.2)),
@@ -110,7 +110,7 @@ TABLE_2_9: tuple[tuple[tuple[Plane, ...], tuple[Plane, ...]], ...] = (
 )
 """Method II, Case C, 5 % noise: assumed and estimated unbalances of the four planes."""
 Masses = tuple[float, float, float, float]
-TABLE_2_10: tuple[tuple[Masses, tuple[Plane, ...]], ...] = (
+TABLE_2_10: tuple[tuple[Masses, tuple[PrintedUnbalance, ...]], ...] = (
     ((5.0, 3.0, 2.0, 6.0), ((9.9e-3, 36.8), (6.1e-3, 108.4), (7.7e-3, 240.9), (11.5e-3, 300.8))),
     ((3.0, 1.5, 1.0, 2.0), ((9.8e-3, 36.4), (6.1e-3, 108.4), (7.6e-3, 240.4), (11.3e-3, 300.5))),
     ((1.5, 2.0, 0.5, 1.0), ((9.8e-3, 36.4), (6.0e-3, 108.2), (7.6e-3, 240.4), (11.2e-3, 300.4))),

@@ -4,10 +4,11 @@ from typing import get_args
 
 import numpy as np
 
-from benchmarks.thesis.chapter_2.experiments import Experiment, Floats, RigidCase, case, regression
+from benchmarks.thesis.chapter_2.experiments import Experiment, RigidCase, case, regression
 from benchmarks.thesis.tables import decade, median_and_worst, paragraphs, percent, prose, table
-from estimator.thesis.parameter_rules import Rule
-from estimator.thesis.regression import Method, Scaling
+from estimator.arrays import Floats
+from estimator.thesis.parameter_rules import RegularisationRule
+from estimator.thesis.regression import RegressionMethod, Scaling
 from estimator.thesis.rigid_train import names
 
 SCALINGS: tuple[Scaling, ...] = get_args(Scaling)
@@ -27,7 +28,7 @@ def scaling_section(near: Experiment, best: Experiment) -> str:
     for title, subject in (("I, A", near), ("II, C", best)):
         for percentage in (0.0, 1.0):
             phasor = subject.noisy(percentage, 0)
-            for method in get_args(Method):
+            for method in get_args(RegressionMethod):
                 errors = [
                     subject.error(regression(subject, phasor, scaling=scaling, method=method).values) for scaling in SCALINGS
                 ]
@@ -53,7 +54,7 @@ def scaling_section(near: Experiment, best: Experiment) -> str:
 
 def tikhonov_section(subjects: dict[RigidCase, Experiment]) -> str:
     """Write the section on Tikhonov regularisation."""
-    rules: tuple[Rule | None, ...] = (None, *get_args(Rule))
+    rules: tuple[RegularisationRule | None, ...] = (None, *get_args(RegularisationRule))
     factor = 1.0 + np.random.default_rng(99).uniform(-EXPECTED_SPAN, EXPECTED_SPAN, len(names()))
     rows = []
     for method, name, noise in (("I", "A", 1.0), ("I", "A", 5.0), ("II", "A", 1.0), ("II", "A", 5.0), ("II", "C", 5.0)):
@@ -90,7 +91,7 @@ def tikhonov_section(subjects: dict[RigidCase, Experiment]) -> str:
 
 
 def _tikhonov_errors(
-    subject: Experiment, noise: float, scaling: Scaling, rule: Rule | None, expected: Floats | None
+    subject: Experiment, noise: float, scaling: Scaling, rule: RegularisationRule | None, expected: Floats | None
 ) -> Floats:
     return np.array(
         [

@@ -22,8 +22,8 @@ from benchmarks.thesis.chapter_2.regularisation import SCALINGS, scaling_section
 from benchmarks.thesis.chapter_2.unbalances import unbalances_section
 from benchmarks.thesis.tables import paragraphs, percent, prose, table
 from estimator.thesis.noise import Sharing, multiplicative_rms
-from estimator.thesis.parameter_rules import Rule
-from estimator.thesis.regression import Method
+from estimator.thesis.parameter_rules import RegularisationRule
+from estimator.thesis.regression import RegressionMethod
 from estimator.thesis.rigid_train import names
 
 
@@ -62,8 +62,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--case", choices=("A", "B", "C"), default="C", help="speeds of the thesis, default C")
     parser.add_argument("--noise", type=float, default=1.0, help="N of Eq. 2.20 [%%], default 1")
     parser.add_argument("--scaling", choices=SCALINGS, default="norm", help="of columns, default norm")
-    parser.add_argument("--solver", choices=get_args(Method), default="orthogonal", help="default orthogonal")
-    parser.add_argument("--tikhonov", choices=get_args(Rule), default=None, help="rule of a regularisation, default none")
+    parser.add_argument("--solver", choices=get_args(RegressionMethod), default="orthogonal", help="default orthogonal")
+    parser.add_argument(
+        "--tikhonov", choices=get_args(RegularisationRule), default=None, help="rule of a regularisation, default none"
+    )
     parser.add_argument("--sharing", choices=get_args(Sharing), default="none", help="phasors that share a random number")
     parser.add_argument("--seed", type=int, default=0, help="of the noise, default 0")
 

@@ -5,19 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from benchmarks.thesis.chapter_2.experiments import (
-    SEEDS,
-    Complexes,
-    Floats,
-    bound,
-    case,
-    experiment,
-    likelihood,
-    likelihood_values,
-    regression,
-)
-from benchmarks.thesis.chapter_2.printed import TABLE_2_9, TABLE_2_10, Plane
-from benchmarks.thesis.tables import paragraphs, percent, prose, table
+from benchmarks.thesis.chapter_2.experiments import SEEDS, bound, case, experiment, likelihood, likelihood_values, regression
+from benchmarks.thesis.chapter_2.printed import TABLE_2_9, TABLE_2_10
+from benchmarks.thesis.tables import PrintedUnbalance, paragraphs, percent, prose, table
+from estimator.arrays import Complexes, Floats
 from estimator.thesis.noise import multiplicative_rms
 from estimator.thesis.rigid_train import RigidTrain, printed_train, unbalances_of
 
@@ -58,7 +49,9 @@ def unbalances_section() -> str:
     )
 
 
-def _unbalance_errors(rigid: RigidTrain, assumed: Sequence[Plane], estimated: Sequence[Plane]) -> list[str]:
+def _unbalance_errors(
+    rigid: RigidTrain, assumed: Sequence[PrintedUnbalance], estimated: Sequence[PrintedUnbalance]
+) -> list[str]:
     subject = experiment(case("II", "C"), rigid)
     true = rigid.unbalances
     found = [complex_unbalances(regression(subject, subject.noisy(5.0, seed)).values[UNBALANCE]) for seed in range(SEEDS)]
@@ -86,7 +79,7 @@ def _median_plane_errors(found: Sequence[Complexes], true: Complexes) -> tuple[s
     return percent(float(magnitude)), f"{angle:.2f}°"
 
 
-def _unbalances_of(planes: Sequence[Plane]) -> Complexes:
+def _unbalances_of(planes: Sequence[PrintedUnbalance]) -> Complexes:
     return unbalances_of(tuple(plane[0] for plane in planes), tuple(plane[1] for plane in planes))
 
 

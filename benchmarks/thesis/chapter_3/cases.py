@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from benchmarks.thesis.flexible.experiments import Complexes, FlexibleCase, Subject, both_ways, one_way
+from benchmarks.thesis.flexible.experiments import FlexibleCase, Subject, both_ways, one_way
+from estimator.arrays import Complexes
 from estimator.rotor.rayleigh import rayleigh_damping
 from estimator.thesis.flexible_train import flexible_train
 from estimator.thesis.reduced_model import ReducedModel

@@ -3,18 +3,10 @@
 import numpy as np
 
 from benchmarks.thesis.chapter_3.cases import BEST, measured
-from benchmarks.thesis.flexible.experiments import (
-    Complexes,
-    FlexibleCase,
-    Floats,
-    Subject,
-    estimated,
-    likelihood,
-    one_way,
-    regression,
-)
+from benchmarks.thesis.flexible.experiments import FlexibleCase, Subject, estimated, likelihood, one_way, regression
 from benchmarks.thesis.plots import PlottedCurve, chart, save
 from benchmarks.thesis.tables import percent, table
+from estimator.arrays import Complexes, Floats
 from estimator.thesis.coupling_force import coupling_force
 from estimator.thesis.flexible_train import full_response
 from estimator.thesis.noise import multiplicative_noise, multiplicative_rms

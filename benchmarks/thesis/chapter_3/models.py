@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from benchmarks.documents import Document
 from benchmarks.thesis.chapter_3.cases import BEST, DAMPING_FREQUENCIES, damped, measured
-from benchmarks.thesis.flexible.experiments import Document, Subject, load, regression
+from benchmarks.thesis.flexible.experiments import Subject, load, regression
 from benchmarks.thesis.flexible.misprints import natural_frequencies, with_printed_rotary_inertia
 from benchmarks.thesis.flexible.printed import CRITICAL_SPEEDS
 from benchmarks.thesis.tables import percent, table

@@ -5,13 +5,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from benchmarks.documents import Document
 from benchmarks.thesis.chapter_3.cases import BEST, measured
 from benchmarks.thesis.flexible.experiments import (
     LIKELIHOOD_SEEDS,
     SEEDS,
-    Complexes,
-    Document,
-    Floats,
     Subject,
     bearings_only,
     bound,
@@ -21,8 +19,9 @@ from benchmarks.thesis.flexible.experiments import (
     regression,
     regression_errors,
 )
-from benchmarks.thesis.flexible.printed import TABLE_3_9, TABLE_3_10, TABLES_3_3_TO_3_6, Plane
-from benchmarks.thesis.tables import percent, table
+from benchmarks.thesis.flexible.printed import TABLE_3_9, TABLE_3_10, TABLES_3_3_TO_3_6
+from benchmarks.thesis.tables import PrintedUnbalance, percent, table
+from estimator.arrays import Complexes, Floats
 from estimator.thesis.noise import multiplicative_noise, multiplicative_rms
 
 
@@ -92,7 +91,7 @@ def unbalances_section() -> str:
     )
 
 
-def _unbalance_errors(assumed: Sequence[Plane], masses: Sequence[float] | None) -> list[str]:
+def _unbalance_errors(assumed: Sequence[PrintedUnbalance], masses: Sequence[float] | None) -> list[str]:
     def change(document: Document) -> None:
         for k, disc in enumerate(document["discs"]):
             disc["unbalance"] = {"magnitude": assumed[k][0], "angle_deg": assumed[k][1]}
@@ -122,11 +121,11 @@ def _plane_errors(found: Complexes, true: Complexes) -> tuple[float, float]:
     return float(np.max(np.abs(np.abs(found / true) - 1))), float(np.max(np.abs(turned)))
 
 
-def _printed_planes(assumed: Sequence[Plane], estimated: Sequence[Plane]) -> str:
+def _printed_planes(assumed: Sequence[PrintedUnbalance], estimated: Sequence[PrintedUnbalance]) -> str:
     return _plane_text(_plane_errors(_phasors(estimated), _phasors(assumed)))
 
 
-def _phasors(planes: Sequence[Plane]) -> Complexes:
+def _phasors(planes: Sequence[PrintedUnbalance]) -> Complexes:
     return np.array([size * np.exp(1j * math.radians(angle)) for size, angle in planes])
 
 

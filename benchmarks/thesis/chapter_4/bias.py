@@ -4,11 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from benchmarks.documents import Document
 from benchmarks.thesis.chapter_4.cases import CASES, clean_phasors, high_frequency_model
 from benchmarks.thesis.flexible.experiments import (
     LIKELIHOOD_SEEDS,
-    Complexes,
-    Document,
     FlexibleCase,
     Subject,
     likelihood,
@@ -19,6 +18,7 @@ from benchmarks.thesis.flexible.experiments import (
 )
 from benchmarks.thesis.flexible.printed import TABLE_4_3
 from benchmarks.thesis.tables import median_and_worst, table
+from estimator.arrays import Complexes
 from estimator.thesis.noise import multiplicative_noise, multiplicative_rms
 from estimator.thesis.reduction import high_frequency_condensed
 

@@ -4,7 +4,8 @@ from typing import Literal
 
 import numpy as np
 
-from benchmarks.thesis.flexible.experiments import Complexes, FlexibleCase, Subject, both_ways, one_way
+from benchmarks.thesis.flexible.experiments import FlexibleCase, Subject, both_ways, one_way
+from estimator.arrays import Complexes
 from estimator.thesis.reduced_model import ReducedModel, reduced_response
 from estimator.thesis.reduction import high_frequency_condensed
 

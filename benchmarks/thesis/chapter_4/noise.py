@@ -7,7 +7,6 @@ from benchmarks.thesis.flexible.experiments import (
     LIKELIHOOD_SEEDS,
     NOISE,
     SEEDS,
-    Complexes,
     FlexibleCase,
     Placement,
     Subject,
@@ -23,6 +22,7 @@ from benchmarks.thesis.flexible.experiments import (
 from benchmarks.thesis.flexible.printed import TABLE_4_3
 from benchmarks.thesis.plots import PlottedCurve, chart, save
 from benchmarks.thesis.tables import median_and_worst, percent, table, worst_of_seeds
+from estimator.arrays import Complexes
 from estimator.thesis.noise import Sharing, multiplicative_noise, multiplicative_rms
 from estimator.thesis.reduced_model import ReducedModel, reduced_response
 from estimator.thesis.reduction import dynamically_condensed

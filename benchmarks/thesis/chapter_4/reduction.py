@@ -3,9 +3,10 @@
 import numpy as np
 
 from benchmarks.thesis.chapter_4.cases import CASES, DATA, clean_phasors, high_frequency_model
-from benchmarks.thesis.flexible.experiments import NOISE, Complexes, Subject, one_way, regression, regression_errors
+from benchmarks.thesis.flexible.experiments import NOISE, Subject, one_way, regression, regression_errors
 from benchmarks.thesis.flexible.printed import TABLE_4_2, TABLE_4_3
 from benchmarks.thesis.tables import median_and_worst, percent, power, table, worst_of_seeds
+from estimator.arrays import Complexes
 from estimator.thesis.noise import multiplicative_noise
 from estimator.thesis.reduced_model import ReducedModel, reduced_response
 from estimator.thesis.reduction import dynamic_masters, dynamically_condensed, high_frequency_transformation

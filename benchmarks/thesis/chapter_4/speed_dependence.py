@@ -5,9 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.thesis.flexible.experiments import SEEDS, Complexes, Floats, Subject
+from benchmarks.thesis.flexible.experiments import SEEDS, Subject
 from benchmarks.thesis.tables import median_and_worst, percent, table
-from estimator.thesis.flexible_train import Indices, parts
+from estimator.arrays import Complexes, Floats, Indices
+from estimator.thesis.flexible_train import parts
 from estimator.thesis.noise import complex_noise
 from estimator.thesis.reduced_model import reduced_response, response_equations
 from estimator.thesis.reduction import eliminated, high_frequency_condensed

@@ -5,9 +5,10 @@ import math
 
 import numpy as np
 
-from benchmarks.thesis.chapter_5.rig import Floats, Rig
+from benchmarks.thesis.chapter_5.rig import Rig
 from benchmarks.thesis.chapter_5.simple_supports import LARGEST, PRINTED_HZ, SMALLEST, fit_coupling
 from benchmarks.thesis.tables import percent, table
+from estimator.arrays import Floats
 from estimator.machine.document import parse_machine
 from estimator.modes.simply_supported import SimplySupportedShaft, disc_at_midspan_frequency, span_for
 from estimator.thesis.rig import nominal_values, plane_frequencies

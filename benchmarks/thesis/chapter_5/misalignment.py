@@ -7,8 +7,9 @@ from typing import Self
 
 import numpy as np
 
-from benchmarks.thesis.chapter_5.rig import LARGEST_GROWTH, PRINTED, RUN_UP, SETS, Floats, Rig, fitted, logarithmic_point
+from benchmarks.thesis.chapter_5.rig import LARGEST_GROWTH, PRINTED, RUN_UP, SETS, Rig, fitted, logarithmic_point
 from benchmarks.thesis.tables import percent, table
+from estimator.arrays import Floats
 from estimator.diagnosis.finding_kind import Cause
 from estimator.diagnosis.observation import observation_of
 from estimator.diagnosis.run_windows import RunWindows

@@ -7,8 +7,9 @@ import scipy.optimize
 
 from benchmarks.thesis.chapter_5.geometry import three_frequencies
 from benchmarks.thesis.chapter_5.misalignment import bearing_growth, imposed_factors
-from benchmarks.thesis.chapter_5.rig import Floats, Rig
+from benchmarks.thesis.chapter_5.rig import Rig
 from benchmarks.thesis.tables import table
+from estimator.arrays import Floats
 from estimator.machine.parameter_description import describe
 from estimator.modes.eigenmodes import eigenvalues
 from estimator.thesis.impact_spectrum import Place, impact_spectrum, spectrum_peaks

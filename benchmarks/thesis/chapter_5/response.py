@@ -7,9 +7,10 @@ import scipy.optimize
 import yaml
 from numpy.typing import NDArray
 
-from benchmarks.thesis.chapter_5.rig import PRINTED, ROOT, Complexes, Floats, Rig
+from benchmarks.thesis.chapter_5.rig import PRINTED, ROOT, Rig
 from benchmarks.thesis.plots import PlottedCurve, chart, save
 from benchmarks.thesis.tables import table
+from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.half_power import HalfPowerNotReached, HalfPowerPoints, half_power_points, outside, peak_samples
 from estimator.rotor.condensation import condense

@@ -5,12 +5,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import yaml
-from numpy.typing import NDArray
 
+from benchmarks.documents import Document
+from estimator.arrays import Complexes, Floats
 from estimator.fit.identification import Identification, Options
 from estimator.fit.identify import identify
 from estimator.machine.document import Machine, parse_machine
@@ -30,10 +30,6 @@ from estimator.thesis.rig import (
     nominal_values,
 )
 from estimator.trends.parameter_vector import Point
-
-Floats = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
-Document = dict[str, Any]
 
 ROOT = Path(__file__).parents[3]
 RELATIVE_NOISE = 0.01

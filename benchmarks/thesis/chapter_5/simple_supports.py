@@ -7,8 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.optimize
 
-from benchmarks.thesis.flexible.experiments import Document, Floats, Subject
+from benchmarks.documents import Document
+from benchmarks.thesis.flexible.experiments import Subject
 from benchmarks.thesis.flexible.misprints import natural_frequencies, with_printed_rotary_inertia
+from estimator.arrays import Floats
 from estimator.machine.document import parse_machine
 from estimator.rotor.assembly import assemble_rotor
 from estimator.thesis.flexible_train import flexible_train

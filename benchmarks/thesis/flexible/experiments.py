@@ -5,13 +5,14 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import yaml
-from numpy.typing import NDArray
 
+from benchmarks.documents import Document
 from benchmarks.thesis.tables import percent, short_name, table, worst_of_seeds
+from estimator.arrays import Complexes, Floats
 from estimator.fit.identification import Identification
 from estimator.fit.identify import identify, identify_train
 from estimator.machine.document import Machine, parse_machine
@@ -21,12 +22,9 @@ from estimator.rotor.response import sensitivity
 from estimator.thesis.flexible_train import FlexibleTrain, flexible_train, full_response, parts
 from estimator.thesis.noise import Sharing, multiplicative_noise
 from estimator.thesis.reduced_model import ReducedModel, ResponseEquations, response_equations
-from estimator.thesis.regression import Method, Scaling, Solution, solve
+from estimator.thesis.regression import RegressionMethod, Scaling, Solution, solve
 from estimator.thesis.response_regression import real_names, speed_independent_regression
 
-Floats = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
-Document = dict[str, Any]
 Placement = Literal["everywhere", "matrix only"]
 """Place of the noise in a regression: matrix and right-hand side, as with measured phasors, or the matrix alone."""
 
@@ -136,7 +134,7 @@ def regression(
     *,
     exact: Complexes | None = None,
     scaling: Scaling = "norm",
-    method: Method = "orthogonal",
+    method: RegressionMethod = "orthogonal",
     damping_scaled: bool = True,
 ) -> Solution:
     """Return the thesis's regression on measured phasors (S, n); the right-hand side from `exact` ones where these are
@@ -160,7 +158,7 @@ def regression_errors(
     sharing: Sharing = "none",
     placement: Placement = "everywhere",
     scaling: Scaling = "norm",
-    method: Method = "orthogonal",
+    method: RegressionMethod = "orthogonal",
     damping_scaled: bool = True,
 ) -> Floats:
     """Return the relative errors (seeds, K + 2P) of the regression under the thesis's noise."""

@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from benchmarks.thesis.flexible.experiments import Floats, Subject
+from benchmarks.thesis.flexible.experiments import Subject
+from estimator.arrays import Floats
 from estimator.machine.parts import Material, Section
 from estimator.rotor.assembly import assemble_rotor
 from estimator.rotor.shaft_element import NODE_DOFS, shear_coefficient

@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping
 
+from benchmarks.thesis.tables import PrintedUnbalance
+
 TABLES_3_3_TO_3_6: Mapping[str, tuple[float, float, float, float, float]] = {
     "B1 kxx": (250000.0, 250210.0, 249860.0, 250170.0, 253620.0),
     "B1 kxy": (120000.0, 120170.0, 122120.0, 123850.0, 126770.0),
@@ -76,10 +78,8 @@ TABLE_3_8: Mapping[str, tuple[float, float, float, float]] = {
 }
 """Largest errors [%]: before column scaling at 1 % and 5 %, after it at 1 % and 5 %."""
 
-Plane = tuple[float, float]
-"""Magnitude [kg m] and angle [deg] of an unbalance."""
 
-TABLE_3_9: tuple[tuple[tuple[Plane, ...], tuple[Plane, ...]], ...] = (
+TABLE_3_9: tuple[tuple[tuple[PrintedUnbalance, ...], tuple[PrintedUnbalance, ...]], ...] = (
     (
         ((9.4e-3, 36.0), (5.6e-3, 108.0), (7.8e-3, 240.0), (11.1e-3, 300.0)),
         ((9.8e-3, 37.9), (6.2e-3, 107.2), (7.6e-3, 240.9), (11.4e-3, 301.2)),
@@ -99,7 +99,7 @@ TABLE_3_9: tuple[tuple[tuple[Plane, ...], tuple[Plane, ...]], ...] = (
 )
 """Per set: assumed and estimated unbalances at 5 % noise."""
 
-TABLE_3_10: tuple[tuple[tuple[float, ...], tuple[Plane, ...]], ...] = (
+TABLE_3_10: tuple[tuple[tuple[float, ...], tuple[PrintedUnbalance, ...]], ...] = (
     ((2.0, 1.5, 2.5, 1.6), ((9.8e-3, 37.9), (6.2e-3, 107.2), (7.6e-3, 240.9), (11.4e-3, 301.2))),
     ((1.3, 0.5, 1.0, 2.0), ((9.0e-3, 36.7), (5.9e-3, 107.4), (7.2e-3, 239.4), (12.3e-3, 302.3))),
     ((2.5, 2.0, 0.5, 2.0), ((10.2e-3, 38.4), (6.6e-3, 109.4), (6.6e-3, 238.5), (12.9e-3, 302.7))),

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from benchmarks.thesis.future_work.trains import FEATURES, INTERNAL_DAMPING, NOMINAL_ERROR, RMS, Feature, plain, true_point
 from benchmarks.thesis.tables import paragraphs, percent, prose, table
+from estimator.arrays import Complexes, Floats
 from estimator.fit.identification import Identification, Options
 from estimator.fit.identify import identify
 from estimator.fit.problem.coordinates import Coordinates
@@ -19,9 +19,6 @@ from estimator.machine.parameter_description import is_direct
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.condensation import condense
 from estimator.rotor.response import response, sensitivity
-
-Floats = NDArray[np.float64]
-Complexes = NDArray[np.complex128]
 
 SPEED: Floats = np.arange(20.0, 500.0, 3.0)
 """[rad/s]"""

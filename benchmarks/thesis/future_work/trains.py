@@ -3,14 +3,12 @@
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from benchmarks.documents import Document
 from estimator.machine.document import Machine, parse_machine
 from estimator.machine.parameter_description import is_direct
-
-Document = dict[str, Any]
 
 RMS = 0.01
 """Rms of the complex noise, part of each amplitude."""

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from estimator.strict_model import StrictModel
-from service.api.conventions.fields import Name
+from service.api.conventions.fields import DisplayName
 from service.delivery.channels import CHANNEL_KINDS, channel_kind
 from service.reports.period import ReportInterval
 from service.secrets.references import FILE_NAME, VARIABLE
@@ -30,7 +30,7 @@ class SubscriptionIn(StrictModel):
     )
 
     kind: ChannelName
-    name: Name
+    name: DisplayName
     target: Annotated[str, Field(max_length=2000, pattern=r"^[^\x00-\x1f]*$")] = ""
     plants: Annotated[list[Annotated[str, Field(min_length=1, max_length=64)]], Field(min_length=1, max_length=100)] | None = (
         Field(default=None, description="only of these plants' events; by default of all that who asks may see")

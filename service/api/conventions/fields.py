@@ -7,7 +7,7 @@ from pydantic import AfterValidator, Field
 
 from service.api.conventions.times import Time
 
-Name = Annotated[str, Field(min_length=1, max_length=120, pattern=r"^[^\x00-\x1f]*$")]
+DisplayName = Annotated[str, Field(min_length=1, max_length=120, pattern=r"^[^\x00-\x1f]*$")]
 
 Comment = Annotated[str, Field(max_length=2000, pattern=r"^[^\x00]*$")]
 

@@ -19,7 +19,7 @@ MEDIA_TYPES: Mapping[Format, str] = {"json": JSON, "csv": CSV, "parquet": PARQUE
 
 EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
-Column = Sequence[Any]
+ColumnContents = Sequence[Any]
 
 
 def asked_format(request: Request, chosen: Format | None) -> Format:
@@ -38,7 +38,7 @@ def asked_format(request: Request, chosen: Format | None) -> Format:
     return best
 
 
-def csv_bytes(columns: Mapping[str, Column]) -> bytes:
+def csv_bytes(columns: Mapping[str, ColumnContents]) -> bytes:
     """Return a header line and the rows as CSV (RFC 4180); missing values are empty."""
     text = io.StringIO()
     writer = CsvWriter(text)
@@ -47,7 +47,7 @@ def csv_bytes(columns: Mapping[str, Column]) -> bytes:
     return text.getvalue().encode()
 
 
-def parquet_bytes(columns: Mapping[str, Column], *, times: Sequence[str]) -> bytes:
+def parquet_bytes(columns: Mapping[str, ColumnContents], *, times: Sequence[str]) -> bytes:
     """Return an Apache Parquet file; the columns named in `times` hold RFC 3339 texts and become timestamps [µs, UTC].
 
     Raises HTTPException 406 where the extra `rotorundown[parquet]` is not installed.

@@ -14,7 +14,7 @@ Speed = Literal["rpm", "hz", "rad_s"]
 Amplitude = Literal["um_pp", "um_p", "mil_pp", "mil_p", "mm_pp", "m_p"]
 Phase = Literal["deg_lag", "deg_lead", "rad_lag", "rad_lead"]
 
-Column = list[float | None]
+OptionalValues = list[float | None]
 
 _SPEED: dict[Speed, float] = {"rpm": RAD_PER_S["rpm"], "hz": RAD_PER_S["Hz"], "rad_s": 1.0}
 _PEAK = {"p": PEAK["peak"], "pp": PEAK["peak-to-peak"]}
@@ -31,7 +31,7 @@ class Units(BaseModel):
         default="deg_lag", description="of the displacement's positive peak behind (lag) or ahead of (lead) the mark"
     )
 
-    def speeds(self, rad_per_s: NDArray[np.float64]) -> Column:
+    def speeds(self, rad_per_s: NDArray[np.float64]) -> OptionalValues:
         """Return spin speeds [rad/s], or their errors, in these units."""
         return column(np.asarray(rad_per_s) / _SPEED[self.speed])
 
@@ -39,16 +39,16 @@ class Units(BaseModel):
         """Return one spin speed [rad/s] in these units."""
         return float(rad_per_s) / _SPEED[self.speed]
 
-    def amplitudes(self, metres: NDArray[np.float64]) -> Column:
+    def amplitudes(self, metres: NDArray[np.float64]) -> OptionalValues:
         """Return amplitudes, 0-to-peak [m], in these units."""
         length, _, kind = self.amplitude.partition("_")
         return column(np.asarray(metres) / (_LENGTH[length] * _PEAK[kind]))
 
-    def lengths(self, metres: NDArray[np.float64]) -> Column:
+    def lengths(self, metres: NDArray[np.float64]) -> OptionalValues:
         """Return lengths [m] in the amplitudes' unit of length; no peak has a part in them."""
         return column(np.asarray(metres) / _LENGTH[self.amplitude.partition("_")[0]])
 
-    def phases(self, phasors: NDArray[np.complex128]) -> Column:
+    def phases(self, phasors: NDArray[np.complex128]) -> OptionalValues:
         """Return phases of phasors in these units, from zero to less than a turn."""
         angle, _, sense = self.phase.partition("_")
         turn = 2.0 * np.pi / _ANGLE[angle]
@@ -57,7 +57,7 @@ class Units(BaseModel):
         return column(np.where(np.isfinite(phasors), np.mod(np.mod(phase, turn), turn), np.nan))
 
 
-def column(values: NDArray[Any]) -> Column:
+def column(values: NDArray[Any]) -> OptionalValues:
     """Return numbers as JSON has them: null for non-finite ones."""
     return [value if finite else None for value, finite in zip(values.tolist(), np.isfinite(values).tolist(), strict=True)]
 

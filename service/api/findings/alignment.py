@@ -15,7 +15,7 @@ from estimator.updated_model.derived_quantities import Derived, alignment_quanti
 from service.api.conventions.dependencies import MachineId, database
 from service.api.conventions.problems import RESPONSES
 from service.api.findings.deviation_schemas import ComparedOut
-from service.api.findings.deviations import Which, chosen_comparison, compared_fields
+from service.api.findings.deviations import ChosenIdentification, chosen_comparison, compared_fields
 from service.api.findings.model import cached_result, read_identified
 from service.identification.stored_model import Identified, identified
 from service.security.requirement import VIEWER
@@ -68,7 +68,7 @@ class AlignmentOut(ComparedOut):
 
 
 @router.get("/machines/{machine_id}/alignment", operation_id="read_alignment")
-def read_alignment(request: Request, machine_id: MachineId, which: Which = None) -> AlignmentOut:
+def read_alignment(request: Request, machine_id: MachineId, which: ChosenIdentification = None) -> AlignmentOut:
     """Read offset and angle of each coupling, and by how much they have changed against the baseline.
 
     A change is known better than either alignment: what is uncertain of the films is the same in all runs.

@@ -22,7 +22,7 @@ STRONG = 0.9
 """Correlation beyond which the data hardly distinguish two coordinates."""
 MAXIMUM_PAIRS = 50
 
-Which = Annotated[int, Query(ge=0, le=2**62, description="id of an identification")]
+ComparedIdentification = Annotated[int, Query(ge=0, le=2**62, description="id of an identification")]
 
 
 class Pair(BaseModel):
@@ -76,7 +76,9 @@ class Comparison(BaseModel):
 
 
 @router.get("/compare", operation_id="compare_identifications")
-def compare_identifications(request: Request, session: Reading, first: Which, second: Which) -> Comparison:
+def compare_identifications(
+    request: Request, session: Reading, first: ComparedIdentification, second: ComparedIdentification
+) -> Comparison:
     """Compare two identifications, per parameter and per element.
 
     Only the errors of the fits are counted; the baseline shows how much the machine varies from run to run.

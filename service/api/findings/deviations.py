@@ -41,8 +41,10 @@ router = APIRouter(tags=["deviations"], responses=RESPONSES, dependencies=[VIEWE
 CENTURY = 5218.0
 """Time [weeks] after which a limit counts as never reached."""
 
-Which = Annotated[int | None, Query(alias="identification", ge=0, le=2**62, description="by default the newest accepted one")]
-Name = Annotated[str, Field(pattern=r"^\w+\.\S{1,200}$", description="what it is a part of, a dot, and which")]
+ChosenIdentification = Annotated[
+    int | None, Query(alias="identification", ge=0, le=2**62, description="by default the newest accepted one")
+]
+CoordinateName = Annotated[str, Field(pattern=r"^\w+\.\S{1,200}$", description="what it is a part of, a dot, and which")]
 
 
 def _names(words: str) -> Any:
@@ -50,7 +52,9 @@ def _names(words: str) -> Any:
 
 
 @router.get("/machines/{machine_id}/deviations", operation_id="read_deviations")
-def read_deviations(request: Request, session: Reading, machine_id: MachineId, which: Which = None) -> schemas.DeviationsOut:
+def read_deviations(
+    request: Request, session: Reading, machine_id: MachineId, which: ChosenIdentification = None
+) -> schemas.DeviationsOut:
     """Measure the deviation of each parameter and each element from the baseline, in per cent and standard deviations."""
     found = chosen_comparison(request, session, machine_id, which)
     if found.missing is not None:
@@ -71,9 +75,9 @@ def read_trend_tests(
     request: Request,
     session: Reading,
     machine_id: MachineId,
-    parameter: Annotated[list[Name], _names("such as bearing.B1.kxx")],
-    element: Annotated[list[Name], _names("such as coupling.C1")],
-    which: Which = None,
+    parameter: Annotated[list[CoordinateName], _names("such as bearing.B1.kxx")],
+    element: Annotated[list[CoordinateName], _names("such as coupling.C1")],
+    which: ChosenIdentification = None,
 ) -> schemas.TrendTestsOut:
     """Read steps, creep and drift of parameters and of elements' distances, from the baseline up to an identification.
 

@@ -2,7 +2,7 @@
 
 from pydantic import BaseModel, Field
 
-from service.api.conventions.units import Column, Units
+from service.api.conventions.units import OptionalValues, Units
 
 
 class OfModel(BaseModel):
@@ -36,16 +36,16 @@ class CriticalSpeeds(OfModel):
 class Curve(BaseModel):
     """One mode over the speeds; null where it is overdamped or not followed."""
 
-    frequency_hz: Column = Field(description="damped natural frequency")
-    damping_ratio: Column
-    whirl: Column
+    frequency_hz: OptionalValues = Field(description="damped natural frequency")
+    damping_ratio: OptionalValues
+    whirl: OptionalValues
 
 
 class CampbellOut(OfModel):
     """Natural frequencies over spin speed; a curve crosses the synchronous line at a critical speed."""
 
-    speed: Column
-    synchronous_hz: Column = Field(description="the frequency of once per turn at each speed")
+    speed: OptionalValues
+    synchronous_hz: OptionalValues = Field(description="the frequency of once per turn at each speed")
     curves: list[Curve]
     critical_speeds: list[CriticalSpeedOut] = Field(description="without errors; see critical-speeds")
 
@@ -91,10 +91,10 @@ class ModesOut(OfModel):
 class Load(BaseModel):
     """The 1× amplitude of a force [N] or moment [N m] over speed, 0-to-peak, with its 95 % band, and its phase."""
 
-    amplitude: Column
-    lower: Column
-    upper: Column
-    phase: Column
+    amplitude: OptionalValues
+    lower: OptionalValues
+    upper: OptionalValues
+    phase: OptionalValues
 
 
 class CouplingLoad(BaseModel):
@@ -110,7 +110,7 @@ class CouplingLoad(BaseModel):
 class MisalignmentForce(OfModel):
     """Forces [N] and moments [N m] of each coupling over speed. An identified equivalent load is not included."""
 
-    speed: Column
+    speed: OptionalValues
     couplings: list[CouplingLoad]
 
 
@@ -150,15 +150,15 @@ class Vibration(BaseModel):
     """A channel's amplitude over the speeds, with its 95 % band."""
 
     channel: str
-    amplitude: Column
-    lower: Column
-    upper: Column
+    amplitude: OptionalValues
+    lower: OptionalValues
+    upper: OptionalValues
 
 
 class Balancing(OfModel):
     """The correction that minimises the squared vibration over the speeds, and the vibration before and after it."""
 
-    speed: Column
+    speed: OptionalValues
     corrections: list[PlaneCorrection]
     before: list[Vibration]
     after: list[Vibration] = Field(description="with this very correction")
@@ -171,29 +171,29 @@ class BodeColumns(BaseModel):
     """A channel over speed."""
 
     channel: str
-    amplitude: Column
-    phase: Column
+    amplitude: OptionalValues
+    phase: OptionalValues
 
 
 class FittedChannel(BodeColumns):
     """A channel's fitted curve with the 95 % band of its amplitude."""
 
-    lower: Column
-    upper: Column
+    lower: OptionalValues
+    upper: OptionalValues
 
 
 class MeasuredChannel(BodeColumns):
     """A channel's measured points, as used by the fit, with the residuals at the same speeds."""
 
     used: list[bool] = Field(description="false for points that quality left out")
-    residual: Column = Field(description="|measured - fitted|, an amplitude")
-    residual_sigma: Column = Field(description="the same over the expected error; null where that is not known")
+    residual: OptionalValues = Field(description="|measured - fitted|, an amplitude")
+    residual_sigma: OptionalValues = Field(description="the same over the expected error; null where that is not known")
 
 
 class FittedCurve(BaseModel):
     """The fit over evenly spaced speeds."""
 
-    speed: Column
+    speed: OptionalValues
     channels: list[FittedChannel]
 
 
@@ -202,7 +202,7 @@ class MeasuredRun(BaseModel):
 
     run: int
     time: list[str]
-    speed: Column
+    speed: OptionalValues
     channels: list[MeasuredChannel]
 
 
@@ -218,8 +218,8 @@ class MeasuredLine(BaseModel):
     """Places of a journal's centre in its bearing over speed; null where unknown."""
 
     bearing: str
-    x_um: Column = Field(description="horizontal, from the bearing's centre [µm]")
-    y_um: Column = Field(description="upwards [µm]")
+    x_um: OptionalValues = Field(description="horizontal, from the bearing's centre [µm]")
+    y_um: OptionalValues = Field(description="upwards [µm]")
 
 
 class JournalLine(MeasuredLine):
@@ -232,13 +232,13 @@ class MeasuredLines(BaseModel):
     """Lines that the gaps of a run tell."""
 
     run: int
-    speed: Column
+    speed: OptionalValues
     bearings: list[MeasuredLine] = Field(description="those with two probes across each other that send gaps")
 
 
 class CentrelineOut(OfModel):
     """Journals in their clearance circles over the speeds of the runs."""
 
-    speed: Column
+    speed: OptionalValues
     bearings: list[JournalLine]
     measured: list[MeasuredLines] = Field(description="by run with gaps, each probe's zero set by the model")

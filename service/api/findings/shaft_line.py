@@ -11,7 +11,7 @@ from estimator.units import METRES
 from estimator.updated_model.shaft_line import JournalLines, measured_lines, modelled_lines
 from service.api.conventions.dependencies import Number, database
 from service.api.conventions.problems import RESPONSES, Unsuitable
-from service.api.conventions.units import Column, UnitChoice, column
+from service.api.conventions.units import OptionalValues, UnitChoice, column
 from service.api.findings import model_schemas as schemas
 from service.api.findings.model import Points, cached_result, head
 from service.identification.stored_model import Identified, UsedRun, used_runs
@@ -70,6 +70,6 @@ def _lines(one: Identified, held: list[UsedRun], points: int) -> tuple[Floats, J
     return speed, modelled_lines(one.model, speed=speed), [found for found in each if found[2] is not None]
 
 
-def _axes(place: Floats) -> dict[str, Column]:
+def _axes(place: Floats) -> dict[str, OptionalValues]:
     """Return places (S, 2) [m] along both axes [µm]."""
     return {name: column(place[:, axis] / METRES["um"]) for axis, name in enumerate(("x_um", "y_um"))}

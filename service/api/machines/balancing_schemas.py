@@ -11,12 +11,12 @@ from estimator.field_types import Identifier
 from estimator.machine.disc_scale import DiscScale
 from estimator.strict_model import StrictModel
 from estimator.units import KILOGRAM_METRES, KILOGRAMS, MassUnit, UnbalanceUnit
-from estimator.updated_model.balance_quality import GRAM_MILLIMETRE, Verdict
+from estimator.updated_model.balance_quality import GRAM_MILLIMETRE, PlaneVerdict
 from service.api.conventions.fields import Comment
 from service.balancing.stored_runs import StoredWeight
 from service.security.principal import Author
 
-Angle = Annotated[
+DiscAngle = Annotated[
     float, Field(ge=-3600, le=3600, allow_inf_nan=False, description="on the disc's scale [°]; see `disc_scale`")
 ]
 SMALLEST = 1e-6
@@ -34,7 +34,7 @@ class WeightIn(StrictModel):
     )
     unit: UnbalanceUnit | MassUnit
     radius_mm: Size | None = Field(default=None, description="at which a mass sits [mm]")
-    angle_deg: Angle
+    angle_deg: DiscAngle
 
     @model_validator(mode="after")
     def _whole(self) -> Self:
@@ -84,7 +84,7 @@ class PlacesIn(StrictModel):
 
     count: int = Field(ge=1, le=1000)
     radius_mm: Size
-    first_deg: Angle = 0.0
+    first_deg: DiscAngle = 0.0
     largest_g: Size | None = Field(default=None, description="largest mass at one place [g]")
     step_g: Size | None = Field(default=None, description="step of the masses [g]")
 
@@ -168,7 +168,7 @@ class ResidualOut(BaseModel):
     g_mm: float
     upper_g_mm: float
     reached_grade: float
-    verdict: Verdict
+    verdict: PlaneVerdict
 
 
 class ResidualPlaneOut(BaseModel):
@@ -228,7 +228,7 @@ class CorrectionOut(BaseModel):
     planes: list[CorrectionPlaneOut]
     channels: list[ChannelEffectOut]
     limit_um_pp: float | None = Field(description="the document's vibration limit")
-    limit_verdict: Verdict | None
+    limit_verdict: PlaneVerdict | None
     residual: list[ResidualPlaneOut]
     vectors: list[PointVectors]
 

@@ -11,7 +11,7 @@ from storage.machines import fleet
 from storage.machines.fleet import ListedMachine
 from storage.paging import Keys
 
-Stamp = tuple[int | None, ...]
+MachineListStamp = tuple[int | None, ...]
 MAXIMUM_LISTS = 32
 """Largest number of cached lists, one for each set of visible plants."""
 
@@ -20,7 +20,7 @@ class MachineList:
     """The machines of a store, as each session sees them."""
 
     def __init__(self) -> None:
-        self._lists: dict[Plants | None, tuple[Stamp, list[ListedMachine]]] = {}
+        self._lists: dict[Plants | None, tuple[MachineListStamp, list[ListedMachine]]] = {}
         self._lock = threading.Lock()
 
     def page(self, session: Session, *, limit: int, after: Keys | None) -> Sequence[ListedMachine]:

@@ -8,7 +8,7 @@ from pydantic import BaseModel, Field, model_validator
 from estimator.machine.disc_scale import DiscScale
 from estimator.machine.document import Machine
 from estimator.strict_model import StrictModel
-from service.api.conventions.fields import Comment, Name
+from service.api.conventions.fields import Comment, DisplayName
 from service.api.machines.balancing_schemas import RunNumber, WeightIn
 from service.security.principal import Author
 
@@ -20,7 +20,7 @@ class CalibrationRunIn(StrictModel):
     weights: Annotated[list[WeightIn], Field(max_length=100)] = Field(
         description="all that was on, also what an earlier trial left; an empty list says that there was none"
     )
-    mounting: Name | None = Field(
+    mounting: DisplayName | None = Field(
         default=None, description="runs with the same name were not dismounted between; by default each run is one of its own"
     )
     steady: bool = Field(default=False, description="samples are dwells at constant speed, of no sweep")

@@ -22,7 +22,7 @@ from storage.measurements.runs import OPEN
 
 LABELS = [(severity, severity.label) for severity in Severity]
 
-Row = dict[str, Any]
+OverviewRow = dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ class Overview:
         return kept.row
 
 
-def _row(one: MachineGlance, standing: CollectionState | None) -> Row:
+def _row(one: MachineGlance, standing: CollectionState | None) -> OverviewRow:
     # Encoded without a model: a thousand of them would be looked at field by field.
     readings = None if standing is None else standing.operating.sweep.readings
     known = readings is not None and readings.last_time is not None
@@ -92,7 +92,7 @@ def _row(one: MachineGlance, standing: CollectionState | None) -> Row:
     }
 
 
-def _open_run(one: MachineGlance, standing: CollectionState | None) -> Row | None:
+def _open_run(one: MachineGlance, standing: CollectionState | None) -> OverviewRow | None:
     run = one.last_run
     if standing is None or run is None or run.state != OPEN:
         return None
@@ -103,21 +103,21 @@ def _open_run(one: MachineGlance, standing: CollectionState | None) -> Row | Non
     return {"id": run.id, "kind": run.kind, "started_at": to_datetime(run.time_first), "progress": part}
 
 
-def _first_alert(alert: AlertGlance | None) -> Row | None:
+def _first_alert(alert: AlertGlance | None) -> OverviewRow | None:
     if alert is None:
         return None
     named = {"rule": alert.rule, "element": alert.element, "state": alert.state}
     return {"id": alert.id, "severity": Severity(alert.severity).label} | named
 
 
-def _last_run(run: RunGlance | None) -> Row | None:
+def _last_run(run: RunGlance | None) -> OverviewRow | None:
     if run is None:
         return None
     times = {"started_at": to_datetime(run.time_first), "ended_at": time_or_none(run.time_last)}
     return {"id": run.id, "kind": run.kind, "state": run.state} | times
 
 
-def _last_identification(last: IdentificationGlance | None) -> Row | None:
+def _last_identification(last: IdentificationGlance | None) -> OverviewRow | None:
     if last is None:
         return None
     outcome = {"accepted": last.accepted, "verdict": last.verdict}

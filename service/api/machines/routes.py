@@ -23,7 +23,7 @@ from storage.machines import machines
 
 router = APIRouter(prefix="/machines", tags=["machines"], responses=RESPONSES, dependencies=[VIEWER])
 
-Document = Annotated[Machine, LISTING_FEW_PROBLEMS, Body(description="the whole machine document")]
+WholeDocument = Annotated[Machine, LISTING_FEW_PROBLEMS, Body(description="the whole machine document")]
 
 
 @router.get("", operation_id="list_machines", response_model=list[schemas.MachineSummary])
@@ -46,7 +46,7 @@ async def list_machines(request: Request, cache: Cached, paging: ByName) -> Resp
     status_code=status.HTTP_201_CREATED,
     responses={409: {"model": Problem}},
 )
-def create_machine(request: Request, response: Response, document: Document) -> schemas.MachineRevision:
+def create_machine(request: Request, response: Response, document: WholeDocument) -> schemas.MachineRevision:
     """Create a machine from its document. Its sources may publish from now on."""
     accepted(document)
     who = principal(request)
@@ -66,7 +66,7 @@ def read_machine(session: Reading, response: Response, machine_id: MachineId) ->
 
 @router.put("/{machine_id}", operation_id="revise_machine", dependencies=[ADMIN], responses={409: {"model": Problem}})
 def revise_machine(
-    request: Request, response: Response, machine_id: MachineId, document: Document, if_match: IfMatch = None
+    request: Request, response: Response, machine_id: MachineId, document: WholeDocument, if_match: IfMatch = None
 ) -> schemas.MachineRevision:
     """Put a new revision of the document in force. Runs and identifications keep the revision that they were made with."""
     if document.id != machine_id:

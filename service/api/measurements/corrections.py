@@ -17,7 +17,7 @@ from storage.encoding.sample_blocks import Samples
 from storage.machines import machines, slow_roll
 from storage.measurements import runs, samples
 
-SlowRollChoice = Annotated[
+SlowRollQuery = Annotated[
     str,
     Query(pattern=r"^(none|in_force|[0-9]{1,9})$", description="vectors to subtract: `none`, `in_force` or a version"),
 ]

@@ -14,7 +14,7 @@ from estimator.units import METRES, RADIANS, rad_per_s_to_rpm, rpm_to_rad_per_s
 from service.api.conventions.dependencies import Number, Reading
 from service.api.conventions.problems import RESPONSES
 from service.api.conventions.units import Units, UnitsIfAsked
-from service.api.measurements.corrections import SlowRollChoice, chosen, run_samples
+from service.api.measurements.corrections import SlowRollQuery, chosen, run_samples
 from service.security.requirement import VIEWER
 
 router = APIRouter(tags=["measurements"], responses=RESPONSES, dependencies=[VIEWER])
@@ -94,7 +94,7 @@ def read_orbits(
     run_id: Number,
     rpm: Annotated[float, Query(ge=0.1, lt=1e6, description="speed; the nearest sample with all it takes is used")],
     units: UnitsIfAsked,
-    slow_roll: SlowRollChoice = "none",
+    slow_roll: SlowRollQuery = "none",
 ) -> Orbits:
     """Read the orbits at the sample nearest to a speed, with their uncertainty, and swapped channels where they show."""
     machine, held = run_samples(session, run_id)

@@ -12,7 +12,7 @@ from service.api.conventions.paging import ByTime
 from service.api.conventions.problems import RESPONSES
 from service.api.conventions.units import UnitsIfAsked
 from service.api.measurements import rendering, schemas
-from service.api.measurements.corrections import SlowRollChoice, corrected_phasors, run_samples
+from service.api.measurements.corrections import SlowRollQuery, corrected_phasors, run_samples
 from service.security.requirement import VIEWER
 from storage.machines import machines
 from storage.measurements import runs, samples
@@ -47,7 +47,7 @@ def read_samples(
     period: Period,
     units: UnitsIfAsked,
     limit: Annotated[int, Query(ge=1, le=LARGEST_SAMPLE_COUNT)] = 1000,
-    slow_roll: SlowRollChoice = "none",
+    slow_roll: SlowRollQuery = "none",
     include: Include = (),
     revision: Annotated[int | None, Query(ge=1, le=2**31, description="of the document; by default the one in force")] = None,
     form: Annotated[
@@ -96,7 +96,7 @@ def read_run(session: Reading, run_id: Number) -> schemas.Run:
 
 @router.get("/runs/{run_id}/phasors", operation_id="read_run_phasors")
 def read_run_phasors(
-    session: Reading, run_id: Number, units: UnitsIfAsked, slow_roll: SlowRollChoice = "none", include: Include = ()
+    session: Reading, run_id: Number, units: UnitsIfAsked, slow_roll: SlowRollQuery = "none", include: Include = ()
 ) -> schemas.Phasors:
     """Read the run's 1× phasors over speed: its Bode data. Of an open run, those collected so far."""
     machine, held = run_samples(session, run_id)

@@ -33,7 +33,7 @@ class ChannelVectors:
 
 Kept = tuple[float, dict[str, ChannelVectors]]
 """Mean speed [rad/s], and the vectors by channel."""
-Key = tuple[int, int | None, int | None, float]
+RunVectorsKey = tuple[int, int | None, int | None, float]
 """Run, its end, number of its samples, running speed: made anew by late samples, a run has other ones."""
 
 
@@ -60,7 +60,7 @@ class KeptVectors:
     """Vectors of runs, by channel."""
 
     def __init__(self) -> None:
-        self._kept: OrderedDict[Key, Kept | None] = OrderedDict()
+        self._kept: OrderedDict[RunVectorsKey, Kept | None] = OrderedDict()
         self._lock = threading.Lock()
 
     def of_runs(self, session: Session, machine: Machine, rows: Sequence[RunRow], *, running_speed: float) -> list[RunVectors]:
@@ -77,7 +77,7 @@ class KeptVectors:
                 found.append(_ordered(row, machine, *kept))
         return found
 
-    def _keep(self, key: Key, vectors: Kept | None) -> None:
+    def _keep(self, key: RunVectorsKey, vectors: Kept | None) -> None:
         with self._lock:
             self._kept[key] = vectors
             while len(self._kept) > MOST_KEPT:

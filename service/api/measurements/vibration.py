@@ -15,7 +15,7 @@ from service.api.conventions.dependencies import MachineId, Period, Reading
 from service.api.conventions.problems import RESPONSES
 from service.api.conventions.values import MICROMETRES
 from service.api.measurements import vibration_schemas as schemas
-from service.api.measurements.corrections import SlowRollChoice, chosen
+from service.api.measurements.corrections import SlowRollQuery, chosen
 from service.api.measurements.run_vectors import KeptVectors, RunVectors
 from service.security.requirement import VIEWER
 from storage.clock import to_datetime
@@ -31,7 +31,7 @@ MOST_RUNS = 400
 
 
 @router.get("/{machine_id}/vibration", operation_id="read_vibration")
-def read_vibration(session: Reading, machine_id: MachineId, slow_roll: SlowRollChoice = "none") -> schemas.MachineVibration:
+def read_vibration(session: Reading, machine_id: MachineId, slow_roll: SlowRollQuery = "none") -> schemas.MachineVibration:
     """Read the newest good 1× of each probe, as measured or without slow-roll vectors, and the document's limits.
 
     2×, overall level and gap stand beside it where a source sends them.
@@ -123,7 +123,7 @@ def read_vibration_trend(
     session: Reading,
     machine_id: MachineId,
     period: Period,
-    slow_roll: SlowRollChoice = "none",
+    slow_roll: SlowRollQuery = "none",
     limit: Annotated[int, Query(ge=1, le=MOST_RUNS, description="number of newest runs that are read")] = 200,
 ) -> schemas.VibrationTrend:
     """Read 1×, 2× and their ratio at running speed, run by run, with the acceptance region of each probe and kind of run.

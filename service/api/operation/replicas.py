@@ -8,7 +8,7 @@ from fastapi import APIRouter
 from pydantic import BaseModel, Field
 
 from service.api.conventions.dependencies import Reading
-from service.configuration.settings import Role
+from service.configuration.settings import ProcessRole
 from service.replication.work_share import INGEST
 from service.security.requirement import ADMIN_OF_ALL
 from storage.clock import to_datetime
@@ -21,7 +21,7 @@ class ReplicaOut(BaseModel):
     """A process of the service."""
 
     id: int = Field(description="its number, which no other replica gets")
-    role: Role
+    role: ProcessRole
     host: str
     process: int = Field(description="process id on its host")
     started_at: datetime
@@ -39,7 +39,7 @@ def list_replicas(session: Reading) -> list[ReplicaOut]:
     return [
         ReplicaOut(
             id=row.id,
-            role=cast(Role, row.role),
+            role=cast(ProcessRole, row.role),
             host=row.host,
             process=row.process,
             started_at=to_datetime(row.started_at),

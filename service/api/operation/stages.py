@@ -18,7 +18,7 @@ router = APIRouter(tags=["operations"], dependencies=[VIEWER])
 A_DAY_NS = 24 * 3600 * 1_000_000_000
 AN_HOUR_NS = 3600 * 1_000_000_000
 
-State = Literal["ok", "degraded", "failed", "idle"]
+StageState = Literal["ok", "degraded", "failed", "idle"]
 
 
 class Stage(BaseModel):
@@ -32,7 +32,7 @@ class Stage(BaseModel):
         "prognostic_assessment",
         "advisory_generation",
     ]
-    state: State
+    state: StageState
     words: str = Field(description="why it is in this state")
     latest: datetime | None = Field(description="when it last did something")
     figures: dict[str, int] = Field(description="of the last day; `…_now` of this moment, `…_ever` of all time")
@@ -138,7 +138,7 @@ def _advice(held: StageFigures, parts: Mapping[str, str]) -> Stage:
     )
 
 
-def _state(parts: Mapping[str, str], part: str, *, busy: bool, idle: str) -> tuple[State, str]:
+def _state(parts: Mapping[str, str], part: str, *, busy: bool, idle: str) -> tuple[StageState, str]:
     """Return the state of a stage from the part that does its work and from its activity; an absent part counts as ok."""
     words = parts.get(part, "ok")
     if words != "ok":

@@ -18,7 +18,7 @@ from storage.database.change_counts import Changes
 from storage.database.engine import Database
 from storage.findings import trends
 from storage.findings.jobs import RUN
-from storage.findings.trends import Integers, ParameterHistory, Stamp, Texts
+from storage.findings.trends import HistoryStamp, Integers, ParameterHistory, Texts
 from storage.machines import machines
 
 MAXIMUM_HISTORIES = 512
@@ -56,7 +56,7 @@ class _CachedHistory:
     """A history with the state of the whole store (mark) and of the machine (stamp) before it was read."""
 
     mark: Hashable | None
-    stamp: Stamp
+    stamp: HistoryStamp
     columns: Columns
 
 

@@ -7,17 +7,17 @@ import pytest
 from numpy.typing import NDArray
 
 from estimator.machine.document import parse_machine
-from estimator.phasors.half_power import Excitation, HalfPowerNotReached, half_power_points, outside, peak_samples
+from estimator.phasors.half_power import ExcitationKind, HalfPowerNotReached, half_power_points, outside, peak_samples
 from estimator.rotor.condensation import condense
 from estimator.rotor.response import response
 from tests.estimator.trains import one_disc_document, truth
 
 Floats = NDArray[np.float64]
 NATURAL = 240.0
-EXCITATIONS: tuple[Excitation, ...] = ("unbalance", "constant force")
+EXCITATIONS: tuple[ExcitationKind, ...] = ("unbalance", "constant force")
 
 
-def amplitude(speed: Floats, ratio: float, excitation: Excitation) -> Floats:
+def amplitude(speed: Floats, ratio: float, excitation: ExcitationKind) -> Floats:
     """|1/(1 - r² + 2jζr)|, times r² under unbalance."""
     r = speed / NATURAL
     curve = 1.0 / np.abs(1.0 - r**2 + 2j * ratio * r)
@@ -26,7 +26,7 @@ def amplitude(speed: Floats, ratio: float, excitation: Excitation) -> Floats:
 
 @pytest.mark.parametrize("excitation", EXCITATIONS)
 @pytest.mark.parametrize("ratio", [0.005, 0.05, 0.3])
-def test_a_single_degree_of_freedom_is_found_exactly_between_samples(excitation: Excitation, ratio: float) -> None:
+def test_a_single_degree_of_freedom_is_found_exactly_between_samples(excitation: ExcitationKind, ratio: float) -> None:
     """r² = 1 - 2ζ² and 1 - 2ζ² ± 2ζ√(1 - ζ²) under a constant force, their reciprocals under unbalance."""
     step = 0.3 * ratio * NATURAL
     speed = np.arange(0.3 * NATURAL + 0.37 * step, 3.0 * NATURAL, step)

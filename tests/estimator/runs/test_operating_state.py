@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from estimator.runs.operating_state import (
     FEWEST_RUNS,
     TRIP_RATIO,
-    Event,
     ModeChanged,
+    OperatingEvent,
     OperatingLimits,
     OperatingState,
     advance,
@@ -40,16 +40,16 @@ def ramp(first: float, last: float, seconds: int) -> list[float]:
 
 def follow(
     rpm: Sequence[float], limits: OperatingLimits = LIMITS, state: OperatingState | None = None, *, start: int = 0
-) -> tuple[OperatingState, list[Event]]:
+) -> tuple[OperatingState, list[OperatingEvent]]:
     state = state or OperatingState()
-    events: list[Event] = []
+    events: list[OperatingEvent] = []
     for i, speed in enumerate(rpm, start=start):
         state, new = advance(state, limits, time=i * SECOND, speed=rpm_to_rad_per_s(speed), direction=1)
         events += new
     return state, events
 
 
-def modes(events: Sequence[Event]) -> list[tuple[str, float]]:
+def modes(events: Sequence[OperatingEvent]) -> list[tuple[str, float]]:
     """Each state with the second since when it holds."""
     return [(event.mode, event.time / SECOND) for event in events if isinstance(event, ModeChanged)]
 

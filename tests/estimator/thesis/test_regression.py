@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from estimator.arrays import Complexes, Floats
-from estimator.thesis.regression import Method, Regression, Scaling, condition_number, real_rows, solve
+from estimator.thesis.regression import Regression, RegressionMethod, Scaling, condition_number, real_rows, solve
 
 SCALINGS: tuple[Scaling, ...] = ("none", "thesis", "norm")
 
@@ -94,7 +94,7 @@ def test_scaling_matters_for_a_pseudo_inverse_and_not_for_an_inverse() -> None:
     regression = Regression(matrix, matrix @ values, tuple("abcdef"), np.ones(6))
     assert solve(regression, scaling="none").condition_number_after > 1e9
 
-    def error(scaling: Scaling, method: Method) -> float:
+    def error(scaling: Scaling, method: RegressionMethod) -> float:
         return float(np.max(np.abs(solve(regression, scaling=scaling, method=method).values / values - 1.0)))
 
     assert error("none", "inverse") < 1e-3

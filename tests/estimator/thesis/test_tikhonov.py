@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from estimator.thesis.parameter_rules import Rule
+from estimator.thesis.parameter_rules import RegularisationRule
 from estimator.thesis.regression import Regression, solve
 from estimator.thesis.tikhonov import (
     SpectralProblem,
@@ -16,7 +16,7 @@ from estimator.thesis.tikhonov import (
     l_curve_curvature,
 )
 
-RULES: tuple[Rule, ...] = ("generalised cross-validation", "L-curve")
+RULES: tuple[RegularisationRule, ...] = ("generalised cross-validation", "L-curve")
 
 
 def blurred(noise: float, seed: int = 0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -86,7 +86,9 @@ def test_curvature_agrees_with_finite_differences() -> None:
 
 @pytest.mark.parametrize(("rule", "factor"), [("generalised cross-validation", 3), ("L-curve", 15)])
 @pytest.mark.parametrize("noise", [1e-3, 1e-2])
-def test_rules_come_near_the_best_parameter_of_an_ill_posed_problem(rule: Rule, factor: float, noise: float) -> None:
+def test_rules_come_near_the_best_parameter_of_an_ill_posed_problem(
+    rule: RegularisationRule, factor: float, noise: float
+) -> None:
     """The L-curve is known to regularise smooth problems too little."""
     matrix, target, truth = blurred(noise)
     parameter = choose_parameter(spectral(matrix, target), rule)
@@ -100,7 +102,7 @@ def test_rules_come_near_the_best_parameter_of_an_ill_posed_problem(rule: Rule, 
 
 
 @pytest.mark.parametrize("rule", RULES)
-def test_solve_gives_the_stacked_solution_on_the_scaled_columns(rule: Rule) -> None:
+def test_solve_gives_the_stacked_solution_on_the_scaled_columns(rule: RegularisationRule) -> None:
     matrix, target, _ = blurred(1e-2)
     size = 10.0 ** np.linspace(-2, 2, 32)
     names = tuple(f"p{column}" for column in range(32))
@@ -114,7 +116,7 @@ def test_damped_parts_of_a_tiny_parameter_do_not_cancel() -> None:
 
 
 @pytest.mark.parametrize("rule", RULES)
-def test_as_many_equations_as_unknowns(rule: Rule) -> None:
+def test_as_many_equations_as_unknowns(rule: RegularisationRule) -> None:
     """No residual is left without regularisation; the criteria stay finite."""
     rng = np.random.default_rng(6)
     problem = spectral(rng.standard_normal((6, 6)), rng.standard_normal(6))

@@ -7,7 +7,7 @@ import pytest
 
 from estimator.trends.parameter_vector import Point
 from estimator.trends.rate_of_change import CHANCE, FEWEST, WINDOW, ParameterRate, rates_of_change
-from estimator.trends.trend_tests import Reading
+from estimator.trends.trend_tests import DatedPoint
 
 NAMES = ("bearing.B1.kxx", "bearing.B1.kxy", "bearing.B1.kyy", "disc.D1.unbalance.real", "disc.D1.unbalance.imaginary")
 CENTRE = np.array([math.log(1e6), 1e5, math.log(4e6), 3e-3, 4e-3])
@@ -16,7 +16,7 @@ SIZE = np.array([1.0, 2e6, 1.0, 5e-3, 5e-3])
 
 def readings(
     per_week: dict[str, float], *, weeks: int = WINDOW, scatter: float = 0.0, unknown: tuple[str, ...] = (), step: float = 0.0
-) -> list[Reading]:
+) -> list[DatedPoint]:
     """A run a week; step: of all parameters in the middle. Every other run does not determine the unknown ones."""
     rng = np.random.default_rng(5)
     slope = np.array([per_week.get(name, 0.0) for name in NAMES])
@@ -24,7 +24,7 @@ def readings(
     for week in range(weeks):
         moved = slope * (week - (weeks - 1) / 2) + scatter * rng.standard_normal(SIZE.size) + step * (week >= weeks / 2)
         whole = Point(NAMES, CENTRE + moved * SIZE, np.eye(SIZE.size))
-        found.append(Reading(float(week), whole.of([n for n in NAMES if not (week % 2 == 0 and n in unknown)])))
+        found.append(DatedPoint(float(week), whole.of([n for n in NAMES if not (week % 2 == 0 and n in unknown)])))
     return found
 
 
@@ -69,5 +69,7 @@ def test_only_the_newest_runs_count() -> None:
 
 
 def test_perfect_order_of_the_fewest_runs_is_just_certain() -> None:
-    (one,) = rates_of_change([Reading(one.time, one.point.of(NAMES[:1])) for one in readings({NAMES[0]: 0.02}, weeks=FEWEST)])
+    (one,) = rates_of_change(
+        [DatedPoint(one.time, one.point.of(NAMES[:1])) for one in readings({NAMES[0]: 0.02}, weeks=FEWEST)]
+    )
     assert 0.5 * CHANCE < one.probability < CHANCE

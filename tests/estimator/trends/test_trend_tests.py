@@ -16,7 +16,7 @@ from estimator.trends.trend_tests import (
     EWMA_WEIGHT,
     LONGEST_DRIFT,
     RUN_LENGTH,
-    Reading,
+    DatedPoint,
     TrendTest,
     creep_limit,
     distance_trends,
@@ -38,9 +38,9 @@ def point(change: float = 0.0, names: tuple[str, ...] = NAMES) -> Point:
     return Point(names, np.array(moved), OWN**2 * np.eye(len(names)))
 
 
-def readings(changes: list[float]) -> list[Reading]:
+def readings(changes: list[float]) -> list[DatedPoint]:
     """A run a week, the first after ten weeks."""
-    return [Reading(10.0 + week, point(change)) for week, change in enumerate(changes)]
+    return [DatedPoint(10.0 + week, point(change)) for week, change in enumerate(changes)]
 
 
 def of(name: str, tests: tuple[TrendTest, ...]) -> TrendTest:
@@ -88,7 +88,7 @@ def test_the_element_moves_as_far_as_its_distance_says() -> None:
 
 def test_a_run_that_does_not_determine_a_parameter_is_passed_over() -> None:
     some = readings([0.0, 0.0, 0.1, 0.1])
-    some[1] = Reading(11.0, point(0.0, NAMES[1:]))
+    some[1] = DatedPoint(11.0, point(0.0, NAMES[1:]))
     assert of(NAME, trend_tests(BASELINE, some)).runs == 3
     assert of("coupling.C1", distance_trends(BASELINE, some)).runs == 3
     assert of("bearing.B2", distance_trends(BASELINE, some)).runs == 4
@@ -174,7 +174,7 @@ def test_distances_pass_their_limit_no_oftener_than_stated() -> None:
     for _ in range(count):
         true = STIFFNESS_SCATTER * np.sqrt(PRIOR_WEIGHT / rng.chisquare(PRIOR_WEIGHT, 2))
         points = [Point(names, true * rng.standard_normal(2), OWN**2 * 1e-6 * np.eye(2)) for _ in range(RUNS + weeks)]
-        (found,) = distance_trends(points[:RUNS], [Reading(float(w), one) for w, one in enumerate(points[RUNS:])])
+        (found,) = distance_trends(points[:RUNS], [DatedPoint(float(w), one) for w, one in enumerate(points[RUNS:])])
         alarms += found.step_up.passed
     # Passed at the end of 60 weeks is less than passed once in them.
     assert scipy.stats.binom.sf(alarms - 1, count, weeks / RUN_LENGTH) > 0.01
@@ -182,6 +182,6 @@ def test_distances_pass_their_limit_no_oftener_than_stated() -> None:
 
 def test_readings_must_ascend() -> None:
     with pytest.raises(ValueError, match="ascend"):
-        trend_tests(BASELINE, [Reading(1.0, point()), Reading(1.0, point())])
+        trend_tests(BASELINE, [DatedPoint(1.0, point()), DatedPoint(1.0, point())])
     with pytest.raises(ValueError, match="ascend"):
-        distance_trends(BASELINE, [Reading(2.0, point()), Reading(1.0, point())])
+        distance_trends(BASELINE, [DatedPoint(2.0, point()), DatedPoint(1.0, point())])

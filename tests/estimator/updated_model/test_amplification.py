@@ -11,7 +11,7 @@ from estimator.machine.parts import Probe
 from estimator.updated_model.amplification import (
     HALF_POWER,
     Peak,
-    Position,
+    SpeedPosition,
     amplification,
     required_margin,
     response_peaks,
@@ -113,7 +113,7 @@ def test_a_curve_without_peak_has_none() -> None:
         (1000.0, "within", None),
     ],
 )
-def test_required_margins(factor: float, position: Position, required: float | None) -> None:
+def test_required_margins(factor: float, position: SpeedPosition, required: float | None) -> None:
     assert required_margin(factor, position=position) == (None if required is None else pytest.approx(required))
 
 

@@ -9,8 +9,8 @@ from service.alerts.lifecycle import (
     AlertCondition,
     AlertStatus,
     Cleared,
-    Event,
     Forbidden,
+    LifecycleEvent,
     Raised,
     Released,
     Reset,
@@ -31,7 +31,7 @@ latched_unacknowledged   unacknowledged  latched_unacknowledged  latched_unackno
 latched_acknowledged     unacknowledged  latched_acknowledged    latched_acknowledged    -                    normal
 """
 ROWS = {line.split()[0]: line.split()[1:] for line in TABLE.strip().splitlines()[1:]}
-EVENTS: tuple[tuple[Event, bool], ...] = (
+EVENTS: tuple[tuple[LifecycleEvent, bool], ...] = (
     (Raised(), False),
     (Cleared(), False),
     (Cleared(), True),
@@ -50,7 +50,7 @@ def test_the_table_names_every_condition() -> None:
 
 
 @pytest.mark.parametrize(("condition", "event", "latching", "expected"), CASES)
-def test_transitions_of_the_standard(condition: AlertCondition, event: Event, latching: bool, expected: str) -> None:
+def test_transitions_of_the_standard(condition: AlertCondition, event: LifecycleEvent, latching: bool, expected: str) -> None:
     standing = AlertStatus(condition, latching=latching)
     if expected == "-":
         with pytest.raises(Forbidden):
@@ -112,7 +112,7 @@ events = st.one_of(
 
 
 @given(st.booleans(), st.lists(events, max_size=60))
-def test_laws_of_any_life(latching: bool, lived: list[Event]) -> None:
+def test_laws_of_any_life(latching: bool, lived: list[LifecycleEvent]) -> None:
     standing, cause, quiet = AlertStatus(latching=latching), False, set[Suppression]()
     for event in lived:
         try:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from estimator.trends.parameter_vector import Point
-from estimator.trends.trend_tests import Reading
+from estimator.trends.trend_tests import DatedPoint
 from service.alerts.lifecycle import Severity
 from service.monitoring.limits import Limits
 from service.monitoring.rate_of_change import RateFinding, rate_findings, with_limits_ahead
@@ -15,10 +15,10 @@ from service.monitoring.rate_of_change import RateFinding, rate_findings, with_l
 NAMES = ("bearing.B2.kxx", "bearing.B2.kyy", "coupling.C1.kxx", "probe.B2X.gain.real")
 
 
-def drifting(per_week: tuple[float, ...], *, scatter: float = 0.002) -> list[Reading]:
+def drifting(per_week: tuple[float, ...], *, scatter: float = 0.002) -> list[DatedPoint]:
     rng = np.random.default_rng(8)
     return [
-        Reading(float(week), Point(NAMES, np.array(per_week) * week + scatter * rng.standard_normal(4), 1e-6 * np.eye(4)))
+        DatedPoint(float(week), Point(NAMES, np.array(per_week) * week + scatter * rng.standard_normal(4), 1e-6 * np.eye(4)))
         for week in range(16)
     ]
 
@@ -63,7 +63,7 @@ def test_a_season_of_oil_drifts_and_is_no_rate() -> None:
     names = ("bearing.B2.viscosity", "oil.MAIN.viscosity_factor", "bearing.B2.elevation_y", "bearing.B2.clearance")
     rng = np.random.default_rng(8)
     drifted = [
-        Reading(float(week), Point(names, 0.03 * week + 0.002 * rng.standard_normal(4), 1e-6 * np.eye(4)))
+        DatedPoint(float(week), Point(names, 0.03 * week + 0.002 * rng.standard_normal(4), 1e-6 * np.eye(4)))
         for week in range(16)
     ]
     assert rate_findings(Limits(), drifted, None) == ()
