@@ -1,0 +1,64 @@
+"""Names of classes and type aliases: each stands for one thing in the packages and the benchmarks."""
+
+import ast
+from collections import defaultdict
+from collections.abc import Iterator
+
+from tests.imports import ROOT
+
+PACKAGES = ("estimator", "storage", "service", "rotorundown", "benchmarks")
+
+
+def type_names(source: str) -> Iterator[tuple[str, int]]:
+    """Yield the names of classes, type aliases and type variables of a file, with their lines.
+
+    A type alias is what a module assigns to a name in capitals and small letters; type variables of one letter are left out.
+    """
+    tree = ast.parse(source)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ClassDef):
+            yield node.name, node.lineno
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef):
+            yield from _if_type(node.name, node.lineno)
+        elif isinstance(node, ast.Assign):
+            for one in node.targets:
+                if isinstance(one, ast.Name):
+                    yield from _if_type(one.id, node.lineno)
+        elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+            yield from _if_type(node.target.id, node.lineno)
+        elif type(node).__name__ == "TypeAlias":  # the statement `type A = …` of Python 3.12
+            yield node.name.id, node.lineno  # type: ignore[attr-defined]
+
+
+def _if_type(name: str, line: int) -> Iterator[tuple[str, int]]:
+    if name[:1].isupper() and not name.isupper():
+        yield name, line
+
+
+def test_no_two_classes_or_type_aliases_have_one_name() -> None:
+    found = defaultdict[str, list[str]](list)
+    for package in PACKAGES:
+        for path in sorted((ROOT / package).rglob("*.py")):
+            for name, line in type_names(path.read_text()):
+                found[name].append(f"{path.relative_to(ROOT)}:{line}")
+    assert len(found) > 1000
+    assert {name: places for name, places in found.items() if len(places) > 1} == {}
+
+
+def test_each_kind_of_definition_is_seen() -> None:
+    source = """
+Level = Literal["ok", "wrong"]
+Kind: TypeAlias = str | None
+Number = NewType("Number", int)
+LIMIT = 3
+T = TypeVar("T")
+
+
+def Name(length: int) -> String: ...
+
+
+def name() -> None:
+    class Inner: ...
+"""
+    assert [name for name, _ in type_names(source)] == ["Inner", "Level", "Kind", "Number", "Name"]
