@@ -55,6 +55,10 @@ class OpcUaServing(SupervisedThread):
 
     def turn(self) -> float:
         """Tell what has changed, then let clients be served for POLL_S. Raises OpcUaUnusable, DBAPIError."""
+        if self._server is not None and self._server.certificate_has_expired:
+            # Nobody could connect any more: what is in the file now is looked at, and said where it is no better.
+            closing, self._server = self._server, None
+            self._loop.run(closing.close())
         if self._server is None:
             self._server = self._opened()
         self._loop.run(self._server.update())
