@@ -162,6 +162,11 @@ class PlantServer:
         """Return whether its certificate was good when it started, and is no longer."""
         return self._certificate_ends is not None and self._certificate_ends < datetime.now(UTC)
 
+    @property
+    def trouble(self) -> str | None:
+        """Return what ails it while it serves; None where nothing does."""
+        return None if self._trust is None else self._trust.trouble
+
     async def start(self) -> None:
         """Show what is stored, then listen. Raises CertificateUnusable, OSError, DBAPIError."""
         await self._users.refresh()
@@ -187,6 +192,8 @@ class PlantServer:
         if time.monotonic() >= self._checked_at + SESSIONS_S:
             self._checked_at = time.monotonic()
             await self._users.refresh()
+            if self._trust is not None:
+                await _in_thread(self._trust.refresh)
             for session in self._core.client_sessions:
                 if not await self._may_go_on(session):
                     logger.warning("OPC UA session of %s is ended: its key or certificate holds no longer", session.user.name)

@@ -110,9 +110,7 @@ def test_a_refresh_of_one_item_tells_that_item_of_what_is_open(operator: SecondS
 
 
 @pytest.mark.parametrize("role", [Role.VIEWER, Role.ANALYST])
-def test_who_may_not_is_refused_by_every_method(
-    served: ServedPlants, store: Database, folder: Path, role: Role
-) -> None:
+def test_who_may_not_is_refused_by_every_method(served: ServedPlants, store: Database, folder: Path, role: Role) -> None:
     name = f"only-{role.name.lower()}"
     served.keys[name] = add_key(store, name, role, [KEY.plant])[1]
     with store.reading() as session:
@@ -135,7 +133,9 @@ def test_who_may_not_is_refused_by_every_method(
     assert commented == ("Good" if role is Role.ANALYST else "BadUserAccessDenied")
     with store.reading() as session:
         newer = [one.kind for one in alerts.history(session, served.harbour.alert_id) if one.id > before]
-        noted = {one.operation for one in audit.newest(session, limit=50) if one.who.startswith(name) and one.outcome == "refused"}
+        noted = {
+            one.operation for one in audit.newest(session, limit=50) if one.who.startswith(name) and one.outcome == "refused"
+        }
     assert newer == (["commented"] if role is Role.ANALYST else [])
     assert {"acknowledge_alert", "reset_alert", "shelve_alert", "unshelve_alert"} <= noted
 
