@@ -112,12 +112,12 @@ def test_each_query_is_answered_with_what_it_picks(api: Api, where: str, query: 
 
 
 @pytest.mark.parametrize(
-    ("kind", "parameter"),
+    ("panel", "parameter"),
     [("bearing", "bearing.B1.kxx"), ("coupling", "coupling.C1.kxx"), ("alignment", "coupling.C1.misalignment_force")],
 )
-def test_trends_have_points_and_their_intervals(api: Api, kind: str, parameter: str) -> None:
-    (query,) = [target for where, target in queries() if where == f"${kind}"]
-    told = api.ask("GET", substituted(query["url"], {"machine": KEY.machine, kind: parameter}))
+def test_trends_have_points_and_their_intervals(api: Api, panel: str, parameter: str) -> None:
+    (query,) = [target for where, target in queries() if where == f"${panel}"]
+    told = api.ask("GET", substituted(query["url"], {"machine": KEY.machine, panel: parameter}))
     (row,) = csv.DictReader(io.StringIO(told.text))
     assert float(row["lower"]) < float(row["value"]) < float(row["upper"])
 
