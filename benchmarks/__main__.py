@@ -1,6 +1,6 @@
 """All benchmarks, one after the other: `python -m benchmarks`."""
 
-from benchmarks import api_latency, cold_start, delivery, disk, latency, many_sources, opcua, page_paint, throughput
+from benchmarks import api_latency, cold_start, delivery, disk, latency, many_sources, mqtt, opcua, page_paint, throughput
 from benchmarks.estimator import __main__ as estimator
 from benchmarks.estimator import capture, coast_down, derived, orbit_sense, phasors, states, trend_tests, updated_model
 from benchmarks.faults import alert_life
@@ -22,6 +22,7 @@ WITH_OPTIONS = (
     page_paint,
     api_latency,
     opcua,
+    mqtt,
 )
 WITHOUT = (latency, throughput, many_sources, disk, cold_start)
 

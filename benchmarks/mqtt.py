@@ -3,7 +3,7 @@
 Samples of 16 channels go to a real service at the rate that is asked for; then more slowly for a minute, in which the broker
 is killed twice (SIGKILL) and comes back two seconds later: every number must be stored or counted as missing, none twice.
 Alerts change and are delivered to a listener; after each kill of the broker with all that it kept, the last states must be
-right again.
+right again. Then what a service pays in which no broker is configured.
 
     python -m benchmarks.mqtt [--seconds 20] [--rate 5000] [--format msgpack]
 
@@ -14,6 +14,7 @@ import argparse
 import contextlib
 import json
 import logging
+import sys
 import tempfile
 import threading
 import time
@@ -24,6 +25,7 @@ from typing import Any
 import numpy as np
 import paho.mqtt.client as paho
 
+from benchmarks import unconfigured_protocols
 from benchmarks.alert_changes import alerting_machine, change_alert
 from benchmarks.chain import PLANT, StoredSamples, create_machines
 from benchmarks.throughput import template
@@ -241,16 +243,18 @@ def after_a_kill(database: Database, mosquitto: Mosquitto, identified: int) -> f
     return float("inf")
 
 
-def main() -> None:
+def main(arguments: Sequence[str] | None = None) -> None:
     """Print the figures; status 1 where one falls short."""
     parser = argparse.ArgumentParser(prog="python -m benchmarks.mqtt", description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--seconds", type=float, default=20.0)
     parser.add_argument("--rate", type=float, default=RATE_ASKED)
     parser.add_argument("--format", choices=["json", "msgpack"], default="msgpack")
-    options = parser.parse_args()
+    options = parser.parse_args(arguments)
     with tempfile.TemporaryDirectory() as folder:
         good = [samples_in(Path(folder), options), alerts_out(Path(folder))]
-    raise SystemExit(0 if all(good) else 1)
+    good.append(unconfigured_protocols.report(unconfigured_protocols.measured(rounds=2)))
+    if not all(good):
+        sys.exit(1)
 
 
 if __name__ == "__main__":

@@ -384,3 +384,17 @@ def _sparkplug_problems(train: Train) -> Iterator[InitErrorDetails]:
             if name not in names:
                 told = f"the document has none of this name; it has {', '.join(names) or 'none at all'}"
                 yield _problem(("sparkplug", part, name), name, told)
+    yield from _sparkplug_gap_problems(train.sparkplug, {one.id: one for one in train.probes})
+
+
+def _sparkplug_gap_problems(mapping: Sparkplug, probes: Mapping[str, Probe]) -> Iterator[InitErrorDetails]:
+    """Find gaps that a metric is named for and that could not be told for lack of their sign or scale."""
+    for name, channel in mapping.channels.items():
+        probe = probes.get(name)
+        if channel.gap is None or probe is None:
+            continue
+        place = ("sparkplug", "channels", name, "gap")
+        if probe.gap_grows is None:
+            yield _problem(place, channel.gap, "a gap needs the probe's `gap_grows`: away or towards")
+        if mapping.gap_unit == "V" and probe.sensitivity is None:
+            yield _problem(place, channel.gap, "a gap in V needs the probe's `sensitivity` [V/m]")

@@ -15,6 +15,12 @@ class SparkplugChannel(Part):
 
     amplitude: Metric = Field(description="name of the metric that is its amplitude")
     phase: Metric = Field(description="name of the metric that is its phase")
+    gap: Metric | None = Field(
+        default=None, description="name of the metric that is its mean gap; the probe's `gap_grows` says which way it grows"
+    )
+    overall: Metric | None = Field(
+        default=None, description="name of the metric that is its unfiltered vibration, in unit and kind of the amplitude"
+    )
 
 
 class Sparkplug(Part):
@@ -35,5 +41,6 @@ class Sparkplug(Part):
     amplitude_kind: Literal["peak", "peak-to-peak"] = Field(
         default="peak-to-peak", description="whether amplitudes are from zero or from peak to peak"
     )
+    gap_unit: Literal["um", "mil", "mm", "m", "V"] = Field(default="um", description="what gaps are sent in")
     phase_convention: Literal["lag", "lead"] = Field(default="lag", description="whether phases lag or lead")
     phase_unit: Literal["deg", "rad"] = Field(default="deg", description="what phases are sent in")

@@ -110,7 +110,7 @@ class MqttSamples(MqttThread):
             await slots.acquire()
             self._messages += 1
             self._dropped += queue_of(client).take_dropped()
-            offered = [(one, await self._offered(one)) for one in self._bodies_of(message)]
+            offered = [(one, await self._offered(one)) for one in self._readable_bodies(message)]
             task = asyncio.create_task(self._settle(client, message, offered))
             self._under_way.add(task)
             task.add_done_callback(self._under_way.discard)
@@ -147,6 +147,15 @@ class MqttSamples(MqttThread):
                 if (code if isinstance(code, int) else code.value) >= REFUSED:
                     who = self._settings.mqtt_user or "anonymous"
                     raise SubscriptionRefused(f"it does not let '{who}' subscribe to {topic}: see its rules of access")
+
+    def _readable_bodies(self, message: aiomqtt.Message) -> list[PublishedBody]:
+        """Return the bodies in a message; none where reading it fails, for it would fail again whenever it came again."""
+        try:
+            return self._bodies_of(message)
+        except Exception:
+            logger.exception("mqtt %s cannot be read; it is given up", message.topic)
+            self._given_up += 1
+            return []
 
     def _bodies_of(self, message: aiomqtt.Message) -> list[PublishedBody]:
         """Return the bodies in a message, with what is wrong with them by their topic."""

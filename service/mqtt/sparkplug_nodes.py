@@ -1,51 +1,37 @@
 """Edge nodes of Sparkplug B: their metrics become samples of the machines whose documents name them.
 
-A node counts its messages modulo 256. What is missing between two of them is counted as missing samples of every machine that
-it feeds: whose message it was is not known, and 256 missing ones in a row are not seen. What a message does not carry is as it
-was before, as the specification says; after a gap it is unknown until it comes again.
-Source: Eclipse Sparkplug Specification 3.0.0 (2022), §6.4.5 to §6.4.26.
+Source: Eclipse Sparkplug Specification 3.0.0 (2022), §6.4.5 to §6.4.26; counts, births and deaths: `edge_node.py`.
 """
 
+import logging
 import time
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
 
 from estimator.machine.document import Machine
 from estimator.machine.sparkplug import Sparkplug
+from service.mqtt.edge_node import (
+    COUNTED,
+    DEVICE_BIRTH,
+    DEVICE_DEATH,
+    NODE_BIRTH,
+    NODE_DEATH,
+    REBIRTH_S,
+    EdgeNode,
+    MachineFeed,
+)
 from service.mqtt.sparkplug_payload import SparkplugMetric, SparkplugPayload, decoded, rebirth
-from service.wire import Rejected, SampleBatch
+from service.wire import SampleBatch
+
+logger = logging.getLogger(__name__)
 
 NAMESPACE = "spBv1.0"
 SOURCE = "sparkplug"
 """Source of the samples in the store."""
-COUNT = 256
-REBIRTH_S = 10.0
-"""Least time between two requests to one node for its names [s]."""
+LATEST_NS = 2**62
+"""Latest time that a sample can say; later ones are refused as out of range like it [ns]."""
 
 NodeId = tuple[str, str]
 """Group and node."""
-
-
-@dataclass
-class MachineFeed:
-    """A machine that a node feeds: its last values by metric, and the number of its next sample."""
-
-    machine: Machine
-    mapping: Sparkplug
-    sequence: int = 0
-    values: dict[str, float | None] = field(default_factory=dict)
-
-
-@dataclass
-class EdgeNode:
-    """A node: names by device and alias, the last count and its time, the machines that it feeds."""
-
-    feeds: list[MachineFeed]
-    names: dict[tuple[str, int], str] = field(default_factory=dict)
-    last: int | None = None
-    last_timestamp: int | None = None
-    asked_at: float = -REBIRTH_S
-    wants_rebirth: bool = False
 
 
 class SparkplugNodes:
@@ -54,8 +40,12 @@ class SparkplugNodes:
     def __init__(self, epoch: int) -> None:
         self._epoch = epoch
         self._nodes: dict[NodeId, EdgeNode] = {}
-        self.missing = 0
-        """Messages that never came, as far as the nodes' counts tell."""
+        self._missing_before = 0
+
+    @property
+    def missing(self) -> int:
+        """Return how many messages never came, as far as the nodes' counts tell."""
+        return self._missing_before + sum(one.missing for one in self._nodes.values())
 
     def follow(self, machines: Sequence[Machine]) -> None:
         """Take the documents in force; what is known of machines whose mapping is the same stays."""
@@ -65,15 +55,18 @@ class SparkplugNodes:
             mapping = machine.sparkplug
             if mapping is None:
                 continue
-            feed = known.get(machine.id) or MachineFeed(machine, mapping)
-            if feed.mapping != mapping:
-                feed.values.clear()
-            feed.machine, feed.mapping = machine, mapping
             place = (mapping.group, mapping.node)
             if place not in nodes:
                 nodes[place] = self._nodes.get(place) or EdgeNode([])
                 nodes[place].feeds = []
+            feed = known.get(machine.id)
+            if feed is None or feed.mapping != mapping:
+                # What the node said of these metrics was not kept: it is asked to say it again, once it is heard of.
+                feed = MachineFeed(machine, mapping, 0 if feed is None else feed.sequence)
+                nodes[place].wants_rebirth = nodes[place].last is not None
+            feed.machine = machine
             nodes[place].feeds.append(feed)
+        self._missing_before += sum(one.missing for place, one in self._nodes.items() if place not in nodes)
         self._nodes = nodes
 
     @property
@@ -89,20 +82,26 @@ class SparkplugNodes:
     def batches(self, topic: str, body: bytes) -> list[SampleBatch]:
         """Return the samples in a message, one for each machine that it has values of. Raises Rejected."""
         kind, node, device = self._place(topic)
-        if node is None or kind not in ("NBIRTH", "DBIRTH", "NDATA", "DDATA"):
+        if node is None or kind not in COUNTED | {NODE_DEATH}:
             return []
         payload = decoded(body)
-        if not self._count(node, payload, kind):
+        if kind == NODE_DEATH:
+            node.dies(payload)
             return []
-        if kind.endswith("BIRTH"):
-            self._name(node, payload, device, kind)
+        if not node.count(payload, kind):
+            return []
+        if kind == DEVICE_DEATH:
+            node.forget(device)
+            return []
+        if kind in (NODE_BIRTH, DEVICE_BIRTH):
+            node.is_born(payload, device, kind)
+            _tell_missing_metrics(node, payload, topic, device)
         return list(self._samples(node, payload, device))
 
     def rebirths(self) -> Iterator[tuple[str, bytes]]:
         """Yield topic and payload for each node whose names are not known; each node is asked now and then only."""
         for (group, name), node in self._nodes.items():
-            if node.wants_rebirth and time.monotonic() >= node.asked_at + REBIRTH_S:
-                node.asked_at, node.wants_rebirth = time.monotonic(), False
+            if node.asks_now(time.monotonic()):
                 yield f"{NAMESPACE}/{group}/NCMD/{name}", rebirth(time.time_ns() // 1_000_000)
 
     def _place(self, topic: str) -> tuple[str, EdgeNode | None, str]:
@@ -112,41 +111,10 @@ class SparkplugNodes:
             return "", None, ""
         return parts[2], self._nodes.get((parts[1], parts[3])), parts[4] if len(parts) == 5 else ""
 
-    def _count(self, node: EdgeNode, payload: SparkplugPayload, kind: str) -> bool:
-        """Follow the node's count; return False for a message that came before."""
-        if payload.sequence is None:
-            raise Rejected("undecodable", "a Sparkplug message without seq: what is missing before it cannot be counted")
-        if kind == "NBIRTH":
-            node.names.clear()
-        elif node.last is not None:
-            if payload.sequence == node.last and payload.timestamp == node.last_timestamp:
-                return False
-            gap = (payload.sequence - node.last - 1) % COUNT
-            if gap:
-                self._note_gap(node, gap)
-        node.last, node.last_timestamp = payload.sequence, payload.timestamp
-        return True
-
-    def _note_gap(self, node: EdgeNode, gap: int) -> None:
-        self.missing += gap
-        node.wants_rebirth = True
-        for feed in node.feeds:
-            feed.sequence += gap
-            feed.values.clear()
-
-    def _name(self, node: EdgeNode, payload: SparkplugPayload, device: str, kind: str) -> None:
-        """Note the names of a birth; all values of what was born are told anew in it."""
-        for metric in payload.metrics:
-            if metric.name is not None and metric.alias is not None:
-                node.names[device, metric.alias] = metric.name
-        for feed in node.feeds:
-            if kind == "NBIRTH" or (feed.mapping.device or "") == device:
-                feed.values.clear()
-
     def _samples(self, node: EdgeNode, payload: SparkplugPayload, device: str) -> Iterator[SampleBatch]:
-        found = self._named(node, payload.metrics, device)
+        found = _named(node, payload.metrics, device)
         for feed in node.feeds:
-            if (feed.mapping.device or "") != device:
+            if feed.device != device:
                 continue
             wanted = _metrics_of(feed.mapping)
             new = {name: one for name, one in found.items() if name in wanted}
@@ -158,24 +126,17 @@ class SparkplugNodes:
                 feed.values |= {name: one.value for name, one in new.items()}
                 values = feed.values
             moment = payload.timestamp or max((one.timestamp or 0 for one in new.values()), default=0)
-            if values.get(feed.mapping.speed) is not None:
-                yield self._batch(feed, values, moment * 1_000_000)
-
-    def _named(self, node: EdgeNode, metrics: Sequence[SparkplugMetric], device: str) -> dict[str, SparkplugMetric]:
-        """Return metrics by name; without the birth that says what an alias stands for, the node is asked for it."""
-        found = {}
-        for one in metrics:
-            name = one.name if one.name is not None else node.names.get((device, one.alias if one.alias is not None else -1))
-            if name is None:
+            if values.get(feed.mapping.speed) is None:
                 node.wants_rebirth = True
             else:
-                found[name] = one
-        return found
+                node.rebirth_pause = REBIRTH_S
+                yield self._batch(feed, values, min(moment * 1_000_000, LATEST_NS))
 
-    def _batch(self, feed: MachineFeed, values: dict[str, float | None], time_ns: int) -> SampleBatch:
+    def _batch(self, feed: MachineFeed, values: Mapping[str, float | None], time_ns: int) -> SampleBatch:
         mapping, machine = feed.mapping, feed.machine
         sequence, feed.sequence = feed.sequence, feed.sequence + 1
         conditions = {name: [values.get(metric)] for name, metric in mapping.conditions.items()}
+        gap = _row(values, [one.gap for one in mapping.channels.values()])
         return SampleBatch(
             schema=1,
             plant=machine.plant,
@@ -194,11 +155,45 @@ class SparkplugNodes:
             speed=[float(values.get(mapping.speed) or 0.0)],
             amplitude=[[values.get(one.amplitude) for one in mapping.channels.values()]],
             phase=[[values.get(one.phase) for one in mapping.channels.values()]],
+            gap=gap,
+            gap_unit=None if gap is None else mapping.gap_unit,
+            overall=_row(values, [one.overall for one in mapping.channels.values()]),
             conditions=conditions or None,
         )
 
 
+def _named(node: EdgeNode, metrics: Sequence[SparkplugMetric], device: str) -> dict[str, SparkplugMetric]:
+    """Return metrics by name; without the birth that says what an alias stands for, the node is asked for it."""
+    found = {}
+    for one in metrics:
+        name = one.name if one.name is not None else node.names.get((device, one.alias if one.alias is not None else -1))
+        if name is None:
+            node.wants_rebirth = True
+        else:
+            found[name] = one
+    return found
+
+
+def _tell_missing_metrics(node: EdgeNode, payload: SparkplugPayload, topic: str, device: str) -> None:
+    """Log which metrics a document names that the birth does not have: their values will never come."""
+    born = {one.name for one in payload.metrics}
+    for feed in node.feeds:
+        missing = sorted(_metrics_of(feed.mapping) - born) if feed.device == device else []
+        if missing:
+            words = "%s has no metric %s, which the document of machine '%s' names; it has %d others"
+            logger.warning(words, topic, ", ".join(missing), feed.machine.id, len(born))
+
+
+def _row(values: Mapping[str, float | None], metrics: Sequence[str | None]) -> list[list[float | None]] | None:
+    """Return the values of metrics, one a channel, as the table of one sample; None where no channel has such a metric."""
+    if not any(metrics):
+        return None
+    return [[None if one is None else values.get(one) for one in metrics]]
+
+
 def _metrics_of(mapping: Sparkplug) -> set[str]:
     """Return the names of all metrics that a machine is told by."""
-    of_channels = {name for one in mapping.channels.values() for name in (one.amplitude, one.phase)}
+    of_channels = {
+        name for one in mapping.channels.values() for name in (one.amplitude, one.phase, one.gap, one.overall) if name
+    }
     return {mapping.speed, *of_channels, *mapping.conditions.values()}

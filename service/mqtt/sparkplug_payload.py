@@ -1,6 +1,6 @@
 """Payloads of Sparkplug B: what of them is needed, read from the protocol buffers' wire format.
 
-Written here instead of generated: fifteen fields of two messages are needed, and generated code would bind the service to one
+Written here instead of generated: twenty fields of four messages are needed, and generated code would bind the service to one
 release of a library. Source: Eclipse Sparkplug Specification 3.0.0 (2022), §6.4, and the field numbers of its
 `sparkplug_b.proto`; Protocol Buffers, "Encoding".
 """
@@ -17,6 +17,8 @@ SIGNED_BITS = {1: 8, 2: 16, 3: 32, 4: 64}
 FLOAT, DOUBLE, BOOLEAN = 9, 10, 11
 REBIRTH = "Node Control/Rebirth"
 """Name of the metric that asks a node for its names again."""
+QUALITY, GOOD = b"Quality", 192
+"""Property that says what a value is worth (§6.4.18: 0 bad, 192 good, 500 stale), and its value where all is well."""
 VARINT, FIXED64, BYTES, FIXED32 = 0, 1, 2, 5
 
 Field = tuple[int, int, int | bytes]
@@ -24,7 +26,10 @@ Field = tuple[int, int, int | bytes]
 
 @dataclass(frozen=True)
 class SparkplugMetric:
-    """A metric: its name, or the alias that stands for it, its value and the time of it [ms]; None where there is none."""
+    """A metric: its name, or the alias that stands for it, its value and the time of it [ms]; None where there is none.
+
+    A value that the node itself calls bad or stale is none.
+    """
 
     name: str | None
     alias: int | None
@@ -71,10 +76,24 @@ def _metric(body: bytes) -> SparkplugMetric:
     return SparkplugMetric(
         name=None if not isinstance(name, bytes) or not name else name.decode("utf-8", "replace"),
         alias=_whole(found.get(2)),
-        value=None if found.get(7) else _value(found, _whole(datatype)),
+        value=None if found.get(7) or not _is_good(found.get(9)) else _value(found, _whole(datatype)),
         timestamp=_whole(found.get(3)),
         is_historical=bool(found.get(5)),
     )
+
+
+def _is_good(properties: int | bytes | None) -> bool:
+    """Return whether a metric's properties leave it as good: they do where they say nothing of its quality."""
+    if not isinstance(properties, bytes):
+        return True
+    told = list(_fields(properties))
+    keys = [value for number, _, value in told if number == 1]
+    values = [value for number, _, value in told if number == 2 and isinstance(value, bytes)]
+    return all(_quality(value) == GOOD for key, value in zip(keys, values, strict=False) if key == QUALITY)
+
+
+def _quality(value: bytes) -> int | None:
+    return next((_whole(one) for number, _, one in _fields(value) if number in (3, 4)), None)
 
 
 def _value(found: dict[int, int | bytes], datatype: int | None) -> float | None:

@@ -59,6 +59,8 @@ class ClientTrust:
         self._read_at = -CACHED_S
         self._trusted: list[x509.Certificate] = []
         self._revoked: list[x509.CertificateRevocationList] = []
+        self.trouble: str | None = None
+        """Why the folder could not be read the last time; what it held before goes on to hold."""
 
     def require(self, encoded: bytes | None, application: str | None) -> None:
         """Check the certificate of a channel. application: what the client says it is. Raises ServiceError."""
@@ -74,7 +76,7 @@ class ClientTrust:
             raise ServiceError(ua.StatusCodes.BadCertificateTimeInvalid)
         if not isinstance(key, RSAPublicKey) or key.key_size < FEWEST_BITS:
             raise ServiceError(ua.StatusCodes.BadCertificatePolicyCheckFailed)
-        self._refresh()
+        self.refresh()
         if not self._is_trusted(certificate):
             raise ServiceError(ua.StatusCodes.BadCertificateUntrusted)
         if named is None or named != application:
@@ -95,27 +97,39 @@ class ClientTrust:
                     raise ServiceError(ua.StatusCodes.BadCertificateRevoked)
         return bool(issuers)
 
-    def _refresh(self) -> None:
+    def refresh(self) -> None:
+        """Read the folder again where that was long ago."""
         if self._clock() < self._read_at + CACHED_S:
             return
-        self._trusted, self._revoked = [], []
-        for path in self._files():
-            if path.suffix == LISTS:
-                self._revoked.append(_list(path.read_bytes()))
-            else:
-                self._trusted.append(_certificate(path.read_bytes()))
         self._read_at = self._clock()
+        try:
+            self._read()
+        except CertificateUnusable as error:
+            self.trouble = f"{error}; what was trusted before still is, and what was revoked since may be, too"
+        else:
+            self.trouble = None
+
+    def _read(self) -> None:
+        """Read the folder. Raises CertificateUnusable, and then leaves all as it was."""
+        trusted, revoked = [], []
+        path = self._folder
+        try:
+            for path in self._files():
+                if path.suffix == LISTS:
+                    revoked.append(_list(path.read_bytes()))
+                else:
+                    trusted.append(_certificate(path.read_bytes()))
+        except (OSError, ValueError) as error:
+            raise CertificateUnusable(f"trusted OPC UA clients: {path} cannot be read: {error}") from None
+        self._trusted, self._revoked = trusted, revoked
 
     def _files(self) -> Iterator[Path]:
         return (one for one in sorted(self._folder.iterdir()) if one.suffix in (".pem", ".der", ".crt", ".cer", LISTS))
 
     def check_folder(self) -> int:
         """Read the folder now and return how many certificates it holds. Raises CertificateUnusable."""
-        self._read_at = -CACHED_S
-        try:
-            self._refresh()
-        except (OSError, ValueError) as error:
-            raise CertificateUnusable(f"folder of trusted OPC UA clients {self._folder} cannot be read: {error}") from None
+        self._read()
+        self._read_at = self._clock()
         return len(self._trusted)
 
 

@@ -142,6 +142,7 @@ class PlantServer:
         self._reader = PlantReader(database, texts)
         self._database = database
         self._checked_at = 0.0
+        self._certificate_ends: datetime | None = None
         self._machines: MachineNodes | None = None
         self._conditions: AlertConditions | None = None
 
@@ -155,6 +156,16 @@ class PlantServer:
         """Count what clients watch."""
         subscriptions = self._core.subscription_service.subscriptions.values()
         return sum(len(one.monitored_item_srv._monitored_items) for one in subscriptions)
+
+    @property
+    def certificate_has_expired(self) -> bool:
+        """Return whether its certificate was good when it started, and is no longer."""
+        return self._certificate_ends is not None and self._certificate_ends < datetime.now(UTC)
+
+    @property
+    def trouble(self) -> str | None:
+        """Return what ails it while it serves; None where nothing does."""
+        return None if self._trust is None else self._trust.trouble
 
     async def start(self) -> None:
         """Show what is stored, then listen. Raises CertificateUnusable, OSError, DBAPIError."""
@@ -181,6 +192,8 @@ class PlantServer:
         if time.monotonic() >= self._checked_at + SESSIONS_S:
             self._checked_at = time.monotonic()
             await self._users.refresh()
+            if self._trust is not None:
+                await _in_thread(self._trust.refresh)
             for session in self._core.client_sessions:
                 if not await self._may_go_on(session):
                     logger.warning("OPC UA session of %s is ended: its key or certificate holds no longer", session.user.name)
@@ -217,6 +230,7 @@ class PlantServer:
         if settings.opcua_certificate:
             found, key = load_own(Path(settings.opcua_certificate), Path(settings.opcua_key))
             self._core.certificate, self._core.private_key = found, key
+            self._certificate_ends = found.not_valid_after_utc
             policies = [*POLICIES, *policies]
             assert self._trust is not None
             self._trust.check_folder()

@@ -28,6 +28,10 @@ class OpcUaUnusable(RuntimeError):
     """The server cannot be opened; the message says why, and what would be right."""
 
 
+class OpcUaAiling(RuntimeError):
+    """The server serves, but not all is well; the message says what is not."""
+
+
 class OpcUaServing(SupervisedThread):
     """The OPC UA server until it is stopped. A turn runs its event loop for the pause too: clients are served meanwhile."""
 
@@ -54,11 +58,17 @@ class OpcUaServing(SupervisedThread):
         }
 
     def turn(self) -> float:
-        """Tell what has changed, then let clients be served for POLL_S. Raises OpcUaUnusable, DBAPIError."""
+        """Tell what has changed, then let clients be served for POLL_S. Raises OpcUaUnusable, OpcUaAiling, DBAPIError."""
+        if self._server is not None and self._server.certificate_has_expired:
+            # Nobody could connect any more: what is in the file now is looked at, and said where it is no better.
+            closing, self._server = self._server, None
+            self._loop.run(closing.close())
         if self._server is None:
             self._server = self._opened()
         self._loop.run(self._server.update())
         self._loop.run(asyncio.sleep(POLL_S))
+        if self._server.trouble is not None:
+            raise OpcUaAiling(self._server.trouble)
         return 0.0
 
     def failed(self, error: Exception) -> float:
@@ -68,6 +78,11 @@ class OpcUaServing(SupervisedThread):
                 logger.error("%s; trying again", error)
             self.trouble = str(error)
             return OPEN_AGAIN_S
+        if isinstance(error, OpcUaAiling):
+            if self.trouble != str(error):
+                logger.error("%s", error)
+            self.trouble = str(error)
+            return 0.0
         pause = super().failed(error)
         self._loop.run(asyncio.sleep(pause))
         return 0.0

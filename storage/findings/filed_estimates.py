@@ -15,16 +15,24 @@ HELD_BACK_NS = 2_000_000_000
 
 
 def filed(
-    session: Session, *, after: int, limit: int, since: int | None = None, held_back_ns: int = HELD_BACK_NS
+    session: Session,
+    *,
+    after: int,
+    limit: int,
+    since: int | None = None,
+    newest: bool = False,
+    held_back_ns: int = HELD_BACK_NS,
 ) -> Sequence[IdentificationRow]:
     """Return identifications of runs, single or gathered, with a higher id than `after`, oldest first.
 
-    since: computed at that time or later [ns].
+    since: computed at that time or later [ns]. newest: where there are more than `limit`, the newest of them.
     """
     row = IdentificationRow
     query = select(row).where(row.id > after, row.scope.in_((RUN, GATHERED)), row.computed_at <= now() - held_back_ns)
     if since is not None:
         query = query.where(row.computed_at >= since)
+    if newest:
+        return session.scalars(query.order_by(row.id.desc()).limit(limit)).all()[::-1]
     return session.scalars(query.order_by(row.id).limit(limit)).all()
 
 

@@ -11,9 +11,11 @@ import pytest
 import yaml
 from grafana_foundation_sdk.models.dashboard import Dashboard
 
+from estimator.updated_model.derived_quantities import Derived
 from service.alerts import transitions as alerting
 from service.alerts.transitions import AlertFinding
 from storage.database.engine import Database
+from storage.findings import derived
 from tests.api_in_process import Api
 from tests.paths import ROOT
 from tests.plant import KEY, START, identification, store_identification
@@ -39,7 +41,10 @@ def queries() -> Iterator[tuple[str, dict[str, Any]]]:
 def api(plant: Database) -> Api:
     """A plant in which something was found."""
     with plant.transaction() as session:
-        number = store_identification(session, identification(), run_id=1, measured_at=START).id
+        stored = store_identification(session, identification(), run_id=1, measured_at=START)
+        number = stored.id
+        force = Derived("coupling.C1.misalignment_force", "N", 120.0, 100.0, 140.0, None)
+        derived.add(session, stored, [force])
         finding = AlertFinding({}, number, START)
         alerting.raise_alert(session, KEY.machine, rule="misalignment", element="coupling.C1", finding=finding)
     return Api(plant)
@@ -83,6 +88,7 @@ def resolved(told: dict[str, Any], schema: dict[str, Any]) -> dict[str, Any]:
 @pytest.mark.parametrize(("where", "query"), list(queries()), ids=lambda one: one if isinstance(one, str) else "")
 def test_each_query_is_answered_with_what_it_picks(api: Api, where: str, query: dict[str, Any]) -> None:
     values = {"machine": KEY.machine, "identification": "1", "bearing": "bearing.B1.kxx", "coupling": "coupling.C1.kxx"}
+    values["alignment"] = "coupling.C1.misalignment_force"
     answer = api.ask("GET", substituted(query["url"], values))
     assert answer.status_code == 200, f"{where}: {answer.text}"
     selectors = [column["selector"] for column in query["columns"]]
@@ -105,9 +111,13 @@ def test_each_query_is_answered_with_what_it_picks(api: Api, where: str, query: 
                 schema = resolved(told, schema["properties"][name])
 
 
-def test_trends_have_points_and_their_baselines(api: Api) -> None:
-    (query,) = [target for where, target in queries() if where == "$bearing"]
-    told = api.ask("GET", substituted(query["url"], {"machine": KEY.machine, "bearing": "bearing.B1.kxx"}))
+@pytest.mark.parametrize(
+    ("panel", "parameter"),
+    [("bearing", "bearing.B1.kxx"), ("coupling", "coupling.C1.kxx"), ("alignment", "coupling.C1.misalignment_force")],
+)
+def test_trends_have_points_and_their_intervals(api: Api, panel: str, parameter: str) -> None:
+    (query,) = [target for where, target in queries() if where == f"${panel}"]
+    told = api.ask("GET", substituted(query["url"], {"machine": KEY.machine, panel: parameter}))
     (row,) = csv.DictReader(io.StringIO(told.text))
     assert float(row["lower"]) < float(row["value"]) < float(row["upper"])
 
@@ -115,8 +125,10 @@ def test_trends_have_points_and_their_baselines(api: Api) -> None:
 def test_names_of_parameters_are_those_that_the_variables_pick(api: Api) -> None:
     for variable in DASHBOARD["templating"]["list"]:
         if variable.get("regex"):
-            found = api.value("/identifications/1")["estimates"]
-            assert any(re.search(variable["regex"].strip("/"), one["parameter"]) for one in found), variable["name"]
+            query = variable["query"]["infinityQuery"]
+            (column,) = query["columns"]
+            found = api.value("/identifications/1")[query["root_selector"]]
+            assert any(re.search(variable["regex"].strip("/"), one[column["selector"]]) for one in found), variable["name"]
 
 
 def test_a_query_for_all_of_everything_is_bounded(api: Api) -> None:
@@ -127,7 +139,7 @@ def test_a_query_for_all_of_everything_is_bounded(api: Api) -> None:
     assert api.get(f"/machines/{KEY.machine}/samples?limit=10001").status_code == 422
     for where, query in queries():
         limited = re.search(r"[?&](limit|max_points)=(\d+)", query["url"])
-        one_thing = query["url"].endswith(("/alignment", "/identifications/${identification}"))
+        one_thing = query["url"].endswith(("/alignment", "/vibration", "/identifications/${identification}"))
         assert one_thing or (limited is not None and int(limited[2]) <= 1000), where
 
 
@@ -158,6 +170,30 @@ def test_each_variable_asks_as_the_data_source_reads_it() -> None:
         if variable["type"] == "query":
             assert set(variable["query"]) == {"queryType", "refId", "query", "infinityQuery"}
             assert variable["query"]["queryType"] == "infinity"
+
+
+def test_an_import_finds_all_that_the_file_asks_for() -> None:
+    """As Grafana imports a file: it names the plugins it needs, asks for nothing, and its data source is a variable."""
+    panels, variables = DASHBOARD["panels"], {one["name"] for one in DASHBOARD["templating"]["list"]}
+    needed = {(one["type"], one["id"]) for one in DASHBOARD["__requires"]}
+    used = {("datasource", query["datasource"]["type"]) for _, query in queries()} | {("panel", one["type"]) for one in panels}
+    assert needed == used | {("grafana", "grafana")}
+    assert "__inputs" not in DASHBOARD
+    assert "id" not in DASHBOARD, "a number would be another dashboard's there"
+    assert DASHBOARD["schemaVersion"] >= 39, "of Grafana 11; newer ones bring it up to theirs"
+    assert {query["datasource"]["uid"] for _, query in queries()} == {"${datasource}"}
+    built_in = {"__from", "__to"}
+    asked = {one.split(":")[0] for one in re.findall(r"\$\{([\w:]+)\}", json.dumps(DASHBOARD))}
+    assert asked - built_in <= variables
+    assert len({one["id"] for one in panels}) == len(panels)
+    cells = [
+        (one["gridPos"]["x"] + column, one["gridPos"]["y"] + line)
+        for one in panels
+        for column in range(one["gridPos"]["w"])
+        for line in range(one["gridPos"]["h"])
+    ]
+    assert len(set(cells)) == len(cells), "panels do not cover each other"
+    assert max(column for column, _ in cells) < 24
 
 
 def test_grafana_knows_the_dashboard_and_is_told_of_the_service() -> None:

@@ -8,7 +8,7 @@ const { OPCUACertificateManager } = require("node-opcua-certificate-manager");
 
 const { AttributeIds, DataType, MessageSecurityMode, SecurityPolicy, StatusCodes, TimestampsToReturn, Variant } = opcua;
 
-let session, client, subscription;
+let session, client, subscription, listening;
 const FIELDS = [
     "EventId", "EventType", "SourceName", "Time", "Message", "Severity", "ConditionName", "Retain", "ClientUserId", "Comment",
     "ActiveState", "ActiveState.Id", "AckedState.Id", "ConfirmedState.Id", "LatchedState.Id", "EnabledState.Id",
@@ -53,7 +53,7 @@ async function connect(how) {
         securityMode: secure ? MessageSecurityMode.SignAndEncrypt : MessageSecurityMode.None,
         securityPolicy: secure ? SecurityPolicy[how.security] : SecurityPolicy.None,
         endpointMustExist: false,
-        connectionStrategy: { maxRetry: 0 },
+        connectionStrategy: { maxRetry: how.reconnects ? 100 : 0, initialDelay: 200, maxDelay: 500, randomisationFactor: 0 },
         keepSessionAlive: true,
     });
     await client.connect(how.endpoint);
@@ -113,6 +113,7 @@ const requests = {
         item.on("changed", (values) => {
             say({ told: "event", ...Object.fromEntries(FIELDS.map((name, index) => [name, plain(values[index].value)])) });
         });
+        listening = item.monitoredItemId;
         return item.statusCode.name;
     },
     async alarms() {
@@ -124,6 +125,12 @@ const requests = {
         const method = { objectId: "i=2782", methodId: "i=3875" };
         const argument = new Variant({ dataType: DataType.UInt32, value: subscription.subscriptionId });
         return (await session.call({ ...method, inputArguments: [argument] })).statusCode.name;
+    },
+    async refresh_item({ item }) {
+        const method = { objectId: "i=2782", methodId: "i=12912" };
+        const inputArguments = [subscription.subscriptionId, item === undefined ? listening : item].map(
+            (value) => new Variant({ dataType: DataType.UInt32, value }));
+        return (await session.call({ ...method, inputArguments })).statusCode.name;
     },
     async acknowledge({ condition, event, comment }) {
         return (await session.acknowledgeCondition(condition, Buffer.from(event, "base64"), comment)).name;
@@ -171,6 +178,7 @@ async function main() {
         process.exit(1);
     }
     client.on("close", () => say({ told: "closed" }));
+    client.on("after_reconnection", () => say({ told: "reconnected" }));
     session.on("session_closed", () => say({ told: "closed" }));
     say({ connected: true });
     for (;;) {

@@ -76,6 +76,9 @@ def list_estimates(
     after: Annotated[int, Query(ge=0, le=2**62, description="number of the last identification that is known")] = 0,
     limit: Annotated[int, Query(ge=1, le=LARGEST_COUNT, description="identifications in the answer")] = 50,
     within_days: Annotated[float | None, Query(gt=0, le=3660, description="only what was computed in the last days")] = None,
+    newest: Annotated[
+        bool, Query(description="where there is more than `limit`, the newest of it: for readers that keep no cursor")
+    ] = False,
     chosen: Annotated[
         TrendFormat | None,
         Query(alias="format", description="influx: line protocol; by default what the Accept header prefers"),
@@ -87,8 +90,8 @@ def list_estimates(
     """
     wanted = "influx" if chosen == "influx" else asked_format(request, chosen)
     since = None if within_days is None else now() - int(within_days * DAY_NS)
-    found = filed_estimates.filed(session, after=after, limit=limit + 1, since=since)
-    rows = {one.id: one for one in found[:limit]}
+    found = filed_estimates.filed(session, after=after, limit=limit + 1, since=since, newest=newest)
+    rows = {one.id: one for one in (found[-limit:] if newest else found[:limit])}
     values = filed_estimates.values_of(session, list(rows))
     last = max(rows, default=after)
     headers = {NEXT: str(last), "Vary": "Accept"}

@@ -5,13 +5,14 @@ import json
 import time
 from pathlib import Path
 
+import aiomqtt
 import pytest
 import zenoh
 
 from service.ingest.ingest_thread import Ingest
 from service.journal.http_queue import Submissions
 from service.journal.journal import Journal
-from service.mqtt.sample_intake import MqttSamples
+from service.mqtt.sample_intake import MqttSamples, PublishedBody
 from service.replication.work_share import WholeShare
 from service.runs.collector import Collector
 from service.wire import BINARY, JSON, MESSAGEPACK, encode_body
@@ -187,6 +188,26 @@ def test_a_database_that_is_away_keeps_messages_at_the_broker(mosquitto: Mosquit
         taking.submissions.trouble = None
         wait_until(lambda: received(taking.database) == 5)
     assert taking.samples.gauges["rundown_mqtt_messages_given_up"] == 0
+
+
+def test_a_message_that_cannot_be_read_is_given_up_and_the_next_one_taken(
+    mosquitto: Mosquitto, taking: Taking, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A fault of ours: unconfirmed it would come again at each connection, and nothing behind it."""
+    right = taking.samples._bodies_of
+
+    def failing(message: aiomqtt.Message) -> list[PublishedBody]:
+        if message.payload == b"fatal":
+            raise OverflowError("can't serialize")
+        return right(message)
+
+    monkeypatch.setattr(taking.samples, "_bodies_of", failing)
+    with mosquitto.connected("edge") as edge:
+        edge.publish(TOPIC, b"fatal")
+        edge.publish(TOPIC, body(0, 5))
+        wait_until(lambda: received(taking.database) == 5)
+    assert taking.samples.gauges["rundown_mqtt_messages_given_up"] == 1
+    assert taking.samples.trouble is None
 
 
 def test_json_of_the_schema_is_what_the_documentation_shows() -> None:

@@ -1,5 +1,7 @@
 """The whole service beside a broker: it is a part of its health, and the doctor looks at it."""
 
+import subprocess
+import sys
 from pathlib import Path
 
 import httpx
@@ -26,6 +28,13 @@ def test_a_service_whose_broker_is_away_is_ready_and_says_so(tmp_path: Path) -> 
     finally:
         service.client.close()
         one.kill()
+
+
+def test_without_a_broker_its_library_is_not_loaded() -> None:
+    script = "import sys\nfrom service.commands import service_threads\n"
+    script += "assert not {'aiomqtt', 'paho', 'service.mqtt'} & set(sys.modules), 'loaded'\n"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
 
 
 def _with_trouble(service: Service) -> httpx.Response | None:

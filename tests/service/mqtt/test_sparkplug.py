@@ -1,5 +1,6 @@
 """Sparkplug B: payloads as another implementation writes them, gaps by the node's count, names by births."""
 
+import re
 from collections.abc import Mapping
 from contextlib import suppress
 from typing import Any
@@ -11,14 +12,15 @@ from hypothesis import strategies as st
 
 from estimator.errors import Invalid
 from estimator.machine.document import Machine, parse_machine
+from service.mqtt.edge_node import EdgeNode
 from service.mqtt.mapped_machines import MappedMachines
 from service.mqtt.sparkplug_nodes import SOURCE, SparkplugNodes
 from service.mqtt.sparkplug_payload import REBIRTH, decoded, rebirth
-from service.wire import Rejected
+from service.wire import JSON, MESSAGEPACK, Rejected, decode_body, encode_body, to_samples
 from storage.database.engine import Database
 from storage.machines import machines
 from tests.mosquitto import Mosquitto
-from tests.plant import KEY, START, document, few_examples, wait_until
+from tests.plant import KEY, SECOND, START, document, few_examples, wait_until
 from tests.service.ingest.plant_network import rejected, rows
 from tests.service.mqtt.conftest import Taking
 
@@ -30,6 +32,7 @@ METRIC = (
     ("datatype", 4, TYPES.TYPE_UINT32),
     ("is_historical", 5, TYPES.TYPE_BOOL),
     ("is_null", 7, TYPES.TYPE_BOOL),
+    ("properties", 9, TYPES.TYPE_MESSAGE),
     ("int_value", 10, TYPES.TYPE_UINT32),
     ("long_value", 11, TYPES.TYPE_UINT64),
     ("float_value", 12, TYPES.TYPE_FLOAT),
@@ -39,16 +42,27 @@ METRIC = (
 )
 """Fields of the public sparkplug_b.proto (Eclipse Tahu, EPL-2.0): names, numbers and types, as far as they are needed here."""
 
+PAYLOAD = ".sparkplug.Payload"
+
 
 def _payload_class() -> Any:
     file = descriptor_pb2.FileDescriptorProto(name="sparkplug_b.proto", package="sparkplug", syntax="proto2")
     payload = file.message_type.add(name="Payload")
     metric = payload.nested_type.add(name="Metric")
+    properties = payload.nested_type.add(name="PropertySet")
+    properties.field.add(name="keys", number=1, type=TYPES.TYPE_STRING, label=TYPES.LABEL_REPEATED)
+    properties.field.add(
+        name="values", number=2, type=TYPES.TYPE_MESSAGE, type_name=f"{PAYLOAD}.PropertyValue", label=TYPES.LABEL_REPEATED
+    )
+    value = payload.nested_type.add(name="PropertyValue")
+    for name, number, kind in (("type", 1, TYPES.TYPE_UINT32), ("int_value", 3, TYPES.TYPE_UINT32)):
+        value.field.add(name=name, number=number, type=kind, label=TYPES.LABEL_OPTIONAL)
     for name, number, kind in METRIC:
-        metric.field.add(name=name, number=number, type=kind, label=TYPES.LABEL_OPTIONAL)
+        of_type = {"type_name": f"{PAYLOAD}.PropertySet"} if kind == TYPES.TYPE_MESSAGE else {}
+        metric.field.add(name=name, number=number, type=kind, label=TYPES.LABEL_OPTIONAL, **of_type)
     payload.field.add(name="timestamp", number=1, type=TYPES.TYPE_UINT64, label=TYPES.LABEL_OPTIONAL)
     payload.field.add(
-        name="metrics", number=2, type=TYPES.TYPE_MESSAGE, type_name=".sparkplug.Payload.Metric", label=TYPES.LABEL_REPEATED
+        name="metrics", number=2, type=TYPES.TYPE_MESSAGE, type_name=f"{PAYLOAD}.Metric", label=TYPES.LABEL_REPEATED
     )
     payload.field.add(name="seq", number=3, type=TYPES.TYPE_UINT64, label=TYPES.LABEL_OPTIONAL)
     pool = descriptor_pool.DescriptorPool()
@@ -87,10 +101,16 @@ def mapped(**changes: Any) -> Machine:
     return parse_machine(document(sparkplug=told | channels | changes))
 
 
-def nodes() -> SparkplugNodes:
+def nodes(machine: Machine | None = None) -> SparkplugNodes:
     one = SparkplugNodes(epoch=7)
-    one.follow([mapped()])
+    one.follow([machine or mapped()])
     return one
+
+
+def born(one: SparkplugNodes, *, at: int = 0, birth: float | None = None) -> None:
+    """Let the node and its device be born. birth: number of the birth."""
+    one.batches(NODE.format("NBIRTH"), written(0, {} if birth is None else {"bdSeq": birth}, at=at))
+    one.batches(DEVICE.format("DBIRTH"), written(1, ALL, at=at))
 
 
 ALL = {SPEED: 900.0, AMPLITUDE: 12.5, PHASE: 30.0}
@@ -179,6 +199,153 @@ def test_unknown_aliases_nodes_and_kinds_make_no_samples() -> None:
     assert one.batches("spBv1.0/STATE/host", b"\xff") == []
     with pytest.raises(Rejected, match="without seq"):
         one.batches(DEVICE.format("DDATA"), Payload(timestamp=1).SerializeToString())
+
+
+def test_a_message_that_the_broker_sends_again_is_no_sample_and_no_gap() -> None:
+    """After a broken connection those of quality 1 come again, several in a row."""
+    one = nodes()
+    born(one)
+    told = [written(number, {0: 900.0 + number}, at=number) for number in (2, 3, 4)]
+    found = [len(one.batches(DEVICE.format("DDATA"), body)) for body in (*told, *told)]
+    assert found == [1, 1, 1, 0, 0, 0]
+    (then,) = one.batches(DEVICE.format("DDATA"), written(5, {0: 910.0}, at=9))
+    assert (one.missing, then.sequence) == (0, 4)
+
+
+def test_a_devices_death_is_counted_and_makes_its_values_unknown() -> None:
+    one = nodes()
+    born(one)
+    assert one.batches(DEVICE.format("DDEATH"), written(2, {})) == []
+    assert one.batches(DEVICE.format("DDATA"), written(3, {1: 13.0}, at=1)) == [], "its speed is not known"
+    (then,) = one.batches(DEVICE.format("DBIRTH"), written(4, ALL, at=2))
+    assert (one.missing, then.sequence) == (0, 1)
+
+
+def test_a_nodes_death_makes_all_unknown_and_that_of_an_earlier_birth_nothing() -> None:
+    one = nodes()
+    born(one, birth=4.0)
+    one.batches(NODE.format("NDEATH"), written_death(3.0))
+    assert len(one.batches(DEVICE.format("DDATA"), written(2, {1: 13.0}, at=1))) == 1
+    one.batches(NODE.format("NDEATH"), written_death(4.0))
+    assert one.batches(DEVICE.format("DDATA"), written(9, {1: 14.0}, at=2)) == []
+    assert one.missing == 0, "what a dead node's count would be is not known"
+    assert len(list(one.rebirths())) == 1
+
+
+def written_death(birth: float) -> bytes:
+    """The will of a node, which counts nothing but its births."""
+    made = Payload(timestamp=START // 1_000_000)
+    made.metrics.add(name="bdSeq", datatype=4, long_value=int(birth))
+    return bytes(made.SerializeToString())
+
+
+def test_a_node_that_is_first_heard_of_between_births_is_asked_for_what_it_said() -> None:
+    """It says what changes only: a speed that stays would never come."""
+    one = nodes()
+    assert one.batches(DEVICE.format("DDATA"), written(17, {AMPLITUDE: 13.0})) == []
+    assert [topic for topic, _ in one.rebirths()] == ["spBv1.0/works/NCMD/gateway"]
+
+
+def test_a_changed_mapping_asks_for_what_was_not_kept() -> None:
+    one = nodes()
+    born(one)
+    one.follow([mapped()])
+    assert list(one.rebirths()) == []
+    one.follow([mapped(conditions={"oil": "Oil/Temperature"}) if mapped().conditions else mapped(speed="Speed 2")])
+    assert len(list(one.rebirths())) == 1
+
+
+def test_a_metric_that_never_comes_is_said_and_asked_for_ever_more_rarely(caplog: pytest.LogCaptureFixture) -> None:
+    one = nodes()
+    one.batches(NODE.format("NBIRTH"), written(0, {}))
+    one.batches(DEVICE.format("DBIRTH"), written(1, {AMPLITUDE: 1.0, PHASE: 2.0}))
+    assert f"has no metric Speed, which the document of machine '{KEY.machine}' names" in caplog.text
+    (node,) = one._nodes.values()
+    asked = [moment for moment in range(0, 3600, 5) if _asks(node, float(moment))]
+    assert 5 <= len(asked) <= 11, "10, 20, 40 … 600 s between"
+    one.batches(DEVICE.format("DBIRTH"), written(2, ALL))
+    assert node.rebirth_pause == 10.0
+
+
+def _asks(node: EdgeNode, moment: float) -> bool:
+    node.wants_rebirth = True
+    return node.asks_now(moment)
+
+
+@pytest.mark.parametrize(("quality", "value"), [(192, 12.5), (0, None), (500, None)])
+def test_what_the_node_calls_bad_or_stale_is_no_value(quality: int, value: float | None) -> None:
+    made = Payload(timestamp=START // 1_000_000, seq=1)
+    for name, number in ALL.items():
+        metric = made.metrics.add(name=name, datatype=10, double_value=number)
+        if name == AMPLITUDE:
+            metric.properties.keys.extend(["EngUnit", "Quality"])
+            metric.properties.values.add(type=3, int_value=7)
+            metric.properties.values.add(type=3, int_value=quality)
+    (found,) = nodes().batches(DEVICE.format("DBIRTH"), made.SerializeToString())
+    assert found.amplitude == [[value]]
+
+
+GAP, OVERALL = "DE X/Gap", "DE X/Direct"
+WITH_GAP = {"amplitude": AMPLITUDE, "phase": PHASE, "gap": GAP, "overall": OVERALL}
+
+
+def with_gap(**changes: Any) -> Machine:
+    """The machine with a mapping of gap and overall level of one probe beside one without."""
+    told = document()
+    for probe in told["probes"]:
+        probe["gap_grows"] = "away"
+    channels = {"B2X": WITH_GAP, "B2Y": {"amplitude": "DE Y/Amplitude", "phase": "DE Y/Phase"}}
+    mapping = {"group": "works", "node": "gateway", "device": "pump", "speed": SPEED, "channels": channels}
+    return parse_machine(told | {"sparkplug": mapping | changes})
+
+
+def test_gap_and_overall_level_are_taken_where_the_document_names_their_metrics() -> None:
+    one = nodes(with_gap())
+    (told,) = one.batches(DEVICE.format("DBIRTH"), written(0, ALL | {GAP: -310.0, OVERALL: 40.0}))
+    assert (told.gap, told.gap_unit, told.overall) == ([[-310.0, None]], "um", [[40.0, None]])
+    (then,) = one.batches(DEVICE.format("DDATA"), written(1, {GAP: -300.0}, at=1))
+    assert (then.gap, then.overall) == ([[-300.0, None]], [[40.0, None]])
+    samples, taken, faults = to_samples(then, with_gap(), received_at=START + SECOND)
+    column = with_gap().channels.index("B2X")
+    assert taken.all()
+    assert not faults
+    assert samples.gap[0, column] == pytest.approx(300e-6), "away from the probe is against its axis"
+    assert samples.overall[0, column] == pytest.approx(20e-6), "peak-to-peak"
+    plain = nodes().batches(DEVICE.format("DBIRTH"), written(0, ALL))[0]
+    assert (plain.gap, plain.gap_unit, plain.overall) == (None, None, None)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"channels": {"B2X": WITH_GAP}}, "a gap needs the probe's `gap_grows`"),
+        ({"channels": {"B2X": WITH_GAP}, "gap_unit": "V"}, "a gap in V needs the probe's `sensitivity`"),
+        ({"channels": {"B2X": WITH_GAP | {"rms": "x"}}}, "rms"),
+        ({"gap_unit": "rpm"}, "gap_unit"),
+    ],
+)
+def test_a_gap_that_could_not_be_told_is_refused_with_the_document(change: dict[str, Any], words: str) -> None:
+    with pytest.raises(Invalid, match=re.escape(words)):
+        mapped(**change)
+
+
+NUMBERS = st.one_of(st.floats(), st.none())
+
+
+@few_examples
+@given(st.integers(0, 2**64 - 1), st.lists(NUMBERS, min_size=5, max_size=5))
+def test_whatever_a_node_sends_can_be_offered_and_judged(moment: int, numbers: list[float | None]) -> None:
+    """A message that nobody could read would come again for ever."""
+    made = Payload(timestamp=moment, seq=1)
+    for name, number in zip((*ALL, GAP, OVERALL), numbers, strict=True):
+        metric = made.metrics.add(name=name, datatype=10, is_null=number is None)
+        if number is not None:
+            metric.double_value = number
+    for told in nodes(with_gap()).batches(DEVICE.format("DBIRTH"), made.SerializeToString()):
+        for encoding in (JSON, MESSAGEPACK):
+            read = decode_body(encode_body(told, encoding), encoding)
+            with suppress(Rejected):
+                to_samples(read, with_gap(), received_at=START)
 
 
 def test_a_mapping_names_probes_that_there_are() -> None:

@@ -114,6 +114,22 @@ def test_a_revoked_key_ends_its_session(served: ServedPlants, store: Database, f
 
 
 @pytest.mark.long
+def test_rubbish_among_the_trusted_is_said_and_ends_nobodys_session(
+    served: ServedPlants, operator: SecondStack, folder: Path
+) -> None:
+    rubbish = served.authority.trusted / "rubbish.crl"
+    rubbish.write_text("-----BEGIN RUBBISH-----")
+    try:
+        wait_until(lambda: "rubbish.crl cannot be read" in str(served.serving.trouble), seconds=20.0)
+        assert operator.ask("read", nodes=[f"{MACHINE}/Name"])[0]["value"] == "Pump 7"
+        with second_stack(served.endpoint, folder, **served.client("operator")) as client:
+            assert client.ask("browse", node="ns=2;i=1")["status"] == "Good"
+    finally:
+        rubbish.unlink()
+    wait_until(lambda: served.serving.trouble is None, seconds=20.0)
+
+
+@pytest.mark.long
 def test_a_revoked_certificate_is_refused(served: ServedPlants, folder: Path) -> None:
     how = served.client("everywhere", key_size=3072)
     with second_stack(served.endpoint, folder, **how) as client:

@@ -64,3 +64,20 @@ def test_a_folder_with_what_is_no_certificate_is_said(authority: Authority) -> N
     (authority.trusted / "rubbish.pem").write_text("-----BEGIN RUBBISH-----")
     with pytest.raises(CertificateUnusable, match="cannot be read"):
         ClientTrust(authority.trusted).check_folder()
+
+
+def test_rubbish_that_comes_later_leaves_trust_as_it_was_until_it_is_gone(authority: Authority) -> None:
+    trust = ClientTrust(authority.trusted, clock=iter(range(0, 10_000, 100)).__next__)
+    client, revoked = (authority.issue(name, CLIENT)[0] for name in ("client", "revoked"))
+    authority.revoke(revoked)
+    trust.require(encoded(client), CLIENT)
+    assert trust.trouble is None
+    rubbish = authority.trusted / "half-copied.pem"
+    rubbish.write_text("-----BEGIN CERTIFICATE-----\nMIIC")
+    trust.require(encoded(client), CLIENT)
+    assert code(trust, encoded(revoked)) == ua.StatusCodes.BadCertificateRevoked
+    assert trust.trouble is not None
+    assert "half-copied.pem cannot be read" in trust.trouble
+    rubbish.unlink()
+    trust.require(encoded(client), CLIENT)
+    assert trust.trouble is None

@@ -71,6 +71,31 @@ def test_an_own_certificate_that_has_expired_is_said(database: Database, tmp_pat
         serving.stop()
 
 
+@pytest.mark.long
+def test_a_certificate_that_expires_meanwhile_is_said_and_a_new_one_taken(database: Database, tmp_path: Path) -> None:
+    authority = Authority(tmp_path)
+    certificate, key = authority.issue("server", "urn:rundown:test", ends=timedelta(seconds=25))
+    settings = Settings(
+        opcua_listen=LOOPBACK.format(free_port()),
+        opcua_certificate=str(certificate),
+        opcua_key=str(key),
+        opcua_trusted=str(authority.trusted),
+    )
+    serving = OpcUaServing(database, settings)
+    serving.start()
+    try:
+        wait_until(lambda: serving.ready, seconds=24.0)
+        wait_until(lambda: "expired at" in str(serving.trouble), seconds=40.0)
+        assert not serving.ready
+        assert serving.alive
+        renewed, renewed_key = authority.issue("renewed", "urn:rundown:test")
+        renewed_key.replace(key)
+        renewed.replace(certificate)
+        wait_until(lambda: serving.ready and serving.trouble is None, seconds=40.0)
+    finally:
+        serving.stop()
+
+
 def test_where_no_credentials_are_needed_a_client_is_whom_it_says(database: Database, tmp_path: Path) -> None:
     endpoint = LOOPBACK.format(free_port())
     serving = OpcUaServing(database, Settings(opcua_listen=endpoint, opcua_allow_unencrypted=True))

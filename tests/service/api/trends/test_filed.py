@@ -35,6 +35,17 @@ def test_a_reader_gets_everything_once_page_by_page(plant: Database) -> None:
     assert {one["identification"] for one in api.value(f"/estimates?after={after}")["estimates"]} == set(new)
 
 
+def test_who_keeps_no_cursor_gets_the_newest(plant: Database) -> None:
+    """Telegraf asks the same again and again: of many it would else be told the oldest only."""
+    ids = stored(plant, 1, 2, 3, 4, 5)
+    api = Api(plant)
+    told = api.value("/estimates?newest=true&limit=2")
+    assert sorted({one["identification"] for one in told["estimates"]}) == ids[-2:]
+    assert (told["after"], told["more"]) == (ids[-1], True)
+    assert {one["identification"] for one in api.value("/estimates?limit=2")["estimates"]} == set(ids[:2])
+    assert api.value(f"/estimates?newest=true&after={ids[-1]}")["estimates"] == []
+
+
 def test_every_format_says_the_same(plant: Database) -> None:
     (number,) = stored(plant, 1)
     api = Api(plant)
