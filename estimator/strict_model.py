@@ -29,26 +29,30 @@ class StrictModel(BaseModel):
             raise ValueError(f"{len(value)} fields are given; there are {len(cls.model_fields)}")
         return value
 
+    # One validator for both: each one that stands before a field is inspected and built for each of several hundred fields.
     @field_validator("*", mode="before")
     @classmethod
-    def _reject_too_long(cls, value: Any, info: ValidationInfo) -> Any:
-        if isinstance(value, list | tuple | dict) and info.field_name is not None:
-            longest = _longest(cls, info.field_name)
-            if longest is not None and len(value) > longest:
-                raise ValueError(f"{len(value)} items; at most {longest}")
+    def _reject_too_long_and_booleans(cls, value: Any, info: ValidationInfo) -> Any:
+        if info.field_name is not None:
+            _require_short(cls, info.field_name, value)
+            _require_no_foreign_boolean(cls, info.field_name, value)
         return value
 
-    @field_validator("*", mode="before")
-    @classmethod
-    def _reject_booleans(cls, value: Any, info: ValidationInfo) -> Any:
-        # The library would take true for 1: a stiffness of 1 N/m where somebody meant to say that there is one.
-        if info.field_name is not None and _contains_boolean(value) and not _accepts_boolean(cls, info.field_name):
-            raise ValueError("true and false are no values of this field")
-        # Nor is 0 false, or "no": in a document of YAML both are written without quotes.
-        other = isinstance(value, int | float | str) and not isinstance(value, bool)
-        if other and info.field_name is not None and _requires_boolean(cls, info.field_name):
-            raise ValueError("this field is true or false")
-        return value
+
+def _require_short(model: type[BaseModel], field: str, value: Any) -> None:
+    if isinstance(value, list | tuple | dict):
+        longest = _longest(model, field)
+        if longest is not None and len(value) > longest:
+            raise ValueError(f"{len(value)} items; at most {longest}")
+
+
+def _require_no_foreign_boolean(model: type[BaseModel], field: str, value: Any) -> None:
+    # The library would take true for 1: a stiffness of 1 N/m where somebody meant to say that there is one.
+    if _contains_boolean(value) and not _accepts_boolean(model, field):
+        raise ValueError("true and false are no values of this field")
+    # Nor is 0 false, or "no": in a document of YAML both are written without quotes.
+    if isinstance(value, int | float | str) and not isinstance(value, bool) and _requires_boolean(model, field):
+        raise ValueError("this field is true or false")
 
 
 def _contains_boolean(value: Any) -> bool:

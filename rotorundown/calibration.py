@@ -1,6 +1,5 @@
 """Calibrates a machine from recorded runs with known unbalances, as `rundown calibrate` does."""
 
-import html
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +12,7 @@ from estimator.errors import Invalid
 from estimator.machine.document import Machine
 from rotorundown.calibration_summary import calibration_text
 from rotorundown.environment.blas_threads import one_blas_thread
+from rotorundown.notebook_text import notebook_text
 from service.configuration.document_files import UnreadableFile
 from service.sources.recorded_runs import read_calibration_runs
 from service.wire import Rejected
@@ -66,7 +66,7 @@ class CalibratedMachine:
 
     def _repr_html_(self) -> str:
         """Return the text for a notebook, escaped."""
-        return f"<pre>{html.escape(str(self))}</pre>"
+        return notebook_text(self)
 
 
 def calibrate(machine: Machine, files: Sequence[str | Path], *, seed: int = 0) -> CalibratedMachine:

@@ -1,6 +1,5 @@
 """Compares later runs with a baseline: changed coefficients at a coupling, an equivalent load in it, or no change."""
 
-import html
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -9,6 +8,7 @@ from estimator.errors import Invalid
 from estimator.identification.model_comparison import ModelComparison, compare_misalignment
 from estimator.phasors.measurement import joined
 from rotorundown.environment.blas_threads import one_blas_thread
+from rotorundown.notebook_text import notebook_text
 from rotorundown.result import Result
 from rotorundown.runs import MachineRun
 
@@ -43,7 +43,7 @@ class CouplingComparison:
 
     def _repr_html_(self) -> str:
         """Return the text for a notebook, escaped."""
-        return f"<pre>{html.escape(str(self))}</pre>"
+        return notebook_text(self)
 
 
 def compare(baseline: Result, runs: MachineRun | Sequence[MachineRun], *, coupling: str) -> CouplingComparison:

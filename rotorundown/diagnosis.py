@@ -1,6 +1,5 @@
 """Diagnoses what changed between the results of a healthy machine and later ones, as the service does with its runs."""
 
-import html
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -11,6 +10,7 @@ from estimator.diagnosis.observation import observation_of
 from estimator.diagnosis.run_windows import RunWindows
 from estimator.diagnosis.severity_measures import change_size
 from estimator.errors import Invalid
+from rotorundown.notebook_text import notebook_text
 from rotorundown.result import Result
 
 
@@ -49,7 +49,7 @@ class CausesFound:
 
     def _repr_html_(self) -> str:
         """Return the text for a notebook, escaped."""
-        return f"<pre>{html.escape(str(self))}</pre>"
+        return notebook_text(self)
 
 
 def diagnose(baseline: Sequence[Result], later: Sequence[Result], *, runs_that_agree: int = 1) -> CausesFound:

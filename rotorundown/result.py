@@ -1,6 +1,5 @@
 """Result of an identification: estimates by name, as a table, as text that fits a screen, and as plots."""
 
-import html
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,6 +17,7 @@ from estimator.phasors.quality import Quality
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 from rotorundown.environment.optional_packages import optional_package
 from rotorundown.estimate_summary import element_lines
+from rotorundown.notebook_text import notebook_text
 from rotorundown.runs import MachineRun
 
 if TYPE_CHECKING:
@@ -172,4 +172,4 @@ class Result:
 
     def _repr_html_(self) -> str:
         """Return the text for a notebook; names come from documents, so everything is escaped."""
-        return f"<pre>{html.escape(str(self))}</pre>"
+        return notebook_text(self)

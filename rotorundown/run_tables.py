@@ -54,7 +54,7 @@ class TableUnits:
         return f"{self.speed}, {self.amplitude} {self.kind}, phase {self.convention} in {self.phase}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RunTable:
     """Columns (S,) of a run by name."""
 

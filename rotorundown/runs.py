@@ -24,8 +24,7 @@ from estimator.units import (
 from rotorundown.environment.optional_packages import optional_package
 from rotorundown.run_tables import RunTable, TableUnits, WrongRun, read_csv_table
 from service.configuration.document_files import UnreadableFile
-from service.sources.recorded_runs import read_runs
-from service.sources.recording import sidecar_of
+from service.sources.sidecar_place import sidecar_of
 from service.wire import Rejected
 
 __all__ = ["MachineRun", "WrongRun", "read_run"]
@@ -150,6 +149,9 @@ def read_run(
     beside = sidecar_of(path) if sidecar is None else Path(sidecar)
     if sidecar is None and path.suffix == ".csv" and not beside.exists():
         return _run_of_table(read_csv_table(path), path.name, machine, units)
+    # Vendors' formats, trial weights, slow roll: loaded with the first recording, not with the first table.
+    from service.sources.recorded_runs import read_runs
+
     try:
         runs, left_out = read_runs(machine, [path], beside)
     except (UnreadableFile, Rejected) as error:

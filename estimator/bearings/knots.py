@@ -54,7 +54,7 @@ WEIGHTS: dict[str, KnotWeights] = {"piecewise": piecewise_weights, "polynomial":
 """Weights by form."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class KnotModel:
     """One coefficient through its values at knots.
 

@@ -8,7 +8,7 @@ from estimator.arrays import Floats
 from estimator.bearings.model import ModelParameter
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class MixedCoefficient:
     """One coefficient at S speeds.
 

@@ -55,7 +55,7 @@ def scale_name(term: str) -> str:
     return f"{term}_scale"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class TableCurves:
     """C coefficients of a table at S speeds, as functions of P logarithms of scale factors.
 

@@ -32,7 +32,7 @@ class FittedPoint(Protocol):
         """Return their covariance (n, n) in SI units [-]."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class UnbalanceSince:
     """Unbalance of P discs beyond that of the calibration.
 

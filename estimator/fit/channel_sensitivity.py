@@ -35,7 +35,7 @@ ROTATING_UNIT = {"rotating_offset": 1e-6, "rotating_angle": 1e-5}
 """Units of couplings' errors meanwhile [m, rad]."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ChannelEffects:
     """Errors of channels and couplings that a fit of n coordinates left out, e of them.
 
@@ -142,7 +142,7 @@ def _assess_separately(
     return bias, information, score
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _RotatingErrors:
     """Run-outs of couplings that are no coordinates.
 

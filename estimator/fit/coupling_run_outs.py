@@ -22,7 +22,7 @@ from estimator.machine.parameter_description import COMPONENTS, ROTATING_ERRORS,
 from estimator.rotor.condensation import condense
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RunOutFit:
     """Outcome of an accepted fit with run-outs of couplings, over the n coordinates of the fit without them.
 

@@ -38,7 +38,7 @@ LARGEST_SIZE = 1.0
 """Largest relative size of deviations that is looked for [-]."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FormVerdict:
     """Verdict on the forms that coefficients follow over speed.
 
@@ -108,7 +108,7 @@ def _form_alone_decides(problem: FitProblem) -> bool:
     return len(following) > 2 * len(problem.train.channels)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Deviations:
     """Deviations of D shapes in all, of unit size, in a fit of n coordinates.
 

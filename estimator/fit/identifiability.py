@@ -28,7 +28,7 @@ open.
 """
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Modes:
     """Damped natural frequencies (M,) [rad/s] and, per coefficient, the share it has in each mode's energy (M, K)."""
 

@@ -25,7 +25,7 @@ class Options:
     robust: bool = True
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Identification:
     """Outcome of one fit, over N coordinates.
 

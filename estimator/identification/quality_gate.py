@@ -61,7 +61,7 @@ class GatedIdentification:
     error: str | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Treatment:
     """Treatment of the sweep: predicted deviation and error of each phasor (S, m) [m], size the one over the other."""
 

@@ -40,7 +40,7 @@ FOLLOWED_SPEEDS = 13
 """Number of speeds at which modes are solved for where coefficients follow the speed."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SweepTransient:
     """Measured minus steady-state phasors that a model predicts for a sweep.
 

@@ -17,7 +17,7 @@ OSCILLATING = 1e-6
 """Part of |λ| that Im λ exceeds where a mode oscillates [-]."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Modes:
     """Oscillating modes, n of them, by ascending damped natural frequency.
 

@@ -29,7 +29,7 @@ SAME_EIGENVALUE = 1e-8
 """Relative difference of eigenvalues that count as equal [-]."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ModeTracks:
     """Modes of a train at ascending speeds, each followed from speed to speed.
 

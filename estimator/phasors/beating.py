@@ -51,7 +51,7 @@ BACKGROUND = 5
 """Number of complex unknowns of the background."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Beat:
     """A ringing mode.
 

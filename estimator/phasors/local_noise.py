@@ -25,7 +25,7 @@ SAME_SPEED = 1e-5
 """Part of the speed range within which samples are no neighbours in speed [-]."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LocalFit:
     """One channel's phasors beside those of their neighbours, n in order of speed.
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from estimator.arrays import Complexes, Floats
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class MeasuredGaps:
     """Gaps of S samples of m channels, in one run or several.
 
@@ -35,7 +35,7 @@ class MeasuredGaps:
         return MeasuredGaps(self.place[which], self.time[which], self.run[which])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Measurement:
     """S samples of m channels.
 

@@ -14,7 +14,7 @@ from estimator.arrays import Complexes, Floats
 from estimator.phasors.speed_law import SpeedLaw
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Sweep:
     """A speed law on a grid of instants.
 
@@ -46,7 +46,7 @@ class Sweep:
         return cls(grid, law.speed(grid), law.acceleration(grid), np.diff(grid), np.diff(law.angle(grid)))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ModalCourse:
     """A modal coordinate on a grid.
 

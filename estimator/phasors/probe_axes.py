@@ -18,7 +18,7 @@ LARGEST_CONDITION = 10.0
 """Condition number above which angles are too much alike [-]: two probes less than 11.4° apart, or that short of 180°."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ProbeStation:
     """The k probes at one station of a shaft.
 
@@ -52,7 +52,7 @@ class ProbeStation:
         return self.condition <= LARGEST_CONDITION
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class AxisPhasors:
     """Displacements along x and y in S samples.
 

@@ -104,7 +104,7 @@ class ChannelNoiseEstimate:
     resolved: bool
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Quality:
     """Quality of a run of S samples and m channels.
 

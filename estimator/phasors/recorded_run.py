@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from estimator.arrays import Complexes, Floats
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RecordedRun:
     """A run as it was measured, S samples of m channels in order of time.
 

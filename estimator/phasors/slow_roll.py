@@ -54,7 +54,7 @@ class NotSlowRoll(Invalid):
         return f"no slow roll: {self}"
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SlowRoll:
     """Slow-roll vectors of a machine's m channels, for rotation in one sense.
 

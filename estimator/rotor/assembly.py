@@ -21,7 +21,7 @@ PEDESTAL_TILT = 1e6
 """Frequency of a pedestal's tilt, which nothing drives: far above all others [rad/s]."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PlaneMatrices:
     """Matrices of one bending plane over (displacement, slope) per node.
 
@@ -53,7 +53,7 @@ class PlaneMatrices:
             matrix.flags.writeable = False
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Rotor:
     """Free-free shafts with their discs, and the pedestals apart from them, M q̈ + (C + Ω G) q̇ + (K + Ω H) q = f.
 

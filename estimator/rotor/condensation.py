@@ -26,7 +26,7 @@ LARGEST_GIVEN = 1_000_000
 """Most numbers of dynamic stiffness and forces that are kept in full, 16 bytes each [-]; more are assembled when needed."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class CondensedTrain:
     """A train at S speeds, with n retained degrees of freedom, K coefficients in T terms, E excitations and m channels.
 

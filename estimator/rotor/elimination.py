@@ -42,7 +42,7 @@ class SingularCondensation(ValueError):
     """Raised when a speed falls on a natural frequency of the part that is eliminated."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Side:
     """One sense of whirl after elimination: transfer (S, e, r), own forces' response (S, e, E), stiffness (S, r, r).
 
@@ -59,7 +59,7 @@ class _Side:
         return _Side(self.transfer[which], self.response[which], self.stiffness[which], self.force[which])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class GivenShafts:
     """Shafts whose dynamic stiffness and forces are given.
 
@@ -99,7 +99,7 @@ class GivenShafts:
         return GivenShafts(self.stiffness[which], self.forces[which])
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class WhirlElimination:
     """The eliminated part of a train at S speeds, for given scale factors of E and ρ.
 
@@ -262,7 +262,7 @@ class WhirlElimination:
         return np.concatenate([(forward + backward) / 2, (forward - backward) / (2 * sense)], axis=1)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _Plan:
     """Division of a scaled rotor's degrees of freedom into retained and eliminated ones, and the elimination of these."""
 

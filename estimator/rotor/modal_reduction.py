@@ -38,7 +38,7 @@ SMALLEST_PART = 1e-6
 """Singular value, over the largest, up to which a shape is left out as a combination of the others [-]."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Basis:
     """Shapes of one bending plane that span the motions of a train.
 

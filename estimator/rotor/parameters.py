@@ -105,7 +105,7 @@ class Coefficient:
         return self.scale if self.direct else 0.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Excitation:
     """One complex unknown of the force: magnitude·e^{j angle}, the angle counted from the keyphasor mark from +x to +y.
 

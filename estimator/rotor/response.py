@@ -51,7 +51,7 @@ def excitation_responses(train: CondensedTrain, *, coefficients: Floats) -> Comp
     return whole
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Sensitivity:
     """Phasors of m outputs at S speeds and their derivatives.
 

@@ -17,7 +17,7 @@ PLANE_DOFS = 2
 """Degrees of freedom of a node in one bending plane: (displacement, slope)."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class PlaneElement:
     """Matrices of one shaft element in one bending plane, over (displacement, slope) at either end.
 

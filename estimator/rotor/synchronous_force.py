@@ -9,7 +9,7 @@ from estimator.rotor.assembly import Rotor, plane_columns
 from estimator.rotor.parameters import Excitation
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SynchronousForce:
     """Force Re(F e^{jφ}) with φ the angle turned.
 

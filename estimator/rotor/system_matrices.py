@@ -22,7 +22,7 @@ CACHE_SIZE = 4
 """Number of matrices cached, by their coefficients: a train whose coefficients do not follow the speed has but one."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class SystemMatrices:
     """Matrices of a train over (x, y, θx, θy) per node, or over the coordinates of a basis, in the same order.
 

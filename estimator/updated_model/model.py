@@ -22,7 +22,7 @@ HIGHEST_FREQUENCY = 2.5
 """Multiple of the speed range's end up to which natural frequencies are of interest [-]."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class UpdatedModel:
     """A machine and the n coordinates that an identification found, without those of its measuring chains.
 

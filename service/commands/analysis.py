@@ -291,7 +291,7 @@ def _runs(
     from service.commands.results.identification_report import slow_roll_text
     from service.configuration.document_files import read_machine
     from service.sources.recorded_runs import read_runs, without_slow_roll
-    from service.sources.recording import sidecar_of
+    from service.sources.sidecar_place import sidecar_of
 
     described = read_machine(machine)
     say_warnings(described)

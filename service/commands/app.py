@@ -352,12 +352,13 @@ app.command("balance")(balance_machine)
 def demo(
     leave: Annotated[bool, typer.Option("--exit", help="stop after the summary; status 0 only if it came out right")] = False,
     port: Annotated[int, typer.Option(help="port of the REST API; 0 takes a free one")] = 0,
+    as_json: JsonWanted = False,
 ) -> None:
     """Demonstrate the service from end to end: three simulated machines, one of them going out of alignment."""
     from service.commands import demo as demonstration
 
     try:
-        right = demonstration.run(leave=leave, port=port)
+        right = demonstration.run(leave=leave, port=port, as_json=as_json)
     except demonstration.DemoFailed as error:
         fail(str(error))
     if leave and not right:

@@ -12,17 +12,18 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from datetime import datetime
 from pathlib import Path
 from types import FrameType
-from typing import Any
+from typing import Any, TextIO
 
 import httpx
 import numpy as np
 
 from estimator.machine.parameter_description import describe
 from rotorundown.environment.example_machines import examples_folder
+from service.commands.json_output import say_json
 from service.configuration.document_files import UnreadableFile, read_yaml
 from storage.clock import from_datetime
 
@@ -76,24 +77,35 @@ class StoryOutcome:
         return sound and self.accepted == self.identifications > 0 and self.alerts == wanted
 
 
-def run(*, leave: bool, port: int) -> bool:
-    """Run the demonstration; returns whether the story came out right. Raises DemoFailed."""
+def run(*, leave: bool, port: int, as_json: bool = False) -> bool:
+    """Run the demonstration; returns whether the story came out right. Raises DemoFailed.
+
+    as_json: prints the summary for programs, and how it goes on the standard error output.
+    """
+    course = sys.stderr if as_json else sys.stdout
     folder = Path(tempfile.mkdtemp(prefix="rundown-demo-"))
     right = False
     try:
-        with _interrupted_by_signals(), _service(folder, port) as (client, endpoint):
-            right = _tell(folder, client, endpoint)
+        with _interrupted_by_signals(), _service(folder, port, course) as (client, endpoint):
+            began = time.monotonic()
+            outcomes = _tell(folder, client, endpoint, course)
+            right = all(outcome.right for outcome in outcomes)
+            seconds = time.monotonic() - began
+            if as_json:
+                say_json({"right": right, "seconds": seconds, "machines": [{"right": one.right, **asdict(one)} for one in outcomes]})
+            else:
+                _print_summary(outcomes, str(client.base_url), seconds)
             if not leave:
-                print("\nServing until Ctrl-C.", flush=True)
+                print("\nServing until Ctrl-C.", file=course, flush=True)
                 signal.pause()
     except KeyboardInterrupt:
-        print("\nStopped.", flush=True)
+        print("\nStopped.", file=course, flush=True)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
     return right
 
 
-def _tell(folder: Path, client: httpx.Client, endpoint: str) -> bool:
+def _tell(folder: Path, client: httpx.Client, endpoint: str, course: TextIO) -> list[StoryOutcome]:
     began = time.monotonic()
     _create_machines(client)
     truth = folder / "truth.jsonl"
@@ -101,18 +113,16 @@ def _tell(folder: Path, client: httpx.Client, endpoint: str) -> bool:
     options = {"cycles": CYCLES, "samples": SAMPLES, "rate": RATE, "seed": SEED, "truth": truth, "connect": endpoint}
     flags = [str(part) for name, value in options.items() for part in (f"--{name}", value)]
     with _process(folder / "simulate.log", ["simulate", *arguments, *flags]) as simulator:
-        _follow(client, simulator, folder, began)
-    outcomes = [_outcome(client, name, story, truth) for name, story in STORIES.items()]
-    _print_summary(outcomes, str(client.base_url), time.monotonic() - began)
-    return all(outcome.right for outcome in outcomes)
+        _follow(client, simulator, folder, began, course)
+    return [_outcome(client, name, story, truth) for name, story in STORIES.items()]
 
 
 @contextlib.contextmanager
-def _service(folder: Path, port: int) -> Iterator[tuple[httpx.Client, str]]:
+def _service(folder: Path, port: int, course: TextIO) -> Iterator[tuple[httpx.Client, str]]:
     port = port or _free_port()
     endpoint = f"tcp/127.0.0.1:{_free_port()}"
     flags = ["--database", f"sqlite:///{folder / 'rundown.db'}", "--port", str(port), "--zenoh-listen", endpoint]
-    print(f"Starting the service on http://127.0.0.1:{port}, its files in {folder} …", flush=True)
+    print(f"Starting the service on http://127.0.0.1:{port}, its files in {folder} …", file=course, flush=True)
     with (
         _process(folder / "serve.log", ["serve", *flags], RUNDOWN_SILENCE_S=str(SILENCE_S)) as process,
         httpx.Client(base_url=f"http://127.0.0.1:{port}/api/v1", timeout=30.0) as client,
@@ -187,7 +197,7 @@ def _create_machines(client: httpx.Client) -> None:
             raise DemoFailed(f"machine {name} was not created: {answer.text}")
 
 
-def _follow(client: httpx.Client, simulator: subprocess.Popen[bytes], folder: Path, began: float) -> None:
+def _follow(client: httpx.Client, simulator: subprocess.Popen[bytes], folder: Path, began: float, course: TextIO) -> None:
     """Show progress until the simulator has ended and everything is identified."""
     deadline = began + STORY_TIMEOUT_S
     shown = 0.0
@@ -202,15 +212,15 @@ def _follow(client: httpx.Client, simulator: subprocess.Popen[bytes], folder: Pa
         runs = [run for name in STORIES for run in client.get(f"/machines/{name}/runs").json()]
         open_runs = sum(run["state"] == "open" for run in runs)
         done = simulator.poll() == 0 and not left and not open_runs
-        if done or time.monotonic() - shown >= (0.5 if sys.stdout.isatty() else 5.0):
+        if done or time.monotonic() - shown >= (0.5 if course.isatty() else 5.0):
             shown = time.monotonic()
-            _print_progress(client, len(runs) - open_runs, counts, time.monotonic() - began)
+            _print_progress(client, len(runs) - open_runs, counts, time.monotonic() - began, course)
         time.sleep(0.2)
-    if sys.stdout.isatty():
-        print(flush=True)
+    if course.isatty():
+        print(file=course, flush=True)
 
 
-def _print_progress(client: httpx.Client, runs: int, counts: dict[str, int], seconds: float) -> None:
+def _print_progress(client: httpx.Client, runs: int, counts: dict[str, int], seconds: float, course: TextIO) -> None:
     total = 2 * CYCLES * len(STORIES)
     received = sum(source["received"] for source in client.get("/sources").json())
     alerts = len(client.get("/alerts").json())
@@ -219,7 +229,8 @@ def _print_progress(client: httpx.Client, runs: int, counts: dict[str, int], sec
     line = (
         f"[{bar:<30}] {seconds:4.0f} s  {received} samples, {runs} of {total} runs, {finished} identified, {alerts} alert(s)"
     )
-    print(f"\r{line}" if sys.stdout.isatty() else line, end="" if sys.stdout.isatty() else "\n", flush=True)
+    shown = course.isatty()
+    print(f"\r{line}" if shown else line, end="" if shown else "\n", file=course, flush=True)
 
 
 def _tail(log: Path) -> str:

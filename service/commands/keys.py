@@ -41,9 +41,11 @@ def create_key(
     plant: Annotated[list[str] | None, typer.Option(help="only for this plant; may be given again; by default all")] = None,
     days: KeyDays = A_YEAR,
     database: DatabaseOption = None,
+    as_json: JsonWanted = False,
 ) -> None:
     """Make a key and print it; it is not shown again."""
     from service.security import api_keys
+    from storage.clock import now
 
     try:
         chosen = Role.of(role)
@@ -55,9 +57,12 @@ def create_key(
     _require_days("--days", days, least=SHORTEST)
     with _open_store(database, new=True) as opened, opened.transaction() as session:
         row, text = api_keys.create(session, name=name, role=chosen, plants=plant or None, days=days)
-        until = _time(row.expires_at)
+        made = _plain_key(row, at=now())
+    if as_json:
+        say_json({"key": text, **made})
+        return
     say(text)
-    say(f"{row.prefix}: {name}, {chosen.label}, until {until}; this is the only time it is shown", err=True)
+    say(f"{made['prefix']}: {name}, {chosen.label}, until {made['expires_at']}; this is the only time it is shown", err=True)
 
 
 @key_app.command("list")
@@ -84,9 +89,11 @@ def rotate_key(
     overlap_days: Annotated[float, typer.Option(help="how long the old one is good beside the new one")] = 7.0,
     days: KeyDays = A_YEAR,
     database: DatabaseOption = None,
+    as_json: JsonWanted = False,
 ) -> None:
     """Replace a key by a new one, and print it."""
     from service.security import api_keys
+    from storage.clock import now
     from storage.operation.api_keys import KeyUnknown
 
     _require_days("--days", days, least=SHORTEST)
@@ -95,10 +102,14 @@ def rotate_key(
         try:
             with opened.transaction() as session:
                 row, text = api_keys.rotate(session, prefix, overlap_days=overlap_days, days=days)
+                made = _plain_key(row, at=now())
         except (KeyUnknown, ValueError) as error:
             fail(error.detail if isinstance(error, KeyUnknown) else str(error))
-        say(text)
-        say(f"{row.prefix} takes the place of {prefix}, which is good for {overlap_days:g} days more", err=True)
+    if as_json:
+        say_json({"key": text, **made, "replaces": prefix, "overlap_days": overlap_days})
+        return
+    say(text)
+    say(f"{made['prefix']} takes the place of {prefix}, which is good for {overlap_days:g} days more", err=True)
 
 
 @key_app.command("confirm")
@@ -106,6 +117,7 @@ def confirm_key(
     prefix: Annotated[list[str] | None, typer.Argument(help="as `rundown key list` shows it")] = None,
     everyone: Annotated[bool, typer.Option("--all", help="every key that waits")] = False,
     database: DatabaseOption = None,
+    as_json: JsonWanted = False,
 ) -> None:
     """Reactivate keys that a restore brought back and that may have been revoked since the backup."""
     from service.security import api_keys
@@ -126,11 +138,14 @@ def confirm_key(
                     api_keys.confirm(session, one)
         except (KeyUnknown, ValueError) as error:
             fail(error.detail if isinstance(error, KeyUnknown) else str(error))
+    if as_json:
+        say_json({"confirmed": chosen})
+        return
     say(f"{', '.join(chosen)} confirmed" if chosen else "no key waits for a confirmation")
 
 
 @key_app.command("revoke")
-def revoke_key(prefix: Prefix, database: DatabaseOption = None) -> None:
+def revoke_key(prefix: Prefix, database: DatabaseOption = None, as_json: JsonWanted = False) -> None:
     """Revoke a key; it stops working within seconds."""
     from service.security import api_keys
     from storage.operation.api_keys import KeyUnknown
@@ -141,6 +156,9 @@ def revoke_key(prefix: Prefix, database: DatabaseOption = None) -> None:
                 api_keys.revoke(session, prefix)
         except KeyUnknown as error:
             fail(error.detail)
+    if as_json:
+        say_json({"revoked": prefix})
+        return
     say(f"{prefix} is revoked")
 
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from service.commands.exit import fail
+from service.commands.json_output import JsonWanted, say_json
 from service.commands.storage import DatabaseUrl, database_url
 from service.commands.terminal import say
 
@@ -21,6 +22,7 @@ def report(
     end: Annotated[datetime | None, typer.Option("--to", help="UTC; by default now")] = None,
     locale: Annotated[str | None, typer.Option(help="language, en or de; by default the setting RUNDOWN_LOCALE")] = None,
     database: DatabaseUrl = None,
+    as_json: JsonWanted = False,
 ) -> None:
     """Write a machine's report as PDF: findings and what to do, trends, plots, alignment, balance, history."""
     from service.advice.site_texts import read_texts
@@ -56,7 +58,11 @@ def report(
         fail(str(error))
     finally:
         opened.close()
-    say(f"{output}: {len(contents.open_alerts)} open alerts, {output.stat().st_size / 1e3:.0f} kB")
+    size = output.stat().st_size
+    if as_json:
+        say_json({"machine": machine, "file": output, "bytes": size, "open_alerts": len(contents.open_alerts)})
+        return
+    say(f"{output}: {len(contents.open_alerts)} open alerts, {size / 1e3:.0f} kB")
 
 
 def _find_locale(locale: str | None) -> "Locale | None":

@@ -1,10 +1,11 @@
 """`rundown retention`: shows which samples the settings ask to delete, and records a person's confirmation."""
 
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from service.commands.exit import fail
+from service.commands.json_output import JsonWanted, say_json
 from service.commands.terminal import say
 
 if TYPE_CHECKING:
@@ -27,8 +28,11 @@ def _retention() -> None:
 def confirm(
     yes: Annotated[bool, typer.Option("--yes", help="do not ask")] = False,
     database: Annotated[str | None, typer.Option(help="SQLAlchemy URL; by default the setting `database`")] = None,
+    as_json: JsonWanted = False,
 ) -> None:
     """Show which old samples are due for deletion by this machine's clock and the service's settings, and confirm it.
+
+    With --json nobody is asked: it needs --yes.
 
     Run it with the service's settings, whether the service runs or not: its next round, within ten minutes, deletes them.
     """
@@ -40,6 +44,8 @@ def confirm(
     from storage.database.claim import DatabaseUnusable
     from storage.database.engine import Database, require_file
 
+    if as_json and not yes:
+        fail("--json asks nobody: say --yes beside it where all that is due may be deleted")
     try:
         settings = settings_of()
         tiers = tiers_of(settings)
@@ -52,7 +58,9 @@ def confirm(
         fail(str(error))
     try:
         moment = now()
-        _print_old_samples(opened, tiers, moment)
+        due = {tier.name: _old_samples(opened, tier, moment) for tier in tiers}
+        if not as_json:
+            _print_old_samples(tiers, due, moment)
         if not yes and not typer.confirm("Is this clock right, and may all of that be deleted for ever?"):
             fail("nothing was confirmed")
         _confirm(opened, tiers, moment)
@@ -60,18 +68,30 @@ def confirm(
         fail(f"the database does not answer as it should: {error.orig}")
     finally:
         opened.close()
+    if as_json:
+        say_json({"confirmed_at": _time(moment), "tiers": [_plain_tier(tier, due[tier.name]) for tier in tiers]})
+        return
     say("confirmed: the service's next round, within ten minutes, deletes it")
 
 
-def _print_old_samples(database: "Database", tiers: "list[Tier]", moment: int) -> None:
+def _print_old_samples(tiers: "list[Tier]", due: "dict[str, dict[str, Extent]]", moment: int) -> None:
     from service.maintenance.retention_cut_offs import DAY_NS
 
     say(f"by this machine's clock it is {_time(moment)}")
     for tier in tiers:
-        found = _old_samples(database, tier, moment)
+        found = due[tier.name]
         say(f"{tier.name}, kept for {tier.kept / DAY_NS:g} days: {_total(found)}")
         for machine_id, extent in found.items():
             say(f"  {machine_id:24s} {extent.count:8d}  from {_time(extent.first)} to {_time(extent.last)}")
+
+
+def _plain_tier(tier: "Tier", due: "dict[str, Extent]") -> dict[str, Any]:
+    from service.maintenance.retention_cut_offs import DAY_NS
+
+    extents = {
+        machine_id: {"count": one.count, "first": _time(one.first), "last": _time(one.last)} for machine_id, one in due.items()
+    }
+    return {"name": tier.name, "kept_days": tier.kept / DAY_NS, "machines": extents}
 
 
 def _old_samples(database: "Database", tier: "Tier", moment: int) -> "dict[str, Extent]":

@@ -3,8 +3,6 @@
 from pathlib import Path
 from typing import Any
 
-import yaml
-
 from estimator.machine.document import DocumentError, Machine
 from estimator.machine.document_size import accepted_machine
 from service.configuration.table_files import WrongTableFile, with_table_columns
@@ -16,6 +14,8 @@ class UnreadableFile(ValueError):
 
 def read_yaml(path: Path) -> Any:
     """Return the content of a YAML or JSON file. Raises UnreadableFile."""
+    import yaml  # not needed by those who make machines in a program
+
     try:
         return yaml.safe_load(path.read_text(encoding="utf-8"))
     except yaml.MarkedYAMLError as error:

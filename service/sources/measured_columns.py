@@ -18,7 +18,7 @@ class BrokenFile(ValueError):
         self.fault = fault
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class MeasuredColumns:
     """Columns (N,) of a file by name.
 

@@ -50,7 +50,7 @@ def read_calibration_runs(machine: Machine, files: Sequence[Path]) -> tuple[list
     return runs, [fault for one in found for fault in one.faults]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class _ReadRun:
     """A file's run, as recorded and as a measurement, with what its sidecar states, the rows taken (R,) and the faults."""
 

@@ -22,13 +22,12 @@ from estimator.units import RADIANS
 from service.configuration.document_files import UnreadableFile, read_yaml
 from service.export.csv_cells import CsvWriter, cell
 from service.sources.recorded_table import RecordedTable
+from service.sources.sidecar_place import sidecar_of
 from service.sources.trial_weights import TrialWeight
 from service.wire import TABLES, WIRE_SCHEMA, SampleBatch
 from storage.clock import from_datetime
 from storage.database.private_files import prepare
 
-SHARED_SIDECAR = "columns.yaml"
-"""Name of the sidecar that maps the columns of all recordings in a folder that have none of their own."""
 LONGEST_S = 1e9
 """Longest recording: thirty years [s]."""
 
@@ -114,12 +113,6 @@ class Sidecar(BaseModel):
     def trial_weights(self) -> dict[str, TrialWeight]:
         """Return the trial weights that were on by disc."""
         return {} if self.added_unbalance in (None, "none") else dict(self.added_unbalance)  # type: ignore[arg-type]
-
-
-def sidecar_of(path: Path) -> Path:
-    """Return the sidecar of a recording: its own beside it, or the one that maps the columns of all files in its folder."""
-    own, shared = path.with_suffix(".yaml"), path.parent / SHARED_SIDECAR
-    return shared if shared.exists() and not own.exists() else own
 
 
 def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:

@@ -26,7 +26,7 @@ class DamagedBlock(Damaged):
     """A stored block cannot be read."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Samples:
     """S samples of one machine's m channels, SI.
 

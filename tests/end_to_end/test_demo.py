@@ -78,7 +78,7 @@ def test_ctrl_c_in_the_middle_leaves_nothing(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(("right", "status"), [(True, 0), (False, 1)])
 def test_exit_status_tells_whether_the_story_came_out_right(monkeypatch: pytest.MonkeyPatch, right: bool, status: int) -> None:
-    monkeypatch.setattr(demo, "run", lambda *, leave, port: right and leave and port == 0)
+    monkeypatch.setattr(demo, "run", lambda *, leave, port, as_json: right and leave and port == 0 and not as_json)
     assert CliRunner().invoke(app, ["demo", "--exit"]).exit_code == status
 
 

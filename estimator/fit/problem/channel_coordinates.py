@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from estimator.arrays import Complexes, Floats
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ChannelCoordinates:
     """Gains and run-outs of m channels among the coordinates θ (n,) of a fit.
 

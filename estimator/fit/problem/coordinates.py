@@ -29,7 +29,7 @@ UNBALANCE_SPREAD = 1000.0
 """Prior standard deviation of an unbalance in units of its scale: enough to make the problem regular, no more."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Coordinates:
     """Map between physical parameters and fit coordinates θ (n,).
 

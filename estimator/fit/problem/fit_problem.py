@@ -23,7 +23,7 @@ SMALLEST_AMPLITUDE = 0.01
 """Least amplitude of a channel as a part of the sample's largest, for the weights before there is a fit [-]."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FitResult:
     """End of a fit from one start.
 
@@ -53,7 +53,7 @@ class FitResult:
     coarse_misfit: float = math.nan
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class FitProblem:
     """One data set, one train, one set of coordinates.
 

@@ -35,7 +35,7 @@ NORMAL_MEDIAN = 0.6745
 """Median of the size of a normal number of unit variance [-]."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ChannelGaps:
     """Gaps of one channel in one run, s samples.
 
@@ -103,7 +103,7 @@ class ChannelGaps:
         return np.asarray((values - np.tensordot(self.common * self.shrunk, parts, 1)) / self.noise)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class GapRows:
     """Gaps of a fit with the centreline that the films give.
 

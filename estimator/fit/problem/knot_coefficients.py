@@ -10,7 +10,7 @@ from estimator.arrays import Complexes, Floats
 from estimator.bearings.mixed_coefficient import MixedCoefficient
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class KnotCoefficients:
     """G coefficients at S speeds, each a weighted sum of P fitted numbers.
 

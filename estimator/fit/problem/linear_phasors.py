@@ -18,7 +18,7 @@ Sources = tuple[Coordinates, CondensedTrain, Measurement]
 """Coordinates, train without scale factors and samples, of which phasors are computed."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LinearPhasors:
     """Phasors of m channels at s of the speeds of a fit, with their derivatives.
 

@@ -13,7 +13,7 @@ from estimator.arrays import Floats
 from estimator.machine.calibration import Calibration
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Prior:
     """Gaussian prior on the n coordinates of a fit.
 
@@ -48,7 +48,7 @@ class Prior:
         return float((theta - self.centre) @ self.pull(theta))
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class CalibratedPrior:
     """Prior of k coordinates that a calibration holds.
 

@@ -23,12 +23,8 @@ from tests.paths import EXAMPLES
 from tests.plant import machine
 
 PUMP = str(EXAMPLES / "motor-pump.yaml")
-PRINTING = (
-    "identify model compare calibrate balance slow-roll check sample doctor backup restore move export",
-    "key list",
-    "audit verify",
-)
-"""Commands that print results: those of the service's own, then those of groups."""
+WITHOUT_RESULT = {"serve", "worker", "router", "simulate", "replay", "edge", "init", "document"}
+"""Commands that print no result: they work until they are ended, or write a file to be edited; `document` prints JSON anyway."""
 
 
 def printed(*arguments: str, status: int = 0) -> Any:
@@ -51,10 +47,11 @@ def recordings(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, str]:
 
 def test_every_command_that_prints_results_has_it() -> None:
     group: Any = typer.main.get_command(app)
-    alone, *grouped = PRINTING
-    commands = [group.commands[name] for name in alone.split()]
-    commands += [group.commands[name].commands[one] for name, one in map(str.split, grouped)]
-    assert [one.name for one in commands if not any("--json" in option.opts for option in one.params)] == []
+    commands = {name: one for name, one in group.commands.items() if not hasattr(one, "commands")}
+    for name, one in group.commands.items():
+        commands |= {f"{name} {inner}": each for inner, each in getattr(one, "commands", {}).items()}
+    lacking = {name for name, one in commands.items() if not any("--json" in option.opts for option in one.params)}
+    assert lacking == WITHOUT_RESULT
 
 
 def test_an_identification(recordings: tuple[str, str]) -> None:
@@ -111,6 +108,25 @@ def test_stores_and_keys(tmp_path: Path) -> None:
     assert printed("export", machine().id, str(tmp_path / "out"), "--database", url)["machine"] == machine().id
     moved = printed("move", url, f"sqlite:///{tmp_path / 'new.db'}")
     assert moved["rows"]["machines"] == 1
+
+
+def test_the_life_of_a_key(database: Database) -> None:
+    made = printed("key", "create", "historian", "--role", "viewer", "--plant", "north", "--database", database.url)
+    assert made["key"].startswith(f"rundown_{made['prefix']}")
+    assert (made["name"], made["role"], made["plants"], made["state"]) == ("historian", "viewer", ["north"], "valid")
+    new = printed("key", "rotate", made["prefix"], "--database", database.url)
+    assert (new["replaces"], new["overlap_days"], new["name"]) == (made["prefix"], 7.0, "historian")
+    assert new["key"].startswith(f"rundown_{new['prefix']}")
+    assert printed("key", "confirm", "--all", "--database", database.url) == {"confirmed": []}
+    assert printed("key", "revoke", new["prefix"], "--database", database.url) == {"revoked": new["prefix"]}
+    states = {one["prefix"]: one["state"] for one in printed("key", "list", "--database", database.url)}
+    assert states == {made["prefix"]: "valid", new["prefix"]: "revoked"}
+
+
+def test_a_report(plant: Database, tmp_path: Path) -> None:
+    file = tmp_path / "report.pdf"
+    told = printed("report", machine().id, "--output", str(file), "--database", plant.url)
+    assert told == {"machine": machine().id, "file": str(file), "bytes": file.stat().st_size, "open_alerts": 0}
 
 
 def test_a_restore(tmp_path: Path) -> None:

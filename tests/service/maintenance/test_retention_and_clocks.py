@@ -1,5 +1,6 @@
 """Clocks that are ahead while old samples are let go of: nothing goes that time has not made old, unless a person says so."""
 
+import json
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -283,6 +284,23 @@ def test_what_is_asked_for_the_first_time_is_shown_before_it_is_done(store: Stor
     assert confirm(store.database, monkeypatch, "--yes")[0] == 0
     store.housekeeping.round()
     assert store.blocks == 30
+
+
+def test_a_program_confirms_only_with_yes(store: Store, clocks: Clocks, monkeypatch: pytest.MonkeyPatch) -> None:
+    store.housekeeping.round()
+    store.send_hours(2)
+    clocks.wall = YEAR
+    store.send(1)
+    store.housekeeping.round()
+    status, said = confirm(store.database, monkeypatch, "--json", answer="y\n")
+    assert (status, said.count("\n")) == (1, 1)
+    assert "say --yes beside it" in said
+    status, said = confirm(store.database, monkeypatch, "--json", "--yes")
+    assert status == 0
+    raw = next(one for one in json.loads(said)["tiers"] if one["machines"])
+    (extent,) = raw["machines"].values()
+    assert (raw["kept_days"], extent["count"]) == (MONTH, 2)
+    assert extent["first"] < extent["last"]
 
 
 def test_nothing_can_be_confirmed_where_nothing_is_let_go_of(plant: Database, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,0 +1,12 @@
+"""Where the sidecar of a recording stands; apart from its reader, as who only asks for it need not load what reads it."""
+
+from pathlib import Path
+
+SHARED_SIDECAR = "columns.yaml"
+"""Name of the sidecar that maps the columns of all recordings in a folder that have none of their own."""
+
+
+def sidecar_of(path: Path) -> Path:
+    """Return the sidecar of a recording: its own beside it, or the one that maps the columns of all files in its folder."""
+    own, shared = path.with_suffix(".yaml"), path.parent / SHARED_SIDECAR
+    return shared if shared.exists() and not own.exists() else own
