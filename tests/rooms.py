@@ -83,7 +83,7 @@ service/delivery: estimator service/advice service/alerts service/configuration 
     storage/machines storage/operation storage/tables
 service/runs: estimator estimator/machine estimator/runs service/replication service/resilience storage
     storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
-service/security: estimator service/configuration service/http service/resilience storage storage/database
+service/security: estimator service/configuration service/http service/resilience service/wording storage storage/database
     storage/encoding storage/operation storage/tables
 service/opcua: estimator estimator/rotor estimator/updated_model service/advice service/alerts service/configuration
     service/resilience service/runs service/security storage storage/alerts storage/database storage/findings

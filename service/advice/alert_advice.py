@@ -8,6 +8,8 @@ from service.advice.site_texts import SiteTexts
 from service.alerts.advice_message import Advice
 from service.alerts.event_message import AlertEvent
 from service.alerts.lifecycle import Severity
+from service.alerts.transitions import SERVICE
+from service.wording.stored_sentences import told_comment
 from storage.alerts.alerts import ListedAlert
 from storage.clock import to_datetime
 from storage.tables.alerting import AlertEventRow, AlertRow
@@ -44,7 +46,7 @@ def alert_event(row: AlertEventRow, texts: SiteTexts) -> AlertEvent:
         message=alert_message(row, advice, texts),
         advice=advice,
         by=row.by,
-        comment=row.comment,
+        comment=told_comment(row.comment, texts.language) if row.by == SERVICE else row.comment,
         opened_at=to_datetime(row.opened_at),
         identification=row.identification_id,
     )

@@ -7,75 +7,93 @@ import numpy as np
 from estimator.calibration.balancing_check import BalancingCheck
 from estimator.calibration.field_balancing import FieldBalancing
 from estimator.units import rad_per_s_to_rpm
-from estimator.updated_model.balance_quality import GRAM_MILLIMETRE, RotorBalance
+from estimator.updated_model.balance_quality import GRAM_MILLIMETRE, PlaneBalance, RotorBalance
 from service.balancing.correction_rows import channel_effects, limit_verdicts, plane_weights, trim_weights
+from service.wording.language import ENGLISH, Language
+from service.wording.stored_sentences import in_language
 
 
-def balancing_text(found: FieldBalancing, check: BalancingCheck | None = None) -> str:
-    """Return the report of a correction and, where there is one, of its check run."""
-    parts = [_head(found), _correction(found), _effects(found, check), _residual(found, check)]
+def balancing_text(found: FieldBalancing, check: BalancingCheck | None = None, language: Language = ENGLISH) -> str:
+    """Return the report of a correction and, where there is one, of its check run, in a language."""
+    parts = [
+        _head(found, language),
+        _correction(found, language),
+        _effects(found, check, language),
+        _residual(found, check, language),
+    ]
     if check is not None:
-        parts.append(_check(found, check))
+        parts.append(_check(found, check, language))
     return "\n\n".join("\n".join(part) for part in map(list, parts) if part)
 
 
-def _head(found: FieldBalancing) -> Iterator[str]:
+def _head(found: FieldBalancing, language: Language) -> Iterator[str]:
+    say = language.say
     speeds = [f"{rad_per_s_to_rpm(one):.0f}" for one in found.speed]
-    shown = ", ".join(speeds) if len(speeds) <= 6 else f"{len(speeds)} speeds from {speeds[0]} to {speeds[-1]}"
-    yield f"Balancing of {found.machine.name} ({found.machine.id}) at {shown} r/min"
-    yield f"Runs: {', '.join(found.runs.names)}"
-    yield f"Influence: {found.choice.words}"
-    yield from (f"Note: {one}" for one in found.notes)
+    shown = ", ".join(speeds)
+    if len(speeds) > 6:
+        shown = say("balancing.speeds", count=len(speeds), first=speeds[0], last=speeds[-1])
+    yield say("balancing.title", name=found.machine.name, id=found.machine.id, speeds=shown)
+    yield say("balancing.runs", names=", ".join(found.runs.names))
+    yield say("balancing.influence", words=in_language(found.choice.words, language))
+    yield from (say("balancing.note", words=in_language(one, language)) for one in found.notes)
 
 
-def _correction(found: FieldBalancing) -> Iterator[str]:
-    criterion = {"least-squares": "least squares of vibration", "min-max": "least largest vibration"}
-    yield (
-        f"Correction, {criterion[found.correction.criterion]}: plane, unbalance to add [g mm] and angle [°] from the "
-        "keyphasor mark, +x to +y, 95 % intervals"
-    )
+def _correction(found: FieldBalancing, language: Language) -> Iterator[str]:
+    digits, say = language.digits, language.say
+    yield say("balancing.correction", criterion=say(f"balancing.{found.correction.criterion}"))
     for one in plane_weights(found):
-        angle = "any angle" if one.half_width_deg >= 180.0 else f"{one.angle_deg:6.1f} ± {one.half_width_deg:.0f}"
-        yield f"  {one.plane:<12} {one.g_mm:10.4g} ({one.lower_g_mm:.3g} to {one.upper_g_mm:.3g}) at {angle}"
+        angle = digits(f"{one.angle_deg:6.1f} ± {one.half_width_deg:.0f}")
+        interval = say("balancing.interval", lower=digits(f"{one.lower_g_mm:.3g}"), upper=digits(f"{one.upper_g_mm:.3g}"))
+        at = say("balancing.any_angle") if one.half_width_deg >= 180.0 else angle
+        yield f"  {one.plane:<12} {digits(f'{one.g_mm:10.4g}')} {say('balancing.at', interval=interval, angle=at)}"
         for place, grams in one.masses:
-            yield f"      {grams:8.4g} g at the place at {place:.1f}°"
+            yield "      " + say("balancing.mass", grams=digits(f"{grams:8.4g}"), angle=place)
         if one.missed is not None and one.missed > 0.01:
-            yield f"      the places miss the best unbalance by {100 * one.missed:.0f} %"
-    yield "The weights are counted from the state without trial weights: take these off first, or put on the difference."
+            yield "      " + say("balancing.missed", part=100 * one.missed)
+    yield say("balancing.counted")
 
 
-def _effects(found: FieldBalancing, check: BalancingCheck | None) -> Iterator[str]:
-    yield "Largest vibration over the speeds [µm pp]: channel, before, predicted after, 95 % below" + (
-        ", check run" if check else ""
-    )
+def _effects(found: FieldBalancing, check: BalancingCheck | None, language: Language) -> Iterator[str]:
+    digits, say = language.digits, language.say
+    yield say("balancing.effects") + (say("balancing.with_check") if check else "")
     for one in channel_effects(found, check):
-        shown = "" if one.check is None else f" {one.check:9.3g}  {'as promised' if one.held else 'MORE THAN PROMISED'}"
-        yield f"  {one.channel:<12} {one.before:9.3g} {one.after:9.3g} {one.upper:9.3g}{shown}"
+        kept = say("balancing.as_promised" if one.held else "balancing.more_than_promised")
+        shown = "" if one.check is None else f" {digits(f'{one.check:9.3g}')}  {kept}"
+        yield f"  {one.channel:<12} {digits(f'{one.before:9.3g} {one.after:9.3g} {one.upper:9.3g}')}{shown}"
     limit = limit_verdicts(found)
     if limit is not None:
-        yield f"  limit of the document {limit[0]:.3g} µm pp: {_verdict_text(limit[1])}"
+        yield "  " + say("balancing.limit", limit=digits(f"{limit[0]:.3g}"), verdict=_verdict_text(limit[1], language))
 
 
-def _residual(found: FieldBalancing, check: BalancingCheck | None) -> Iterator[str]:
-    yield (
-        f"Residual unbalance in the bearing planes against ISO 21940-11 G {found.options.grade:g} at "
-        f"{rad_per_s_to_rpm(found.service_speed):.0f} r/min [g mm], as a rigid rotor, from {', '.join(found.known.planes)}: "
-        f"before, predicted after{', check run' if check else ''}"
-    )
+def _residual(found: FieldBalancing, check: BalancingCheck | None, language: Language) -> Iterator[str]:
+    yield language.say(
+        "balancing.residual",
+        grade=language.digits(f"{found.options.grade:g}"),
+        rpm=rad_per_s_to_rpm(found.service_speed),
+        planes=", ".join(found.known.planes),
+    ) + (language.say("balancing.with_check") if check else "")
     states = [found.before, found.after, *([check.residual] if check else [])]
     for rotors in zip(*states, strict=True):
-        yield from _planes(rotors)
+        yield from _planes(rotors, language)
 
 
-def _planes(rotors: tuple[RotorBalance, ...]) -> Iterator[str]:
+def _planes(rotors: tuple[RotorBalance, ...], language: Language) -> Iterator[str]:
     for planes in zip(*(rotor.planes for rotor in rotors), strict=True):
-        shown = "; ".join(
-            f"{_g_mm(one.unbalance, one.iso_permissible)} (below {one.upper / GRAM_MILLIMETRE:.3g}), "
-            f"G {round(one.grade, 3):.2g}, {_verdict_text(one.iso)}"
-            for one in planes
-        )
+        shown = "; ".join(_plane(one, language) for one in planes)
         first = planes[0]
-        yield f"  {rotors[0].shaft:<10} {first.bearing:<8} permissible {first.iso_permissible / GRAM_MILLIMETRE:.3g}: {shown}"
+        permissible = language.digits(f"{first.iso_permissible / GRAM_MILLIMETRE:.3g}")
+        told = language.say("balancing.permissible", amount=permissible, planes=shown)
+        yield f"  {rotors[0].shaft:<10} {first.bearing:<8} {told}"
+
+
+def _plane(one: PlaneBalance, language: Language) -> str:
+    return language.say(
+        "balancing.plane",
+        amount=language.digits(_g_mm(one.unbalance, one.iso_permissible)),
+        upper=language.digits(f"{one.upper / GRAM_MILLIMETRE:.3g}"),
+        grade=language.digits(f"{round(one.grade, 3):.2g}"),
+        verdict=_verdict_text(one.iso, language),
+    )
 
 
 def _g_mm(unbalance: complex, permissible: float) -> str:
@@ -83,18 +101,20 @@ def _g_mm(unbalance: complex, permissible: float) -> str:
     return f"{round(abs(unbalance) / permissible, 4) * permissible / GRAM_MILLIMETRE:.3g}"
 
 
-def _check(found: FieldBalancing, check: BalancingCheck) -> Iterator[str]:
+def _check(found: FieldBalancing, check: BalancingCheck, language: Language) -> Iterator[str]:
     shown = np.isfinite(check.vector)
     kept, points = int(np.count_nonzero(check.held)), int(np.count_nonzero(shown))
-    yield f"Check run {check.name}: {kept} of {points} points within the prediction for the weights that were on"
+    yield language.say("balancing.check", name=check.name, kept=kept, points=points)
     limit = found.machine.operation.vibration_limit
     if limit is not None:
         kept_limit = bool(np.nanmax(np.abs(check.vector)) <= limit)
-        yield f"  limit of the document: {'met' if kept_limit else 'NOT MET'}"
-    yield "  further correction, with what this run adds: plane, unbalance to add [g mm] at angle [°]"
+        verdict = _verdict_text("met" if kept_limit else "not met", language)
+        yield "  " + language.say("balancing.limit_by_check", verdict=verdict)
+    yield "  " + language.say("balancing.trim")
     for plane, size, angle in trim_weights(found, check):
-        yield f"  {plane:<12} {size:10.4g} {angle:7.1f}"
+        yield f"  {plane:<12} {language.digits(f'{size:10.4g} {angle:7.1f}')}"
 
 
-def _verdict_text(verdict: str) -> str:
-    return "NOT MET" if verdict == "not met" else verdict
+def _verdict_text(verdict: str, language: Language) -> str:
+    said = in_language(verdict, language)
+    return said.upper() if verdict == "not met" else said

@@ -11,6 +11,8 @@ from estimator.fit.estimates import CONFIDENCE_95
 from service.balancing.balancing_text import balancing_text
 from service.balancing.correction_rows import MICROMETRES
 from service.balancing.vector_plot import PlottedVector, vector_plot
+from service.wording.language import ENGLISH, Language
+from service.wording.stored_sentences import in_language
 
 STYLE = (
     "@page{size:A4;margin:12mm}body{font:10px/1.35 sans-serif;margin:1em;color:#111}pre{font:9px/1.35 monospace;"
@@ -19,28 +21,30 @@ STYLE = (
 )
 
 
-def printed_page(found: FieldBalancing, check: BalancingCheck | None = None) -> str:
-    """Return the page as HTML that needs nothing beside it."""
-    plots = "".join(channel_plots(found, check))
-    title = html.escape(f"Balancing of {found.machine.name}")
+def printed_page(found: FieldBalancing, check: BalancingCheck | None = None, language: Language = ENGLISH) -> str:
+    """Return the page in a language, as HTML that needs nothing beside it."""
+    plots = "".join(channel_plots(found, check, language))
+    title = html.escape(language.say("balancing.page", name=found.machine.name))
     return (
-        f'<!doctype html><html lang="en"><head><meta charset="utf-8"/><title>{title}</title><style>{STYLE}</style></head>'
-        f"<body><pre>{html.escape(balancing_text(found, check))}</pre>{plots}</body></html>\n"
+        f'<!doctype html><html lang="{language.code}"><head><meta charset="utf-8"/>'
+        f"<title>{title}</title><style>{STYLE}</style></head>"
+        f"<body><pre>{html.escape(balancing_text(found, check, language))}</pre>{plots}</body></html>\n"
     )
 
 
-def channel_plots(found: FieldBalancing, check: BalancingCheck | None = None) -> Sequence[str]:
+def channel_plots(found: FieldBalancing, check: BalancingCheck | None = None, language: Language = ENGLISH) -> Sequence[str]:
     """Return a vector plot of each channel, at the point where its vibration was largest."""
     plots = []
     for channel in found.machine.channels:
         own = [at for at, point in enumerate(found.runs.points) if point.startswith(f"{channel} at ")]
         if own:
             at = max(own, key=lambda one: float(found.correction.before.amplitude[one]))
-            plots.append(vector_plot(found.runs.points[at], _vectors(found, check, at), unit="µm pp"))
+            title = in_language(found.runs.points[at], language)
+            plots.append(vector_plot(title, _vectors(found, check, at, language), unit="µm pp", language=language))
     return plots
 
 
-def _vectors(found: FieldBalancing, check: BalancingCheck | None, at: int) -> list[PlottedVector]:
+def _vectors(found: FieldBalancing, check: BalancingCheck | None, at: int, language: Language) -> list[PlottedVector]:
     runs = found.runs
     unloaded = ~np.any(runs.added != 0.0, axis=1)
     shown = [
@@ -50,7 +54,8 @@ def _vectors(found: FieldBalancing, check: BalancingCheck | None, at: int) -> li
     ][:MOST_RUNS]
     after = found.correction.after
     size = found.correction.influence.widening * CONFIDENCE_95 * float(np.sqrt(np.trace(after.covariance[at]) / 2.0))
-    shown.append(PlottedVector("predicted", complex(after.value[at]) / MICROMETRES, uncertain=size / MICROMETRES))
+    predicted = language.say("balancing.predicted")
+    shown.append(PlottedVector(predicted, complex(after.value[at]) / MICROMETRES, uncertain=size / MICROMETRES))
     if check is not None and np.isfinite(check.vector[at]):
         shown.append(PlottedVector(check.name, complex(check.vector[at]) / MICROMETRES))
     return shown

@@ -5,6 +5,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from service.wording.language import ENGLISH, Language
+
 SIZE = 220
 RADIUS = 88
 COLOURS = ("#1f5a93", "#9a5b00", "#5c7c1e", "#7a3b8f", "#555555", "#a02b2b", "#0f7f7f", "#b03a7e")
@@ -20,7 +22,7 @@ class PlottedVector:
     dashed: bool = False
 
 
-def vector_plot(title: str, vectors: Sequence[PlottedVector], *, unit: str) -> str:
+def vector_plot(title: str, vectors: Sequence[PlottedVector], *, unit: str, language: Language = ENGLISH) -> str:
     """Return a polar plot: amplitude as radius, phase lag clockwise from the right, as the page's plots have it."""
     largest = max([1e-12, *(abs(one.value) + one.uncertain for one in vectors)])
     step = _ring(largest / 3)
@@ -31,10 +33,10 @@ def vector_plot(title: str, vectors: Sequence[PlottedVector], *, unit: str) -> s
     parts += [_degrees(angle) for angle in (0, 90, 180, 270)]
     for number, one in enumerate(vectors):
         parts.append(_arrow(one, scale, COLOURS[number % len(COLOURS)]))
-    head = f"{html.escape(title)}, rings of {step:.3g} {html.escape(unit)}"
+    head = html.escape(language.say("balancing.rings", title=title, step=language.digits(f"{step:.3g}"), unit=unit))
     return (
         f'<figure><svg viewBox="{-SIZE // 2} {-SIZE // 2} {SIZE} {SIZE}" width="{SIZE}" height="{SIZE}" role="img" '
-        f'aria-label="{head}">{"".join(parts)}</svg><figcaption>{head}<br/>{_key(vectors)}</figcaption></figure>'
+        f'aria-label="{head}">{"".join(parts)}</svg><figcaption>{head}<br/>{_key(vectors, language)}</figcaption></figure>'
     )
 
 
@@ -51,12 +53,16 @@ def _arrow(one: PlottedVector, scale: float, colour: str) -> str:
     )
 
 
-def _key(vectors: Sequence[PlottedVector]) -> str:
+def _key(vectors: Sequence[PlottedVector], language: Language) -> str:
     return ", ".join(
-        f'<span style="color:{COLOURS[number % len(COLOURS)]}">{html.escape(one.name)} {abs(one.value):.3g} '
-        f"∠{-math.degrees(math.atan2(one.value.imag, one.value.real)) % 360:.0f}° lag</span>"
+        f'<span style="color:{COLOURS[number % len(COLOURS)]}">{html.escape(_read_out(one, language))}</span>'
         for number, one in enumerate(vectors)
     )
+
+
+def _read_out(one: PlottedVector, language: Language) -> str:
+    lag = -math.degrees(math.atan2(one.value.imag, one.value.real)) % 360
+    return language.say("balancing.lag", name=one.name, size=language.digits(f"{abs(one.value):.3g}"), angle=lag)
 
 
 def _degrees(angle: int) -> str:

@@ -8,6 +8,7 @@ import typer
 
 from estimator.calibration.criterion import Criterion
 from service.commands.exit import fail
+from service.commands.find_language import find_language
 from service.commands.json_output import JsonWanted, say_json
 from service.commands.terminal import say, say_lines, working
 
@@ -41,6 +42,7 @@ def balance_machine(
         bool, typer.Option("--model", help="identify the machine from the same runs, and use its model if it predicts better")
     ] = False,
     page: Annotated[Path | None, typer.Option(help="HTML file for one printed page with vector plots")] = None,
+    locale: Annotated[str, typer.Option(help="language of the page, en or de")] = "en",
     as_json: JsonWanted = False,
 ) -> None:
     """Compute correction weights from an initial run and trial runs, without a service, and judge a check run.
@@ -58,6 +60,7 @@ def balance_machine(
     from service.configuration.document_files import UnreadableFile, read_machine
     from service.wire import Rejected
 
+    language = find_language(locale)
     try:
         described = read_machine(machine)
         say_warnings(described)
@@ -73,7 +76,7 @@ def balance_machine(
                 checked = check_balancing(found, _check_run(described, check))
         _print(found, checked, as_json=as_json)
         if page is not None:
-            page.write_text(printed_page(found, checked), encoding="utf-8")
+            page.write_text(printed_page(found, checked, language), encoding="utf-8")
     except (UnreadableFile, Rejected, ValueError, OSError) as error:
         fail(str(error))
     if checked is not None and not all(one.held for one in channel_effects(found, checked) if one.held is not None):

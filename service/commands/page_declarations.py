@@ -1,4 +1,4 @@
-"""Writes the page's declarations of findings and delivery channels, with their names in each language, as TypeScript.
+"""Writes what the service declares as TypeScript for the page: findings, delivery channels, and words of stored sentences.
 
 `python -m service.commands.page_declarations dashboard/src/declarations` writes the files anew; they are committed.
 """
@@ -12,14 +12,15 @@ from service.delivery.channels import CHANNEL_KINDS
 from service.monitoring.finding_catalogue import LIMITED_RULES
 from service.monitoring.finding_rules import FINDING_RULES, RATE_RULE
 from service.wording.language import LANGUAGES, Language
+from service.wording.stored_sentences import STORED_SENTENCES
 
-FINDINGS, CHANNELS = "findings.ts", "channels.ts"
+FINDINGS, CHANNELS, STORED = "findings.ts", "channels.ts", "stored-sentences.ts"
 HEAD = "// Written by `python -m service.commands.page_declarations` from {source}; not to be changed here.\n\n"
 
 
 def documents() -> Mapping[str, str]:
     """Return the text of each file by its name."""
-    return {FINDINGS: _findings(), CHANNELS: _channels()}
+    return {FINDINGS: _findings(), CHANNELS: _channels(), STORED: _stored_sentences()}
 
 
 def write(folder: Path) -> None:
@@ -62,6 +63,18 @@ def _address_forms(language: Language) -> str:
     said = language.say("or").join(forms)
     without = ", ".join(one.kind for one in CHANNEL_KINDS if one.address is None)
     return language.say("addresses", forms=said, without=without) if without else said
+
+
+def _stored_sentences() -> str:
+    lines = "".join(
+        f"  {code}: {{\n" + "".join(f"    {_written(one)}: {_written(said)},\n" for one, said in sentences.items()) + "  },\n"
+        for code, sentences in STORED_SENTENCES.items()
+    )
+    return (
+        HEAD.format(source="service/wording/stored_sentences.py")
+        + "/** Sentences that the service stores in English, by language: what matches one is said in its words. */\n"
+        + f"export const STORED_SENTENCES: Readonly<Record<string, Readonly<Record<string, string>>>> = {{\n{lines}}};\n"
+    )
 
 
 def _by_language(name: str, said: Callable[[Language], object]) -> str:

@@ -2,17 +2,15 @@
 
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from service.commands.exit import fail
+from service.commands.find_language import find_language
 from service.commands.json_output import JsonWanted, say_json
 from service.commands.storage import DatabaseUrl, database_url
 from service.commands.terminal import say
-
-if TYPE_CHECKING:
-    from service.wording.language import Locale
 
 
 def report(
@@ -41,7 +39,7 @@ def report(
         url = database_url(database)
         settings = settings_of()
         texts, period = (
-            read_texts(settings.finding_texts, _find_locale(locale) or settings.locale),
+            read_texts(settings.finding_texts, settings.locale if locale is None else find_language(locale).code),
             asked_period(first, last, moment=now()),
         )
         require_file(url)
@@ -63,14 +61,3 @@ def report(
         say_json({"machine": machine, "file": output, "bytes": size, "open_alerts": len(contents.open_alerts)})
         return
     say(f"{output}: {len(contents.open_alerts)} open alerts, {size / 1e3:.0f} kB")
-
-
-def _find_locale(locale: str | None) -> "Locale | None":
-    from service.wording.language import LANGUAGES
-
-    if locale is None:
-        return None
-    found = [one.code for one in LANGUAGES if one.code == locale]
-    if not found:
-        fail(f"there is no language '{locale}': there are {', '.join(one.code for one in LANGUAGES)}")
-    return found[0]

@@ -67,6 +67,7 @@ def _reading(session: Session, row: AlertRow, event: AlertEventRow, texts: SiteT
         shelvings = [one for one in matching if one.kind == Suppression.SHELVED]
         until = max((one.until for one in shelvings if one.until is not None), default=None)
         once = any(one.until_cleared for one in shelvings)
+    told = alert_event(event, texts)
     return AlertReading(
         id=row.id,
         plant=machines.get(session, row.machine_id).plant,
@@ -81,7 +82,7 @@ def _reading(session: Session, row: AlertRow, event: AlertEventRow, texts: SiteT
         event=event.id,
         at=event.at,
         kind=event.kind,
-        message=alert_event(event, texts).message,
+        message=told.message,
         by=event.by,
-        comment=event.comment,
+        comment=told.comment,
     )

@@ -25,6 +25,7 @@ from service.reports.response_curves import measured_points, response_curves
 from service.reports.response_figures import bode_figure, polar_figure
 from service.reports.trend_figure import trend_figure
 from service.wording.language import Language
+from service.wording.stored_sentences import in_language
 
 logger = logging.getLogger(__name__)
 
@@ -150,7 +151,7 @@ def _aligned(one: ToleratedChange, language: Language) -> tuple[str, ...]:
     allowed = language.digits(f"{scale * one.allowed:.3g} {unit}")
     quantity = language.named(said.quantity)
     if one.value is None:
-        missing = language.say("report.not_determined", reason=one.reason)
+        missing = language.say("report.not_determined", reason=in_language(one.reason or "", language))
         return said.element_id, quantity, missing, "–", allowed, "–"
     change, half = (language.digits(each) for each in (f"{scale * one.value:+.3g} {unit}", f"{scale * one.half:.2g} {unit}"))
     return said.element_id, quantity, change, half, allowed, f"{100.0 * one.beyond:.0f} %"

@@ -1,3 +1,3 @@
-"""Authentication, authorisation, and the audit trail of changes. It imports `http`, `configuration` and `resilience`; its
-guard stands in front of the API, and what it admits goes on to the API's routes.
+"""Authentication, authorisation, and the audit trail of changes. It imports `http`, `configuration`, `resilience` and
+`wording`; its guard stands in front of the API, and what it admits goes on to the API's routes.
 """

@@ -2,20 +2,20 @@
 
 import asyncio
 import hmac
-import html
 import secrets
 from pathlib import Path
 from typing import cast
 from urllib.parse import parse_qs
 
 from fastapi import APIRouter, Request
-from fastapi.responses import HTMLResponse, RedirectResponse, Response
+from fastapi.responses import RedirectResponse, Response
 
 from service.resilience.rate_limit import RateLimit
 from service.security.api_keys import key_hash
 from service.security.authentication import SAFE_COOKIE, Authentication, Unauthenticated, cookie_name, session_cookie
 from service.security.configuration import Security
 from service.security.key_set import KeysUnavailable
+from service.security.login_page import login_page
 from service.security.open_id import CALLBACK, LoginFailed
 from service.security.principal import Principal
 from service.security.repeated_entries import RepeatedEntries
@@ -36,39 +36,13 @@ PATIENCE_S = 600
 LARGEST_FORM = 4096
 UNDER_WAY_COOKIE = "rundown_login"
 STYLE = Path(__file__).with_name("login.css")
-POLICY = "default-src 'none'; style-src 'self'; img-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'"
-REFERRER = {"Referrer-Policy": "same-origin"}
-"""Without a referrer browsers send the form with Origin: null."""
-PAGE = """<!doctype html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<title>Log in · Rundown</title>
-<link rel="icon" href="/icon.svg">
-<link rel="stylesheet" href="/login.css">
-</head>
-<body>
-<main>
-<h1>Rundown</h1>
-{trouble}
-<form method="post" action="/login">
-<label for="key">API key</label>
-<input id="key" name="key" type="password" autocomplete="current-password" required autofocus>
-<button type="submit">Log in</button>
-</form>
-{issuer}
-</main>
-</body>
-</html>
-"""
 
 
 @router.get("/login")
 def read_login(request: Request) -> Response:
     """Serve the login page; redirect clients that are logged in already or need no login."""
     who: Principal = request.state.principal
-    return _page(request, "") if who.kind == "anonymous" else RedirectResponse("/", 303)
+    return login_page(request) if who.kind == "anonymous" else RedirectResponse("/", 303)
 
 
 @router.get("/login.css")
@@ -85,7 +59,7 @@ async def log_in(request: Request) -> Response:
     async for part in request.stream():
         body += part
         if len(body) > LARGEST_FORM:
-            return _page(request, "This is no API key.", 413)
+            return login_page(request, "no_key", 413)
     given = parse_qs(body.decode("latin-1")).get("key", [""])[0].strip()
     authentication = cast(Authentication, request.app.state.authentication)
     try:
@@ -94,12 +68,12 @@ async def log_in(request: Request) -> Response:
         wait = cast(RateLimit, request.app.state.failures).take(address)
         if not wait:
             await asyncio.to_thread(_refused, request, AuditedOperation("unknown", address, "log_in", "API key", "refused"))
-            return _page(request, f"Not logged in: {error}.", 401)
-        answer = _page(request, "Too many tries: wait a little.", 429)
+            return login_page(request, "refused", 401, error=error)
+        answer = login_page(request, "too_many", 429)
         answer.headers["Retry-After"] = str(round(wait) + 1)
         return answer
     if who.role is None or who.role is Role.SOURCE:
-        return _page(request, "This key is for sending samples only.", 403)
+        return login_page(request, "source_key", 403)
     return await asyncio.to_thread(_begin_session, request, who, key_prefix=who.identity.removeprefix("key "))
 
 
@@ -108,11 +82,11 @@ def begin_at_issuer(request: Request) -> Response:
     """Redirect the browser to the issuer."""
     security = cast(Security, request.app.state.security)
     if security.open_id is None:
-        return _page(request, "No issuer is configured.", 404)
+        return login_page(request, "no_issuer", 404)
     try:
         begun = security.open_id.begin()
     except LoginFailed as error:
-        return _page(request, f"Not logged in: {error}.", 503)
+        return login_page(request, "refused", 503, error=error)
     cookie = secrets.token_urlsafe(32)
     with cast(Database, request.app.state.database).transaction() as session:
         logins.begin(
@@ -136,7 +110,7 @@ def come_back(request: Request) -> Response:
     """Complete a login at the issuer with its code."""
     security = cast(Security, request.app.state.security)
     if security.open_id is None or security.tokens is None:
-        return _page(request, "No issuer is configured.", 404)
+        return login_page(request, "no_issuer", 404)
     address = request.client.host if request.client else "unknown"
     try:
         begun, answered = _under_way(request), dict(request.query_params)
@@ -145,9 +119,9 @@ def come_back(request: Request) -> Response:
         who = security.tokens.stands_for(claims)
     except (LoginFailed, TokenRefused, KeysUnavailable) as error:
         _refused(request, AuditedOperation("unknown", address, "log_in", "issuer", "refused"))
-        return _page(request, f"Not logged in: {error}.", 401)
+        return login_page(request, "refused", 401, error=error)
     if who.role is None or who.role is Role.SOURCE:
-        return _page(request, f"{who.name} has no role here: ask an administrator.", 403)
+        return login_page(request, "no_role", 403, name=who.name)
     answer = _begin_session(request, who, key_prefix=None)
     answer.delete_cookie(UNDER_WAY_COOKIE, path="/login")
     return answer
@@ -200,13 +174,6 @@ def _under_way(request: Request) -> LoginRow:
     if found is None or not hmac.compare_digest(found.browser_hash, key_hash(browser)):
         raise LoginFailed("this login was not begun here, or too long ago: begin again")
     return found
-
-
-def _page(request: Request, trouble: str, status: int = 200) -> Response:
-    security = cast(Security, request.app.state.security)
-    said = f'<p role="alert">{html.escape(trouble)}</p>' if trouble else ""
-    issuer = '<p><a class="button" href="/login/issuer">Log in with your organisation</a></p>' if security.open_id else ""
-    return HTMLResponse(PAGE.format(trouble=said, issuer=issuer), status, {"Content-Security-Policy": POLICY} | REFERRER)
 
 
 def _encrypted(request: Request) -> bool:

@@ -4,13 +4,14 @@ import re
 from collections.abc import Iterator
 
 import pytest
-from playwright.sync_api import Browser, Page, ViewportSize, expect
+from playwright.sync_api import Browser, Page, Route, ViewportSize, expect
 
 from tests.browser.conftest import Seen, shown
 from tests.browser.story import ZONE
 from tests.browser.test_accessibility import faults
 from tests.browser.views import VIEWS, show
 from tests.end_to_end.processes import Service
+from tests.paths import ROOT
 from tests.service.test_dashboard_messages import PLACE, catalogue, declared
 
 READ = """() => {
@@ -25,6 +26,7 @@ READ = """() => {
 """Everything that the page says, what is only read aloud included."""
 ENGLISH_WORDS = re.compile(r"\b(?:the|of|is|are|with|from|not|and|this|has|which|since|by)\b")
 """Words that no German text of the page has. Identifiers and names of machines have none either."""
+STORED = ROOT / "tests" / "service" / "wording" / "stored-sentences.txt"
 WRITTEN = "Two-shaft train of the thesis, Chapter 3"
 """What a person has written: the machine's name."""
 
@@ -75,6 +77,24 @@ def test_axe_finds_nothing(german: Seen) -> None:
         show(german.page, german.base, view)
         found += faults(german.page, f"{view}, German")
     assert found == []
+
+
+def test_what_the_service_stored_in_english_is_german(german: Seen) -> None:
+    """All sentences, rare ones as well, as verdicts of the identification that is shown."""
+    sentences = STORED.read_text(encoding="utf-8").splitlines()
+
+    def with_rare_verdict(route: Route) -> None:
+        answer = route.fetch()
+        found = answer.json()
+        if isinstance(found, dict) and "verdict" in found:
+            found["verdict"] = "; ".join(sentences)
+        route.fulfill(response=answer, json=found)
+
+    german.page.route(re.compile(r"/api/v1/identifications/\d+"), with_rare_verdict)
+    show(german.page, german.base, "parameters")
+    expect(german.page.locator("main")).to_contain_text("die Welle ihre Lager, ohne zu schwingen")
+    assert [one for one in said(german.page) if ENGLISH_WORDS.search(one)] == []
+    german.picture("german-rare-verdicts")
 
 
 def test_findings_and_numbers_are_german(german: Seen) -> None:

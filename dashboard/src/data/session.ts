@@ -1,5 +1,6 @@
 // The user who is logged in; nobody where the service asks for no login.
 import { Store } from "../browser/store";
+import { chosenLocale } from "../messages/locale";
 
 export interface CurrentUser {
   name: string;
@@ -27,7 +28,7 @@ export function redirectToLogin(): void {
 function leave(): void {
   if (leaving) return;
   leaving = true;
-  window.location.assign(LOGIN);
+  window.location.assign(chosenLocale ? `${LOGIN}?locale=${chosenLocale}` : LOGIN);
 }
 
 export function csrfHeaders(): Record<string, string> {

@@ -12,9 +12,12 @@ function known(name: string | null): Locale | undefined {
   return (Object.keys(LOCALES) as Locale[]).find((one) => one === language);
 }
 
+/** The language that was chosen here; undefined where nobody has chosen. */
+export const chosenLocale: Locale | undefined = known(window.localStorage.getItem(STORAGE_KEY));
+
 function wanted(): Locale {
   const ofBrowser = navigator.languages.map(known).find((one) => one !== undefined);
-  return known(window.localStorage.getItem(STORAGE_KEY)) ?? ofBrowser ?? "en";
+  return chosenLocale ?? ofBrowser ?? "en";
 }
 
 /** It stays as long as the page: another one is chosen by loading it anew. */

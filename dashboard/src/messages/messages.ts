@@ -55,14 +55,21 @@ export function term(identifier: string): string {
   return MESSAGES[`term.${name}`] ?? DECLARED[name] ?? identifier.replaceAll("_", " ");
 }
 
-const STORED = "said.";
 const NUMBER = /^[−+-]?\d+\.\d+(e[+-]?\d+)?$/;
 
-/** English sentences that the service stores, as forms with their keys; the longest come first. None where the page is English. */
-const STORED_FORMS: [RegExp, string][] = Object.entries(translated === en ? {} : en)
-  .filter(([key]) => key.startsWith(STORED))
-  .sort(([, one], [, other]) => other.length - one.length)
-  .map(([key, text]) => [storedForm(text), key]);
+/** English sentences that the service stores, as forms with their words here; the longest come first. None where the page is English. */
+const STORED_FORMS: [RegExp, string][] = Object.entries(await storedSentences())
+  .sort(([one], [other]) => other.length - one.length)
+  .map(([sentence, said]) => [storedForm(sentence), said]);
+
+async function storedSentences(): Promise<Readonly<Record<string, string>>> {
+  if (shownLocale === "en") return {};
+  try {
+    return (await import("../declarations/stored-sentences")).STORED_SENTENCES[shownLocale] ?? {};
+  } catch {
+    return {}; // English sentences in a page of another language are better than no page.
+  }
+}
 
 /** A sentence that the service has stored in English, in the page's language as far as there are words for its parts. */
 export function stored(sentence: string): string {
@@ -75,11 +82,10 @@ function storedForm(text: string): RegExp {
 }
 
 function storedPart(part: string): string {
-  for (const [form, key] of STORED_FORMS) {
+  if (NUMBER.test(part)) return part.replace(".", t("decimalMark"));
+  for (const [form, said] of STORED_FORMS) {
     const found = form.exec(part);
-    if (!found) continue;
-    const values = Object.entries(found.groups ?? {}).map(([name, value]) => [name, NUMBER.test(value) ? value.replace(".", t("decimalMark")) : storedPart(value)]);
-    return partsOf<string>(key as Key, Object.fromEntries(values)).join("");
+    if (found) return said.split(PLACE).map((one, at) => (at % 2 === 0 ? one : storedPart(found.groups![one]!))).join("");
   }
   return part;
 }

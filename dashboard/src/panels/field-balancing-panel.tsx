@@ -106,10 +106,10 @@ function scaleWords(found: FieldBalancing, machine: Document): string {
 function Correction({ found, check, angles }: { found: ProposedCorrection; check: CheckRun | null; angles: string }) {
   return (
     <>
-      <p>{found.influence}</p>
+      <p>{stored(found.influence)}</p>
       {found.notes.map((one) => (
         <p key={one} class="notice">
-          {one}
+          {stored(one)}
         </p>
       ))}
       <div class="columns">

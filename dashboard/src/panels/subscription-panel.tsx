@@ -9,7 +9,7 @@ import { CHANNELS } from "../declarations/channels";
 import { ApiError, getWithEtag, post, put } from "../data/http-client";
 import { refetch, useResource } from "../data/resource";
 import { words } from "../format/names";
-import { rich, t, term } from "../messages/messages";
+import { rich, stored, t, term } from "../messages/messages";
 import type { Delivery, ReportInterval, Subscription, TestOutcome } from "../schemas/subscriptions";
 
 const LOG_LIMIT = 20;
@@ -23,7 +23,7 @@ export function SubscriptionPanel({ subscription }: { subscription: Subscription
         {name} <span class="muted">{term(kind)}</span> {target}
       </h3>
       <p>
-        {rich("addedAt", { state: state === "active" ? t("active") : t("disabled", { reason: reason ?? t("noReasonIsKnown") }), time: <Time at={added} /> })}
+        {rich("addedAt", { state: state === "active" ? t("active") : t("disabled", { reason: reason ? stored(reason) : t("noReasonIsKnown") }), time: <Time at={added} /> })}
       </p>
       <Actions subscription={subscription} open={open} onToggle={() => setOpen(!open)} />
       {open && <DeliveryLog subscription={subscription.id} />}

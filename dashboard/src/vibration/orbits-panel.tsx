@@ -13,7 +13,7 @@ import { useResource, type QueryResult } from "../data/resource";
 import { useRunIdentification } from "../data/run-identification";
 import { useRunSelection } from "../data/run-selection";
 import { number, rpm } from "../format/numbers";
-import { rich, t } from "../messages/messages";
+import { rich, stored, t } from "../messages/messages";
 import { niceStep } from "../plots/axis-steps";
 import { OrbitPlot } from "../plots/orbit-plot";
 import type { Document } from "../schemas/machines";
@@ -125,7 +125,7 @@ function OrbitPlots({ found, other, second }: OrbitsAndOverlay & { second: boole
         <p class="muted">{t("noOrbitFor", { channels: found.without.map((one) => one.join(t("and"))).join("; ") })}</p>
       )}
       {found.findings.map((one) => (
-        <p key={one.code + one.channels.join()}>{one.words}</p>
+        <p key={one.code + one.channels.join()}>{stored(one.words)}</p>
       ))}
     </>
   );

@@ -80,6 +80,15 @@ def test_initial_run_trials_correction_and_check_run(runs: list[str], tmp_path: 
     assert drawn.count("<svg") == 8
     assert "Balancing of Two-shaft train" in drawn
     assert "http" not in drawn, "it needs nothing beside it"
+    run("balance", *runs, "--check", check, "--page", str(page), "--grade", "6.3", "--locale", "de")
+    german = re.sub(
+        r"<[^>]+>|Two-shaft train of the thesis, Chapter 3", " ", page.read_text(encoding="utf-8").partition("<body>")[2]
+    )
+    assert "Auswuchten von" in german
+    assert "G 6,3 bei 6000 1/min" in german
+    assert re.findall(r"\b(?:the|of|is|at|with|from|and|by|run|as)\b", german) == []
+    assert re.search(r"\d \(\d[\d,]* bis \d[\d,]*\) bei", german)
+    assert "there is no language 'fr'" in run("balance", *runs, "--page", str(page), "--locale", "fr", status=1)
 
 
 def test_a_check_run_that_shows_more_than_promised_ends_with_status_1(runs: list[str], tmp_path: Path) -> None:

@@ -367,3 +367,21 @@ def test_who_asks_is_said_once(api: Api, filled: Filled, first: str) -> None:
     both = [("Authorization", f"Bearer {filled.keys[one]}") for one in (first, "admin")]
     asked = api.http.build_request("GET", f"http://rundown{ME}", headers=httpx.Headers(both))
     assert "one Authorization header" in problem(api.http.send(asked), 400)["detail"]
+
+
+def test_the_login_page_is_in_the_language_of_who_logs_in(api: Api, filled: Filled) -> None:
+    german, chosen = {"Accept-Language": "de-DE,de;q=0.9,en;q=0.5"}, {"Accept-Language": "en"}
+    page = api.ask("GET", "/login", headers=german)
+    assert '<html lang="de">' in page.text
+    assert "Anmelden" in page.text
+    assert "Mit der eigenen Organisation anmelden" in page.text
+    assert page.headers["vary"] == "Accept-Language"
+    refused = api.ask("POST", "/login", data={"key": "rundown_00000000_wrong"}, headers=german)
+    assert refused.status_code == 401
+    assert "Nicht angemeldet: dieser API-Schlüssel ist nicht bekannt, abgelaufen oder widerrufen" in refused.text
+    assert 'action="/login"' in refused.text
+    # The language that was chosen on the page goes before that of the browser, and stays for the next try.
+    said = api.ask("POST", "/login?locale=de", data={"key": filled.keys["source"]}, headers=chosen)
+    assert "Dieser Schlüssel dient nur zum Senden von Messwerten." in said.text
+    assert 'action="/login?locale=de"' in said.text
+    assert '<html lang="en">' in api.ask("GET", "/login?locale=xx", headers=chosen).text

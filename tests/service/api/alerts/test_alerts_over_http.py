@@ -95,6 +95,21 @@ def test_alerts_are_told_in_the_language_of_who_asks(plant: Database, api: httpx
     assert (answer.status_code, answer.json()["message"]) == (200, "Misalignment of coupling C1")
 
 
+def test_what_the_service_wrote_into_a_history_is_told_in_the_language_and_what_people_wrote_is_not(
+    plant: Database, api: httpx.Client
+) -> None:
+    alert = raised(plant)
+    assert api.post(f"/alerts/{alert}/comments", json={"by": "anna", "comment": "its cause is gone"}).status_code == 200
+    work = {"at": datetime.now(UTC).isoformat(), "kind": "maintenance", "text": "bearing B1 and seal", "by": "ben"}
+    assert api.post("/machines/pump-7/timeline", json=work).status_code == 201
+    for code, said in (
+        ("de", "ein neuer Referenzzustand beginnt: bearing B1 and seal"),
+        ("en", "a new baseline begins: bearing B1 and seal"),
+    ):
+        events = api.get(f"/alerts/{alert}/events", headers={"accept-language": code}).json()
+        assert [one["comment"] for one in events] == ["", "its cause is gone", said]
+
+
 def test_a_latched_alert_is_reset(plant: Database, api: httpx.Client) -> None:
     alert = raised(plant, latching=True)
     cleared(plant, alert)
