@@ -13,6 +13,7 @@ from estimator.alignment.stability_margin import LEAST_DECREMENT, StabilityMargi
 from estimator.diagnosis.data_faults import CERTAIN, DataFault
 from estimator.diagnosis.observation import Observation
 from estimator.machine.parameter_description import describe
+from estimator.rotor.identity_cache import cached_by_identity
 from estimator.updated_model.model import UpdatedModel
 
 LEFT = 0.5
@@ -40,12 +41,18 @@ def low_stability(baseline: Sequence[Observation], window: Sequence[Observation]
         margin = None if model is None else stability_margin(model)
         if model is None or margin is None or _lacking(margin, LEAST_DECREMENT) <= CERTAIN:
             return
-        usual = stability_margin(_with_conditions_of(model, [other.model() for other in baseline if other.model is not None]))
+        usual = _usual_margin(model, baseline)
         least = 0.0 if usual is None else min(LEAST_DECREMENT, LEFT * usual.log_decrement)
         lacking.insert(0, _lacking(margin, least))
         if lacking[0] <= CERTAIN:
             return
     yield DataFault("machine", tuple(0.5 * size**2 for size in lacking))
+
+
+@cached_by_identity
+def _usual_margin(now: UpdatedModel, baseline: Sequence[Observation]) -> StabilityMargin | None:
+    """Return the margin that the baseline's machine would have under the conditions of a run."""
+    return stability_margin(_with_conditions_of(now, [one.model() for one in baseline if one.model is not None]))
 
 
 def _lacking(margin: StabilityMargin, least: float) -> float:

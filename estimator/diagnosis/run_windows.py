@@ -93,6 +93,17 @@ class RunWindows:
         order = sorted(causes.values(), key=lambda pair: -pair[0].evidence)
         return Diagnosis(tuple(cause for cause, _ in order), tuple(others for _, others in order))
 
+    def longest(self, on_delay: Delay) -> int:
+        """Return the length of the longest window of newest runs that is looked at.
+
+        Args:
+            on_delay: Function that returns how many runs must agree on a cause.
+
+        Returns:
+            Number of runs.
+        """
+        return max(self._window_lengths(on_delay))
+
     def has_gone(self, after: Sequence[Observation], kind: str, element: str, *, off_delay: int) -> bool:
         """Check whether the newest runs show a cause no more.
 

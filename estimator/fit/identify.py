@@ -21,7 +21,7 @@ from estimator.fit.goodness_of_fit import judge
 from estimator.fit.identifiability import Reasons, reasons_for
 from estimator.fit.identification import Identification, Options
 from estimator.fit.multistart import BestFit, FitFailed, best_fit
-from estimator.fit.nuisance_parameters import counted_by_effect
+from estimator.fit.nuisance_parameters import counted_by_effect, deviates_too_far
 from estimator.fit.physical_limits import LimitsFunction, limits_for
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem
@@ -118,10 +118,10 @@ def identify_train(
     begin = None if beginning is None else problem.coordinates.theta(beginning)
 
     best = _best_first(problem, begin, options)
-    other = None
-    if not judge(problem, best.fit).accepted:
+    other, misfits = None, not judge(problem, best.fit).accepted
+    if misfits or deviates_too_far(problem, best.fit):
         other = fit_with_run_outs(problem, best.fit.theta if begin is None else begin, near=begin is not None)
-        if other is None and begin is not None and options.starts > 1:
+        if misfits and other is None and begin is not None and options.starts > 1:
             best = _best_of(problem, begin, options, starts=options.starts)
     joined = with_gaps(problem, best.fit)
     found = conclude(joined.problem, replace(best, fit=joined.found), joined.remarks, reasons, limits)

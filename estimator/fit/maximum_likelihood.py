@@ -45,6 +45,8 @@ LARGEST_BEND = 0.75
 """Twice the acceleration over the step up to which a step is bent [-] (Transtrum, Machta and Sethna 2011)."""
 LARGEST_DAMPING = 1e10
 """Damping from which on steps are too short to bring anything [-]."""
+PASSING_DECREASE = 1.0
+"""The same for stages from an earlier fit's end that others follow [-]: their weights are not yet those of the end."""
 STALLED_STEPS = 12
 """Number of steps over which the decrease of χ² is watched where derivatives promise more than steps bring."""
 STALLED_DECREASE = 0.05
@@ -78,10 +80,11 @@ def fit(
     """
     theta, iterations, converged = start, 0, False
     problem, measured, stages = _near(problem, start) if near else (problem, problem.first_amplitude, STAGES)
+    settled = PASSING_DECREASE if near and passes else CONVERGED_DECREASE
     coarse_misfit = math.nan
     for misfit, limit in stages:
         weight = problem.weight(measured, misfit)
-        theta, converged, steps = descend(problem, theta, weight, limit)
+        theta, converged, steps = descend(problem, theta, weight, limit, settled=settled)
         iterations += steps
         if misfit == STAGE_MISFITS[-2]:
             coarse_misfit = problem.chi_square(theta, weight) / max(1, 2 * int(np.count_nonzero(problem.used)) - theta.size)
@@ -133,7 +136,13 @@ def _misfit(problem: FitProblem, chi_square: float, weight: Floats) -> float:
 
 
 def descend(
-    problem: FitProblem, theta: Floats, weight: Floats, limit: int, *, damping: float = FIRST_DAMPING
+    problem: FitProblem,
+    theta: Floats,
+    weight: Floats,
+    limit: int,
+    *,
+    damping: float = FIRST_DAMPING,
+    settled: float = CONVERGED_DECREASE,
 ) -> tuple[Floats, bool, int]:
     """Run Levenberg-Marquardt at fixed weights.
 
@@ -145,6 +154,7 @@ def descend(
         weight: Weights (S, m) [1/m].
         limit: Most steps.
         damping: Part of the curvature's diagonal that is added to it in the first step [-].
+        settled: Decrease of χ² promised by a full Newton step below which it ends [-].
 
     Returns:
         θ (n,) [-], whether it converged, and the number of steps tried.
@@ -160,7 +170,7 @@ def descend(
         slope = gradient - prior.pull(theta)
         hessian = curvature + prior.precision
         newton = np.linalg.solve(hessian, slope)
-        if float(slope @ newton) < CONVERGED_DECREASE or _has_stalled(costs, float(slope @ newton)):
+        if float(slope @ newton) < settled or _has_stalled(costs, float(slope @ newton)):
             return theta, True, step_number
         damped = np.asarray(hessian + damping * np.diag(np.diag(hessian)), dtype=float)
         step = np.linalg.solve(damped, slope)

@@ -55,6 +55,22 @@ def effective_count(problem: FitProblem, found: FitResult) -> float:
     return float(np.trace(kept[np.ix_(which, which)]))
 
 
+def deviates_too_far(problem: FitProblem, found: FitResult) -> bool:
+    """Return whether a fit's films deviate from their model by more than the document says (`excessive_deviations`).
+
+    Args:
+        problem: The fit's problem.
+        found: The fit.
+
+    Returns:
+        Whether they do; False of a train without films.
+    """
+    if not problem.coordinates.nuisance.any():
+        return False
+    covariance = np.linalg.inv(found.information + problem.coordinates.prior.precision)
+    return bool(excessive_deviations(problem, found, (covariance + covariance.T) / 2))
+
+
 def excessive_deviations(problem: FitProblem, found: FitResult, covariance: Floats) -> str:
     """Judge whether films deviate from their model by more than the document says (χ²; module's docstring).
 

@@ -77,10 +77,16 @@ def sweep_transient(model: UpdatedModel, *, time: Floats, speed: Floats, added: 
     matrices = system_matrices_over_speed(machine, coefficients=model.coefficients, basis=basis)
     tracks = _followed(matrices, model, speed)
     rotor = assemble_rotor(machine)
-    listed, values = unknowns(machine, rotor).excitations, model.excitations.copy()
+    unknown, values = unknowns(machine, rotor), model.excitations.copy()
     if added is not None:
         values[: added.size] += added
-    force = synchronous_force(rotor, listed, values=values, direction=machine.direction)
+    force = synchronous_force(
+        rotor,
+        unknown,
+        values=values,
+        coefficients=lambda: model.coefficients(float(np.median(speed))),
+        direction=machine.direction,
+    )
     modal = [force.onto(basis.expanded(one.left).conj().T) for one in tracks.modes]
     over = _Interpolation(tracks.speed, sweep.speed)
     eigenvalue = over(tracks.eigenvalue)

@@ -43,6 +43,8 @@ class CondensedTrain:
         run_out_spread: Standard deviation (m,) of each channel's run-out [m]; empty where run-outs are exact.
         scale_factors: The F factors of E and ρ that are not known exactly.
         machine: The machine; None for a train that is none's.
+        freed: Strain (2, T, E) of each term at which couplings are free of load, per unit of each excitation's motion in the
+            x-z plane, then in the y-z plane [-]; without terms where no coupling runs out.
     """
 
     speed: Floats
@@ -57,6 +59,7 @@ class CondensedTrain:
     run_out_spread: Floats = field(default_factory=lambda: np.zeros(0))
     scale_factors: tuple[ScaleFactor, ...] = ()
     machine: Machine | None = None
+    freed: Floats = field(default_factory=lambda: np.zeros((2, 0, 0)))
 
     @property
     def scale_names(self) -> tuple[str, ...]:
@@ -75,8 +78,36 @@ class CondensedTrain:
 
     @property
     def force(self) -> Complexes:
-        """Return the forces (S, n, 2E) per real and imaginary part of each excitation [N and N m per unit]."""
+        """Return the forces (S, n, 2E) per part of each excitation that acts on the shafts [N and N m per unit]."""
         return self.shafts.force()
+
+    @property
+    def free_strain(self) -> Complexes | None:
+        """Return the strain (S, T, 2E) of each term at which couplings are free of load, per part of each excitation [-].
+
+        None where no coupling runs out.
+        """
+        if not self.freed.any():
+            return None
+        sense = 1j * self.direction[:, None, None]
+        along = self.freed[0] - sense * self.freed[1]
+        return np.stack([along, sense * along], axis=-1).reshape(*along.shape[:2], -1)
+
+    def forces(self, coefficients: Floats) -> Complexes:
+        """Compute the forces of all excitations: on the shafts, and of couplings whose run-out strains them.
+
+        Args:
+            coefficients: Coefficients p (K,) or, where they follow the speed, (S, K) [SI].
+
+        Returns:
+            Forces (S, n, 2E) per real and imaginary part of each excitation [N and N m per unit].
+        """
+        strain = self.free_strain
+        if strain is None:
+            return self.force
+        which = np.flatnonzero(self.freed.any(axis=(0, 2)))
+        value = coefficients[..., self.owner[which]]
+        return np.asarray(self.force + (self.left[:, which] * value[..., None, :]) @ strain[:, which])
 
     @property
     def owner(self) -> NDArray[np.intp]:
@@ -106,18 +137,17 @@ class CondensedTrain:
             whole += ((1j * self.speed) ** power)[:, None, None] * part
         return whole
 
-    def force_of(self, excitations: Complexes) -> Complexes:
+    def force_of(self, excitations: Complexes, coefficients: Floats) -> Complexes:
         """Assemble the force of excitations.
 
         Args:
             excitations: Excitations (E,) or, where they differ from sample to sample, (S, E) [SI].
+            coefficients: Coefficients (K,) or, where they follow the speed, (S, K) [SI].
 
         Returns:
             F (S, n) [N, N m].
         """
-        parts = np.stack([excitations.real, excitations.imag], axis=-1)
-        parts = parts.reshape(*excitations.shape[:-1], -1)
-        return np.asarray((self.force @ parts[..., None])[..., 0])
+        return np.asarray((self.forces(coefficients) @ parts_of(excitations)[..., None])[..., 0])
 
     def pick(self, which: slice) -> "CondensedTrain":
         """Return the same train at some of its speeds.
@@ -156,6 +186,18 @@ class CondensedTrain:
         if factors.size == 0 or isinstance(self.shafts, GivenShafts):
             return self
         return replace(self, shafts=self.shafts.scaled(dict(zip(self.scale_names, factors, strict=True))))
+
+
+def parts_of(excitations: Complexes) -> Floats:
+    """Return the real and imaginary parts of excitations, one after the other.
+
+    Args:
+        excitations: Excitations (…, E) [SI].
+
+    Returns:
+        Parts (…, 2E) [SI].
+    """
+    return np.stack([excitations.real, excitations.imag], axis=-1).reshape(*excitations.shape[:-1], -1)
 
 
 def condense(machine: Machine, *, speed: Floats, direction: Floats, output: Floats | None = None) -> CondensedTrain:
@@ -215,7 +257,22 @@ def condense(machine: Machine, *, speed: Floats, direction: Floats, output: Floa
         run_out_spread=np.array([probe.run_out_spread for probe in machine.probes]),
         scale_factors=scales,
         machine=machine,
+        freed=_freed(rotor, unknown, vectors["right"]),
     )
+
+
+def _freed(rotor: Rotor, unknown: Unknowns, right: Floats) -> Floats:
+    """Return `CondensedTrain.freed` from each term's vector b (N, T) over both planes."""
+    shapes = np.zeros((rotor.plane_size, len(unknown.excitations)))
+    for column, item in enumerate(unknown.excitations):
+        if item.coupled and item.shape is not None:
+            shapes[:, column] = item.shape
+    if not shapes.any():
+        return np.zeros((2, 0, 0))
+    own = [[one.element == item.element and one.order == 0 for item in unknown.excitations] for one in unknown.coefficients]
+    planes = right[: rotor.plane_size], right[rotor.plane_size :]
+    by_term = np.stack([plane.T @ shapes for plane in planes])
+    return np.asarray(by_term * np.array(own, dtype=float)[unknown.order_of_terms[0]])
 
 
 def _given(elimination: WhirlElimination, *, reusable: bool) -> WhirlElimination | GivenShafts:

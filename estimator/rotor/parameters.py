@@ -6,7 +6,6 @@ force: a residual unbalance, a bow, a misalignment's equivalent load.
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from functools import cached_property
@@ -116,8 +115,9 @@ class Excitation:
         nominal: The document's value [unit]; None where it gives none.
         speed_power: Power of ω with which the force goes.
         shape: Shape (N/2,) over (displacement, slope) per node of an excitation that turns with the shaft: of a bow the
-            deflection [m/m], else the force [-].
+            deflection [m/m], of a coupling's run-out the motion at which it is free of load [-], else the force [-].
         stiffened: Whether the force is the shafts' stiffness times the shape.
+        coupled: Whether the force is the stiffness of the element, a coupling, times the shape.
         acting: Vector over all degrees of freedom, of an excitation along one degree of freedom only.
         spread: Expected rms distance from the nominal value, or from zero [unit]; None where the data themselves give its
             size.
@@ -132,6 +132,7 @@ class Excitation:
     speed_power: int = 0
     shape: NDArray[np.float64] | None = None
     stiffened: bool = False
+    coupled: bool = False
     acting: Vector | None = None
     spread: float | None = None
     fixed: bool = False
@@ -219,7 +220,7 @@ def unknowns(machine: Machine, rotor: Rotor) -> Unknowns:
     unbalances = [_with_rule(one, machine.parameters) for one in _unbalances(machine, rotor)]
     return Unknowns(
         _tied([_ruled(one, machine.parameters) for one in coefficients]),
-        (*unbalances, *_bows(machine, rotor), *_loads(machine, rotor), *_rotating_errors(machine, rotor, coefficients)),
+        (*unbalances, *_bows(machine, rotor), *_loads(machine, rotor), *_rotating_errors(machine, rotor)),
     )
 
 
@@ -386,31 +387,28 @@ def _loads(machine: Machine, rotor: Rotor) -> list[Excitation]:
     return found
 
 
-def _rotating_errors(machine: Machine, rotor: Rotor, coefficients: Sequence[Coefficient]) -> list[Excitation]:
+def _rotating_errors(machine: Machine, rotor: Rotor) -> list[Excitation]:
     """Build the run-outs of bore and face of each coupling that the document asks for.
 
     A coupling whose bores are off centre by e, or whose faces are askew by α, is free of load where the driven shaft's end
     stands off the driver's by that. Both turn with the shafts, so that the coupling pulls the ends apart with K e and K_φ α,
     whatever the speed (coupling errors as rotating forces and moments: Bachschmid, Pennacchi and Vania, J. Sound Vib. 254
-    (2002) 327, doi:10.1006/jsvi.2001.4096). Something that turns acts alike in both planes: with the mean of the coupling's
-    expected stiffnesses.
+    (2002) 327, doi:10.1006/jsvi.2001.4096). K is the stiffness that the coupling has, not the one expected of it: a rigid
+    coupling bends its shafts by e however stiff it is.
     """
-    expected = {one.name: one.expected for one in coefficients}
     found = []
     for coupling in machine.couplings:
         said, element = coupling.rotating_error, f"coupling.{coupling.id}"
         if said is None:
             continue
-        ends = rotor.end_node(coupling.driver), rotor.first_node[coupling.driven]
-        parts: tuple[tuple[str, Quantity, tuple[str, str], int, float], ...] = (
-            ("rotating_offset", "rotating offset", ("kxx", "kyy"), 0, said.offset_spread),
-            ("rotating_angle", "rotating angle", ("k_phix", "k_phiy"), 1, said.angle_spread),
+        parts: tuple[tuple[str, Quantity, float], ...] = (
+            ("rotating_offset", "rotating offset", said.offset_spread),
+            ("rotating_angle", "rotating angle", said.angle_spread),
         )
-        for name, quantity, terms, dof, spread in parts:
+        for dof, (name, quantity, spread) in enumerate(parts):
             shape = np.zeros(rotor.plane_size)
-            pull = float(np.mean([expected[f"{element}.{term}"] for term in terms]))
-            shape[[PLANE_DOFS * end + dof for end in ends]] = -pull, pull
-            found.append(Excitation(f"{element}.{name}", element, quantity, shape=shape, spread=spread))
+            shape[PLANE_DOFS * rotor.first_node[coupling.driven] + dof] = 1.0
+            found.append(Excitation(f"{element}.{name}", element, quantity, shape=shape, coupled=True, spread=spread))
     return found
 
 

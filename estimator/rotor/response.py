@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.rotor.condensation import CondensedTrain
+from estimator.rotor.condensation import CondensedTrain, parts_of
 from estimator.rotor.elimination import WhirlElimination
 
 
@@ -27,8 +27,9 @@ def response(train: CondensedTrain, *, coefficients: Floats, excitations: Comple
     whole = np.empty((train.speed.size, len(train.output)), dtype=complex)
     for block in train.blocks():
         part = train.pick(block)
-        force = part.force_of(excitations if excitations.ndim == 1 else excitations[block])
-        stiffness = part.dynamic_stiffness(coefficients if coefficients.ndim == 1 else coefficients[block])
+        own = coefficients if coefficients.ndim == 1 else coefficients[block]
+        force = part.force_of(excitations if excitations.ndim == 1 else excitations[block], own)
+        stiffness = part.dynamic_stiffness(own)
         whole[block] = np.linalg.solve(stiffness, force[..., None])[..., 0] @ train.output.T
     return whole
 
@@ -46,8 +47,8 @@ def excitation_responses(train: CondensedTrain, *, coefficients: Floats) -> Comp
     whole = np.empty((2 * len(train.unknowns.excitations), train.speed.size, len(train.output)), dtype=complex)
     for block in train.blocks():
         part = train.pick(block)
-        stiffness = part.dynamic_stiffness(coefficients if coefficients.ndim == 1 else coefficients[block])
-        whole[:, block] = np.moveaxis(_receptance(part, stiffness) @ part.force, 2, 0)
+        own = coefficients if coefficients.ndim == 1 else coefficients[block]
+        whole[:, block] = np.moveaxis(_receptance(part, part.dynamic_stiffness(own)) @ part.forces(own), 2, 0)
     return whole
 
 
@@ -77,7 +78,8 @@ def sensitivity(train: CondensedTrain, *, coefficients: Floats, excitations: Com
     """Compute the response and its derivatives.
 
     From Z q = F: ∂q/∂p = -Z⁻¹ (∂Z/∂p) q with ∂Z/∂p = (jω)ⁿ Σ a bᵀ, and q is linear in the excitations. A response to no
-    excitation has no derivative by the coefficients.
+    excitation has no derivative by the coefficients. A coupling that runs out strains by what its ends move beyond the place
+    where it is free of load.
 
     Args:
         train: The condensed train.
@@ -90,10 +92,13 @@ def sensitivity(train: CondensedTrain, *, coefficients: Floats, excitations: Com
     stiffness = train.dynamic_stiffness(coefficients)
     receptance = _receptance(train, stiffness)
     displacement: Complexes = np.asarray(
-        np.linalg.solve(stiffness, train.force_of(excitations)[..., None])[..., 0], dtype=complex
+        np.linalg.solve(stiffness, train.force_of(excitations, coefficients)[..., None])[..., 0], dtype=complex
     )
     rate = (1j * train.speed[:, None]) ** train.unknowns.order_of_terms[1]  # (S, T)
     strain = -(displacement @ train.right) * rate  # (S, T)
+    free = train.free_strain
+    if free is not None:
+        strain = strain + (free @ parts_of(excitations)[..., None])[..., 0]
     by_term = np.moveaxis(receptance @ train.left, 2, 0) * strain.T[:, :, None]  # (T, S, m)
     scales = (
         [train.shafts.scale_force(one, displacement, excitations) for one in train.scale_factors]
@@ -103,7 +108,7 @@ def sensitivity(train: CondensedTrain, *, coefficients: Floats, excitations: Com
     return Sensitivity(
         phasor=displacement @ train.output.T,
         by_coefficient=_summed(by_term, train),
-        by_excitation=np.moveaxis(receptance @ train.force, 2, 0),
+        by_excitation=np.moveaxis(receptance @ train.forces(coefficients), 2, 0),
         by_scale=np.array([(receptance @ force[..., None])[..., 0] for force in scales]).reshape(
             len(scales), *receptance.shape[:2]
         ),

@@ -66,9 +66,11 @@ class ScaledRotor:
 
     @cached_property
     def _shapes(self) -> tuple[Floats | None, ...]:
-        """Compute the force (N/2,) of each excitation that turns with the shaft, per its power of ω."""
+        """Compute the force (N/2,) of each excitation that turns with the shaft, per its power of ω; none of couplings'."""
 
         def force(item: Excitation) -> Floats | None:
+            if item.coupled:
+                return None
             if item.shape is None or not item.stiffened:
                 return item.shape
             shape = item.shape

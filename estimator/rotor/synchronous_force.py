@@ -1,12 +1,13 @@
 """Forces on all degrees of freedom of a train that turn with the shaft, at changing speed too."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
 from estimator.rotor.assembly import Rotor, plane_columns
-from estimator.rotor.parameters import Excitation
+from estimator.rotor.parameters import Excitation, Unknowns
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,14 +51,15 @@ class SynchronousForce:
 
 
 def synchronous_force(
-    rotor: Rotor, excitations: tuple[Excitation, ...], *, values: Complexes, direction: float
+    rotor: Rotor, unknown: Unknowns, *, values: Complexes, coefficients: Callable[[], Floats], direction: float
 ) -> SynchronousForce:
     """Assemble the forces of excitations on a rotor.
 
     Args:
         rotor: The rotor.
-        excitations: The E excitations.
-        values: Their values (E,) [SI].
+        unknown: The E excitations, and the K coefficients.
+        values: Values (E,) of the excitations [SI].
+        coefficients: Function that returns the coefficients (K,) [SI], which couplings that run out pull with.
         direction: Sense of rotation, +1 or -1 [-].
 
     Returns:
@@ -66,13 +68,28 @@ def synchronous_force(
     x_plane, y_plane = plane_columns(rotor.size)
     squared, constant = np.zeros(rotor.size, dtype=complex), np.zeros(rotor.size, dtype=complex)
     elastic = sum((part.stiffness for part in rotor.materials.values()), np.zeros_like(rotor.discs.stiffness))
-    for item, value in zip(excitations, values, strict=True):
+    for item, value in zip(unknown.excitations, values, strict=True):
         turned = value if direction > 0 else np.conj(value)
         for place, size in (item.acting or {}).items():
             constant[place] += size * turned
-        if item.shape is not None:
+        if item.coupled and item.shape is not None:
+            free = (x_plane - 1j * direction * y_plane) @ item.shape * turned
+            constant += _pull(unknown, item, coefficients(), free)
+        elif item.shape is not None:
             shape = elastic @ item.shape if item.stiffened else item.shape
             along = (x_plane - 1j * direction * y_plane) @ shape * turned
             whole = squared if item.speed_power == 2 else constant
             whole += along
     return SynchronousForce(squared, constant)
+
+
+def _pull(unknown: Unknowns, item: Excitation, coefficients: Floats, free: Complexes) -> Complexes:
+    """Return the forces (N,) of a coupling's stiffness towards the motion (N,) at which it is free of load."""
+    found = np.zeros(free.size, dtype=complex)
+    for one, value in zip(unknown.coefficients, coefficients, strict=True):
+        if one.element == item.element and one.order == 0:
+            for left, right in one.pairs:
+                strain = sum(size * free[place] for place, size in right.items())
+                for place, size in left.items():
+                    found[place] += value * size * strain
+    return found

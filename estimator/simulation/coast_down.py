@@ -21,6 +21,7 @@ from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine
 from estimator.phasors.speed_law import SpeedLaw
 from estimator.rotor.assembly import assemble_rotor
+from estimator.rotor.coefficient_models import expected_coefficients
 from estimator.rotor.condensation import probe_rows
 from estimator.rotor.parameters import unknowns
 from estimator.rotor.synchronous_force import synchronous_force
@@ -100,7 +101,8 @@ def coast_down(
     if not step > 0.0:
         raise ValueError(f"step is {step} s, it must be positive")
     rotor = assemble_rotor(machine)
-    listed = unknowns(machine, rotor).excitations
+    unknown = unknowns(machine, rotor)
+    listed = unknown.excitations
     values = np.array([one.nominal or 0.0 for one in listed]) if excitations is None else np.asarray(excitations)
     if values.shape != (len(listed),):
         raise ValueError(f"machine '{machine.id}' has {len(listed)} excitations, not {values.shape}")
@@ -110,7 +112,14 @@ def coast_down(
         raise ValueError("the speed must be positive throughout")
     matrices = system_matrices_over_speed(machine, coefficients=coefficients)
     output = probe_rows(machine, rotor)
-    force = synchronous_force(rotor, listed, values=values, direction=machine.direction)
+
+    def pulling() -> Floats:
+        middle = np.array([np.mean(law.speed(time[[0, -1]]))])
+        if coefficients is None:
+            return np.asarray(expected_coefficients(unknown.coefficients, middle)[0])
+        return coefficients(float(middle[0])) if callable(coefficients) else coefficients
+
+    force = synchronous_force(rotor, unknown, values=values, coefficients=pulling, direction=machine.direction)
     phasor = np.empty((time.size, len(output)), dtype=complex)
     state: tuple[Complexes, Complexes] | None = None
     for first in range(0, time.size, BLOCK):

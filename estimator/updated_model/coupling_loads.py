@@ -10,7 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
+from estimator.fit.problem.coordinates import Coordinates
 from estimator.rotor.assembly import assemble_rotor
+from estimator.rotor.condensation import condense, parts_of
 from estimator.rotor.parameters import dense, unknowns
 from estimator.rotor.shaft_element import NODE_DOFS
 from estimator.rotor.whirl import orbit
@@ -74,17 +76,32 @@ def _coupling_force(model: UpdatedModel, coupling: str, speed: Floats) -> Coupli
     slopes = coefficient_slopes(coordinates, coordinates.theta(model.values), found.coefficients)
     load = np.zeros((speed.size, NODE_DOFS), dtype=complex)
     load_slope = np.zeros((*load.shape, model.values.size), dtype=complex)
+    free, free_slope = _free_of_load(model, coordinates, [k for k, _, _ in terms])
     for i, (k, one, (left, _)) in enumerate(terms):
         component = min(left) % NODE_DOFS
         rate = (1j * speed) ** one.order
-        deformation = rate * found.phasor[:, i]
+        deformation = rate * found.phasor[:, i] - free[i]
         load[:, component] += found.coefficients[:, k] * deformation
-        load_slope[:, component] += (found.coefficients[:, k] * rate)[:, None] * found.slope[:, i]
+        load_slope[:, component] += found.coefficients[:, k, None] * (rate[:, None] * found.slope[:, i] - free_slope[i])
         for place, by_coordinate in slopes.get(k, {}).items():
             load_slope[:, component, place] += by_coordinate * deformation
     bands = [phasor_band(load[:, dof], load_slope[:, dof], model.covariance) for dof in range(NODE_DOFS)]
     largest = [_along_major_axis(load[:, pair], load_slope[:, pair], model) for pair in (slice(0, 2), slice(2, 4))]
     return CouplingForce(coupling, speed, *bands, *largest)
+
+
+def _free_of_load(model: UpdatedModel, coordinates: Coordinates, owners: list[int]) -> tuple[Complexes, Complexes]:
+    """Return the deformation (t,) of a coupling's terms at which its run-out has it free of load, and its slopes (t, n)."""
+    slope = np.zeros((len(owners), model.values.size), dtype=complex)
+    train = condense(model.machine, speed=np.ones(1), direction=np.full(1, float(model.machine.direction)))
+    strain = train.free_strain
+    if strain is None:
+        return np.zeros(len(owners), dtype=complex), slope
+    own = strain[0, np.isin(train.owner, owners)]
+    for number, first in enumerate(coordinates.excitation_place):
+        if first >= 0:
+            slope[:, first : first + 2] = own[:, 2 * number : 2 * number + 2]
+    return own @ parts_of(model.excitations), slope
 
 
 def _along_major_axis(load: Complexes, slope: Complexes, model: UpdatedModel) -> PhasorBand:

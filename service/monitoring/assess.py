@@ -1,7 +1,9 @@
 """Assessment of a machine's newest runs against their baseline: a pure function, computed in a worker process."""
 
-from collections.abc import Mapping, Sequence
+import math
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
@@ -56,12 +58,16 @@ def readings(history: BaselineHistory) -> list[DatedPoint]:
 
 @dataclass(frozen=True)
 class BaselineComparison:
-    """A machine's newest runs compared with its baseline, oldest first. variation: of a healthy train on oil films."""
+    """A machine's newest runs compared with its baseline, oldest first.
+
+    variation: of a healthy train on oil films. whole: of such a train the comparison with all runs, not the newest alone.
+    """
 
     watch: RunWindows
     after: tuple[AssessedRun, ...]
     observations: tuple[Observation, ...]
     variation: HealthyVariation | None = None
+    whole: "Callable[[], BaselineComparison | None] | None" = None
 
 
 def compare(context: AssessmentContext) -> BaselineComparison | None:
@@ -92,18 +98,34 @@ def _compare_films(context: AssessmentContext) -> BaselineComparison | None:
     if not context.baseline or not all(is_of_films(run.fit, machine) for run in context.baseline):
         return None
     baseline = [film_observation(run.fit, machine, run.conditions) for run in context.baseline]
-    told = [
-        (run, film_observation(run.fit, machine, run.conditions)) for run in context.after if is_of_films(run.fit, machine)
-    ]
-    after = [(run, said) for run, said in told if said.names == baseline[0].names]
-    if not _comparable(context, [run for run, _ in after], baseline):
+    newest = context.after[-1] if context.after else None
+    if newest is None or not is_of_films(newest.fit, machine) or any(one.names != baseline[0].names for one in baseline):
         return None
-    heard = [(run, said) for run, said in after if not says_nothing(said)]
-    if any(not says_nothing(said) for _, said in after[-UNLIMITED_DELAY:]):
-        after = heard  # else the newest runs are told as what no fit explains
     variation = learnt(machine, context.baseline)
     watch = RunWindows.over(machine, baseline, variation=variation)
-    return BaselineComparison(watch, tuple(run for run, _ in after), tuple(said for _, said in after), variation)
+    limits = context.limits
+    enough = max(watch.longest(lambda *of: delays(limits, *of)[0]), *(delays(limits, *of)[1] for of in context.open_causes), 0)
+
+    @cache
+    def observed(number: int) -> Observation:
+        return film_observation(context.after[number].fit, machine, context.after[number].conditions)
+
+    def with_newest(count: float) -> BaselineComparison | None:
+        after: list[tuple[AssessedRun, Observation]] = []
+        heard = 0  # observing takes time, and most machines are healthy: windows of newest runs are enough for them
+        for number in reversed(range(len(context.after))):
+            run = context.after[number]
+            if heard < count and is_of_films(run.fit, machine) and observed(number).names == baseline[0].names:
+                after.insert(0, (run, observed(number)))
+                heard += not says_nothing(observed(number))
+        if not _comparable(context, [run for run, _ in after], baseline):
+            return None
+        if any(not says_nothing(said) for _, said in after[-UNLIMITED_DELAY:]):
+            after = [pair for pair in after if not says_nothing(pair[1])]  # else the newest are told as what no fit explains
+        runs, said = tuple(run for run, _ in after), tuple(one for _, one in after)
+        return BaselineComparison(watch, runs, said, variation, whole=lambda: with_newest(math.inf))
+
+    return with_newest(enough)
 
 
 def _comparable(context: AssessmentContext, after: Sequence[AssessedRun], baseline: Sequence[Observation]) -> bool:
@@ -126,7 +148,8 @@ def _diagnosis(context: AssessmentContext) -> MachineDiagnosis | None:
         return None
     limits = context.limits
     diagnosis = compared.watch.found(compared.observations, on_delay=lambda kind, element: delays(limits, kind, element)[0])
-    causes = _causes(context, compared, diagnosis)
+    whole = compared.whole() if diagnosis.causes and compared.whole is not None else None
+    causes = _causes(context, whole or compared, diagnosis)
     gone = _cleared_causes(context, compared, diagnosis)
     moved = moved_parameters(context, parameter_units(context.machine)) if causes else ()
     return MachineDiagnosis(tuple(run.id for run in context.baseline), causes, gone, moved)

@@ -92,13 +92,13 @@ def with_run_out_of_coupling() -> Machine:
 def pull_of_run_out(machine: Machine) -> Force:
     """A coupling that is free of load where its ends stand apart: along y a quarter turn behind x, θy = dx/dz, θx = -dy/dz.
 
-    It turns, so it pulls with the mean of its stiffnesses in either plane.
+    It pulls with its own stiffness towards that place.
     """
     offset, angle = ROTATING.values()
     coupling = machine.couplings[0]
-    lateral = (float(coupling.kxx or 0.0) + float(coupling.kyy or 0.0)) / 2
-    angular = (float(coupling.k_phix or 0.0) + float(coupling.k_phiy or 0.0)) / 2
-    pull = np.array([lateral * offset, -1j * lateral * offset, 1j * angular * angle, angular * angle])
+    lateral = np.array([[coupling.kxx, coupling.kxy], [coupling.kyx, coupling.kyy]], dtype=float) @ [offset, -1j * offset]
+    angular = np.array([coupling.k_phix, coupling.k_phiy], dtype=float) * [1j * angle, angle]
+    pull = np.concatenate([lateral, angular])
     added = np.zeros(assemble_rotor(machine).size, dtype=complex)
     for x, sign in zip(coupling_nodes(machine, coupling), (-1, 1), strict=True):
         added[x : x + 4] = sign * pull
