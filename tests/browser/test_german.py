@@ -26,7 +26,7 @@ READ = """() => {
 ENGLISH_WORDS = re.compile(r"\b(?:the|of|is|are|with|from|not|and|this|has|which|since|by)\b")
 """Words that no German text of the page has. Identifiers and names of machines have none either."""
 WRITTEN = "Two-shaft train of the thesis, Chapter 3"
-"""What a person has written: the machine's name."""
+"""Texts that a person has written: the machine's name."""
 
 
 @pytest.fixture
@@ -44,7 +44,7 @@ def said(page: Page) -> list[str]:
 
 
 def english_messages() -> re.Pattern[str]:
-    """What English says and German does not, with anything in its places; as short as one word."""
+    """Return what English says and German does not, with anything in its places; as short as one word."""
     names = declared("findings.ts", "FINDING_NAMES"), declared("channels.ts", "CHANNEL_NAMES")
     english, other = ({**catalogue(one), **names[0][one], **names[1][one]} for one in ("en", "de"))
     texts = {text.strip() for key, text in english.items() if other[key] != text}

@@ -1,4 +1,5 @@
-"""What happens to plants of other make is called by its name: gated fits of a few runs, assessed as the service does."""
+"""Tests that what happens to plants of other make is called by its name: gated fits of a few runs, assessed as the service
+does."""
 
 from collections.abc import Callable
 from dataclasses import replace
