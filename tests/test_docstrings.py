@@ -5,6 +5,7 @@ examples and the documentation's build no docstring begins with "What …", "How
 """
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -95,6 +96,23 @@ def test_a_question_as_opening_is_found() -> None:
     assert list(question_openings(GOOD)) == []
     for good in ("A file.", "Largest number of attempts.", "A queue.", "Count the entries."):
         assert list(question_openings(GOOD.replace(good, "Where entries wait.")))
+
+
+GLOSS = re.compile(r"(?:^|[.;]\s+)\w+: of (?=[a-z])", re.MULTILINE)
+"""A field that is explained by half a sentence: `size: of the message` instead of `size: size of the message`."""
+
+
+def test_fields_are_explained_in_whole_words() -> None:
+    found = [
+        f"{path.relative_to(ROOT)}:{node.lineno}: {gloss[0].strip()}"
+        for path in FILES
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.Module | ast.ClassDef | Function)
+        for gloss in [GLOSS.search(ast.get_docstring(node) or "")]
+        if gloss is not None
+    ]
+    assert found == []
+    assert GLOSS.search("A message. size: of the whole message [bytes].")
 
 
 def _missing(node: ast.Module | ast.ClassDef) -> Iterator[str]:

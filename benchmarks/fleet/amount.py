@@ -43,7 +43,7 @@ def misaligned_elements(machine: Machine, coupling: Coupling) -> tuple[str, ...]
 def rises(machine: Machine, coupling: Coupling, growth: float) -> Floats:
     """Return the relative rise (3,) of the first three natural frequencies at standstill, each the mean of its two planes.
 
-    growth: of all coefficients of the coupling and of its neighbouring bearings.
+    growth: growth of all coefficients of the coupling and of its neighbouring bearings.
     """
     elements = misaligned_elements(machine, coupling)
     known = unknowns(machine, assemble_rotor(machine)).coefficients

@@ -56,7 +56,8 @@ def readings(history: BaselineHistory) -> list[DatedPoint]:
 
 @dataclass(frozen=True)
 class BaselineComparison:
-    """A machine's newest runs compared with its baseline, oldest first. variation: of a healthy train on oil films."""
+    """A machine's newest runs compared with its baseline, oldest first. variation: variation of a healthy train on oil
+    films."""
 
     watch: RunWindows
     after: tuple[AssessedRun, ...]

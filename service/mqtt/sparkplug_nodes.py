@@ -49,7 +49,7 @@ class EdgeNode:
 
 
 class SparkplugNodes:
-    """All nodes that documents name. epoch: of the samples, grows with each start of the service."""
+    """All nodes that documents name. epoch: epoch of the samples, grows with each start of the service."""
 
     def __init__(self, epoch: int) -> None:
         self._epoch = epoch

@@ -32,7 +32,7 @@ class AggregateRefused(Exception):
 
 @dataclass(frozen=True)
 class TrendValue:
-    """A raw value at a time [ns]. good: of a fit that was accepted; value: None where a run does not determine it."""
+    """A raw value at a time [ns]. good: whether its fit was accepted; value: None where a run does not determine it."""
 
     time: int
     value: float | None
