@@ -3,7 +3,7 @@
 The thesis prints by how much the first three natural frequencies of its rig rose (Table 5.5, pure angular, 0.16°), and that no
 coefficient grew by more than 12 % (§5.7). One factor on all coefficients of the coupling and of the bearings on either side of
 it, direct and cross-coupled, stiffness and damping, makes `examples/thesis-chapter-5-rig.yaml` rise by the same on average.
-No factor gives each of the three: on the rig's first mode the supports have next to no hold.
+No factor gives each of the three: on the rig's first mode the supports have next to no influence.
 """
 
 from collections.abc import Callable

@@ -58,7 +58,7 @@ class SparkplugNodes:
         """Messages that never came, as far as the nodes' counts tell."""
 
     def follow(self, machines: Sequence[Machine]) -> None:
-        """Take the documents in force; what is known of machines whose mapping is the same stays."""
+        """Take the documents in force; values of machines whose mapping is the same are kept."""
         known = {feed.machine.id: feed for node in self._nodes.values() for feed in node.feeds}
         nodes: dict[NodeId, EdgeNode] = {}
         for machine in machines:
@@ -199,6 +199,6 @@ class SparkplugNodes:
 
 
 def _metrics_of(mapping: Sparkplug) -> set[str]:
-    """Return the names of all metrics that a machine is told by."""
+    """Return the names of all metrics that a machine's values come from."""
     of_channels = {name for one in mapping.channels.values() for name in (one.amplitude, one.phase)}
     return {mapping.speed, *of_channels, *mapping.conditions.values()}
