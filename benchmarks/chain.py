@@ -30,7 +30,7 @@ PLANT = "examples"
 
 @dataclass
 class Ledger:
-    """When each stored block was first seen, as another reader of the database sees it."""
+    """Times at which each stored block was first seen, as another reader of the database sees it."""
 
     database: str
     seen: dict[int, int] = field(default_factory=dict)

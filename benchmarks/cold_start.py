@@ -90,7 +90,7 @@ def _copies(model: type, rows: list[StoredRow], count: int, identified: int, wee
             rows[0]
             | dict.fromkeys(own, n)
             | {"machine_id": _name(i), "run_ids": [n]}
-            # Identified when it was measured: of a day there are few among those of years.
+            # Identified on the day of the measurement: of years of identifications few are of any one day.
             | dict.fromkeys(("measured_at", "computed_at"), begin + week * WEEK_NS)
             for i, week, n in every
         )
@@ -122,7 +122,7 @@ def _runs(identified: int, weeks: int) -> Iterator[StoredRow]:
 
 
 def _hurry(connection: Any, _record: Any) -> None:
-    # The store is thrown away: quick, not safe.
+    # The store is thrown away afterwards: it has to be written fast, not safely.
     connection.execute("PRAGMA synchronous = OFF")
     connection.execute("PRAGMA cache_size = -2000000")
 

@@ -39,7 +39,7 @@ ASKED_STREAM, ASKED_WEBHOOK = 0.200, 1.000
 
 
 class Times:
-    """When an event was committed, heard on the stream and taken by healthy webhooks [s, monotonic]."""
+    """Times at which an event was committed, heard on the stream and taken by healthy webhooks [s, monotonic]."""
 
     def __init__(self) -> None:
         self.committed: dict[str, float] = {}

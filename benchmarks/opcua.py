@@ -52,7 +52,7 @@ serving.stop()
 
 
 class Heard:
-    """When values and events came at the client [s, wall clock]."""
+    """Arrivals of values and events at the client [s, wall clock]."""
 
     def __init__(self) -> None:
         self.values: list[tuple[str, float, float]] = []

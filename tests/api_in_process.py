@@ -56,16 +56,16 @@ class Api:
         return self.ask("GET", PREFIX + path, params=parameters or None)
 
     def value(self, path: str, **parameters: Any) -> Any:
-        """What a GET answers that must succeed with strict JSON."""
+        """Return what a GET answers that must succeed with strict JSON."""
         return value(self.get(path, **parameters))
 
     def __call__(self, method: str, path: str, status: int = 200, **arguments: Any) -> Any:
-        """What any request below the prefix answers, with that status."""
+        """Return what any request below the prefix answers, with that status."""
         return value(self.ask(method, PREFIX + path, **arguments), status)
 
 
 def value(answer: httpx.Response, status: int = 200) -> Any:
-    """What an answer holds that must be strict JSON of this status."""
+    """Return what an answer holds that must be strict JSON of this status."""
     assert answer.status_code == status, answer.text
     return json.loads(answer.text, parse_constant=_not_json)
 

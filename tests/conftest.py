@@ -55,7 +55,8 @@ def turn(path: Path) -> int:
 
 
 def pytest_collection_finish() -> None:
-    """What has been imported stays: to look through it for garbage again and again takes a twentieth of the time."""
+    """Keep what has been imported out of garbage collection: to look through it for garbage again and again takes a twentieth
+    of the time."""
     gc.collect()
     gc.freeze()
 
@@ -76,7 +77,7 @@ class Stores:
 
     @functools.cache  # noqa: B019 - one for each process of tests
     def databases(self, kind: Kind) -> Databases:
-        """Where databases come from."""
+        """Return where databases come from."""
         if kind == "sqlite":
             return SqliteDatabases()
         return PostgresqlDatabases(self._request.getfixturevalue("postgresql"))
@@ -107,13 +108,13 @@ def stores(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
 
 @pytest.fixture(scope="session")
 def kind() -> Kind:
-    """Which kind of database is tested."""
+    """Return which kind of database is tested."""
     return chosen()
 
 
 @pytest.fixture(scope="session")
 def databases(kind: Kind, stores: Stores) -> Databases:
-    """Where databases come from."""
+    """Return where databases come from."""
     return stores.databases(kind)
 
 

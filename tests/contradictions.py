@@ -26,7 +26,8 @@ SCALES = {"m": ("um", 1e6), "rad": ("urad", 1e6)}
 
 @dataclass(frozen=True)
 class Claim:
-    """What a place says of a quantity. key: the quantity, its measure, the identification, and of how many runs it is."""
+    """Statement of one place about a quantity. key: the quantity, its measure, the identification, and of how many runs it
+    is."""
 
     place: str
     key: tuple[Any, ...]
@@ -116,7 +117,7 @@ def _deviation_claims(get: Get, machine: str, number: int) -> Iterator[Claim]:
 
 
 def _trend_claims(get: Get, machine: str, number: int) -> Iterator[Claim]:
-    """What trend tests and trends say of parameters as of an identification, beside the baseline."""
+    """Yield what trend tests and trends say of parameters as of an identification, beside the baseline."""
     found = get(f"/machines/{machine}/deviations?identification={number}")
     tests = get(f"/machines/{machine}/trend-tests?identification={number}")["tests"]
     real = [row["parameter"] for row in found["parameters"] if row["added"] is None]

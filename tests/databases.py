@@ -1,4 +1,4 @@
-"""Where the tests of storage and service get their databases from: copies of ones made once, as migrating takes its time.
+"""Databases of the tests of storage and service: copies of ones made once, as migrating takes its time.
 
 RUNDOWN_TEST_DATABASE says which kind: `sqlite`, the default, or `postgresql`.
 """
@@ -102,7 +102,7 @@ class PostgresqlDatabases:
 
 
 def copying() -> str:
-    """How the server copies a template: file by file, with less work than by its log, the default since version 15."""
+    """Return how the server copies a template: file by file, with less work than by its log, the default since version 15."""
     return "STRATEGY FILE_COPY" if version() >= FIRST_WITH_STRATEGIES else ""
 
 

@@ -1,4 +1,4 @@
-"""Which modules a module imports, directly and by way of others, as its text says: nothing is imported to find out."""
+"""Finds which modules a module imports, directly and by way of others, as its text says: nothing is imported to find out."""
 
 import ast
 from collections.abc import Iterator
@@ -27,7 +27,7 @@ def imported_by(module: str) -> set[str]:
 
 
 def imported_directly_by(module: str) -> set[str]:
-    """What one module names in its imports at run time."""
+    """Return what one module names in its imports at run time."""
     path = _path(module)
     assert path is not None
     return set(_named(ast.parse(path.read_text())))

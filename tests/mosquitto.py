@@ -30,7 +30,7 @@ topic readwrite spBv1.0/#
 user hmi
 topic read rundown/v1/#
 """
-"""Who may do what: the edge publishes samples of its own plant, the HMI listens."""
+"""Access rules: the edge publishes samples of its own plant, the HMI listens."""
 
 
 def program(name: str) -> str:

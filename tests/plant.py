@@ -266,7 +266,7 @@ def sqlite_url(path: object) -> str:
 
 
 def listened_to(publisher: zenoh.Publisher) -> bool:
-    """Whether anybody subscribes to what it publishes."""
+    """Return whether anybody subscribes to what it publishes."""
     return bool(publisher.matching_status.matching)  # type: ignore[attr-defined]  # zenoh's stub says that it is a bool
 
 

@@ -26,7 +26,7 @@ class PromptJournal(Journal):
         return outcomes
 
     def settle(self, *, silence_s: float, alive: Set[str] = frozenset()) -> None:
-        """What is done now and then: runs of silent machines end, late samples are sorted in."""
+        """Do what is done now and then: runs of silent machines end, late samples are sorted in."""
         self.end_silent(silence_s=silence_s, alive=alive)
         self.closing.close_ended()
         self.closing.sort_in_late()

@@ -1,15 +1,17 @@
 """Docstrings of service, storage and benchmarks: every public part has one, and that of a function begins with a verb.
 
-The rooms of the estimator have a stricter test beside them, which checks arguments, units and shapes as well.
+The rooms of the estimator have a stricter test beside them, which checks arguments, units and shapes as well. In tests,
+examples and the documentation's build no docstring begins with "What …", "How …" and the like.
 """
 
 import ast
+import re
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from tests.estimator.test_docstrings import NO_OPENING, VERBS
+from tests.estimator.test_docstrings import NO_OPENING, QUESTIONS, VERBS
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("service", "storage", "rotorundown", "benchmarks")
@@ -67,6 +69,50 @@ def faults(source: str) -> Iterator[str]:
             yield f"{line}: the docstring begins with '{text.split()[0]}'"
         if text.rstrip(".").endswith("…"):
             yield f"{line}: the sentence does not end"
+
+
+def question_openings(source: str) -> Iterator[str]:
+    """Name the docstrings of a file that begin as an indirect question does, with the line."""
+    tree = ast.parse(source)
+    texts = [(node.lineno, ast.get_docstring(node) or "") for node in ast.walk(tree) if isinstance(node, Function)]
+    for line, text in (*texts, *_documented_constants(tree)):
+        if text.startswith(QUESTIONS):
+            yield f"{line}: the docstring begins with '{text.split()[0]}'"
+
+
+OTHERS = ("tests", "examples", "docs_site")
+"""Folders whose docstrings only have to begin rightly."""
+
+
+@pytest.mark.parametrize("folder", OTHERS)
+def test_docstrings_of_tests_begin_with_a_verb_or_a_noun(folder: str) -> None:
+    files = [path for path in sorted((ROOT / folder).rglob("*.py")) if "node_modules" not in path.parts]
+    assert files
+    found = [f"{path.relative_to(ROOT)}:{fault}" for path in files for fault in question_openings(path.read_text())]
+    assert found == []
+
+
+def test_a_question_as_opening_is_found() -> None:
+    assert list(question_openings(GOOD)) == []
+    for good in ("A file.", "Largest number of attempts.", "A queue.", "Count the entries."):
+        assert list(question_openings(GOOD.replace(good, "Where entries wait.")))
+
+
+GLOSS = re.compile(r"(?:^|[.;]\s+)\w+: of (?=[a-z])", re.MULTILINE)
+"""A field that is explained by half a sentence: `size: of the message` instead of `size: size of the message`."""
+
+
+def test_fields_are_explained_in_whole_words() -> None:
+    found = [
+        f"{path.relative_to(ROOT)}:{node.lineno}: {gloss[0].strip()}"
+        for path in FILES
+        for node in ast.walk(ast.parse(path.read_text()))
+        if isinstance(node, ast.Module | ast.ClassDef | Function)
+        for gloss in [GLOSS.search(ast.get_docstring(node) or "")]
+        if gloss is not None
+    ]
+    assert found == []
+    assert GLOSS.search("A message. size: of the whole message [bytes].")
 
 
 def _missing(node: ast.Module | ast.ClassDef) -> Iterator[str]:

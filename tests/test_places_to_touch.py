@@ -392,7 +392,7 @@ ADDITIONS: dict[str, Callable[[Copy], str]] = {
     "bearing model": bearing_model,
     "resource": resource,
 }
-"""What adds each to a copy, and returns a script that fails where it does not work."""
+"""Functions that add each to a copy, and return a script that fails where it does not work."""
 
 
 @pytest.mark.parametrize(("what", "add"), ADDITIONS.items())

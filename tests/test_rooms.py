@@ -58,7 +58,7 @@ def named(tree: ast.Module) -> Iterator[str]:
 
 @cache
 def imports() -> dict[str, frozenset[str]]:
-    """Which modules each module imports."""
+    """Return which modules each module imports."""
     return {
         module: frozenset(one for one in named(tree(path)) if one in files() and one != module)
         for module, path in files().items()

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.alignment.film_histories import FilmHistory
-from estimator.diagnosis.observation import ObservedFit
+from estimator.diagnosis.observation import observed_fit
 from estimator.fit.identification import Identification, Options
 from estimator.identification.quality_gate import identify_gated
 from estimator.machine.under_conditions import under_conditions
@@ -133,7 +133,7 @@ class _Life:
         began = time.process_time()
         found = self._identified(films.speed, phasor, conditions)
         if found is not None:
-            self.runs.append(AssessedRun(week, week * WEEK_NS, conditions, _observed(found)))
+            self.runs.append(AssessedRun(week, week * WEEK_NS, conditions, observed_fit(found)))
             self._judge(week)
         self.processor += time.process_time() - began
 
@@ -217,18 +217,4 @@ def _severity(one: DiagnosedCause, present: Severity | None) -> Severity | None:
         size=one.size,
         force=None,
         present=present,
-    )
-
-
-def _observed(found: Identification) -> ObservedFit:
-    return ObservedFit(
-        coordinates=found.coordinates,
-        point=found.point,
-        covariance=found.covariance,
-        effects=found.channel_effects,
-        accepted=found.accepted,
-        chi_square=found.chi_square,
-        degrees_of_freedom=found.degrees_of_freedom,
-        samples=found.samples,
-        outliers=found.outliers,
     )

@@ -77,7 +77,7 @@ def kit_runs() -> TrialRuns:
 def simulated_runs(seed: int, *, noise: float) -> TrialRuns:
     """Return runs as the kit's, simulated with its coefficients: mountings that differ by `MOUNTING_G_MM` in each plane.
 
-    noise: of single points, in units of the measured kit's scatter.
+    noise: noise of single points, in units of the measured kit's scatter.
     """
     runs, rng = kit_runs(), np.random.default_rng(seed)
     influence = measure_influence(runs)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 def runs_asked(arguments: Sequence[str] | None, *, name: str, description: str | None, default: int, what: str) -> int:
     """Return the value of `--runs`; ends the program where it is below 1.
 
-    name: of the benchmark's module. description: its docstring, of which the first line is shown. what: what a run is.
+    name: name of the benchmark's module. description: its docstring, of which the first line is shown. what: what a run is.
     """
     parser = argparse.ArgumentParser(prog=f"python -m {name}", description=(description or "").split("\n")[0])
     parser.add_argument("--runs", type=int, default=default, help=f"{what}, default {default}")

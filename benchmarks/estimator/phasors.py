@@ -64,8 +64,9 @@ ASKED_CLAIM = (0.7, 1.5)
 class ProbeSignal:
     """A simulated probe signal. Amplitudes are parts of the 1× amplitude, which grows as the square of the speed.
 
-    rpm: at the middle of the record. ramp: [rpm/s]. snr: of the 1× against white noise [dB]. second: 2×. hum: at hum_frequency
-    [Hz]. step: of the converter. probe_rate, keyphasor_rate: [Hz]. flank: of the keyphasor, part of a turn.
+    rpm: at the middle of the record. ramp: [rpm/s]. snr: signal-to-noise ratio of the 1× against white noise [dB]. second: 2×.
+    hum: at hum_frequency [Hz]. step: step of the converter. probe_rate, keyphasor_rate: [Hz]. flank: flank of the keyphasor,
+    part of a turn.
     """
 
     name: str

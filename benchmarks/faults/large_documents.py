@@ -32,8 +32,8 @@ def train(
 ) -> dict[str, Any]:
     """Return a train of equal shafts, coupled one behind the other; its parts are spread over all of them.
 
-    sections, bearings, discs, seals, probes: in all. knots: of coefficients that follow the speed. spread: gains, run-outs,
-    bows and materials that are not known exactly. loads: in the couplings. rules: for parameters.
+    sections, bearings, discs, seals, probes: in all. knots: knots of coefficients that follow the speed. spread: gains,
+    run-outs, bows and materials that are not known exactly. loads: in the couplings. rules: for parameters.
     """
     unsure = {"young_modulus_spread": 0.02, "density_spread": 0.01} if spread else {}
     follows = _speed_dependence(knots)

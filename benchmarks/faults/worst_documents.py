@@ -43,7 +43,7 @@ FIGURES = ("rundown_longest_transaction_seconds", "rundown_ingest_longest_cycle_
 CLOSED_WITHIN_S = 120.0
 CLIENT_NICENESS = 5
 BEGAN_S = time.time()
-"""When the first sample was taken, of each machine."""
+"""Time of each machine's first sample."""
 
 
 class Watch(threading.Thread):

@@ -3,7 +3,7 @@
 The thesis prints by how much the first three natural frequencies of its rig rose (Table 5.5, pure angular, 0.16°), and that no
 coefficient grew by more than 12 % (§5.7). One factor on all coefficients of the coupling and of the bearings on either side of
 it, direct and cross-coupled, stiffness and damping, makes `examples/thesis-chapter-5-rig.yaml` rise by the same on average.
-No factor gives each of the three: on the rig's first mode the supports have next to no hold.
+No factor gives each of the three: on the rig's first mode the supports have next to no influence.
 """
 
 from collections.abc import Callable
@@ -43,7 +43,7 @@ def misaligned_elements(machine: Machine, coupling: Coupling) -> tuple[str, ...]
 def rises(machine: Machine, coupling: Coupling, growth: float) -> Floats:
     """Return the relative rise (3,) of the first three natural frequencies at standstill, each the mean of its two planes.
 
-    growth: of all coefficients of the coupling and of its neighbouring bearings.
+    growth: growth of all coefficients of the coupling and of its neighbouring bearings.
     """
     elements = misaligned_elements(machine, coupling)
     known = unknowns(machine, assemble_rotor(machine)).coefficients

@@ -31,7 +31,7 @@ Seasonality = Literal["together", "apart", "none"]
 class State:
     """One week's truth: the machine's, and of each channel gain (m,) [-], run-out (m,) [m] and whether it is lost (m,).
 
-    outlier_part: of the phasors [-].
+    outlier_part: outliers among the phasors [-].
     """
 
     truth: Truth

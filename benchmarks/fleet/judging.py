@@ -45,8 +45,8 @@ class JudgedHistory:
 
     years: watched after the baseline. false_misalignments: openings at a healthy coupling. wrong: all openings that name
     something that had not happened. Per change, named: the finding of the first alert after it, None for none; right: whether
-    the right alert came at all; runs: how many runs that took, the first one with the change included; part: of the change's
-    full size that had been reached by then.
+    the right alert came at all; runs: how many runs that took, the first one with the change included; part: part of the
+    change's full size that had been reached by then.
     """
 
     years: float

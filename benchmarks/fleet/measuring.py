@@ -32,7 +32,8 @@ Outcome = TypeVar("Outcome")
 
 @dataclass(frozen=True)
 class Ordered:
-    """One machine's history to simulate and identify. machine: an example's name. number: of the machine in its fleet."""
+    """One machine's history to simulate and identify. machine: an example's name. number: number of the machine in its
+    fleet."""
 
     machine: str
     scenario: str

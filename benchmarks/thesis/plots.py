@@ -51,8 +51,8 @@ class _Axis:
 
 
 def chart(*, title: str, x_label: str, y_label: str, series: Sequence[PlottedCurve], logarithmic: bool = False) -> str:
-    """Return a chart of curves and points as SVG. logarithmic: of the y axis; values that are not positive are then left
-    out."""
+    """Return a chart of curves and points as SVG. logarithmic: whether the y axis is; values that are not positive are then
+    left out."""
     horizontal = _linear_axis([value for one in series for value in one.x])
     vertical = _axis([value for one in series for values in (one.y, *(one.band or ())) for value in values], logarithmic)
     parts = [

@@ -156,7 +156,19 @@ def observation_of(identification: "Identification", channels: tuple[str, ...]) 
     Returns:
         The observation.
     """
-    fit = ObservedFit(
+    return fit_observation(observed_fit(identification), channels)
+
+
+def observed_fit(identification: "Identification") -> ObservedFit:
+    """Return what an observation is made of.
+
+    Args:
+        identification: The identification.
+
+    Returns:
+        Its fit.
+    """
+    return ObservedFit(
         coordinates=identification.coordinates,
         point=identification.point,
         covariance=identification.covariance,
@@ -167,7 +179,6 @@ def observation_of(identification: "Identification", channels: tuple[str, ...]) 
         samples=identification.samples,
         outliers=identification.outliers,
     )
-    return fit_observation(fit, channels)
 
 
 def fit_observation(fit: ObservedFit, channels: tuple[str, ...]) -> Observation:

@@ -21,7 +21,7 @@ from estimator.films.reynolds import AROUND
 TABLES = 32
 """Number of tables kept; each takes some kB."""
 NODES = 120
-"""Number of nodes of a table, some more or less: between them all is within 0.5 % of a solution's."""
+"""Approximate number of nodes of a table; values between them are within 0.5 % of a solution."""
 FADING = 0.1
 """Distance within which a film fades beyond the pad's end [c]."""
 ROUNDING = 2e-3
@@ -161,12 +161,12 @@ class PivotedPadTable:
 
 
 def _over_root(x: Floats, whole: float) -> Floats:
-    """Return p (...) at distances x (...) from the pad's end, whose whole is that to where the film closes [c]."""
+    """Return p (...) at distances x (...) from the pad's end [c]. whole: distance from there to where the film closes [c]."""
     return np.asarray(np.sqrt(-np.log1p(-x / whole)))
 
 
 def _extrapolated(found: list[float]) -> float:
-    """Return the next of values at even steps."""
+    """Extrapolate values at even steps by one step, with the parabola through the last three."""
     return 3.0 * found[-1] - 3.0 * found[-2] + found[-3]
 
 

@@ -122,7 +122,7 @@ def identify_gated(
             found = identify(machine, base, options, beginning=beginning)
     except NotEnoughData as reason:
         error = str(reason)
-    # Of dwells at constant speeds, which have no times, few are enough.
+    # Dwells at constant speeds have no times, and a few of them are enough.
     qualities = tuple(
         one if run.time is None else replace(one, findings=(*one.findings, *too_few(one)))
         for one, run in zip(qualities, runs, strict=True)
@@ -280,7 +280,7 @@ def _is_unchanged(before: Measurement, after: Measurement, error: Floats) -> boo
 def _with_doubtful_steady_state(
     quality: Quality, piece: slice, base: Measurement, treatment: _Treatment, *, fitted: bool
 ) -> Quality:
-    """Return the quality of a run with phasors of a steady state, although by its times they should not be."""
+    """Return the quality of a run whose phasors are those of a steady state, although its times say otherwise."""
     beyond = int(np.count_nonzero(base.usable[piece] & (treatment.size[piece] > LARGEST_UNFITTED)))
     if not beyond:
         return quality

@@ -9,15 +9,15 @@ from estimator.machine.part_coefficients import ELEMENTS
 from estimator.machine.parts import STATION_TOLERANCE, Bearing, Shaft
 
 LEAST_DENSITY = 500.0
-"""Density of a shaft below which it is asked whether g/cm³ was meant [kg/m³]."""
+"""Density of a shaft below which a warning asks whether g/cm³ was meant [kg/m³]."""
 USUAL_CLEARANCE = (0.0005, 0.005)
-"""Radial clearance over the journal's radius within which nothing is said [-]."""
+"""Usual ratio of the radial clearance to the journal's radius: others are warned of [-]."""
 USUAL_SLENDERNESS = (0.2, 1.5)
-"""Length over diameter of a journal bearing within which nothing is said [-]."""
+"""Usual ratio of a journal bearing's length to its diameter: others are warned of [-]."""
 USUAL_JOURNAL = (0.8, 1.25)
-"""Diameter of a journal over that of its shaft there within which nothing is said [-]."""
+"""Usual ratio of a journal's diameter to that of its shaft there: others are warned of [-]."""
 LEAST_LATERAL, LEAST_ANGULAR = 1e3, 10.0
-"""Lateral and angular stiffness of a coupling below which it is asked whether the unit is right [N/m, N m/rad]."""
+"""Lateral and angular stiffness of a coupling below which a warning asks whether the unit is right [N/m, N m/rad]."""
 
 
 @dataclass(frozen=True)

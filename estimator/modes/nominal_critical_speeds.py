@@ -63,7 +63,7 @@ def _critical_speeds(document: str) -> Floats:
 
 
 def _crossings(undamped: Callable[[float], Floats], speeds: Floats) -> Floats:
-    """Find the speeds at which one of the critical speeds of the matrices of that very speed lies.
+    """Find the speeds that are a critical speed of the matrices at that same speed.
 
     Roots by Brent (Algorithms for Minimization without Derivatives, Prentice-Hall 1973; Comput. J. 14 (1971) 422).
     """

@@ -30,7 +30,7 @@ LARGEST_EXPONENT = 13.8
 class FindingFacts:
     """A finding with what is known of it where it is told.
 
-    severity: of its alert, None of a diagnosis by itself. measured_at: when the run was measured that shows it last.
+    severity: severity of its alert, None of a diagnosis by itself. measured_at: when the run was measured that shows it last.
     """
 
     machine: str

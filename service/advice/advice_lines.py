@@ -5,7 +5,7 @@ from service.wording.language import ENGLISH, Language
 
 
 def advice_lines(advice: Advice, language: Language = ENGLISH) -> list[str]:
-    """Return advice as lines of text. language: of the headings; the advice has its own already."""
+    """Return advice as lines of text. language: language of the headings; the advice has its own already."""
     parts = [
         (language.say("head.how_far"), [one.words for one in advice.how_far]),
         (language.say("head.how_sure"), [advice.how_sure.words]),

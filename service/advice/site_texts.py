@@ -54,7 +54,7 @@ class SiteTexts:
 
 
 def read_texts(file: str, locale: Locale = "en") -> SiteTexts:
-    """Read a site's texts; those of the service where no file is named. locale: of readers. Raises TextsWrong."""
+    """Read a site's texts; those of the service where no file is named. locale: language of readers. Raises TextsWrong."""
     if not file:
         return SiteTexts(language=Language(locale))
     try:

@@ -17,7 +17,8 @@ LONGEST_WEEKS = 520.0
 
 
 def urgency(told: ToldFinding, severity: Severity | None, measured_at: datetime) -> Urgency:
-    """Return how urgent a finding is. severity: of its alert, None without one. measured_at: when the newest run was."""
+    """Return how urgent a finding is. severity: severity of its alert, None without one. measured_at: when the newest run
+    was."""
     if told.kind == "rate_of_change":
         return _of_rate(told, severity, measured_at)
     language = told.language

@@ -55,7 +55,7 @@ CALLING = frozenset({AlertCondition.UNACKNOWLEDGED, AlertCondition.RETURNED, Ale
 
 @dataclass(frozen=True)
 class AlertStatus:
-    """State of an alert. severity: of its cause, also after it is gone; latching: whether a person must reset it."""
+    """State of an alert. severity: severity of its cause, also after it is gone; latching: whether a person must reset it."""
 
     condition: AlertCondition = AlertCondition.NORMAL
     severity: Severity = Severity.ALERT

@@ -154,7 +154,7 @@ def application(
     delivers. submissions: takes samples. baseline_runs: as in the settings. security: access rules; by default open until
     there is an API key. job_quota: limit of waiting identifications asked for by people. secrets: signing secrets of webhooks;
     by default none can be stored. warnings: returns the service's warnings. gauges: returns figures of its parts for a
-    monitoring system. texts: of findings; by default the service's own. delivery_networks: private ones to deliver to.
+    monitoring system. texts: texts of findings; by default the service's own. delivery_networks: private ones to deliver to.
 
     The documentation page loads nothing from other hosts: plants have no internet.
     """

@@ -63,7 +63,7 @@ class ServiceThreads:
         secrets: SigningSecrets,
         texts: SiteTexts | None = None,
     ) -> None:
-        """Create the threads without starting them. session: of zenoh. texts: of findings."""
+        """Create the threads without starting them. session: zenoh's session. texts: texts of findings."""
         self._database = database
         self._settings = settings
         self.texts = texts or SiteTexts()

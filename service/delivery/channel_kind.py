@@ -27,7 +27,7 @@ class EventBroker(Protocol):
 class Connections:
     """Connections and settings that channels send with.
 
-    broker: of the plant's MQTT, where one is configured. texts: of findings, which messages are made of.
+    broker: the plant's MQTT broker, where one is configured. texts: texts of findings, which messages are made of.
     """
 
     client: ClientSession
@@ -46,12 +46,12 @@ def _accept(_target: str) -> None:
 class ChannelKind:
     """Declaration of one kind of channel. Raises ValueError where its parts contradict each other, or a language is missing.
 
-    kind: its name in the API. title: its name on the page, by language. description: of a subscription's target, for the API.
-    address: form of the target in a few words, by language; None where there is no target. open: makes the channel of a
-    subscription; may raise SecretUnusable. check_target: raises ValueError for a target of another form. url_target: whether
-    the target is a URL, whose address is checked before delivery. signed: whether messages are signed with a secret of the
-    subscription. reminded: whether its channels are RemindingChannels. reporting: whether reports of machines can be sent by
-    it.
+    kind: its name in the API. title: its name on the page, by language. description: description of a subscription's target,
+    for the API. address: form of the target in a few words, by language; None where there is no target. open: makes the
+    channel of a subscription; may raise SecretUnusable. check_target: raises ValueError for a target of another form.
+    url_target: whether the target is a URL, whose address is checked before delivery. signed: whether messages are signed with
+    a secret of the subscription. reminded: whether its channels are RemindingChannels. reporting: whether reports of machines
+    can be sent by it.
     """
 
     kind: str

@@ -29,7 +29,7 @@ class ProbeResult:
 
 
 def probe_endpoints(settings: Settings, *, asked: bool, url: str | None = None) -> Iterator[ProbeResult]:
-    """Probe every endpoint without changing anything. asked: whether credentials are needed; url: of the API."""
+    """Probe every endpoint without changing anything. asked: whether credentials are needed; url: address of the API."""
     yield from _api(settings, asked=asked, url=url or api_url(settings))
     for endpoint in settings.zenoh_listen:
         if endpoint.partition("/")[0] in ENCRYPTED and settings.zenoh_tls_ca:

@@ -308,7 +308,7 @@ def _files(settings: Settings) -> Iterator[ExposedEndpoint]:
 def _within(folder: Path) -> list[Path]:
     try:
         return sorted(folder.iterdir())
-    except OSError:  # who may not look into it finds none open there
+    except OSError:  # a folder that may not be listed shows no open file
         return []
 
 

@@ -39,8 +39,8 @@ LOG_RETRY_S = 0.5
 class Progress(msgspec.Struct, kw_only=True):
     """Progress of the agent: the position that its log stores with each batch.
 
-    time_ns: of the last sample; only later samples are published. file: the file being read, as configured; place: position in
-    it, None when it is finished. mark in place: see `blocks.Position`.
+    time_ns: time of the last sample; only later samples are published. file: the file being read, as configured; place:
+    position in it, None when it is finished. mark in place: see `blocks.Position`.
     """
 
     time_ns: int = 0

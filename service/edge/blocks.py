@@ -42,7 +42,8 @@ KEYPHASOR_CONDITIONS: dict[type[KeyphasorError], str] = {
 
 @dataclass(frozen=True)
 class BlockSettings:
-    """Settings of the blocks. seconds or turns: of a block. lowest, highest: of the machine [rpm]. rails: of each channel."""
+    """Settings of the blocks. seconds or turns: length of a block. lowest, highest: lowest and highest speed of the machine
+    [rpm]. rails: rails of each channel."""
 
     channels: tuple[str, ...]
     lowest_rpm: float
@@ -59,9 +60,9 @@ class BlockSettings:
 class Position:
     """Begin of the next block, and all else that the block depends on.
 
-    segment: number of the sample with which the unbroken waveform began. begin: of the block, behind that sample [s]. mark:
-    time [s] and number of a mark before it, None when the count starts anew. lost: whether the count was lost while turning.
-    rpm: speed of the last block.
+    segment: number of the sample with which the unbroken waveform began. begin: beginning of the block, behind that sample
+    [s]. mark: time [s] and number of a mark before it, None when the count starts anew. lost: whether the count was lost while
+    turning. rpm: speed of the last block.
     """
 
     segment: int

@@ -46,7 +46,7 @@ class NotToPutInForce(Conflict):
 
 @dataclass(frozen=True)
 class CalibrationRunAsked:
-    """A stored run with all weights that were on; mounting: by default the run is one of its own."""
+    """A stored run with all weights that were on. mounting: its name; by default the run is a mounting of its own."""
 
     run: int
     weights: tuple[StoredWeight, ...] = ()

@@ -47,8 +47,8 @@ class Request:
 
 @dataclass(frozen=True)
 class Requester:
-    """The person who requests. identity: unambiguous; quota: of waiting jobs; priority: of one identification, or of many at
-    once."""
+    """The person who requests. identity: unambiguous; quota: quota of waiting jobs; priority: priority of one identification,
+    or of many at once."""
 
     identity: str
     quota: JobQuota = field(default_factory=JobQuota)

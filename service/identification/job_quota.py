@@ -11,7 +11,7 @@ from estimator.errors import LimitReached
 from storage.findings import jobs
 
 RETRY_AFTER_S = 30
-"""When a refused request should be repeated [s]: some are computed by then."""
+"""Time after which a refused request should be repeated [s]: some are computed by then."""
 LONGEST_IDENTITY = 255
 
 

@@ -40,7 +40,7 @@ class ResultFiling:
     def __init__(
         self, database: Database, held: HeldJobs, computing: ComputingJobs, assessments: AssessmentQueue, options: Options
     ) -> None:
-        """Set up with nothing filed. options: of a usual fit."""
+        """Set up with nothing filed. options: options of a usual fit."""
         self._database = database
         self._held = held
         self._computing = computing

@@ -36,10 +36,10 @@ class IdentificationTask:
 class IdentificationOutcome:
     """Result of an identification task.
 
-    qualities: of the runs, in the task's order. identification: None when the data do not allow one, for `error`. derived:
-    quantities derived from an accepted identification; underived: why there are none after all. conditions: mean of each
-    operating condition over the runs by name, None where it was not measured. beginning: id of the identification from which
-    the fit started, if any. crossed: per run the critical speeds of the document's model that it crossed [r/min].
+    qualities: qualities of the runs, in the task's order. identification: None when the data do not allow one, for `error`.
+    derived: quantities derived from an accepted identification; underived: why there are none after all. conditions: mean of
+    each operating condition over the runs by name, None where it was not measured. beginning: id of the identification from
+    which the fit started, if any. crossed: per run the critical speeds of the document's model that it crossed [r/min].
     """
 
     qualities: tuple[Quality, ...]

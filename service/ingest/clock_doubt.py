@@ -42,7 +42,8 @@ def is_doubted(*, behind: bool, ahead: int, agreeing: int) -> bool:
 class _Source:
     """The time reported by a source, as differences to the monotonic clock [ns].
 
-    first, last: of its newest batch; heard: when that came. pace: `last` when it began to be steady, which was at `since`.
+    first, last: first and last time of its newest batch; heard: when that came. pace: `last` when it began to be steady, which
+    was at `since`.
     """
 
     first: int

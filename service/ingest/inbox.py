@@ -27,7 +27,7 @@ LOOK_S = 0.02
 
 @dataclass(frozen=True, slots=True)
 class PublishedMessage:
-    """A published message; of one above the size limit only the beginning. size: of the whole message [bytes]."""
+    """A published message; of one above the size limit only the beginning. size: size of the whole message [bytes]."""
 
     key: str
     payload: bytes

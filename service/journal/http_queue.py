@@ -15,7 +15,7 @@ UNFORESEEN = "unexpected error; the service's log has it"
 QUEUE_SIZE = 1_000
 """Largest number of waiting batches; further ones are refused as busy."""
 RETRY_AFTER_S = 1
-"""When a refused batch should be sent again [s]."""
+"""Time after which a refused batch should be sent again [s]."""
 
 
 class Busy(LimitReached):

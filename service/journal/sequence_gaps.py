@@ -57,7 +57,8 @@ def filled_parts(gaps: Sequence[SequenceGap], *, first: int, count: int) -> list
 
 
 def fill(gaps: Sequence[SequenceGap], part: FilledPart, *, first: int, times: NDArray[np.int64]) -> list[SequenceGap]:
-    """Return the gaps left after a part of the batch numbered from `first` arrived. times: of its accepted samples [ns]."""
+    """Return the gaps left after a part of the batch numbered from `first` arrived. times: times of its accepted samples
+    [ns]."""
     gap = part.gap
     left = gap._replace(last=first + part.start - 1, before=int(times[0]) if times.size else gap.before)
     right = gap._replace(first=first + part.stop, after=int(times[-1]) if times.size else gap.after)

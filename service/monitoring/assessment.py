@@ -34,7 +34,8 @@ class AssessedRun:
 
 @dataclass(frozen=True)
 class BaselineHistory:
-    """Runs after a baseline, oldest first. times: [weeks since 1970]. conditions: of the machine, that parameters may follow.
+    """Runs after a baseline, oldest first. times: [weeks since 1970]. conditions: operating conditions of the machine, that
+    parameters may follow.
 
     baseline, after: the parameters that each run determined, and its operating conditions.
     """
@@ -82,8 +83,8 @@ class AssessmentContext:
 
     baseline, after: oldest first; without a baseline nothing is diagnosed. open_causes: kind and element of the machine's open
     alerts of a diagnosis. history: None when rates of change are not assessed; open_rates: severity of the open alerts of that
-    rule by element. compared: of the newest run, None where it was not accepted. loads: in its couplings. second_orders:
-    amplitudes of the 2× near running speed, of the probes that measure it.
+    rule by element. compared: comparison of the newest run, None where it was not accepted. loads: those in its couplings.
+    second_orders: amplitudes of the 2× near running speed, of the probes that measure it.
     """
 
     machine: Machine

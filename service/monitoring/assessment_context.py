@@ -153,7 +153,8 @@ def _history(
 def _compared_runs(
     session: Session, stored: IdentificationRow, baseline: Sequence[IdentificationRow], ids: Sequence[int]
 ) -> ComparedRuns | None:
-    """Read what the table of deviations of an identification is made of. ids: of the baseline, none while it is incomplete."""
+    """Read what the table of deviations of an identification is made of. ids: ids of the baseline, none while it is
+    incomplete."""
     if not ids or not stored.accepted:
         return None
     (newest,) = _points(session, [stored])

@@ -41,7 +41,7 @@ class RaisedAlert:
 
 @dataclass(frozen=True)
 class Conclusions:
-    """Consequences of an assessment. statements: of the diagnosis, None without one.
+    """Consequences of an assessment. statements: statements of the diagnosis, None without one.
 
     changes: alerts to be raised, and those to be cleared, in their order; alerts of rates come first.
     """

@@ -27,7 +27,7 @@ class Statement:
     """A cause with its runners-up and size.
 
     since: when the first run that shows it was measured [ns]; first_identification: that run's. force: in the coupling at
-    running speed [N], when known. form: of a misalignment, when the data determine it. progress: since it began. moved:
+    running speed [N], when known. form: form of a misalignment, when the data determine it. progress: since it began. moved:
     parameters of its elements as the newest run determines them; not_estimable: those that it does not. second_order: growth
     of the 2× that speaks for it.
     """

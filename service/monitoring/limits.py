@@ -116,10 +116,10 @@ def severity_of(
 ) -> Severity | None:
     """Return the severity of a change; None while it reaches no limit. Unknown quantities are None and reach nothing.
 
-    sigma: standard deviations. per_cent: of the baseline. force: in the coupling at running speed [N]. rate: [%/week].
-    tolerance_per_cent: of what is allowed. beyond_tolerance: probability of more than that. All are taken by their magnitude.
-    present: severity of the open alert, None without one: a reached level is left only below the hysteresis. element: such as
-    `coupling.C1`, which may have limits of its own.
+    sigma: standard deviations. per_cent: per cent of the baseline. force: in the coupling at running speed [N]. rate:
+    [%/week]. tolerance_per_cent: per cent of what is allowed. beyond_tolerance: probability of more than that. All are taken
+    by their magnitude. present: severity of the open alert, None without one: a reached level is left only below the
+    hysteresis. element: such as `coupling.C1`, which may have limits of its own.
     """
     chosen = limits.rule(rule, element)
     found = {"sigma": sigma, "per_cent": per_cent, "force": force, "rate_per_cent_per_week": rate}

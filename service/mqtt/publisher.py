@@ -52,7 +52,7 @@ class BrokerAway(ConnectionError):
 
 @dataclass(frozen=True)
 class RetainedMessage:
-    """A message that the broker keeps, or only passes on. number: of the event; 0 for trends."""
+    """A message that the broker keeps, or only passes on. number: number of the event; 0 for trends."""
 
     topic: str
     payload: bytes

@@ -35,7 +35,7 @@ NodeId = tuple[str, str]
 
 
 class SparkplugNodes:
-    """All nodes that documents name. epoch: of the samples, grows with each start of the service."""
+    """All nodes that documents name. epoch: epoch of the samples, grows with each start of the service."""
 
     def __init__(self, epoch: int) -> None:
         self._epoch = epoch
@@ -48,7 +48,7 @@ class SparkplugNodes:
         return self._missing_before + sum(one.missing for one in self._nodes.values())
 
     def follow(self, machines: Sequence[Machine]) -> None:
-        """Take the documents in force; what is known of machines whose mapping is the same stays."""
+        """Take the documents in force; values of machines whose mapping is the same are kept."""
         known = {feed.machine.id: feed for node in self._nodes.values() for feed in node.feeds}
         nodes: dict[NodeId, EdgeNode] = {}
         for machine in machines:
@@ -192,7 +192,7 @@ def _row(values: Mapping[str, float | None], metrics: Sequence[str | None]) -> l
 
 
 def _metrics_of(mapping: Sparkplug) -> set[str]:
-    """Return the names of all metrics that a machine is told by."""
+    """Return the names of all metrics that a machine's values come from."""
     of_channels = {
         name for one in mapping.channels.values() for name in (one.amplitude, one.phase, one.gap, one.overall) if name
     }

@@ -37,8 +37,8 @@ LOAD_NAMES = (
 class ValueReading:
     """The newest value of a parameter or derived quantity in SI units, with its 95 % interval.
 
-    quality: one of those above. angle_deg: of an unbalance, whose value is the magnitude; None for anything else. reason: why
-    there is no value, or why it is not to be trusted. measured_at: end of the run [ns].
+    quality: one of those above. angle_deg: angle of an unbalance, whose value is the magnitude; None for anything else.
+    reason: why there is no value, or why it is not to be trusted. measured_at: end of the run [ns].
     """
 
     folder: str

@@ -11,7 +11,7 @@ ROOT = 1
 
 
 class NodeNames:
-    """Node ids of a server. index: of the namespace in its table."""
+    """Node ids of a server. index: index of the namespace in its table."""
 
     def __init__(self, index: int) -> None:
         self.index = index

@@ -32,7 +32,7 @@ class AggregateRefused(Exception):
 
 @dataclass(frozen=True)
 class TrendValue:
-    """A raw value at a time [ns]. good: of a fit that was accepted; value: None where a run does not determine it."""
+    """A raw value at a time [ns]. good: whether its fit was accepted; value: None where a run does not determine it."""
 
     time: int
     value: float | None
@@ -108,7 +108,8 @@ class _Held:
 
 
 def aggregates(intervals: Intervals, first: int, values: Iterable[TrendValue], *, most: int) -> Iterator[ua.DataValue]:
-    """Yield the aggregates of at most so many intervals from one on. values: in the intervals' order, from there on."""
+    """Yield the aggregates of at most `most` intervals, beginning with `first`. values: in the intervals' order, from there
+    on."""
     held: dict[int, _Held] = {}
     last = min(first + most, intervals.count)
     for one in values:

@@ -15,7 +15,7 @@ from service.wording.language import ENGLISH, Language
 
 @dataclass(frozen=True)
 class ReportedAlert:
-    """An alert as it was at the end of the period. rank: of its severity; last: the newest event until then."""
+    """An alert as it was at the end of the period. rank: rank of its severity; last: the newest event until then."""
 
     rank: int
     last: AlertEvent
@@ -88,7 +88,7 @@ class ReportContents:
     """All that is told of a machine and a period.
 
     not_to_balance: why no weights are proposed; None where nothing else is wrong. left_out: what there is more of than a
-    report shows, in words. language: of the report; advice and messages are in it already.
+    report shows, in words. language: language of the report; advice and messages are in it already.
     """
 
     machine: Machine

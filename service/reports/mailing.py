@@ -43,7 +43,7 @@ class ReportsUnsent(RuntimeError):
 
 @dataclass(frozen=True)
 class DueReport:
-    """A report that is to be sent. number: of its subscription."""
+    """A report that is to be sent. number: number of its subscription."""
 
     number: int
     interval: ReportInterval

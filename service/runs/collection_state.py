@@ -18,9 +18,9 @@ from storage.measurements import runs
 class CollectionState:
     """State of a machine's run collection, stored with the samples that led to it.
 
-    revision: of the document. seen: time of the newest known sample [ns]. direction: of rotation, as last reported. late:
-    windows of late samples. bins, rolled_at: of rolling collection, and when it last started anew [ns]. slowest, fastest: the
-    speeds between which it has turned since the document's revision, 0 before it has [rad/s].
+    revision: revision of the document. seen: time of the newest known sample [ns]. direction: direction of rotation, as last
+    reported. late: windows of late samples. bins, rolled_at: bins of rolling collection, and when it last started anew [ns].
+    slowest, fastest: the speeds between which it has turned since the document's revision, 0 before it has [rad/s].
     """
 
     revision: int

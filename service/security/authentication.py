@@ -42,7 +42,7 @@ class Unauthenticated(Exception):
 
 @dataclass(frozen=True)
 class Credentials:
-    """Credentials of a request. bearer: a key or a token; cookie: of a browser's session."""
+    """Credentials of a request. bearer: a key or a token; cookie: that of a browser's session."""
 
     bearer: str | None
     cookie: str | None

@@ -61,7 +61,7 @@ class RequestLimits:
 
 @dataclass(frozen=True)
 class _GuardedRequest:
-    """A request before it is handled. operation: None for a path that there is not; parameters: of its path."""
+    """A request before it is handled. operation: None for a path that there is not; parameters: parameters of its path."""
 
     scope: Scope
     headers: Mapping[bytes, bytes]

@@ -22,9 +22,9 @@ class BrokenFile(ValueError):
 class MeasuredColumns:
     """Columns (N,) of a file by name.
 
-    values: of each column. sampling_rate [Hz], start_ns [UTC, since 1970]: None where the file does not say them. cut: what is
-    missing at its end, in words; empty for a whole file. twice: names that several columns have, which are in `values` under
-    other names.
+    values: values of each column. sampling_rate [Hz], start_ns [UTC, since 1970]: None where the file does not say them. cut:
+    what is missing at its end, in words; empty for a whole file. twice: names that several columns have, which are in `values`
+    under other names.
     """
 
     values: dict[str, Floats]

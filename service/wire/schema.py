@@ -30,12 +30,11 @@ class SampleBatch(msgspec.Struct, kw_only=True, omit_defaults=True):
     this epoch, counted from 0; the others follow without a gap. time_ns: per sample, UTC since 1970. amplitude, phase, status,
     scatter: per sample a list over the channels; null where there is no value. status: `good`, `not_available`, `bad` or
     `out_of_range`; without it all are good. scatter: rms of the complex error, in the amplitude's unit. amplitude_2x,
-    phase_2x: of the 2×, in the same units and with phase counted in degrees of 2×. gap: mean of the probe's signal over the
-    sample, in `gap_unit`; the machine's document says which way it grows. overall: unfiltered vibration, in the unit and kind
-    of the amplitude: peak-to-peak the largest less the smallest displacement of the sample, peak the half of it.
-    direction: `positive` turns +x towards +y.
-    conditions: by name of an operating condition its value per sample, in the unit of the machine's document; null where it
-    was not measured.
+    phase_2x: amplitude and phase of the 2×, in the same units, with phase counted in degrees of 2×. gap: mean of the probe's
+    signal over the sample, in `gap_unit`; the machine's document says which way it grows. overall: unfiltered vibration, in
+    the unit and kind of the amplitude: peak-to-peak the largest less the smallest displacement of the sample, peak the half of
+    it. direction: `positive` turns +x towards +y. conditions: by name of an operating condition its value per sample, in the
+    unit of the machine's document; null where it was not measured.
     """
 
     schema: int

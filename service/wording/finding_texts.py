@@ -10,9 +10,9 @@ from dataclasses import dataclass, fields
 PLACES = ("id", "element", "machine", "size", "compared", "since", "sigma", "runs")
 """Places that the texts of every finding may have.
 
-id: of its element, such as C1; element: such as coupling C1; machine: its id; size: how far, in words; compared: of how many
-runs, against the baseline; since: the day of the
-first run that shows it; sigma: how certain; runs: how many runs were looked at together.
+id: id of its element, such as C1; element: such as coupling C1; machine: its id; size: how far, in words; compared: number of
+runs that were compared with the baseline; since: day of the first run that shows it; sigma: how certain; runs: number of runs
+that were looked at together.
 """
 LONGEST_TEXT = 600
 """Most characters of a text."""

@@ -31,7 +31,7 @@ def release_of(name: str) -> str | None:
 
 
 class TaskAnswer(TypedDict):
-    """A worker's answer. release, address: of the worker.
+    """A worker's answer. release, address: release and address of the worker.
 
     done: pickled, whether the task succeeded, and its outcome or its error; None: refused.
     """

@@ -18,8 +18,8 @@ PAGES_AT_ONCE = 2_000
 
 @dataclass(frozen=True)
 class DiskUse:
-    """Disk space in bytes. data: of the database with its log; free, total: of its file system, None when that is on another
-    machine; budget: the largest allowed size, None without a limit."""
+    """Disk space in bytes. data: size of the database with its log; free, total: free and total space of its file system, None
+    when that is on another machine; budget: the largest allowed size, None without a limit."""
 
     data: int
     free: int | None

@@ -19,7 +19,7 @@ _FRAMES_AT_ONCE = 256
 
 @dataclass(frozen=True)
 class CountedFrames:
-    """Frames that the log's index counts. frames: committed ones; salt: of the log since it was last begun anew."""
+    """Frames that the log's index counts. frames: committed ones; salt: salt of the log since it was last begun anew."""
 
     frames: int
     page_size: int

@@ -17,8 +17,8 @@ from storage.encoding.packing import pack, shuffled, unpack, unshuffled
 _HEADER = struct.Struct("<4sHHII")  # magic, format, channels, samples, checksum of channels, samples and body
 _MAGIC = b"RDSB"
 _FORMAT = 6
-_WITHOUT_OVERALL = 5  # what samples without overall levels are still written as, so that an older release reads them, too
-_WITHOUT_GAP = 4  # and those without a gap either
+_WITHOUT_OVERALL = 5  # of samples without overall levels, so that an older release reads them, too
+_WITHOUT_GAP = 4  # of samples without overall levels and gaps
 _OLDEST_FORMAT = 1  # unpacked numbers up to 3; no conditions before 3; no 2× and one bit of status in 1
 
 

@@ -40,8 +40,8 @@ HistoryStamp = tuple[int | None, ...]
 class ParameterHistory:
     """One parameter or derived quantity at n identifications, oldest first; (n,) each.
 
-    Times [ns since 1970]; NaN: no value. standard_error: of a parameter's value; imaginary: of an unbalance, whose value is
-    the real part.
+    Times [ns since 1970]; NaN: no value. standard_error: standard error of a parameter's value; imaginary: imaginary part of
+    an unbalance, whose value is the real part.
     """
 
     unit: str | None
@@ -65,7 +65,7 @@ class ParameterHistory:
 
 @dataclass(frozen=True)
 class HistoryPoint:
-    """One point of a history. Times [ns since 1970]; value: of an unbalance its magnitude."""
+    """One point of a history. Times [ns since 1970]; value: for an unbalance, its magnitude."""
 
     measured_at: int
     identification: int
@@ -102,7 +102,8 @@ def page(
 ) -> list[HistoryPoint]:
     """Return a page of a history between two times [ns], see `histories`.
 
-    derived: of a derived quantity, not a parameter. after: (time, identification) of the last point of the page before.
+    derived: whether it is a derived quantity, not a parameter. after: (time, identification) of the last point of the page
+    before.
     """
     table, named = (DerivedRow, DerivedRow.name) if derived else (EstimateRow, EstimateRow.parameter)
     identification = IdentificationRow

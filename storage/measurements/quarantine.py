@@ -19,7 +19,7 @@ KEPT_BYTES = 4096
 class Rejection:
     """A rejected message or sample, with the reason and what would have been right.
 
-    count: number of rejections it represents; size: of the whole payload [bytes], when `payload` is only a part of it.
+    count: number of rejections it represents; size: size of the whole payload [bytes], when `payload` is only a part of it.
     """
 
     received_at: int
@@ -45,7 +45,7 @@ class Rejection:
     ) -> Self:
         """Return the rejection of a message with its payload cut to what will be kept.
 
-        size: of the whole payload, when `payload` is a part.
+        size: size of the whole payload, when `payload` is a part.
         """
         whole = len(payload) if size is None else size
         return cls(received_at, key, machine_id, reason, detail, payload[:KEPT_BYTES], size=whole)

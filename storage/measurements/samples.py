@@ -23,7 +23,8 @@ ALL_TIME = -(2**63), 2**63 - 1
 
 @dataclass(frozen=True)
 class Totals:
-    """Counts of all sources of a machine together. last_time: of the newest sample that is not in the future [ns], else 0."""
+    """Counts of all sources of a machine together. last_time: time of the newest sample that is not in the future [ns], else
+    0."""
 
     machine_id: str
     received: int

@@ -51,7 +51,7 @@ def expired(session: Session, *, me: int) -> list[ReplicaRow]:
     if session.get_bind().dialect.name != "postgresql":
         return others
     held, oldest = _lock_holders(session), clock(session) - int(LEASE_S * 1e9)
-    # A server that has just started has forgotten all locks: who lives takes them again in a moment.
+    # A server that has just started has forgotten all locks: living replicas take theirs again in a moment.
     telling = _started(session) < oldest
     return [row for row in others if (telling and row.id not in held) or row.seen_at < oldest]
 

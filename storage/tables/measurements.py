@@ -23,7 +23,7 @@ class SourceRow(Base):
     late: Mapped[int]
     last_time: Mapped[int]
     last_received_at: Mapped[int | None]
-    """When the newest samples came, by the service's clock [ns]; `last_time` is by the source's."""
+    """Arrival of the newest samples, by the service's clock [ns]; `last_time` is by the source's."""
     missing: Mapped[list[list[int]] | None]
     """Sequence gaps that may still be filled: [first, last, after, before], the latter two times [ns]."""
 
@@ -48,7 +48,7 @@ class SampleBlockRow(Base):
     time_first: Mapped[int]
     time_last: Mapped[int]
     received_at: Mapped[int | None]
-    """When the last of the samples came, by the service's clock [ns]; null in blocks of older releases."""
+    """Arrival of the last of the samples, by the service's clock [ns]; null in blocks of older releases."""
     data: Mapped[bytes] = mapped_column(LargeBinary)
 
 
@@ -103,14 +103,14 @@ class RunRow(Base):
     """Samples that an ended run is to be made of, see `storage.measurements.runs`; null before its end and once closed."""
     # Null in runs collected by older releases.
     reopened_at: Mapped[int | None]
-    """When late samples last rebuilt it."""
+    """Time of the last rebuild by late samples."""
     times_reopened: Mapped[int | None]
     coverage: Mapped[dict[str, Any] | None]
     quality: Mapped[dict[str, Any] | None]
     flags: Mapped[bytes | None] = mapped_column(LargeBinary, deferred=True)
     """Flags of each point of each channel, see `storage.measurements.runs`."""
     released_at: Mapped[int | None]
-    """When its samples were deleted, see `storage.operation.retention`; null while it has them."""
+    """Time at which its samples were deleted, see `storage.operation.retention`; null while it has them."""
 
 
 class QuarantineRow(Base):

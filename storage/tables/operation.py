@@ -87,7 +87,7 @@ class ApiKeyRow(Base):
 
 
 class BrowserSessionRow(Base):
-    """A login on the page. hash: of the cookie; key_prefix: of the API key it was made with, if any."""
+    """A login on the page. hash: hash of the cookie; key_prefix: key prefix of the API key it was made with, if any."""
 
     __tablename__ = "browser_sessions"
     __table_args__ = (Index(None, "expires_at"),)

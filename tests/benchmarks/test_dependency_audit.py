@@ -1,4 +1,4 @@
-"""What is made of a report of pip-audit: a vulnerability fails, and no answer is not taken for none."""
+"""Tests what is made of a report of pip-audit: a vulnerability fails, and no answer is not taken for none."""
 
 from benchmarks.dependency_audit import judged
 

@@ -172,7 +172,7 @@ def test_all_together_spoils_two_different_probes_behind_a_short_baseline() -> N
 
 @pytest.mark.parametrize("scenario", ["healthy", "outliers"])
 def test_a_fit_from_the_first_ones_end_is_the_fit_from_the_document(scenario: str) -> None:
-    """What lets a fleet's fits start there: the same minimum, outliers or not."""
+    """This lets a fleet's fits start there: the same minimum, outliers or not."""
     machine = example(SMALL)
     changes = () if scenario == "healthy" else (OutliersBegan("machine", 0, 0, 0.05),)
     rng = np.random.default_rng(4)

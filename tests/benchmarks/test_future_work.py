@@ -1,4 +1,4 @@
-"""What §6.5 of the thesis leaves to future work, as the evidence page identifies it."""
+"""Tests of what §6.5 of the thesis leaves to future work, as the evidence page identifies it."""
 
 import math
 

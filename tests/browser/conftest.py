@@ -16,7 +16,7 @@ from tests.browser.story import BASELINE_RUNS, ZONE, installed, launch, run_stor
 from tests.end_to_end.processes import ROOT, Service
 
 PICTURES = ROOT / "artefacts" / "browser"
-"""Where screenshots are left for people to look at; not committed."""
+"""Folder in which screenshots are left for people to look at; not committed."""
 PATIENCE_MS = 20_000
 expect.set_options(timeout=PATIENCE_MS)
 
@@ -80,7 +80,7 @@ def locked(path: Path) -> Iterator[None]:
 
 @pytest.fixture(scope="module")
 def place(recorded: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Service]:
-    """Where a service runs that goes on from there."""
+    """Yield where a service runs that goes on from there."""
     folder = tmp_path_factory.mktemp("dashboard")
     for file in recorded.parent.glob(f"{recorded.name}*"):  # its log as well, if there is one
         shutil.copy(file, folder)

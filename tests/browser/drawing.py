@@ -1,4 +1,4 @@
-"""What is drawn on the page, whether it is seen, and the fingers that move it."""
+"""Reads what is drawn on the page, whether it is seen, and the fingers that move it."""
 
 from playwright.sync_api import Locator, Page, expect
 
@@ -18,7 +18,7 @@ SEEN_AGAIN = """() => {
     document.dispatchEvent(new Event("visibilitychange"));
   }
 }"""
-"""Who comes back to a page is shown what is new at once, not when the page asks next."""
+"""Script for a page whose reader comes back: it shows what is new at once, not when the page asks next."""
 
 
 def drawn(page: Page) -> list[int]:
@@ -34,7 +34,7 @@ def wait_drawn(page: Page, plots: int) -> None:
 
 
 def looks(canvas: Locator) -> str:
-    """What is drawn, to be compared."""
+    """Return what is drawn, to be compared."""
     return str(canvas.evaluate("canvas => canvas.toDataURL()"))
 
 

@@ -1,4 +1,4 @@
-"""What the browser is shown: a real service that has watched a coupling go out of alignment, and Debian's Chromium."""
+"""The service that the browser is shown: a real one that has watched a coupling go out of alignment, and Debian's Chromium."""
 
 import shutil
 from datetime import date, datetime, time, timedelta
@@ -14,7 +14,7 @@ BASELINE_RUNS = 3
 CYCLES = 5
 """So few that the baseline of each kind of run is complete and two more runs agree on an alert."""
 ZONE = ZoneInfo("Europe/Berlin")
-"""Where the people are who look at the page: not in UTC, so that a day of theirs is another one for an hour or two."""
+"""Time zone of the people who look at the page: not UTC, so that a day of theirs is another one for an hour or two."""
 FLAGS = (
     "--no-sandbox",
     "--disable-gpu",
@@ -50,7 +50,7 @@ def simulate(
 
 
 def closed(service: Service, machine: str) -> int:
-    """How many runs are closed."""
+    """Return how many runs are closed."""
     return sum(run["state"] == "closed" for run in service.get(f"/machines/{machine}/runs"))
 
 

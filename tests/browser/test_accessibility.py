@@ -12,7 +12,7 @@ TRANSITION_MS = 300
 
 
 def faults(page: Page, view: str) -> list[str]:
-    """What axe-core finds in the page as it is."""
+    """Return what axe-core finds in the page as it is."""
     page.wait_for_timeout(TRANSITION_MS)
     found = Axe().run(page).response["violations"]
     return [f"{view}: {one['id']}: {node['target']} {node['failureSummary']}" for one in found for node in one["nodes"][:3]]

@@ -1,4 +1,4 @@
-"""What people do to alerts, and where they are afterwards."""
+"""Tests what people do to alerts, and where they are afterwards."""
 
 import re
 from datetime import UTC, datetime, timedelta

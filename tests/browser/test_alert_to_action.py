@@ -59,7 +59,7 @@ def test_an_alert_is_judged_acknowledged_passed_on_and_printed_in_few_clicks(see
 
 
 def judged_on_one_page(seen: Seen, service: Service) -> None:
-    """What a judgement needs is there without a click: evidence, train, trends, the response beside the coupling."""
+    """All that a judgement needs is there without a click: evidence, train, trends, the response beside the coupling."""
     page = seen.page
     expect(page.locator("h1")).to_have_text("Misalignment of coupling C1")
     expect(page.locator(".alert-row .facts:not(.advice)")).to_contain_text("Largest changes")

@@ -28,7 +28,7 @@ ENGLISH_WORDS = re.compile(r"\b(?:the|of|is|are|with|from|not|and|this|has|which
 """Words that no German text of the page has. Identifiers and names of machines have none either."""
 STORED = ROOT / "tests" / "service" / "wording" / "stored-sentences.txt"
 WRITTEN = "Two-shaft train of the thesis, Chapter 3"
-"""What a person has written: the machine's name."""
+"""Texts that a person has written: the machine's name."""
 
 
 @pytest.fixture
@@ -46,7 +46,7 @@ def said(page: Page) -> list[str]:
 
 
 def english_messages() -> re.Pattern[str]:
-    """What English says and German does not, with anything in its places; as short as one word."""
+    """Return what English says and German does not, with anything in its places; as short as one word."""
     names = declared("findings.ts", "FINDING_NAMES"), declared("channels.ts", "CHANNEL_NAMES")
     english, other = ({**catalogue(one), **names[0][one], **names[1][one]} for one in ("en", "de"))
     texts = {text.strip() for key, text in english.items() if other[key] != text}

@@ -53,7 +53,7 @@ def circle(found: Locator, bearing: str) -> Locator:
 
 
 def place_of_dot(drawing: Locator) -> tuple[float, float]:
-    """Where the journal is drawn, to the right and up, in parts of the clearance."""
+    """Return where the journal is drawn, to the right and up, in parts of the clearance."""
     rim = drawing.locator("circle.clearance").first
     (x0, y0), (x, y) = rim.evaluate(MIDDLE), drawing.locator("circle.journal").evaluate(MIDDLE)
     radius = rim.evaluate(WIDTH) / 2

@@ -27,7 +27,7 @@ SPEEDS = """(canvas) => {
   axis.getContext("2d").drawImage(canvas, left, canvas.height - height, axis.width, height, 0, 0, axis.width, height);
   return axis.toDataURL();
 }"""
-"""How the axis below a plot looks."""
+"""Look of the axis below a plot."""
 TERMS = 10
 """Of the coupling: each has a trend."""
 TOP = "(canvas) => canvas.getBoundingClientRect().top + scrollY"
@@ -77,7 +77,7 @@ def trend(seen: Seen) -> Locator:
 
 
 def point_of(plot: Locator) -> tuple[float, float]:
-    """Where one of its points is [px]: the read-out by keys marks it."""
+    """Return where one of its points is [px]: the read-out by keys marks it."""
     plot.focus()
     plot.page.keyboard.press("ArrowLeft")
     plane = plot.locator(".u-over").bounding_box()

@@ -1,4 +1,5 @@
-"""What is set in the page: limits, suppressions, subscriptions; and two identifications side by side, in a real browser."""
+"""Tests what is set in the page: limits, suppressions, subscriptions; and two identifications side by side, in a real
+browser."""
 
 import re
 from collections.abc import Callable

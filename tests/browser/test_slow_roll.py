@@ -50,7 +50,7 @@ def _with_run_out(runs: CopiedRuns, channel: str) -> dict[str, Any]:
 
 
 class Asked:
-    """What the page asked for, and was answered."""
+    """A request of the page, and its answer."""
 
     def __init__(self, seen: Seen) -> None:
         self.answers: list[Response] = []

@@ -142,7 +142,7 @@ def test_the_dashboard_is_one_by_grafanas_own_models() -> None:
 
 
 def missing(told: Any, written: Any, place: str = "") -> Iterator[str]:
-    """Where something was told that was not written again, or otherwise."""
+    """Yield where something was told that was not written again, or otherwise."""
     if isinstance(told, dict) and isinstance(written, dict):
         for name, value in told.items():
             yield from missing(value, written.get(name), f"{place}/{name}")
@@ -175,7 +175,8 @@ def test_prometheus_and_alertmanager_take_their_files(tmp_path: Path) -> None:
 
 
 def container_settings(where: str) -> dict[str, str]:
-    """What the service is told in containers; where compose asks the environment, what it takes without an answer there."""
+    """Return what the service is told in containers; where compose asks the environment, what it takes without an answer
+    there."""
     told = compose()["x-settings"] if where == "compose" else manifests()[0]["data"]
     return {name: re.sub(r"\$\{\w+:-(.*?)\}", r"\1", value) for name, value in told.items()}
 

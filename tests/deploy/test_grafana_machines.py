@@ -57,7 +57,7 @@ def substituted(url: str, values: dict[str, str]) -> str:
 
 
 def picked(row: Any, selector: str) -> Any:
-    """What a selector takes from a row; raises KeyError where it is not there. A null on the way is a null."""
+    """Return what a selector takes from a row; raises KeyError where it is not there. A null on the way is a null."""
     for name in selector.split("."):
         if row is None:
             return None

@@ -101,7 +101,7 @@ class Layout:
         return 0
 
     def shares(self, name: str) -> dict[str, int]:
-        """How many parts of the machines each replica that lives stores, by role and process id."""
+        """Return how many parts of the machines each replica that lives stores, by role and process id."""
         return {f"{row['role']} {row['process']}": row["machine_shares"] for row in self.get(name, "/replicas")}
 
     def pid(self, name: str) -> int:

@@ -3,7 +3,6 @@
 import contextlib
 import signal
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -23,18 +22,6 @@ from tests.ports import free_port
 from tests.postgresql import Server
 
 TAKEN_OVER_WITHIN_S = 30.0
-
-
-@pytest.fixture
-def layout(tmp_path: Path, postgresql: Server) -> Iterator[Layout]:
-    """A router and an empty database; the test starts replicas."""
-    databases = PostgresqlDatabases(postgresql)
-    url = databases.new(tmp_path / "replicas.db")
-    try:
-        with Layout(tmp_path, database=url) as one:
-            yield one
-    finally:
-        databases.drop(url)
 
 
 def owner(layout: Layout, among: tuple[str, ...]) -> str:

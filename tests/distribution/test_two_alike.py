@@ -2,9 +2,7 @@
 
 import signal
 import time
-from collections.abc import Iterator
 from functools import partial
-from pathlib import Path
 
 import httpx
 import numpy as np
@@ -16,7 +14,6 @@ from service.wire import JSON, encode_body
 from storage.database.engine import Database
 from storage.findings import jobs
 from storage.machines import machines
-from tests.databases import PostgresqlDatabases
 from tests.distribution.layout import Layout
 from tests.end_to_end.alive import probing
 from tests.end_to_end.processes import rundown, until
@@ -24,7 +21,6 @@ from tests.faults.measured import measured
 from tests.faults.roles import POSTED
 from tests.identification import chapter_3, close_run, counts
 from tests.plant import document
-from tests.postgresql import Server
 
 BOTH = ("all1", "all2")
 REVOKED_WITHIN_S = 3.0
@@ -33,18 +29,6 @@ LONGEST_ALIVE_S = 2.0
 """Beside other tests; `benchmarks.faults.attacks` asks for 250 ms."""
 TAKEN_OVER_WITHIN_S, READY_WITHIN_S = 60.0, 120.0
 """On a busy machine."""
-
-
-@pytest.fixture
-def layout(tmp_path: Path, postgresql: Server) -> Iterator[Layout]:
-    """A router and an empty database without any table."""
-    databases = PostgresqlDatabases(postgresql)
-    url = databases.new(tmp_path / "alike.db")
-    try:
-        with Layout(tmp_path, database=url) as one:
-            yield one
-    finally:
-        databases.drop(url)
 
 
 def begin(layout: Layout) -> None:

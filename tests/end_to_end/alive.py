@@ -1,4 +1,4 @@
-"""How long `/alive` takes while a test goes on, asked twenty times a second by a process of its own.
+"""Measures how long `/alive` takes while a test goes on, asked twenty times a second by a process of its own.
 
 Where the environment names a folder (`RUNDOWN_ALIVE_TIMES`), each service that the tests start is asked so, and a file of
 times is left there; `python -m benchmarks.faults.attacks` makes its figures of them.
@@ -25,7 +25,7 @@ INTERVAL_S = 0.05
 
 @contextlib.contextmanager
 def probing(url: str) -> Iterator[list[float]]:
-    """How long each answer took [s], there when the block has ended. url: of the API."""
+    """Yield how long each answer took [s], there when the block has ended. url: of the API."""
     took: list[float] = []
     command = [sys.executable, "-m", "tests.end_to_end.alive", url]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as asking:

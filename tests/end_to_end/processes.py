@@ -64,7 +64,7 @@ def python(log: Path, *arguments: str, **environment: str) -> Iterator[subproces
 
 
 def until(look: Callable[[], T | None], *, within_s: float, what: str) -> T:
-    """What `look` returns as soon as it is neither None nor False."""
+    """Return what `look` returns as soon as it is neither None nor False."""
     deadline = time.monotonic() + within_s
     while True:
         found = look()
@@ -123,7 +123,7 @@ class Service:
         return dict(answer.json())
 
     def idle(self) -> bool:
-        """Whether no identification is waiting or running."""
+        """Return whether no identification is waiting or running."""
         jobs = self.get("/health")["jobs"]
         return bool(jobs.get("queued", 0) == 0 and jobs.get("running", 0) == 0)
 

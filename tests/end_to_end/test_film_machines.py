@@ -14,7 +14,7 @@ CYCLES = 2
 
 
 def all_identified(service: Service, machine: str) -> bool:
-    """Whether all runs are closed and everything is identified."""
+    """Return whether all runs are closed and everything is identified."""
     closed = [run for run in service.get(f"/machines/{machine}/runs") if run["state"] == "closed"]
     return len(closed) == 2 * CYCLES and service.idle()
 

@@ -37,7 +37,7 @@ def simulation(service: Service, truth: Path, *machines: str, rate: float) -> li
 
 
 def all_identified(service: Service, machine: str, runs: int) -> bool:
-    """Whether that many runs are closed and everything is identified."""
+    """Return whether that many runs are closed and everything is identified."""
     closed = [run for run in service.get(f"/machines/{machine}/runs") if run["state"] == "closed"]
     return len(closed) == runs and service.idle()
 

@@ -22,7 +22,7 @@ RULES = (MONITORING / "rundown-rules.yml").read_text().count("- alert:")
 
 
 def program(name: str) -> str:
-    """Where a program of Debian's package prometheus is."""
+    """Return where a program of Debian's package prometheus is."""
     found = shutil.which(name)
     if found is None:
         if os.environ.get("RUNDOWN_REQUIRE_ALL"):
@@ -32,7 +32,7 @@ def program(name: str) -> str:
 
 
 def promtool(*arguments: str) -> str:
-    """What promtool prints; it must find nothing wrong."""
+    """Return what promtool prints; it must find nothing wrong."""
     ended = subprocess.run(
         [program("promtool"), *arguments], cwd=MONITORING, capture_output=True, text=True, timeout=60, check=False
     )
@@ -81,7 +81,7 @@ class Prometheus:
         ]
 
     def get(self, path: str, **asked: str) -> Any:
-        """What its API answers; None while it does not."""
+        """Return what its API answers; None while it does not."""
         try:
             answer = httpx.get(f"{self.url}/api/v1/{path}", params=asked, trust_env=False)
         except httpx.TransportError:

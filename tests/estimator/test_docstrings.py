@@ -24,7 +24,9 @@ VERBS = (
     "State Subtract Sum Take Test Yield"
 )
 """First words of a function's summary; a verb that is missing may be added."""
-NO_OPENING = ("What ", "How ", "Whether ", "Where ", "Which ", "The same ", "…")
+QUESTIONS = ("What ", "How ", "Whether ", "When ", "Where ", "Which ", "Who ", "Why ")
+"""Openings of indirect questions."""
+NO_OPENING = (*QUESTIONS, "The same ", "…")
 NUMBERS = frozenset({"float", "complex", "Floats", "Complexes", "Numbers"})
 ARRAYS = frozenset({"Floats", "Complexes", "Numbers", "Bools", "Integers", "Indices", "NDArray"})
 DATA_BASES = ("Struct", "NamedTuple")

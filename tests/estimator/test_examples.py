@@ -130,7 +130,7 @@ def real_machine(machine: Machine, rng: np.random.Generator) -> tuple[Floats, Co
 
 
 def identified(machine: Machine, seed: int) -> tuple[Identification, Floats]:
-    """What one noisy run-down tells of a real machine, and the errors of its estimates in standard errors."""
+    """Return what one noisy run-down tells of a real machine, and the errors of its estimates in standard errors."""
     rng = np.random.default_rng(seed)
     speed_range = machine.speed_range
     speed = np.linspace(rpm_to_rad_per_s(speed_range.minimum_rpm), rpm_to_rad_per_s(speed_range.maximum_rpm), SPEEDS)

@@ -67,12 +67,12 @@ def docstrings(source: str) -> str:
 
 
 def is_due(source: str) -> bool:
-    """Whether some source needs to say who published its method."""
+    """Return whether some source needs to say who published its method."""
     return SOLVES.search(source) is not None or METHODS.search(docstrings(source)) is not None
 
 
 def is_given(source: str) -> bool:
-    """Whether some source says so."""
+    """Return whether some source says so."""
     return SOURCE.search(docstrings(source)) is not None
 
 

@@ -1,4 +1,4 @@
-"""What people write: no truth value becomes a number, and nothing that is unknown passes."""
+"""Tests what people write: no truth value becomes a number, and nothing that is unknown passes."""
 
 import pytest
 from pydantic import ValidationError

@@ -1,1 +1,2 @@
-"""What goes wrong between a probe and the store, with real processes: nothing may be lost and nothing may come twice."""
+"""Tests of what goes wrong between a probe and the store, with real processes: nothing may be lost and nothing may come
+twice."""

@@ -113,7 +113,7 @@ class Chain:
             assert "Traceback" not in text, text[text.index("Traceback") :][:4000]
 
     def received(self) -> int:
-        """How many samples are stored, as far as the service says; 0 while it says nothing."""
+        """Return how many samples are stored, as far as the service says; 0 while it says nothing."""
         with contextlib.suppress(Exception):
             return sum(row["received"] for row in self.service.get("/sources"))
         return 0

@@ -40,7 +40,7 @@ def told(clock: list[int]) -> list[ArrivedBatch]:
 
 
 def kept(database: Database, messages: list[ArrivedBatch]) -> Kept:
-    """What the store holds once all of this has come, each message in a call of its own."""
+    """Return what the store holds once all of this has come, each message in a call of its own."""
     journal = PromptJournal(database, Collector(late_s=0.0))
     for one in messages:
         journal.store([one], [])
@@ -62,7 +62,7 @@ OVERFLOWING = (2**63 - 1, 2**62, -(2**63), -1)
 
 @dataclass(frozen=True)
 class Wandered:
-    """How often the clock stepped back, and what became of the samples."""
+    """Number of times that the clock stepped back, and the fate of the samples."""
 
     steps_back: int
     stored: int

@@ -39,7 +39,7 @@ NEVER_S = 1e9
 
 @dataclass(frozen=True)
 class Delivered:
-    """What the network made of messages: in the order in which they come, and the numbers of those that never do."""
+    """Messages as the network left them: in the order in which they come, and the numbers of those that never do."""
 
     order: list[SampleBatch]
     gone: list[int]
@@ -119,7 +119,7 @@ def delivered(messages: Sequence[SampleBatch], *, seed: int, gone: float = GONE)
 
 
 def told(url: str, document: Machine, messages: Sequence[SampleBatch]) -> Stored:
-    """What a store makes of messages in this order, once no more come."""
+    """Return what a store makes of messages in this order, once no more come."""
     database = Database(url)
     try:
         with database.transaction() as session:

@@ -26,7 +26,7 @@ class Mangler:
 
     @property
     def heard(self) -> bool:
-        """Whether anybody listens."""
+        """Return whether anybody listens."""
         return listened_to(self._publisher)
 
     def send(self, entry: LogEntry) -> None:

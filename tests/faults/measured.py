@@ -1,4 +1,5 @@
-"""What an instrument would have measured: sample `k` is always the same, so that the store can be compared with it."""
+"""Samples as an instrument would have measured them: sample `k` is always the same, so that the store can be compared with
+it."""
 
 from pathlib import Path
 

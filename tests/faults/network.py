@@ -23,7 +23,7 @@ class Wire:
 
     @property
     def endpoint(self) -> str:
-        """Where to connect to."""
+        """Return where to connect to."""
         return f"tcp/127.0.0.1:{self._listener.getsockname()[1]}"
 
     def hold(self) -> None:

@@ -79,7 +79,8 @@ def plant_parted_from_centre(folder: Path, *, samples: int, seconds: float) -> s
 
 @contextlib.contextmanager
 def plant_and_centre(folder: Path) -> Iterator[tuple[str, Wire, Service]]:
-    """Where the plant's router listens, the wire to it, and the centre's service behind a router of its own; all running."""
+    """Yield where the plant's router listens, the wire to it, and the centre's service behind a router of its own; all
+    running."""
     port, centre = free_port(), f"tcp/127.0.0.1:{free_port()}"
     plant = f"tcp/127.0.0.1:{port}"
     service = Service(folder, router=centre)

@@ -1,4 +1,4 @@
-"""What can go wrong, each as one function that checks that the store is exact in the end."""
+"""Faults, each as one function that checks that the store is exact in the end."""
 
 import random
 import time

@@ -23,7 +23,7 @@ class ShiftedService(Service):
 
     @property
     def offset_s(self) -> float:
-        """How far its clock is off [s]."""
+        """Return how far its clock is off [s]."""
         return float(self._file.read_text())
 
     @offset_s.setter

@@ -1,4 +1,4 @@
-"""What can befall a store while samples come in, each as a context: it is so for a while, then it is over."""
+"""Faults of a store while samples come in, each as a context: it is so for a while, then it is over."""
 
 import contextlib
 import os

@@ -66,7 +66,7 @@ class StreamClient:
             await self.take(*found, last=last)
 
     async def take(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter, *, last: int) -> None:
-        """What comes over one connection, until it ends or this event has come."""
+        """Return what comes over one connection, until it ends or this event has come."""
         whole = b""
         with contextlib.suppress(OSError):  # cut off
             while last not in self.ids[-1:] and (piece := await reader.read(PIECE)):
@@ -80,7 +80,7 @@ class StreamClient:
 
 @dataclass(frozen=True)
 class Followed:
-    """What it cost. growth_mb: of the service's memory at most. again: connections beyond one a client."""
+    """Cost of the clients. growth_mb: of the service's memory at most. again: connections beyond one a client."""
 
     clients: int
     stuck: int

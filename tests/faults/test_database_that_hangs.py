@@ -18,7 +18,7 @@ RECOVERED_S = 20.0
 
 
 def answer(service: Service, path: str, key: str) -> httpx.Response:
-    """What is asked of it, answered soon."""
+    """Return the service's answer, which has to come soon."""
     began = time.monotonic()
     url = f"http://127.0.0.1:{service.port}{path}"
     found = httpx.get(url, headers={"Authorization": f"Bearer {key}"}, timeout=2 * SOON_S)

@@ -33,7 +33,7 @@ def send(service: Service, number: int) -> httpx.Response:
 
 
 def acknowledged(service: Service, first: int, last: int) -> int:
-    """How many batches, of these, one after the other, were."""
+    """Return how many of these batches were acknowledged, one after the other."""
     for number in range(first, last):
         if send(service, number).status_code != 200:
             return number
@@ -120,7 +120,7 @@ def test_after_it_was_told_a_kill_loses_nothing(tmp_path: Path) -> None:
 
 @pytest.fixture
 def place(tmp_path: Path) -> Service:
-    """Where a service runs whose machine is in the main file, and not in the log."""
+    """Return where a service runs whose machine is in the main file, and not in the log."""
     database = Database(sqlite_url(tmp_path / "rundown.db"))
     with database.transaction() as session:
         machines.create(session, machine())
@@ -176,7 +176,7 @@ def overwritten(service: Service, count: int, *, complete: bool) -> None:
 
 @pytest.mark.parametrize("ended", [killed, stopped])
 def test_a_backup_copied_over_the_open_store_is_not_mixed_with_its_log(tmp_path: Path, place: Service, ended: Ended) -> None:
-    """What came since the backup is gone with the file; its source sends again what the service says that it lacks."""
+    """All that came since the backup is gone with the file; its source sends again what the service says that it lacks."""
     service = place
     with service.running() as started:
         assert acknowledged(service, 0, BEFORE) == BEFORE
@@ -207,7 +207,7 @@ def test_where_the_log_has_all_a_copied_backup_costs_nothing(tmp_path: Path) -> 
 
 
 def test_a_page_of_the_log_that_is_damaged_stops_nobody(tmp_path: Path) -> None:
-    """Where a later one holds the same; behind a kill, SQLite would take nothing from the damaged one on."""
+    """A later page holds the same; behind a kill, SQLite would take nothing from the damaged one on."""
     service, log = Service(tmp_path), tmp_path / "rundown.db-wal"
     with service.running() as started:
         assert service.client.post("/machines", json=document()).status_code == 201

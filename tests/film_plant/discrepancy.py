@@ -33,7 +33,7 @@ class DiscrepancySize:
 
 
 class FilmChange(Protocol):
-    """What makes the coefficients of films others than those of their model."""
+    """Discrepancy that makes the coefficients of films others than those of their model."""
 
     def applied(self, films: Equilibrium) -> Equilibrium:
         """Change the coefficients of films."""

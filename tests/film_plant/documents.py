@@ -158,7 +158,8 @@ def pedestal_terms(one: Pedestal) -> Iterator[tuple[str, float]]:
 
 
 def geometry(plant: Plant) -> dict[str, Any]:
-    """What any document of a plant says, without its bearings' coefficients: they are named by shaft and station only."""
+    """Return what any document of a plant says, without its bearings' coefficients: they are named by shaft and station
+    only."""
     train = plant.believed
     steel = train.material
     return {

@@ -11,21 +11,21 @@ from tests.film_plant.plants import Alteration, Priors
 from tests.film_plant.train import Train
 
 SETTLED = Priors(elevation=10e-6, rigid_elevation=5e-6)
-"""How far each bearing is off by itself in plants whose second shaft is misaligned."""
+"""Error of each bearing by itself in plants whose second shaft is misaligned."""
 
 
 @dataclass(frozen=True)
 class Misalignment:
-    """How far a second shaft is off in each plane, as standard deviations: offset at the coupling [m], angle [rad]."""
+    """Standard deviations of a second shaft's misalignment in each plane: offset at the coupling [m], angle [rad]."""
 
     offset: float
     angle: float
 
 
 LEFT: dict[CouplingKind, Misalignment] = {"flexible": Misalignment(100e-6, 100e-6), "rigid": Misalignment(40e-6, 50e-6)}
-"""How far couplings of a kind are left off."""
+"""Alignment errors that couplings of a kind are left with."""
 MOVES: dict[CouplingKind, Misalignment] = {"flexible": Misalignment(50e-6, 25e-6), "rigid": Misalignment(20e-6, 10e-6)}
-"""How far they move later."""
+"""Distances by which they move later."""
 
 
 def moved(train: Train, *, offset: Floats, angle: Floats) -> Train:

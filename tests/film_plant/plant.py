@@ -26,7 +26,7 @@ SWEEP_SPEEDS = 80
 
 @dataclass(frozen=True)
 class Truth:
-    """What an identification should find, at S speeds of n bearings.
+    """Values that an identification should find, at S speeds of n bearings.
 
     Attributes:
         films: Loads, positions, stiffness and damping over speed, discrepancies included.

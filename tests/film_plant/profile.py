@@ -29,7 +29,7 @@ class Pad:
 
     @property
     def whole(self) -> bool:
-        """Whether the pad is a full ring."""
+        """Return whether the pad is a full ring."""
         return self.end - self.start >= 2.0 * np.pi - 1e-9
 
 
@@ -42,7 +42,7 @@ class Profile:
 
     @property
     def round(self) -> bool:
-        """Whether the film is the same in all directions."""
+        """Return whether the film is the same in all directions."""
         return len(self.pads) == 1 and self.pads[0].whole and self.pads[0].preload == 0.0
 
 

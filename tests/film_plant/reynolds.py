@@ -114,7 +114,7 @@ class FilmSolver:
 
     @cached_property
     def _links(self) -> tuple[Floats, Floats]:
-        """Which cell follows each one around, -1 where the pad ends, and which goes before it."""
+        """Return which cell follows each one around, -1 where the pad ends, and which goes before it."""
         after: list[int] = []
         first = 0
         for pad, count in zip(self.profile.pads, self._cells, strict=True):

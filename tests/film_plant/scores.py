@@ -30,7 +30,7 @@ CURVATURE = 0.15
 
 @dataclass(frozen=True)
 class Score:
-    """How an identification compares with the truth.
+    """Comparison of an identification with the truth.
 
     Attributes:
         accepted: Whether it was accepted.
@@ -111,7 +111,8 @@ def film_truths(plant: Plant) -> Truths:
 
 
 def film_result_truths(plant: Plant, reported_rpm: Sequence[float]) -> Truths:
-    """What follows from the plant's films: coefficients at some speeds [r/min], loads and journals' positions at the last."""
+    """Return what follows from the plant's films: coefficients at some speeds [r/min], loads and journals' positions at the
+    last."""
     films = plant.films(np.array(reported_rpm) * RPM)
     found: Truths = {}
     for number, bearing in enumerate(plant.train.bearings):

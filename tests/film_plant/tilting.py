@@ -126,7 +126,7 @@ def balanced(pads: RockerPads, slenderness: float, place: float, tilt: float) ->
 
 
 def _open(solver: FilmSolver, position: Floats) -> bool:
-    """Whether the film is nowhere too thin."""
+    """Return whether the film is nowhere too thin."""
     (pad,) = solver.profile.pads
     angle = np.linspace(pad.start, pad.end, 200)
     gap = 1.0 - pad.preload * np.cos(angle - pad.direction) - position[0] * np.cos(angle) - position[1] * np.sin(angle)

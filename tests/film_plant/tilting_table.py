@@ -61,7 +61,7 @@ class TiltingTable:
         self._preload, self._row = pads.preload, row
 
     def way(self, position: Floats) -> float:
-        """How close the journal is to the pad that it is closest to, from the preload to 1 [-]."""
+        """Return how close the journal is to the pad that it is closest to, from the preload to 1 [-]."""
         return float(np.max(self._axes @ position) + self._preload)
 
     def at(self, position: Floats) -> FilmValues:

@@ -14,7 +14,7 @@ ELLIPTICAL_CLEARANCE = 1.5
 SOFT_FREQUENCY = (0.7, 1.1)
 """Frequencies of the soft pedestal with its mass, along x and y, over the highest speed [-]."""
 CLEARANCE_PRIORS = 2.0
-"""How far the wrong clearance is off, in standard deviations of its prior [-]."""
+"""Error of the wrong clearance, in standard deviations of its prior [-]."""
 _OfBearing = Callable[[Bearing], Bearing]
 
 MEDIAN = 0.6

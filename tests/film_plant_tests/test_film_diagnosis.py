@@ -1,4 +1,5 @@
-"""What happens to plants of other make is called by its name: gated fits of a few runs, assessed as the service does."""
+"""Tests that what happens to plants of other make is called by its name: gated fits of a few runs, assessed as the service
+does."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -7,6 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from estimator.diagnosis.observation import observed_fit
 from estimator.fit.identification import Identification, Options
 from estimator.identification.quality_gate import identify_gated
 from estimator.machine.document import Machine, parse_machine
@@ -23,7 +25,6 @@ from tests.film_plant.plant import Plant
 from tests.film_plant.plants import Priors, motor_compressor_plant
 from tests.film_plant.scatter import run_of
 from tests.film_plant.train import ConstantOil
-from tests.observed_fit import observed_fit
 
 BASELINE = 5
 WIDE = Priors(elevation=150e-6, rigid_elevation=150e-6)

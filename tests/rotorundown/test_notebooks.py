@@ -27,7 +27,7 @@ SHOWN = {
     "measured_rotor_kit": ("accepted", "µm pp"),
     "which_measurement_helps": ("one more sample at", "a probe on shaft"),
 }
-"""What each prints, among other things."""
+"""Words that each prints, among others."""
 WEEK = 7 * 86_400
 
 

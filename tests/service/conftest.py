@@ -35,7 +35,7 @@ def journal(plant: Database) -> PromptJournal:
 
 @pytest.fixture(scope="module")
 def endpoint() -> str:
-    """Where the module's zenoh router listens: opening one takes half a second."""
+    """Return where the module's zenoh router listens: opening one takes half a second."""
     return free_endpoint()
 
 

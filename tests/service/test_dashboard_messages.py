@@ -67,7 +67,7 @@ def test_what_is_declared_is_there_in_every_language() -> None:
 
 
 def declared(file: str, constant: str) -> dict[str, Any]:
-    """What a constant of the declarations holds, by language."""
+    """Return what a constant of the declarations holds, by language."""
     text = (MESSAGES.parent / "declarations" / file).read_text(encoding="utf-8")
     lines = text.split(f"export const {constant} = {{\n")[1].split("\n};")[0].splitlines()
     return {locale: json.loads(said.removesuffix(",")) for locale, said in (line.strip().split(": ", 1) for line in lines)}

@@ -11,14 +11,14 @@ from tests.databases import KINDS, Databases, Kind
 
 @pytest.fixture(params=KINDS)
 def kind(request: pytest.FixtureRequest) -> Kind:
-    """Which kind of database is tested."""
+    """Return which kind of database is tested."""
     found: Kind = request.param
     return found
 
 
 @pytest.fixture
 def databases(kind: Kind, stores: Stores) -> Databases:
-    """Where databases come from."""
+    """Return where databases come from."""
     return stores.databases(kind)
 
 

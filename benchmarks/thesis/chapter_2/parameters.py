@@ -23,7 +23,8 @@ NOISE_PERCENT = 5.0
 
 @dataclass(frozen=True)
 class _Errors:
-    """Errors (50,) at 5 % noise, parameter by parameter. estimates: of the regression (seeds, 50). printed: of the thesis."""
+    """Errors (50,) at 5 % noise, parameter by parameter. estimates: estimates of the regression (seeds, 50). printed: as the
+    thesis prints it."""
 
     estimates: Floats
     scatter: Floats

@@ -24,7 +24,8 @@ class ComputedCache:
     def __init__(
         self, aside: Callable[[], AbstractContextManager[None]] = nullcontext, *, entries: int = MAXIMUM_ENTRIES
     ) -> None:
-        """Set up without a result. aside: entered by a request's thread while it waits; entries: results that are kept."""
+        """Set up without a result. aside: context that a request's thread enters while it waits; entries: results that are
+        kept."""
         self._largest = entries
         self._entries: OrderedDict[Hashable, object] = OrderedDict()
         self._lock = threading.Lock()

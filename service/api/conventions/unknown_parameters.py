@@ -30,7 +30,7 @@ async def reject_unknown_parameters(request: Request) -> None:
             takes = f"it takes {', '.join(sorted(known))}" if known else "it takes none"
             raise _wrong(name, value, f"this operation knows no such parameter: {takes}")
         if "\0" in value:
-            raise _wrong(name, value, "a text holds no NUL")
+            raise _wrong(name, value, "a text must not hold NUL")
     for name, often in known.items():
         given = request.query_params.getlist(name)
         if len(given) > 1 and name == UNITS:

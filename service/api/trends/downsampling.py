@@ -11,7 +11,7 @@ MIN_MAX = "min-max-per-bucket"
 
 @dataclass(frozen=True)
 class Chosen:
-    """Points that stay after downsampling. index: of these points, ascending; points: their number before."""
+    """Points that stay after downsampling. index: index of these points, ascending; points: their number before."""
 
     index: NDArray[np.int64]
     method: str

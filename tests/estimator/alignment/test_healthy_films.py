@@ -1,4 +1,4 @@
-"""How a healthy train varies: learnt from its baseline, shrunk to what is stated, in groups that share a size."""
+"""Tests how a healthy train varies: learnt from its baseline, shrunk to what is stated, in groups that share a size."""
 
 from typing import Any
 

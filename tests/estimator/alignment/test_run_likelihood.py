@@ -1,4 +1,4 @@
-"""What one run's data say by themselves: what was believed beforehand is taken off, widened or not."""
+"""Tests what one run's data say by themselves: what was believed beforehand is taken off, widened or not."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""What is allowed at a coupling: usual over speed, or as the document says; and how probably a change is beyond it."""
+"""Tests what is allowed at a coupling: usual over speed, or as the document says; and how probably a change is beyond it."""
 
 import math
 from typing import Any

@@ -16,7 +16,8 @@ TWO_SHAFTS = parse_machine(motor_compressor_document("flexible"))
 
 
 def seen(machine: Machine, elevations: Floats, *, offset: float, angle: float, coupling: int = 0) -> Cause:
-    """What a diagnosis tells of vertical elevations that it knows by offset [m] and angle [rad] of a coupling so well."""
+    """Return what a diagnosis tells of vertical elevations that it knows by offset [m] and angle [rad] of a coupling so
+    well."""
     alignment = coupling_alignments(machine)[coupling]
     own = np.stack(rigid_motion(machine, machine.couplings[coupling]), axis=1)
     behind = np.flatnonzero(own[:, 0])

@@ -1,4 +1,4 @@
-"""What may differ between two times of the year: the season of the whole machine, and of each element by itself."""
+"""Tests what may differ between two times of the year: the season of the whole machine, and of each element by itself."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What a diagnosis chooses from, for documents that fix, tie or vary parameters in every way that they may."""
+"""Tests what a diagnosis chooses from, for documents that fix, tie or vary parameters in every way that they may."""
 
 from collections.abc import Sequence
 from functools import cache

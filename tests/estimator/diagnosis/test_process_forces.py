@@ -23,7 +23,7 @@ from tests.estimator.statics.films import motor_compressor_document
 from tests.estimator.statics.test_process_forces import FORCE_Y, with_force
 
 SPREAD = 800.0
-"""How far the force may be off [N]."""
+"""Largest error of the force [N]."""
 
 
 @cache

@@ -21,7 +21,7 @@ OFFSET = 3e-6 * np.exp(0.7j)
 
 
 def turning(offset: complex, angle: complex) -> plant.Edit:
-    """What the pull of a coupling's run-out adds to the phasors, its truth's coefficients taken as they are."""
+    """Return what the pull of a coupling's run-out adds to the phasors, its truth's coefficients taken as they are."""
     machine = plant.motor_pump()
     couplings = (machine.couplings[0].model_copy(update={"rotating_error": RotatingError()}),)
     described = machine.model_copy(update={"couplings": couplings})

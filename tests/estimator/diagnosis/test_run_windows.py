@@ -1,4 +1,4 @@
-"""What is said of a machine run by run: after how many, since when, and when it is over."""
+"""Tests what is said of a machine run by run: after how many, since when, and when it is over."""
 
 from dataclasses import replace
 

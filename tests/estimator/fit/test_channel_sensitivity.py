@@ -1,4 +1,4 @@
-"""What a fit says of errors of its channels, against fits that identify them along."""
+"""Tests what a fit says of errors of its channels, against fits that identify them along."""
 
 import numpy as np
 import pytest

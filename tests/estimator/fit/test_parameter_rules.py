@@ -38,7 +38,7 @@ def measured(machine: Machine | None = None, seed: int = 0) -> Measurement:
 
 
 def added_information(found: Identification, plain: Identification) -> Floats:
-    """What the first knows more than the second, by coordinate; between different coordinates it must be nothing."""
+    """Return what the first knows more than the second, by coordinate; between different coordinates it must be nothing."""
     assert found.coordinates == plain.coordinates
     size = np.sqrt(np.diag(plain.covariance))
     known, before = (np.linalg.inv(one.covariance / np.outer(size, size)) for one in (found, plain))

@@ -1,6 +1,7 @@
 """Bow, equivalent loads of a coupling, run-out and gain of a channel: simulated by full solves, then identified."""
 
 import math
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -138,14 +139,19 @@ def assert_found(found: Identification, expected: dict[str, complex]) -> None:
     assert np.abs(deviations(found, true_values(chapter_3()))).max() < 4.5
 
 
+TURNING: Mapping[str, tuple[Callable[[], Machine], Callable[[Machine], Force], Mapping[str, complex]]] = {
+    "bow": (with_bow, bow_force, BOW),
+    "load": (with_load, load_force, LOAD),
+    "run-out of the coupling": (with_run_out_of_coupling, pull_of_run_out, ROTATING),
+}
+"""Excitations that turn beside the unbalances: machine, force and values."""
+
+
 @pytest.mark.parametrize("direction", [1, -1])
-@pytest.mark.parametrize("what", ["bow", "load", "run-out of the coupling"])
+@pytest.mark.parametrize("what", TURNING)
 def test_response_to_what_turns_beside_the_unbalances(what: str, direction: int) -> None:
-    machine, force, values = {
-        "bow": (with_bow(), bow_force, BOW),
-        "load": (with_load(), load_force, LOAD),
-        "run-out of the coupling": (with_run_out_of_coupling(), pull_of_run_out, ROTATING),
-    }[what]
+    described, force, values = TURNING[what]
+    machine = described()
     train = condense(machine, speed=SPEED, direction=np.full(SPEED.size, float(direction)))
     coefficients = np.array([c.nominal for c in train.unknowns.coefficients], dtype=float)
     assert [one.name for one in train.unknowns.excitations[4:]] == list(values)
@@ -156,10 +162,12 @@ def test_response_to_what_turns_beside_the_unbalances(what: str, direction: int)
 
 
 @pytest.mark.parametrize("direction", [1, -1])
-def test_bow_is_identified(direction: int) -> None:
-    machine = with_bow()
-    measurement = measured(machine, bow_force(machine), direction)
-    assert_found(identify(machine, measurement), dict(BOW))
+@pytest.mark.parametrize("what", ["bow", "load"])
+def test_it_is_identified(what: str, direction: int) -> None:
+    described, force, values = TURNING[what]
+    machine = described()
+    measurement = measured(machine, force(machine), direction)
+    assert_found(identify(machine, measurement), dict(values))
     if direction > 0:
         assert_refused(measurement)
 
@@ -180,15 +188,6 @@ def test_slow_roll_of_a_bowed_shaft_in_stiff_bearings_is_its_bow() -> None:
     bow = 1e-4 * np.exp(0.5j)
     found = response(train, coefficients=coefficients, excitations=np.array([0j, bow]))
     assert np.abs(found[0] / (bow * np.exp(-1j * np.radians([0, 45, 90]))) - 1).max() < 1e-4
-
-
-@pytest.mark.parametrize("direction", [1, -1])
-def test_load_is_identified(direction: int) -> None:
-    machine = with_load()
-    measurement = measured(machine, load_force(machine), direction)
-    assert_found(identify(machine, measurement), dict(LOAD))
-    if direction > 0:
-        assert_refused(measurement)
 
 
 def test_run_out_of_a_coupling_is_identified() -> None:

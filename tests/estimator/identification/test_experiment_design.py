@@ -1,4 +1,4 @@
-"""What a further measurement would help, against identifications that had it.
+"""Tests what a further measurement would help, against identifications that had it.
 
 The prediction is the Fisher information's: standard errors after adding the sample or probe agree with those that an
 identification with it reports (5 %: it is fitted to other noise). Helping one parameter is compared with a brute-force search.

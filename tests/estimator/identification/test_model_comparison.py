@@ -1,4 +1,4 @@
-"""Which view of misalignment a run prefers, on runs of which the truth is known; runs and baseline have 1 % noise."""
+"""Tests which view of misalignment a run prefers, on runs of which the truth is known; runs and baseline have 1 % noise."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""What a model predicts that a sweep adds to the phasors: against the time-domain integration."""
+"""Tests what a model predicts that a sweep adds to the phasors: against the time-domain integration."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Where a misalignment shows: which bearings are beside a coupling."""
+"""Tests where a misalignment shows: which bearings are beside a coupling."""
 
 from estimator.machine.coupling_neighbours import neighbouring_bearings
 from estimator.machine.document import Machine, parse_machine

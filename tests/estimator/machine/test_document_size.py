@@ -1,4 +1,4 @@
-"""How large a machine document may be where it enters, and that one that is stored already is read all the same."""
+"""Tests how large a machine document may be where it enters, and that one that is stored already is read all the same."""
 
 from pathlib import Path
 from typing import Any

@@ -1,4 +1,4 @@
-"""What names of parameters say."""
+"""Tests what names of parameters say."""
 
 import pytest
 

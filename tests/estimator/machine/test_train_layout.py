@@ -1,4 +1,4 @@
-"""Where the parts of a train lie."""
+"""Tests where the parts of a train lie."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""What is remembered is what would be computed, for the very same objects only, and not for ever."""
+"""Tests that what is cached is what would be computed, for the very same objects only, and not for ever."""
 
 import numpy as np
 

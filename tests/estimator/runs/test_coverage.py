@@ -1,4 +1,4 @@
-"""What a run covers: speeds, density, channels."""
+"""Tests what a run covers: speeds, density, channels."""
 
 import numpy as np
 import pytest

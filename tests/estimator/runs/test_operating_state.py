@@ -1,4 +1,5 @@
-"""What a machine is doing: every state in its turn, trips told from controlled run-downs, noise and restarts without effect.
+"""Tests what a machine is doing: every state in its turn, trips told from controlled run-downs, noise and restarts without
+effect.
 
 The machine of `tests.plant` runs between 300 and 3000 r/min and stands still below 30. Samples come a second apart.
 """

@@ -1,4 +1,4 @@
-"""Which samples make a run: by change of speed and time, and thinned evenly."""
+"""Tests which samples make a run: by change of speed and time, and thinned evenly."""
 
 import numpy as np
 import pytest

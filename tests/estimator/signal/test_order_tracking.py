@@ -100,7 +100,7 @@ def test_scatter_and_residual_are_those_of_white_noise() -> None:
 
 
 def test_scatter_is_right_in_a_block_of_three_turns() -> None:
-    """Where trends and orders overlap most."""
+    """This is where trends and orders overlap most."""
     speed, sigma = 100.0, 1e-6
     time = np.arange(300) / RATE
     noise = np.random.default_rng(8).normal(0.0, sigma, (2000, time.size))

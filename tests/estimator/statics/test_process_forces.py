@@ -44,7 +44,7 @@ def test_derivatives_by_a_force_are_those_of_differences() -> None:
 
 
 def test_a_force_acts_as_one_that_the_document_knows() -> None:
-    """Where a bearing's place does not follow the sag under the force: elevations are told over the aligned train."""
+    """A bearing's place does not follow the sag under the force: elevations are told over the aligned train."""
     believed = film_model(parse_machine(with_force(document(discrepancy=0.0), force_y_spread=800.0)))
     names = [one.name for one in believed.numbers]
     fitted = np.array([one.centre for one in believed.numbers])

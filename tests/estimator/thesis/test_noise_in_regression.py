@@ -1,4 +1,5 @@
-"""What the thesis's noise does to the regression of Chapter 3, and what the maximum-likelihood fit makes of the same data."""
+"""Tests what the thesis's noise does to the regression of Chapter 3, and what the maximum-likelihood fit makes of the same
+data."""
 
 import copy
 from dataclasses import replace

@@ -68,7 +68,7 @@ def test_dynamic_condensation_is_exact_without_gyroscopic_effect() -> None:
 
 
 def test_dynamic_condensation_errs_little_with_gyroscopic_effect() -> None:
-    """What is left out of the transformation enters the response in second order only."""
+    """The part left out of the transformation enters the response in second order only."""
     model = dynamically_condensed(TRAIN, speed=SPEED, direction=DIRECTION)
     found = deviation(model, full(TRAIN)[:, dynamic_masters(TRAIN)])
     assert 1e-10 < found.max() < 3e-3  # largest on the critical speed of 162 rad/s

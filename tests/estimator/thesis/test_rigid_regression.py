@@ -105,7 +105,7 @@ def test_columns_of_the_first_rows_by_hand() -> None:
 
 
 def test_rounding_a_sixteenth_to_0_062_biases_the_coupling_by_0_8_percent() -> None:
-    """What [kʳ] and [cʳ] as printed do to a noise-free estimate: 0.0625 / 0.062, and nothing else."""
+    """[kʳ] and [cʳ] as printed bias a noise-free estimate: 0.0625 / 0.062, and nothing else."""
     train = train_of("II-C")
     lateral = np.array([one.element == "coupling.C" and "phi" not in one.name for one in train.unknowns.coefficients])
     rounded = replace(train, left=np.where(lateral, 0.062 * 16 * train.left, train.left))

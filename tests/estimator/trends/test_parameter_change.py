@@ -1,4 +1,4 @@
-"""What changed between two identifications, against closed forms and by chance."""
+"""Tests what changed between two identifications, against closed forms and by chance."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,5 @@
-"""What is told of an alert: how far, how sure, how urgent, what to do; the same in every place; whatever evidence there is."""
+"""Tests what is told of an alert: how far, how sure, how urgent, what to do; the same in every place; whatever evidence there
+is."""
 
 import re
 from datetime import UTC, datetime

@@ -30,7 +30,7 @@ def recording(folder: Path, name: str, *, held: bool, **sidecar: Any) -> str:
 
 @pytest.fixture(scope="module")
 def calibrated(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Path]:
-    """What the command prints, and the document that it writes."""
+    """Return what the command prints, and the document that it writes."""
     folder = tmp_path_factory.mktemp("calibrated")
     output = folder / "kit.yaml"
     return run("calibrate", DOCUMENT, recording(folder, "taught", held=False), "--output", str(output)), output

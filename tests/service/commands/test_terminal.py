@@ -1,4 +1,4 @@
-"""What is stored and steers a terminal, in what commands and logs say."""
+"""Tests stored text that would steer a terminal, in what commands and logs say."""
 
 import logging
 import re

@@ -1,4 +1,4 @@
-"""What the tests of delivery share."""
+"""Fixtures that the tests of delivery share."""
 
 from collections.abc import Iterator
 

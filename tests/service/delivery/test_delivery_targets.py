@@ -1,4 +1,4 @@
-"""Where webhooks cannot be sent to: by whatever spelling, an address that only the service reaches."""
+"""Tests where webhooks cannot be sent to: by whatever spelling, an address that only the service reaches."""
 
 import asyncio
 import ipaddress

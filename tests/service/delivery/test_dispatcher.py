@@ -410,7 +410,7 @@ def test_an_alert_that_cannot_be_told_keeps_no_other_from_being_answered(
 
 
 class Mailbox:
-    """What a real SMTP server was given."""
+    """Messages that a real SMTP server was given."""
 
     def __init__(self) -> None:
         self.mails: list[Envelope] = []

@@ -30,7 +30,7 @@ FIRST, SECOND = bytes(32), bytes(range(32))
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """Where files with secrets are."""
+    """Return where files with secrets are."""
     found = tmp_path / "secrets"
     found.mkdir()
     return found
@@ -56,12 +56,12 @@ def told(secret: str) -> StoredResponse:
 
 
 def keep_deleted(session: Session) -> None:
-    """What is deleted stays in its pages, which not every SQLite does by itself."""
+    """Let what is deleted stay in its pages, which not every SQLite does by itself."""
     session.connection().exec_driver_sql("PRAGMA secure_delete = OFF")
 
 
 def held(folder: Path, *texts: str) -> list[str]:
-    """Which files of a folder hold one of these texts."""
+    """Return which files of a folder hold one of these texts."""
     return [one.name for one in folder.iterdir() if one.is_file() and any(text.encode() in one.read_bytes() for text in texts)]
 
 

@@ -110,7 +110,7 @@ def test_a_store_that_others_may_read_is_named(tmp_path: Path) -> None:
 
 
 def test_the_log_of_a_service_that_was_killed_is_read_and_left_as_it_is(tmp_path: Path) -> None:
-    """Who opens it otherwise plays it back and deletes it."""
+    """Opening it otherwise plays it back and deletes it."""
     path, log = tmp_path / "killed" / "rundown.db", tmp_path / "killed" / "rundown.db-wal"
     path.parent.mkdir()
     with closing(Database(sqlite_url(tmp_path / "rundown.db"))) as database:

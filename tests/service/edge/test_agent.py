@@ -252,7 +252,7 @@ def test_with_a_full_disk_it_waits_and_loses_nothing(
 
 
 def ended(*arguments: str) -> str:
-    """What the command says when it cannot start."""
+    """Return what the command says when it cannot start."""
     answer = CliRunner().invoke(app, ["edge", *arguments])
     assert answer.exit_code == 1
     return answer.output

@@ -11,7 +11,8 @@ PARSING_S = 0.02
 
 
 def parsed_between_others(size: int, number: int) -> list[int]:
-    """How many bodies of a size, that came all at once, are parsed between two moments in which somebody else is served."""
+    """Return how many bodies of a size, that came all at once, are parsed between two moments in which somebody else is
+    served."""
     parsed, between = list[float](), list[int]()
 
     async def parsing(_scope: Scope, receive: Receive, _send: Send) -> None:

@@ -56,7 +56,7 @@ def half_open(port: int, count: int, source: str = "127.0.0.1", sent: bytes = b"
 
 
 def closed(connection: socket.socket) -> bool:
-    """Whether the server let go of it."""
+    """Return whether the server let go of it."""
     connection.settimeout(0.05)
     try:
         return connection.recv(1) == b""

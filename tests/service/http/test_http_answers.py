@@ -1,4 +1,4 @@
-"""What HTTP asks of every answer: HEAD, compression, where things are, errors that say what to do, streams that end."""
+"""Tests what HTTP asks of every answer: HEAD, compression, where things are, errors that say what to do, streams that end."""
 
 import asyncio
 import socket

@@ -19,14 +19,14 @@ WHOLE = BEGUN + b"\r\n"
 
 @pytest.fixture
 def base(database: Database) -> Iterator[str]:
-    """Where a server listens."""
+    """Yield where a server listens."""
     with served(database) as url:
         yield url
 
 
 @pytest.fixture
 def impatient(monkeypatch: pytest.MonkeyPatch) -> float:
-    """How long a request may take [s]."""
+    """Return how long a request may take [s]."""
     monkeypatch.setattr(protocol, "PATIENCE_S", 0.5)
     return 0.5
 
@@ -38,7 +38,7 @@ def opened(base: str) -> socket.socket:
 
 
 def rest(client: socket.socket) -> bytes:
-    """What comes until the server closes."""
+    """Return what comes until the server closes."""
     came = b""
     try:
         while part := client.recv(65536):

@@ -1,4 +1,4 @@
-"""What a worker derives never costs the identification, whatever goes wrong with it."""
+"""Tests that what a worker derives never costs the identification, whatever goes wrong with it."""
 
 import signal
 from collections.abc import Callable

@@ -12,7 +12,7 @@ def _short_waits(short_waits: None) -> None:
 
 @pytest.fixture
 def off(monkeypatch: pytest.MonkeyPatch) -> list[int]:
-    """How far this machine's clock is off [ns]; what a test puts there holds at once."""
+    """Return how far this machine's clock is off [ns]; what a test puts there holds at once."""
     by, right = [0], time.time_ns
     monkeypatch.setattr(time, "time_ns", lambda: right() + by[0])
     return by

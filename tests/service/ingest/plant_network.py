@@ -47,7 +47,7 @@ class Confused(Journal):
 
 
 class Surroundings(WholeShare):
-    """What gap recovery needs around it: of each source 100 samples are known, and none is missing before them.
+    """Surroundings that gap recovery needs: of each source 100 samples are known, and none is missing before them.
 
     gaps: that are recorded. answer: what every reply reads as. own: machines that are stored here; None for all.
     """
@@ -120,7 +120,8 @@ class Edge:
 
 
 def heard(client: zenoh.Session) -> bool:
-    """Whether what the client publishes goes out. Once it does it goes on doing so, also from one service to the next."""
+    """Return whether what the client publishes goes out. Once it does it goes on doing so, also from one service to the
+    next."""
     publisher = client.declare_publisher(SAMPLES)
     matching = listened_to(publisher)
     publisher.undeclare()

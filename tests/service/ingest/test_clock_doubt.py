@@ -1,4 +1,4 @@
-"""When this machine's own clock is doubted, and when it is a source's clock that is wrong."""
+"""Tests when this machine's own clock is doubted, and when it is a source's clock that is wrong."""
 
 import time
 
@@ -46,13 +46,13 @@ class World:
         return self.begin + self.passed
 
     def batch(self, source: str, *, off: int = 0, length: int = 5) -> SampleBatch:
-        """What a source has measured until now."""
+        """Return what a source has measured until now."""
         return batch(
             [900.0] * length, source=source, machine=f"machine-{source[:1]}", start=self.time + off - (length - 1) * SECOND
         )
 
     def hear(self, *sources: str, off: int = 0) -> list[bool]:
-        """Which batches of these sources have to wait."""
+        """Return which batches of these sources have to wait."""
         found = []
         for one in sources:
             self.passed += SECOND // 1000
@@ -60,7 +60,7 @@ class World:
         return found
 
     def assess(self) -> bool:
-        """Whether a doubt has ended."""
+        """Return whether a doubt has ended."""
         self.passed += SECOND // 1000
         return self.clock.assess()
 

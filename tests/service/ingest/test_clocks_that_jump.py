@@ -212,7 +212,8 @@ def ahead_for_seconds(plant: Database, off: list[int]) -> tuple[Source, int]:
 
 
 def seen(plant: Database, moment: int) -> tuple[str, bool, bool]:
-    """What a machine does, as its state, the overview and the list of states say; whether its times are of the present."""
+    """Return what a machine does, as its state, the overview and the list of states say; whether its times are of the
+    present."""
     api = Api(plant)  # another one may be half a second behind
     state, (row,) = api.value("/machines/pump-7/state"), api.value("/fleet")["machines"]
     newest = api.value("/machines/pump-7/states")[0]

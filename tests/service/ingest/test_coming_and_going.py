@@ -45,7 +45,7 @@ def test_a_source_that_leaves_while_the_roll_is_called_is_not_taken_for_alive(
 
 
 def roll(session: zenoh.Session) -> list[str]:
-    """Who is alive."""
+    """Return who is alive."""
     return [str(reply.ok.key_expr) for reply in session.liveliness().get(ALL_LIVE, timeout=5.0) if reply.ok is not None]
 
 

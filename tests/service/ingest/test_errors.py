@@ -46,7 +46,7 @@ def _impatient(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def spoil(database: Database, name: str) -> None:
-    """Where a machine's collection stands can no longer be told."""
+    """Make it impossible to tell where a machine's collection stands."""
     with database.transaction() as session:
         session.get_one(CollectorRow, name).state = {"revision": 1, "seen": "yesterday"}
 
@@ -154,7 +154,7 @@ def test_a_source_that_fails_over_http_is_put_off_and_no_other(router: zenoh.Ses
 
 
 def offer(submissions: Submissions, name: str, **changes: Any) -> StoreOutcome:
-    """What becomes of five samples of a machine."""
+    """Return what becomes of five samples of a machine."""
     body = encode_body(batch([900.0] * 5, machine=name, **changes), MESSAGEPACK)
     return submissions.offer(name, body, MESSAGEPACK).result(10.0)
 

@@ -1,4 +1,4 @@
-"""What is wrong with one machine's stored data holds up no other machine: neither their storing nor their runs."""
+"""Tests that damaged data of one machine hold up no other machine: neither their storing nor their runs."""
 
 import time
 

@@ -1,4 +1,4 @@
-"""What stores samples computes nothing of the science: no document, however large, makes anybody's samples wait."""
+"""Tests that what stores samples computes nothing of the science: no document, however large, makes anybody's samples wait."""
 
 import pytest
 

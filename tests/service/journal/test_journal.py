@@ -60,7 +60,7 @@ def held(database: Database, *, revision: int = 1) -> Samples:
 
 
 def numbers(database: Database) -> list[int]:
-    """Which samples of the source are stored, by their times."""
+    """Return which samples of the source are stored, by their times."""
     return [(moment - START) // 10**9 for moment in held(database).time.tolist()]
 
 
@@ -325,7 +325,7 @@ def collected_samples(session: Session) -> list[Samples]:
 
 @pytest.fixture
 def at_a_stretch(new_database: NewDatabase, plant_template: str) -> Database:
-    """What one service makes of the story in one message."""
+    """Return what one service makes of the story in one message."""
     database = new_database(plant_template)
     store(PromptJournal(database, Collector()), piece(0, len(STORY), STORY))
     return database

@@ -13,7 +13,7 @@ HIGHEST = 3000.0
 
 
 def check(order: Plausibility, rpm: list[float], seconds: list[float] | None = None) -> tuple[list[bool], list[Fault]]:
-    """Which samples at these speeds [r/min] and times after `START` are taken, and every fault."""
+    """Return which samples at these speeds [r/min] and times after `START` are taken, and every fault."""
     held = samples(len(rpm), rpm=rpm)
     if seconds is not None:
         held.time[:] = [START + round(s * SECOND) for s in seconds]

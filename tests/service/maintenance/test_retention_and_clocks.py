@@ -35,7 +35,7 @@ MONTH = 30.0
 
 
 class Clocks:
-    """How far the wall clock is off, and how much more time was served than has passed [ns]."""
+    """Error of the wall clock, and time served beyond what has passed [ns]."""
 
     wall = served = 0
 
@@ -91,7 +91,7 @@ class Store:
 
     @property
     def waits(self) -> bool:
-        """Whether old samples are said to wait for a person, which warning and figure must agree on."""
+        """Return whether old samples are said to wait for a person, which warning and figure must agree on."""
         said = any("rundown retention confirm" in words for words in self.housekeeping.warnings)
         assert said == (self.housekeeping.gauges["rundown_retention_waiting"] == 1)
         return said

@@ -1,4 +1,4 @@
-"""How far retention may go, by clock, settings and the time served."""
+"""Tests how far retention may go, by clock, settings and the time served."""
 
 import pytest
 from hypothesis import given

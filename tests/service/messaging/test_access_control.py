@@ -47,7 +47,7 @@ def security(folder: Path, name: str, access: StreamAccess | None = None) -> Str
 
 @pytest.fixture(scope="module")
 def endpoint() -> str:
-    """Where the service listens with TLS."""
+    """Return where the service listens with TLS."""
     return free_endpoint().replace("tcp/", "tls/")
 
 

@@ -61,7 +61,7 @@ class Weeks:
 
 
 def words_of(alert: ListedAlert) -> str:
-    """What the alert says in one sentence."""
+    """Return what the alert says in one sentence."""
     return alert_message(alert, alert_advice(alert, SiteTexts()), SiteTexts())
 
 

@@ -1,4 +1,5 @@
-"""What new identifications do to alerts: opened after two in a row, closed by the same kind of run, blinded by nothing."""
+"""Tests what new identifications do to alerts: opened after two in a row, closed by the same kind of run, blinded by
+nothing."""
 
 from collections.abc import Mapping
 

@@ -1,4 +1,4 @@
-"""What a machine is compared with: its first runs, the first after a maintenance, or those that a person names."""
+"""Tests what a machine is compared with: its first runs, the first after a maintenance, or those that a person names."""
 
 import pytest
 

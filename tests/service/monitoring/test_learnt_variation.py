@@ -1,4 +1,5 @@
-"""How a machine on oil films varies is learnt once of a baseline that is read again, and anew of any other."""
+"""Tests that the variation of a machine on oil films is learnt once of a baseline that is read again, and anew of any
+other."""
 
 from dataclasses import replace
 

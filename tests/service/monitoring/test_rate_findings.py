@@ -1,4 +1,4 @@
-"""Which drifts a person is told of: those that are certain, beyond the machine's own limits, one for each element."""
+"""Tests which drifts a person is told of: those that are certain, beyond the machine's own limits, one for each element."""
 
 import math
 from typing import Any

@@ -8,6 +8,7 @@ import pytest
 
 from estimator.diagnosis.bayes_factors import Diagnosis
 from estimator.diagnosis.finding_kind import Cause
+from estimator.diagnosis.observation import observed_fit
 from estimator.updated_model.derived_quantities import Derived
 from service.monitoring.assess import assess
 from service.monitoring.assessment import WEEK, AssessedRun, AssessmentBasis, AssessmentContext, ComparedValue
@@ -20,7 +21,6 @@ from storage.database.engine import Database
 from storage.findings import derived
 from storage.machines import machines
 from tests.estimator.diagnosis import watched_machine
-from tests.observed_fit import observed_fit
 from tests.plant import KEY, START, identification, store_identification
 
 BEARING, MISALIGNMENT = ("bearing", "bearing.B2"), ("misalignment", "coupling.C1")

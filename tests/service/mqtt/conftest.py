@@ -26,7 +26,7 @@ def mosquitto(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Mosquitto]:
 
 
 def settings_of(mosquitto: Mosquitto, **changes: object) -> Settings:
-    """What a service that uses a broker is told."""
+    """Return what a service that uses a broker is told."""
     told = {name.removeprefix("RUNDOWN_").lower(): value for name, value in mosquitto.environment.items()}
     return Settings(**(told | changes))  # type: ignore[arg-type]
 

@@ -135,7 +135,7 @@ def test_nothing_is_confirmed_before_it_is_durable(mosquitto: Mosquitto, router:
 
 
 def test_a_broker_that_is_away_hinders_nobody_and_is_found_again(tmp_path: Path, taking: Taking) -> None:
-    """What a killed broker had taken and not passed on is lost, and counted as soon as a later number comes."""
+    """A message that a killed broker had taken and not passed on is lost, and counted as soon as a later number comes."""
     one = Mosquitto(tmp_path / "mosquitto", tls=False)
     samples = MqttSamples(settings_of(one), taking.database, taking.submissions, WholeShare())
     samples.start()

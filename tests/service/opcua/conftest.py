@@ -36,5 +36,5 @@ def operator(served: ServedPlants, tmp_path_factory: pytest.TempPathFactory) -> 
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """Where a client keeps its certificates."""
+    """Return where a client keeps its certificates."""
     return tmp_path

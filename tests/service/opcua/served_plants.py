@@ -34,7 +34,7 @@ class ServedPlants:
     keys: dict[str, str] = field(default_factory=dict)
 
     def client(self, name: str, **certificate: Any) -> dict[str, Any]:
-        """How somebody connects. certificate: what is other than usual about theirs."""
+        """Return a client that connects. certificate: what is other than usual about theirs."""
         file, key = self.authority.issue(f"{name}-{len(certificate)}", CLIENT, **certificate)
         how = {"user": name, "password": self.keys[name], "security": SECURITY, "application": CLIENT}
         return how | {"certificate": str(file), "key": str(key)}

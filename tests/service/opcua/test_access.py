@@ -1,4 +1,4 @@
-"""Who may connect, and what a client sees and may do: keys, roles, plants, certificates."""
+"""Tests who may connect, and what a client sees and may do: keys, roles, plants, certificates."""
 
 import time
 from datetime import timedelta
@@ -21,7 +21,7 @@ HIDDEN_MACHINE = f"ns=2;s={HIDDEN_PLANT}/{HIDDEN}"
 
 
 def refused(served: ServedPlants, folder: Path, **how: Any) -> str:
-    """What a client says that is not taken."""
+    """Return what a client says that is not taken."""
     with pytest.raises(ConnectionRefused) as error, second_stack(served.endpoint, folder, **how):
         pass
     return str(error.value)

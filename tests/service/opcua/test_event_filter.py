@@ -1,4 +1,4 @@
-"""Where clauses of event filters: what passes, what does not, and what is refused."""
+"""Tests the where clauses of event filters: what passes, what does not, and what is refused."""
 
 from typing import Any
 

@@ -1,4 +1,5 @@
-"""What a client of another stack sees of machines, and what it does to alerts: browse, read, watch, history, acknowledge."""
+"""Tests what a client of another stack sees of machines, and what it does to alerts: browse, read, watch, history,
+acknowledge."""
 
 import math
 import time

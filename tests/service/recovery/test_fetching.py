@@ -1,4 +1,4 @@
-"""What is missing is fetched from the source's log, once it shows; what cannot be fetched is counted."""
+"""Tests that what is missing is fetched from the source's log, once it shows; what cannot be fetched is counted."""
 
 import threading
 import time
@@ -338,7 +338,7 @@ class Asked(DroppedOnTheWay):
 def test_a_log_is_asked_for_a_part_at_a_time(
     router: zenoh.Session, client: zenoh.Session, plant: Database, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """What many logs answer at once must not fill the memory."""
+    """Answers of many logs at once must not fill the memory."""
     monkeypatch.setattr("service.recovery.log_queries.LARGEST_QUERY", 3)
     log = Asked(client)
     for _ in range(10):

@@ -23,7 +23,7 @@ LATER = to_datetime(now()) + timedelta(days=7)
 
 
 class ReportMailbox:
-    """What a real SMTP server was given."""
+    """Messages that a real SMTP server was given."""
 
     def __init__(self) -> None:
         self.mails: list[EmailMessage] = []

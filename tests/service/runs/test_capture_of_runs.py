@@ -1,4 +1,5 @@
-"""What belongs to a run: samples before its trigger, by change of speed and time, of one sense of rotation; and bad input."""
+"""Tests what belongs to a run: samples before its trigger, by change of speed and time, of one sense of rotation; and bad
+input."""
 
 from typing import Any
 

@@ -80,7 +80,7 @@ def _another() -> rsa.RSAPrivateKey:
 
 
 def _by_public_key(issuer: Issuer) -> str:
-    """What is taken where the token chooses its algorithm: signed by something that everybody knows."""
+    """Return what is taken where the token chooses its algorithm: signed by something that everybody knows."""
     known = issuer.key_set()["keys"][0]["n"].encode()
     signed = f"{_part({'alg': 'HS256', 'kid': 'r1'})}.{_part(_claims(issuer))}"
     return f"{signed}.{_encoded(hmac.digest(known, signed.encode(), hashlib.sha256))}"

@@ -101,7 +101,7 @@ class Issuer:
         return jwt.encode(claims, held, algorithm or natural, headers={"kid": kid or key})
 
     def authorized(self, asked: dict[str, str]) -> str:
-        """Where a browser goes on after a login that needs no clicking."""
+        """Return where a browser goes on after a login that needs no clicking."""
         code = secrets.token_urlsafe(8)
         self._codes[code] = asked
         return f"{asked['redirect_uri']}?{urlencode({'code': code, 'state': asked['state']})}"

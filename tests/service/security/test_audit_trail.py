@@ -33,7 +33,7 @@ def trail(database: Database) -> Database:
 
 
 def broken(database: Database, *statements: str) -> list[tuple[int, str]]:
-    """What is found after somebody changed the file itself, without its triggers."""
+    """Return what is found after somebody changed the file itself, without its triggers."""
     with database.engine.begin() as connection:
         if connection.dialect.name == "postgresql":
             for name in ("audit", "audit_head"):

@@ -184,7 +184,7 @@ def test_a_sources_key_and_a_long_form_log_nobody_in(api: Api, filled: Filled) -
 
 
 def begun(api: Api) -> str:
-    """Where the issuer sends the browser."""
+    """Return where the issuer sends the browser."""
     away = api.ask("GET", "/login/issuer")
     assert away.status_code == 303
     asked = parse_qs(urlsplit(away.headers["location"]).query)

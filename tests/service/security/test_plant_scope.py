@@ -1,4 +1,4 @@
-"""What a principal of one plant gets beyond what paths and queries name: bodies, streams, side effects, deletions."""
+"""Tests what a principal of one plant gets beyond what paths and queries name: bodies, streams, side effects, deletions."""
 
 import asyncio
 import re

@@ -1,4 +1,4 @@
-"""Who is believed about where a request comes from: the proxies that are named, and by default nobody."""
+"""Tests who is believed about where a request comes from: the proxies that are named, and by default nobody."""
 
 from contextlib import closing
 from ipaddress import ip_network

@@ -1,4 +1,4 @@
-"""What somebody without a role makes the store write: nothing, or so much and no more."""
+"""Tests what somebody without a role makes the store write: nothing, or so much and no more."""
 
 import asyncio
 from collections.abc import Callable

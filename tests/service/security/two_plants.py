@@ -24,7 +24,7 @@ RUNS = 6
 
 @dataclass(frozen=True)
 class Ids:
-    """What a plant has, by the names of the paths' parameters."""
+    """Objects of a plant, by the names of the paths' parameters."""
 
     machine_id: str
     run_id: int
@@ -99,7 +99,7 @@ def _plant(database: Database, document: Any, word: str) -> Ids:
 
 
 def leaks(text: str, but: tuple[str, ...] = ()) -> bool:
-    """Whether an answer has something of the second plant in it, beyond what was asked for by name."""
+    """Return whether an answer has something of the second plant in it, beyond what was asked for by name."""
     for known in but:
         text = text.replace(known, "")
     return any(mark in text.lower() for mark in MARKS)

@@ -13,7 +13,7 @@ from tests.plant import KEY, batch, wait_until
 
 
 def replayed(router: zenoh.Session, question: str = "") -> list[SampleBatch]:
-    """What the log answers."""
+    """Return what the log answers."""
     replies = router.get(
         f"{KEY.log}?{question}", zenoh.handlers.FifoChannel(1000), consolidation=zenoh.ConsolidationMode.NONE, timeout=5.0
     )

@@ -18,7 +18,7 @@ ROWS = ("0.0,2990,100,30,50,-20", "0.5,2980,101,31,51,-21", "1.25,2970,102,32,52
 
 
 def sidecar(**changes: Any) -> dict[str, Any]:
-    """What the columns of `HEADER` mean; a change to None takes a field away."""
+    """Return what the columns of `HEADER` mean; a change to None takes a field away."""
     fields = {
         "plant": "plant-1",
         "machine": "pump-7",

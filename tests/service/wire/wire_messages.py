@@ -1,4 +1,4 @@
-"""What the tests of the wire send, take apart and expect."""
+"""Messages that the tests of the wire send, take apart and expect."""
 
 import math
 from collections.abc import Callable

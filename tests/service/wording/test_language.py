@@ -20,7 +20,7 @@ def places(text: str) -> set[tuple[str, str]]:
 
 
 def missing(has: Iterable[str], needs: Iterable[str]) -> list[str]:
-    """What is needed and not there; names of identifiers may be English words as they are."""
+    """Return what is needed and not there; names of identifiers may be English words as they are."""
     return sorted(one for one in set(needs) - set(has) if not one.startswith("name."))
 
 
@@ -39,7 +39,7 @@ def test_every_language_says_as_much_of_each_finding() -> None:
 
 
 def _shape(texts: FindingTexts) -> list[tuple[str, int, set[tuple[str, str]]]]:
-    """How many texts there are of each name, and the places of what has happened."""
+    """Return how many texts there are of each name, and the places of what has happened."""
     return [("what", 1, places(texts.what)), *((name, len(getattr(texts, name)), set()) for name in LISTS)]
 
 

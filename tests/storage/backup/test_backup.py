@@ -205,13 +205,13 @@ def test_what_is_no_database_is_said(target: str, databases: Databases, tmp_path
 
 @pytest.fixture
 def file_only(databases: Databases) -> None:
-    """What holds of SQLite only: its logs lie beside its file."""
+    """Skip the test but on SQLite, whose logs lie beside its file."""
     if not isinstance(databases, SqliteDatabases):
         pytest.skip("PostgreSQL keeps its log to itself")
 
 
 def killed_writer(told: Database, path: Path, *, checkpointed: bool) -> None:
-    """What a writer leaves that was killed behind what `told` holds: a file, and a log that only in part is in it."""
+    """Return what a writer leaves that was killed behind what `told` holds: a file, and a log that only in part is in it."""
     with told.engine.connect() as connection:
         connection.exec_driver_sql("PRAGMA wal_checkpoint(TRUNCATE)")
         connection.exec_driver_sql("PRAGMA wal_autocheckpoint = 0")
@@ -248,7 +248,7 @@ def test_a_log_that_was_left_behind_is_not_played_into_what_is_restored(
 @pytest.mark.parametrize("logged", [False, True])
 @pytest.mark.usefixtures("file_only")
 def test_a_damaged_database_is_replaced(told: Database, target: str, tmp_path: Path, logged: bool) -> None:
-    """Which is what a restore is needed for."""
+    """A restore is needed for just that."""
     backup.back_up(told.url, tmp_path / "backup")
     expected = contents(told)
     path = tmp_path / "target.db"
@@ -268,7 +268,7 @@ def test_a_damaged_database_is_replaced(told: Database, target: str, tmp_path: P
 def test_an_old_database_is_whole_until_the_new_one_is_there(
     told: Database, target: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Who dies at the last step leaves it, with what only its log held."""
+    """A restore that dies at the last step leaves it, with what only its log held."""
     backup.back_up(told.url, tmp_path / "backup")
     killed_writer(told, tmp_path / "target.db", checkpointed=True)
     expected = contents(told)

@@ -1,4 +1,4 @@
-"""Who gets in after a restore: not who was logged out since, nor with a key that was revoked since, or may have been."""
+"""Tests who gets in after a restore: not who was logged out since, nor with a key that was revoked since, or may have been."""
 
 from contextlib import closing
 from pathlib import Path

@@ -1,4 +1,5 @@
-"""What was deleted from an SQLite file is not left in it, or it is said why; looking into a store changes no file."""
+"""Tests that what was deleted from an SQLite file is not left in it, or it is said why; looking into a store changes no
+file."""
 
 import sqlite3
 from contextlib import closing

@@ -92,7 +92,7 @@ def test_by_the_same_name_others_may_look(path: Path) -> None:
 
 
 def opened(path: Path) -> int:
-    """How many descriptors of a file this process has."""
+    """Return how many descriptors of a file this process has."""
     links = [Path(f"/proc/self/fd/{name}") for name in os.listdir("/proc/self/fd")]
     return sum(one.exists() and one.samefile(path) for one in links)
 

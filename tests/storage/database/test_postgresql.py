@@ -1,4 +1,4 @@
-"""What holds of PostgreSQL only: connections that break, and a claim that outlives them."""
+"""Tests what holds of PostgreSQL only: connections that break, and a claim that outlives them."""
 
 import hashlib
 import json

@@ -1,4 +1,5 @@
-"""What holds of SQLite only: files that are none or gone, locks of other processes, and when a transaction is on the disk."""
+"""Tests what holds of SQLite only: files that are none or gone, locks of other processes, and when a transaction is on the
+disk."""
 
 import fcntl
 import os
@@ -57,14 +58,14 @@ def test_a_new_database_on_which_another_process_works_is_waited_for(tmp_path: P
 
 @pytest.fixture
 def usual_umask() -> Iterator[None]:
-    """What others may read unless somebody sees to it."""
+    """Yield what others may read unless somebody sees to it."""
     before = os.umask(0o022)
     yield
     os.umask(before)
 
 
 def modes(folder: Path) -> dict[str, int]:
-    """What of the store is in a folder, with who may read it."""
+    """Return what of the store is in a folder, with who may read it."""
     return {one.name: stat.S_IMODE(one.stat().st_mode) for one in folder.glob("rundown.db*")}
 
 

@@ -40,8 +40,8 @@ def add(database: Database, name: str) -> None:
 
 
 def in_the_file_alone(folder: Path) -> list[str]:
-    """What somebody finds who has nothing but the main file: as after a kill. Copied by another process: to open and close
-    the file in this one would take SQLite's locks from it.
+    """Return what somebody finds who has nothing but the main file: as after a kill. Copied by another process: to open and
+    close the file in this one would take SQLite's locks from it.
     """
     copy = folder / "alone" / "rundown.db"
     copy.parent.mkdir(exist_ok=True)
@@ -87,7 +87,7 @@ def test_nothing_more_is_taken(database: Database, tmp_path: Path, narrow: bool)
 
 
 def test_no_connection_makes_a_second_log(database: Database, tmp_path: Path) -> None:
-    """What it wrote would not fit the index that those share which are open."""
+    """Its writes would not fit the index that those share which are open."""
     with database.engine.connect():
         (tmp_path / "rundown.db-wal").unlink()
         with pytest.raises(OperationalError, match="was deleted or replaced"):
@@ -165,7 +165,7 @@ def overwritten(at: int, size: int) -> Callable[[Path], None]:
 
 
 def saved(database: Database) -> bool:
-    """Whether all that can be is, behind another look."""
+    """Return whether all that can be is, behind another look."""
     with suppress(DatabaseUnusable):
         database.check()
     return database.needs_restart
@@ -184,7 +184,7 @@ def names(folder: Path) -> list[str]:
 def test_of_a_log_that_was_cut_off_the_rest_is_kept_and_the_file_stays_whole(
     tmp_path: Path, befalls: Callable[[Path], None], looked: bool
 ) -> None:
-    """Whether the service looks before it stops, or stops at once."""
+    """It is kept whether the service looks before it stops, or stops at once."""
     database = Database(sqlite_url(tmp_path / "rundown.db"))
     for number in range(40):
         add(database, f"machine-{number:02}")

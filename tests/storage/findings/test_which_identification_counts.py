@@ -1,4 +1,4 @@
-"""Which of several identifications of a run counts, in trends and baselines."""
+"""Tests which of several identifications of a run counts, in trends and baselines."""
 
 from storage.database.engine import Database
 from storage.findings import identifications, jobs, trends

@@ -102,7 +102,8 @@ HISTORY: Sequence[dict[str, Any]] = [
     {"name": "j", "conditions": with_conditions("load:kW")},
     {"name": "k"},
 ]
-"""What a document may go through: another name, another train, operating conditions that come, go, change order and unit."""
+"""Changes that a document may go through: another name, another train, operating conditions that come, go, change order and
+unit."""
 
 
 def revised(database: Database) -> list[Machine]:
@@ -155,7 +156,7 @@ def test_so_are_those_of_an_older_release(plant: Database) -> None:
 
 
 class Read:
-    """How many documents are read, and statements made, on a database."""
+    """Numbers of documents read, and statements made, on a database."""
 
     documents = statements = 0
 

@@ -1,4 +1,4 @@
-"""What people and programs do to alerts over HTTP, and the stream of events, from a real server."""
+"""Tests what people and programs do to alerts over HTTP, and the stream of events, from a real server."""
 
 import asyncio
 import ipaddress
@@ -320,7 +320,7 @@ def test_a_number_that_no_event_has_reached_is_of_another_store_and_the_stream_b
 
 
 def greeting(plant: Database, after: int | None, *, then: Callable[[], object] | None = None) -> bytes:
-    """What a stream says at first, and behind that of what happens then."""
+    """Return what a stream says at first, and behind that of what happens then."""
 
     async def scenario() -> bytes:
         one = stream(Broadcaster(plant), after)

@@ -35,7 +35,7 @@ class Asked:
         return self.threads.submit(self.cache.in_turn, key, compute, long=long, caller=caller, wanted=wanted)
 
     def refusal(self, key: Hashable, *, caller: str) -> ComputationsBusy:
-        """How a caller is refused at once."""
+        """Return how a caller is refused at once."""
         with pytest.raises(ComputationsBusy) as refused:
             self(key, caller=caller).result(10)
         assert (status_of(refused.value), refused.value.retry_after_s) == (503, 5)
@@ -95,7 +95,7 @@ def asked_in_order(ask: Asked, names: list[str], *, caller: str) -> "list[Future
 
 
 def test_callers_take_turns(ask: Asked) -> None:
-    """Who asks for much at once lets who asks for little wait for one computation only."""
+    """A caller who asks for much at once lets one who asks for little wait for one computation only."""
     waiting = asked_in_order(ask, ["a1", "a2", "a3", "a4"], caller="somebody")
     waiting += asked_in_order(ask, ["b1", "b2"], caller="another")
     waiting += asked_in_order(ask, ["c1"], caller="a third")

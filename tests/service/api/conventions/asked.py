@@ -1,4 +1,4 @@
-"""What the tests of the API's conventions ask for."""
+"""Requests that the tests of the API's conventions make."""
 
 from datetime import UTC, datetime, timedelta
 

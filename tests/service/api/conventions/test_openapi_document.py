@@ -16,7 +16,7 @@ from tests.plant import KEY
 
 DOCUMENT = f"{PREFIX}/openapi.json"
 OF_ITSELF = ("/health", "/ready", "/alive")
-"""What the service says of itself is the answer also where it is not well."""
+"""Paths where what the service says of itself is the answer also where it is not well."""
 
 
 def test_every_error_is_described_as_a_problem(api: Api) -> None:

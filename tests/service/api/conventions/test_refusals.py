@@ -1,4 +1,4 @@
-"""What is wrong with a question is said, all in one shape."""
+"""Tests that the answer says what is wrong with a request, always in one shape."""
 
 import json
 import re

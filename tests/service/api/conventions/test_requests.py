@@ -1,4 +1,4 @@
-"""What is asked for in a way that means nothing: methods, times, parameters, bodies; and what is too large."""
+"""Tests what is asked for in a way that means nothing: methods, times, parameters, bodies; and what is too large."""
 
 import base64
 import json

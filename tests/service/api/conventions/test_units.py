@@ -120,7 +120,7 @@ def test_where_there_are_no_others_units_are_refused(api: Api, path: str) -> Non
 
 
 def also(path: str) -> dict[str, str]:
-    """What else has to be asked for."""
+    """Return what else has to be asked for."""
     return {"parameter": "coupling.C1.kxx"} if path.endswith("/trends") else {}
 
 

@@ -1,4 +1,4 @@
-"""What an identification says of its machine, over HTTP: causes with the units of what has moved."""
+"""Tests what an identification says of its machine, over HTTP: causes with the units of what has moved."""
 
 from datetime import datetime
 

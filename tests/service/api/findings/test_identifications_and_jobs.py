@@ -1,4 +1,4 @@
-"""What was identified, and what is to be."""
+"""Tests what was identified, and what is to be."""
 
 import math
 from datetime import UTC, datetime, timedelta

@@ -1,4 +1,4 @@
-"""What a person can do about a failed job."""
+"""Tests what a person can do about a failed job."""
 
 import pytest
 

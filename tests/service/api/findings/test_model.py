@@ -1,4 +1,5 @@
-"""What follows from an identification, through the API: against the estimator itself and closed forms; what is refused."""
+"""Tests what follows from an identification, through the API: against the estimator itself and closed forms; what is
+refused."""
 
 import math
 

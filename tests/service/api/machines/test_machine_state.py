@@ -1,4 +1,5 @@
-"""What a machine does, stored with the samples and told by the API: states, open run, history; noise, restarts, silence."""
+"""Tests what a machine does, stored with the samples and told by the API: states, open run, history; noise, restarts,
+silence."""
 
 from typing import Any
 

@@ -45,7 +45,7 @@ def closed(session: Session, kit: Machine, samples: Samples) -> int:
 
 
 def get(database: Database, path: str) -> httpx.Response:
-    """What the API answers."""
+    """Return what the API answers."""
     return Api(database).ask("GET", path)
 
 

@@ -17,7 +17,7 @@ SOURCES = ROOT / "dashboard"
 STAMPED = ("index.html", "package-lock.json", "public", "src", "vite.config.js")
 """As in dashboard/vite.config.js."""
 LARGEST_GZIP = 400_000
-"""What the page may take in all [B]."""
+"""Largest size of the page in all [B]."""
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""How the service and its sources are."""
+"""Tests the health of the service and its sources."""
 
 from datetime import UTC, datetime, timedelta
 

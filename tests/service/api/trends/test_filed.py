@@ -1,4 +1,4 @@
-"""What was identified since a cursor, in all formats, and trends as line protocol."""
+"""Tests what was identified since a cursor, in all formats, and trends as line protocol."""
 
 import io
 
