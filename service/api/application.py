@@ -12,6 +12,7 @@ from starlette.routing import BaseRoute
 from service.advice.site_texts import SiteTexts
 from service.api.alerts.event_stream import Broadcaster
 from service.api.alerts.event_stream import router as event_stream
+from service.api.alerts.routes import lists as alert_lists
 from service.api.alerts.routes import router as alerts
 from service.api.alerts.subscriptions import TryOut
 from service.api.alerts.subscriptions import router as subscriptions
@@ -233,6 +234,7 @@ def _routes() -> list[BaseRoute]:
         machines,
         fleet,
         trends,
+        alert_lists,
         alerts,
         machine_state,
         slow_roll,
