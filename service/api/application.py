@@ -12,6 +12,7 @@ from starlette.routing import BaseRoute
 from service.advice.site_texts import SiteTexts
 from service.api.alerts.event_stream import Broadcaster
 from service.api.alerts.event_stream import router as event_stream
+from service.api.alerts.routes import lists as alert_lists
 from service.api.alerts.routes import router as alerts
 from service.api.alerts.subscriptions import TryOut
 from service.api.alerts.subscriptions import router as subscriptions
@@ -69,6 +70,7 @@ from service.configuration.release import VERSION
 from service.configuration.settings import DEFAULT_BASELINE_RUNS
 from service.delivery.addresses import Network
 from service.delivery.signing_secrets import SigningSecrets
+from service.http.beginnings import Beginnings
 from service.http.body_limit import BodyLimit
 from service.http.compression import Compression
 from service.http.conditional_get import ConditionalGet
@@ -188,7 +190,8 @@ def application(
     app.add_middleware(Compression)
     app.add_middleware(ConditionalGet)
     _guard(app, database, security or Security())
-    app.add_middleware(HeadRequests)  # outermost: the guard knows each operation by its own method
+    app.add_middleware(HeadRequests)  # around the guard, which knows each operation by its own method
+    app.add_middleware(Beginnings, at_once={f"{PREFIX}/alive"})
     app.openapi = lambda: described(app)  # type: ignore[method-assign]
     return app
 
@@ -233,6 +236,7 @@ def _routes() -> list[BaseRoute]:
         machines,
         fleet,
         trends,
+        alert_lists,
         alerts,
         machine_state,
         slow_roll,

@@ -71,11 +71,12 @@ class Admission:
         try:
             require_size(message.size)
             batch = _body_of(submission)
+            arrived = ArrivedBatch(batch, message.key, body, message.received_at)
             self._require_machine(Key(batch.plant, batch.machine))
             if self._withholds(batch):
                 raise NotStoring(self._own_clock.doubt or "this machine's clock is wrong")
             if published is None:  # its numbers must stay free for the corrected batch
-                self._journal.require_convertible(batch, received_at=message.received_at)
+                self._journal.require_convertible(arrived)
         except Rejected as rejected:
             self.refuse(message, machine or None, rejected)
             raise
@@ -87,7 +88,7 @@ class Admission:
             logger.exception("%s: a batch cannot be checked", where)
             self._refuse(message, machine or None, "unexpected_error", see_log(error))
             raise NotStoring(UNFORESEEN) from error
-        return ArrivedBatch(batch, message.key, body, message.received_at)
+        return arrived
 
     def _withholds(self, batch: SampleBatch) -> bool:
         if not self._own_clock.withholds(batch):

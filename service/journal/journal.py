@@ -4,6 +4,7 @@ One call of `store` is one transaction: sample blocks, reception state of each s
 therefore finds all of it or none of it.
 """
 
+import contextlib
 import logging
 import math
 import time
@@ -22,7 +23,7 @@ from service.journal.sequence_gaps import SequenceGap, stored_gaps
 from service.replication.work_share import Share, WholeShare
 from service.runs.collector import Collector
 from service.runs.silence import SilentMachines
-from service.wire import Rejected, SampleBatch, SourceReceived, to_samples
+from service.wire import Rejected, SourceReceived
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples, join
 from storage.encoding.source_key import SourceKey
@@ -93,13 +94,12 @@ class Journal:
                     return None
         return self._plants[machine_id]
 
-    def require_convertible(self, batch: SampleBatch, *, received_at: int) -> None:
+    def require_convertible(self, arrived: ArrivedBatch) -> None:
         """Raise Rejected for a batch of which no sample can be accepted, or whose source's clock is wrong."""
         with self._database.reading() as session:
-            _, machine = self._document(session, batch.machine)
-        _, _, faults = to_samples(batch, machine, received_at=received_at)
-        wrong = [fault for fault in faults if fault.reason == "time_out_of_range"]
-        if len(wrong) == len(batch.time_ns):
+            known = self._document(session, arrived.batch.machine)
+        wrong = [fault for fault in arrived.converted(*known).faults if fault.reason == "time_out_of_range"]
+        if len(wrong) == len(arrived.batch.time_ns):
             raise Rejected(wrong[0].reason, f"{wrong[0].detail}, and so with all others: set the source's clock")
 
     def store(
@@ -111,6 +111,7 @@ class Journal:
         within_s: after this time [s], pauses aside, no further batch is added, and the outcomes of fewer are returned;
         at least one batch is stored.
         """
+        self._convert(arrived)
         try:
             with self._collector.lock, self._database.transaction(beside_others=True) as session:
                 self._share.require(session, {one.batch.machine for one in arrived})
@@ -129,6 +130,14 @@ class Journal:
         self._numbering.forget()
         self._collector.forget()
 
+    def _convert(self, arrived: list[ArrivedBatch]) -> None:
+        """Convert batches of known machines before the transaction that stores them: others need not wait for that."""
+        for one in arrived:
+            if (known := self._documents.get(one.batch.machine)) is not None:
+                with contextlib.suppress(Rejected):  # raised again where it is stored
+                    one.converted(*known)
+                self.pacing.pause()
+
     def _document(self, session: Session, machine_id: str) -> tuple[int, Machine]:
         """Return the revision in force and its document, which is parsed once."""
         revision = machines.get(session, machine_id).revision
@@ -144,14 +153,14 @@ class Journal:
         documents: Documents = {}
         ends = time.monotonic() - self.pacing.paused_s + within_s
         loaded = _load(session, arrived)
+        self.pacing.pause()
         for one in arrived:
             if pending.outcomes and time.monotonic() - self.pacing.paused_s > ends:
                 break
             machine_id = one.batch.machine
             if machine_id not in documents:
                 documents[machine_id] = self._document(session, machine_id)
-            pending.outcomes.append(self._numbering.add(session, pending, one, documents[machine_id][1]))
-            self.pacing.pause()
+            pending.outcomes.append(self._numbering.add(session, pending, one, *documents[machine_id]))
         added = self._add_blocks(session, pending, documents)
         self._collect(session, added, documents)
         if pending.rejections:

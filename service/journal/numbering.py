@@ -15,7 +15,7 @@ from service.journal.batch import LARGEST_GAP, ArrivedBatch, StoreOutcome
 from service.journal.plausibility import Plausibility
 from service.journal.sequence_gaps import FilledPart, SequenceGap
 from service.resilience.bounded_dict import BoundedDict
-from service.wire import Fault, Rejected, SampleBatch, to_samples
+from service.wire import Fault, Rejected, SampleBatch
 from storage.encoding.sample_blocks import Samples
 from storage.encoding.source_key import SourceKey
 from storage.measurements import samples
@@ -50,7 +50,7 @@ class Numbering:
         """Forget the state of the sources; all of it is in the store."""
         self._plausibility.clear()
 
-    def add(self, session: Session, pending: Pending, arrived: ArrivedBatch, machine: Machine) -> StoreOutcome:
+    def add(self, session: Session, pending: Pending, arrived: ArrivedBatch, revision: int, machine: Machine) -> StoreOutcome:
         """Add the new samples of a batch to `pending`, and update the reception state in its source's row.
 
         Each sample is a duplicate, fills a gap that was counted as lost, or follows the samples so far.
@@ -72,12 +72,12 @@ class Numbering:
             return StoreOutcome(duplicates=known)
         row.lost += ahead - sum(part.count for part in filling)
         try:
-            converted, taken, faults = to_samples(batch, machine, received_at=arrived.received_at)
+            in_si = arrived.converted(revision, machine)
         except Rejected as rejected:
             pending.rejections.append(rejections.of_batch(arrived, rejected.reason, rejected.detail))
             _advance(row, batch, gaps, filling, np.zeros(count, np.int64), np.zeros(count, dtype=bool), following)
             return StoreOutcome(duplicates=known, lost=ahead, rejected=rejected)
-        taken &= fresh
+        converted, taken, faults = in_si.samples, in_si.taken & fresh, list(in_si.faults)
         faults += self._implausible(row, arrived.source, machine, converted, taken, filling, following)
         _advance(row, batch, gaps, filling, converted.time, taken, following)
         new = tuple(fault for fault in faults if fresh[fault.index])

@@ -1,6 +1,6 @@
 """Loading the input of an assessment: the machine's state, and the context that a worker assesses."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from sqlalchemy.orm import Session
@@ -165,29 +165,31 @@ def _coupled_loads(
     session: Session, machine: Machine, stored: IdentificationRow, ids: Sequence[int]
 ) -> Iterator[ComparedValue]:
     """Yield the loads in the couplings that an identification and all those of its baseline have."""
-    for coupling in machine.couplings:
-        for name in COUPLED_LOADS:
-            yield from _compared_value(session, f"coupling.{coupling.id}", name, stored, ids)
+    elements = {f"coupling.{one.id}.{load}": f"coupling.{one.id}" for one in machine.couplings for load in COUPLED_LOADS}
+    yield from _compared_values(session, elements, stored, ids)
 
 
 def _second_orders(
     session: Session, machine: Machine, stored: IdentificationRow, ids: Sequence[int]
 ) -> Iterator[ComparedValue]:
     """Yield the amplitudes of the 2× that an identification and all those of its baseline have."""
-    for channel in machine.channels:
-        yield from _compared_value(session, f"probe.{channel}", SECOND_ORDER, stored, ids)
+    elements = {f"probe.{channel}.{SECOND_ORDER}": f"probe.{channel}" for channel in machine.channels}
+    yield from _compared_values(session, elements, stored, ids)
 
 
-def _compared_value(
-    session: Session, element: str, name: str, stored: IdentificationRow, ids: Sequence[int]
+def _compared_values(
+    session: Session, elements: Mapping[str, str], stored: IdentificationRow, ids: Sequence[int]
 ) -> Iterator[ComparedValue]:
-    now = derived.one(session, stored.id, f"{element}.{name}") if ids else None
-    if now is None or now.value is None:
+    """Yield the derived quantities that all have. elements: of each quantity by name; ids: of the baseline."""
+    if not ids or not elements:
         return
-    before = [derived.one(session, number, f"{element}.{name}") for number in ids]
-    known = [(row.value, _half_width(row)) for row in before if row is not None and row.value is not None]
-    if len(known) == len(before):
-        yield ComparedValue(f"{element}.{name}", element, now.unit, now.value, known)
+    rows = derived.several(session, [stored.id, *ids], elements)
+    for name, element in elements.items():
+        now = rows.get((stored.id, name))
+        before = [row for number in ids if (row := rows.get((number, name))) is not None]
+        known = [(row.value, _half_width(row)) for row in before if row.value is not None]
+        if now is not None and now.value is not None and len(known) == len(ids):
+            yield ComparedValue(name, element, now.unit, now.value, known)
 
 
 def _half_width(row: DerivedRow) -> float | None:

@@ -124,13 +124,15 @@ def _loads(
     """Read by how much the vertical load of each bearing differs from the baseline's mean [%]: of couplings on oil films."""
     if diagnosis is None or all(one.size.tolerance_per_cent is None for one in diagnosis.causes):
         return {}
+    names = {one.id: f"bearing.{one.id}.load_vertical" for one in context.machine.bearings}
+    rows = derived.several(session, [stored.id, *(run.id for run in context.baseline)], names.values())
+    values = {key: row.value for key, row in rows.items()}
     found = {}
-    for bearing in context.machine.bearings:
-        name = f"bearing.{bearing.id}.load_vertical"
-        now = derived.value(session, stored.id, name)
-        before = [one for run in context.baseline if (one := derived.value(session, run.id, name)) is not None]
+    for bearing, name in names.items():
+        now = values.get((stored.id, name))
+        before = [one for run in context.baseline if (one := values.get((run.id, name))) is not None]
         if now is not None and before and (mean := statistics.fmean(before)) != 0.0:
-            found[f"bearing.{bearing.id}.load_per_cent"] = 100.0 * (now - mean) / abs(mean)
+            found[f"bearing.{bearing}.load_per_cent"] = 100.0 * (now - mean) / abs(mean)
     return found
 
 

@@ -32,7 +32,10 @@ class Language:
 
     def say(self, key: str, /, **values: Any) -> str:
         """Return a sentence with values in its places. Raises KeyError for an unknown key, or one without its value."""
-        return _Filling(self.say_mark()).vformat(self._sentence(key), (), values)
+        mark = self.say_mark()
+        if mark == ".":
+            return self._sentence(key).format_map(values)  # the same, at a tenth of the time
+        return _Filling(mark).vformat(self._sentence(key), (), values)
 
     def say_mark(self) -> str:
         """Return the decimal mark."""
@@ -71,10 +74,17 @@ def require_every_language(what: str, said: Mapping[Locale, object]) -> None:
         raise ValueError(f"{what} is said in {', '.join(unknown)}, and the languages are {', '.join(SENTENCES)}")
 
 
+LONGEST_HEADER = 1_000
+"""Number of characters of an Accept-Language header that are read."""
+
+
 def asked_language(accepted: str, default: Language) -> Language:
-    """Return the language that an Accept-Language header asks for (RFC 9110 §12.5.4); the default without one of ours."""
+    """Return the language that an Accept-Language header asks for (RFC 9110 §12.5.4); the default without one of ours.
+
+    Of a very long header only the beginning counts: reading all of it would hold up everybody else's requests.
+    """
     best, wished = default, 0.0
-    for part in accepted.split(","):
+    for part in accepted[:LONGEST_HEADER].split(","):
         tag, _, quality = part.strip().partition(";")
         weight = _quality(quality)
         for one in LANGUAGES:

@@ -1,6 +1,6 @@
 """Repository of the quantities derived from identifications; for their history see `storage.findings.trends`."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from sqlalchemy import insert, select
 from sqlalchemy.orm import Session
@@ -39,6 +39,14 @@ def of_identification(session: Session, identification_id: int) -> Sequence[Deri
 def one(session: Session, identification_id: int, name: str) -> DerivedRow | None:
     """Return one derived quantity; None when there is none."""
     return session.get(DerivedRow, (identification_id, name))
+
+
+def several(
+    session: Session, identification_ids: Collection[int], names: Collection[str]
+) -> dict[tuple[int, str], DerivedRow]:
+    """Return those of these quantities that identifications have, by identification and name: in one query."""
+    chosen = DerivedRow.identification_id.in_(identification_ids), DerivedRow.name.in_(names)
+    return {(row.identification_id, row.name): row for row in session.scalars(select(DerivedRow).where(*chosen))}
 
 
 def value(session: Session, identification_id: int, name: str) -> float | None:

@@ -30,12 +30,14 @@ from storage.paging import Keys
 from storage.tables.alerting import AlertRow
 
 router = APIRouter(tags=["alerts"], responses=RESPONSES, dependencies=[VIEWER, VARIES_BY_LANGUAGE])
+lists = APIRouter(tags=["alerts"], responses=RESPONSES, dependencies=[VIEWER])
+"""Routes whose answers are cached, with their language in them: asked most often, they need no dependency for it."""
 
 OnlyOpen = Annotated[bool, Query(alias="open", description="only alerts that are still open")]
 After = Annotated[int, Query(ge=0, le=2**62, description="only events after this one")]
 
 
-@router.get("/alerts", operation_id="list_alerts", response_model=list[schemas.AlertOut])
+@lists.get("/alerts", operation_id="list_alerts", response_model=list[schemas.AlertOut])
 async def list_alerts(request: Request, cache: Cached, paging: ByTime, only_open: OnlyOpen = False) -> Response:
     """List alerts of all machines, newest first."""
 
@@ -68,7 +70,7 @@ def list_events_of_alert(request: Request, session: Reading, alert_id: Number, p
     return [alert_event(row, _texts(request)) for row in paging.page(rows, lambda row: (row.number,))]
 
 
-@router.get("/machines/{machine_id}/alerts", operation_id="list_machine_alerts", response_model=list[schemas.AlertOut])
+@lists.get("/machines/{machine_id}/alerts", operation_id="list_machine_alerts", response_model=list[schemas.AlertOut])
 async def list_machine_alerts(
     request: Request, cache: Cached, machine_id: MachineId, paging: ByTime, only_open: OnlyOpen = False
 ) -> Response:

@@ -9,7 +9,9 @@ from service.wording.language import Language, asked_language
 
 def reader_language(request: Request) -> Language:
     """Return the language that a request wants findings to be told in."""
-    return asked_language(request.headers.get("accept-language", ""), cast(Language, request.app.state.texts.language))
+    site = cast(Language, request.app.state.texts.language)
+    accepted = request.headers.get("accept-language")
+    return asked_language(accepted, site) if accepted else site
 
 
 def vary_by_language(request: Request, response: Response) -> None:

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from sqlalchemy import event
 
 from estimator.diagnosis.bayes_factors import Diagnosis
 from estimator.diagnosis.finding_kind import Cause
@@ -130,9 +131,13 @@ def test_the_stored_2x_of_the_newest_run_and_of_its_baseline_are_compared(plant:
                 Derived(f"probe.{channel}.{name}", "m", size, 0.9 * size, 1.1 * size) for name in ("second_amplitude", "other")
             ]
             derived.add(session, row, told)
+        asked: list[str] = []
+        event.listen(plant.engine, "before_cursor_execute", lambda *told: asked.append(told[2]))
         loaded = load_context(session, row, baseline_runs=BASELINE - 1)
         assert loaded is not None
         (one,) = loaded.second_orders
     assert (one.name, one.newest) == (f"probe.{channel}.second_amplitude", 6e-6)
     assert [value for value, _ in one.baseline] == pytest.approx([1e-6, 2e-6, 3e-6, 4e-6, 5e-6])
     assert one.baseline[0][1] == pytest.approx(1e-7)
+    of_derived = [one for one in asked if "FROM derived_quantities" in one]
+    assert len(of_derived) == 2, "loads and 2× in a query each, however many runs and channels there are"

@@ -1,0 +1,89 @@
+"""Requests that come at once begin one by one, clients in turn; who asks whether the service is alive waits for none."""
+
+import asyncio
+from collections.abc import Callable, Coroutine
+from typing import Any
+
+from starlette.types import Message, Receive, Scope, Send
+
+from service.http.beginnings import Beginnings
+
+Ask = Callable[[Scope], Coroutine[Any, Any, None]]
+
+
+def asked(client: str, path: str = "/machines") -> Scope:
+    return {"type": "http", "path": path, "client": (client, 50_000)}
+
+
+async def receive() -> Message:
+    raise AssertionError
+
+
+async def send(_message: Message) -> None:
+    raise AssertionError
+
+
+def begun(attack: Callable[[Ask], Coroutine[Any, Any, None]]) -> list[Scope]:
+    """The requests of an attack in the order in which they began."""
+    order: list[Scope] = []
+
+    async def app(scope: Scope, _receive: Receive, _send: Send) -> None:
+        order.append(scope)
+
+    one = Beginnings(app, at_once={"/alive"})
+    asyncio.run(_run(attack(lambda scope: one(scope, receive, send))))
+    return order
+
+
+async def _run(one: Coroutine[Any, Any, None]) -> None:
+    await asyncio.wait_for(one, 20)
+
+
+def test_others_are_served_between_two_of_many_that_came_at_once() -> None:
+    between = list[int]()
+
+    async def attack(ask: Ask) -> None:
+        began = 0
+
+        async def counted(scope: Scope) -> None:
+            nonlocal began
+            await ask(scope)
+            began += 1
+
+        async with asyncio.TaskGroup() as group:
+            for _ in range(40):
+                group.create_task(counted(asked("10.0.0.1")))
+            before = 0
+            while before < 40:
+                await asyncio.sleep(0)
+                between.append(began - before)
+                before = began
+
+    assert len(begun(attack)) == 40
+    assert max(between) == 1
+
+
+def test_clients_take_turns_and_life_is_told_at_once() -> None:
+    async def attack(ask: Ask) -> None:
+        async with asyncio.TaskGroup() as group:
+            for _ in range(40):
+                group.create_task(ask(asked("10.0.0.1")))
+            group.create_task(ask(asked("10.0.0.2")))
+            group.create_task(ask(asked("10.0.0.3", "/alive")))
+
+    clients = [scope["client"][0] for scope in begun(attack)]
+    assert len(clients) == 42
+    assert clients.index("10.0.0.3") == 1, "behind the one that had begun"
+    assert clients.index("10.0.0.2") <= 3, "though 39 of another client came before"
+
+
+def test_who_goes_away_while_waiting_holds_up_nobody() -> None:
+    async def attack(ask: Ask) -> None:
+        async with asyncio.TaskGroup() as group:
+            tasks: list[asyncio.Task[None]] = [group.create_task(ask(asked("10.0.0.1"))) for _ in range(20)]
+            await asyncio.sleep(0)
+            for task in tasks[1:19]:
+                task.cancel()
+        await ask(asked("10.0.0.2"))
+
+    assert [scope["client"][0] for scope in begun(attack)] == ["10.0.0.1", "10.0.0.1", "10.0.0.2"]
