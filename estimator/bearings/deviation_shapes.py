@@ -5,7 +5,7 @@ import numpy as np
 from estimator.arrays import Floats
 
 CORRELATION_LENGTH = 0.4
-"""Distance over which a deviation stays alike, as a part of the speed range [-]."""
+"""Distance over which a deviation stays alike, as a part of the speed range, where nothing else is said [-]."""
 LEFT_OUT = 0.01
 """Part of a deviation's variance that its left-out shapes may hold, where nothing else is said [-]."""
 GRID = 60
@@ -19,18 +19,20 @@ class DeviationShapes:
     Williams, Gaussian Processes for Machine Learning, 2006, sec. 4.3).
     """
 
-    def __init__(self, low: float, high: float, *, left_out: float = LEFT_OUT) -> None:
+    def __init__(self, low: float, high: float, *, left_out: float = LEFT_OUT, length: float = CORRELATION_LENGTH) -> None:
         """Compute the shapes.
 
         Args:
             low: Lowest speed [rad/s].
             high: Highest speed [rad/s].
             left_out: Part of a deviation's variance that its left-out shapes may hold [-].
+            length: Distance over which a deviation stays alike, as a part of the range [-].
         """
         self.low = low
         self.high = high
+        self.length = length
         self.grid = np.linspace(0.0, 1.0, GRID)
-        variance, vectors = np.linalg.eigh(_correlation(self.grid, self.grid))
+        variance, vectors = np.linalg.eigh(self._correlation(self.grid, self.grid))
         variance, vectors = variance[::-1], vectors[:, ::-1]
         held = np.cumsum(variance) / variance.sum()
         count = int(np.searchsorted(held, 1.0 - left_out)) + 1
@@ -51,8 +53,7 @@ class DeviationShapes:
             Shapes (S, B) [-].
         """
         place = (speed - self.low) / max(self.high - self.low, 1e-300)
-        return np.asarray(_correlation(np.clip(place, 0.0, 1.0), self.grid) @ self.weight)
+        return np.asarray(self._correlation(np.clip(place, 0.0, 1.0), self.grid) @ self.weight)
 
-
-def _correlation(first: Floats, second: Floats) -> Floats:
-    return np.asarray(np.exp(-0.5 * ((first[:, None] - second) / CORRELATION_LENGTH) ** 2))
+    def _correlation(self, first: Floats, second: Floats) -> Floats:
+        return np.asarray(np.exp(-0.5 * ((first[:, None] - second) / self.length) ** 2))

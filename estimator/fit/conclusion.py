@@ -14,11 +14,13 @@ from estimator.fit.identifiability import Reasons
 from estimator.fit.identification import Identification
 from estimator.fit.multistart import BestFit
 from estimator.fit.nuisance_parameters import excessive_deviations
-from estimator.fit.omitted_warming import viscosity_trend
+from estimator.fit.omitted_forces import judge_exact_forces
+from estimator.fit.omitted_warming import viscosity_trend, warming_words
 from estimator.fit.physical_limits import LimitsFunction, without_growing_modes
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.profile_likelihood import flat_coordinates
+from estimator.fit.sharp_film_deviations import judge_sharp_deviations
 
 LARGEST_CONDITION = 1e5
 """Condition number above which intervals are checked against the likelihood's profile [-]; full run-downs have some
@@ -50,13 +52,13 @@ def conclude(
     size = np.sqrt(np.diag(information))
     condition = float(np.linalg.cond(information / np.outer(size, size)))
     verdict = judge(problem, found)
-    beside = VerdictRemark()
+    beside, of_form = VerdictRemark(), ""
     doubtful, form_alone = frozenset[int](), frozenset[int]()
     if verdict.accepted:
         found_form = _form_verdict(problem, found, covariance, condition)
         found, verdict = _possible(problem, found, found_form.applied(verdict), limits)
         form_alone = _determined(coordinates, covariance) - _determined(coordinates, found_form.covariance)
-        covariance = found_form.covariance
+        covariance, of_form = found_form.covariance, found_form.remark
         beside = remark(problem, found)
         covariance = covariance * beside.inflation
         if verdict.accepted and condition > LARGEST_CONDITION and not coordinates.models:
@@ -64,7 +66,7 @@ def conclude(
     speed = problem.measurement.speed
     error = np.sqrt(np.diag(covariance))
     why = None if reasons is None else reasons(problem, found, covariance)
-    if why is not None and form_alone:
+    if why is not None and form_alone and not of_form:
         why = _with_form_alone(why, frozenset(coordinates.names[place] for place in form_alone))
     return Identification(
         estimates=estimates(problem.train, coordinates, found.theta, error, why, doubtful),
@@ -74,7 +76,7 @@ def conclude(
         chi_square=found.chi_square,
         degrees_of_freedom=verdict.degrees_of_freedom,
         accepted=verdict.accepted,
-        verdict="; ".join((verdict.words + beside.words, *best.remarks, *of_gaps)),
+        verdict="; ".join((verdict.words + of_form + beside.words, *best.remarks, *of_gaps)),
         condition_number=condition,
         starts=best.starts,
         iterations=best.iterations,
@@ -103,13 +105,19 @@ def outliers_by_channel(problem: FitProblem, outlier: NDArray[np.bool_]) -> dict
 
 def _form_verdict(problem: FitProblem, found: FitResult, covariance: Floats, condition: float) -> FormVerdict:
     """Return the verdict on how coefficients follow the speed: by assumed forms, and by films with their deviations."""
-    excess = excessive_deviations(problem, found, covariance)
-    trend = None if excess else viscosity_trend(problem, found, covariance)
-    if trend is not None:
-        excess = trend.words
-    if excess or not needs_form(problem):
+    excess = excessive_deviations(problem, found, covariance) or warming_words(viscosity_trend(problem, found, covariance))
+    if excess:
         return FormVerdict(covariance, excess)
-    return judge_form(problem, found, covariance, condition)
+    whole, remarks = covariance, ""
+    judged = [judge_exact_forces(problem, found, covariance), judge_sharp_deviations(problem, found, covariance)]
+    if needs_form(problem):
+        judged.append(judge_form(problem, found, covariance, condition))
+    for one in judged:
+        if one.words:
+            return one
+        # Each is what one deviation alone leaves open.
+        whole, remarks = whole + (one.covariance - covariance), remarks + one.remark
+    return FormVerdict(whole, remark=remarks)
 
 
 def _determined(coordinates: Coordinates, covariance: Floats) -> frozenset[int]:

@@ -9,21 +9,18 @@ is refused.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
-import scipy
 
 from estimator.arrays import Floats
 from estimator.bearings.deviation_shapes import DeviationShapes
+from estimator.fit.coefficient_deviations import CoefficientDeviations, Owners, direct_sizes
 from estimator.fit.goodness_of_fit import Verdict
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.reweighting import with_fitted_noise
 
 SIGNIFICANT = 4.0
 """Twice the logarithm of the likelihood ratio from which on a deviation is believed [-]: 1 in 44 where there is none."""
-RULED_OUT = 6.6
-"""Twice the logarithm of the likelihood ratio by which a size is ruled out [-]."""
 WELL_CONDITIONED = 1e5
 """Condition number up to which data show deviations that matter [-]."""
 CONFIRMED_SIZE = 0.01
@@ -34,8 +31,6 @@ MARGIN = 3.0
 """Factor on the largest size that the data do not rule out [-]: real films deviate alike, those looked for do not."""
 EXPECTED_SIZE_UNSEEN = 0.8
 """Relative size of deviations to reckon with where other coefficients can make up for them at every speed [-]."""
-LARGEST_SIZE = 1.0
-"""Largest relative size of deviations that is looked for [-]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,10 +40,12 @@ class FormVerdict:
     Attributes:
         covariance: Covariance (n, n) of the fit coordinates, with the deviations that must be reckoned with [-].
         words: Why the forms are refused; empty where they are not.
+        remark: What is said of forms that are accepted, behind the verdict; empty where nothing is.
     """
 
     covariance: Floats
     words: str = ""
+    remark: str = ""
 
     def applied(self, verdict: Verdict) -> Verdict:
         """Return a verdict on a fit with this one.
@@ -78,7 +75,7 @@ def judge_form(problem: FitProblem, found: FitResult, covariance: Floats, condit
     Returns:
         The verdict.
     """
-    deviations = _Deviations.of(problem, found, covariance)
+    deviations = _deviations(problem, found, covariance)
     size, evidence = deviations.likeliest()
     if evidence > SIGNIFICANT:
         ratio = f"twice the logarithm of the likelihood ratio {evidence:.3g}; {SIGNIFICANT:g} at most is noise"
@@ -108,106 +105,16 @@ def _form_alone_decides(problem: FitProblem) -> bool:
     return len(following) > 2 * len(problem.train.channels)
 
 
-@dataclass(frozen=True, eq=False)
-class _Deviations:
-    """Deviations of D shapes in all, of unit size, in a fit of n coordinates.
-
-    Attributes:
-        curvature: Their information (D, D) after the coordinates were fitted anew [-].
-        slope: ½ of the derivative of -χ² by them (D,) [-].
-        answer: Change of the coordinates per unit of each (n, D) that leaves the data as they are [-].
-        at: Deviation of each coordinate's own coefficient at its own speed (n, D) [-]; 0 for other coordinates.
-    """
-
-    curvature: Floats
-    slope: Floats
-    answer: Floats
-    at: Floats
-
-    @classmethod
-    def of(cls, problem: FitProblem, found: FitResult, covariance: Floats) -> "_Deviations":
-        final = with_fitted_noise(problem, found)
-        knots = [one.speed for one in final.coordinates.parameters if one.speed is not None]
-        speeds = np.concatenate([final.measurement.speed, knots])
-        shapes = DeviationShapes(float(speeds.min()), float(speeds.max()))
-        own, mixed, slope, gradient = _information(final, found.theta, shapes)
-        coordinates = final.coordinates
-        gradient -= coordinates.prior.pull(found.theta)
-        answer = -covariance @ mixed
-        curvature = own + mixed.T @ answer
-        return cls(curvature, slope + answer.T @ gradient, answer, _at_own_speed(final, found.theta, shapes))
-
-    def likeliest(self) -> tuple[float, float]:
-        """Return the most likely size [-] and twice the logarithm of its likelihood ratio against none [-]."""
-        sizes = self._sizes
-        near = int(np.argmax(self._ratios))
-        bounds = (sizes[max(0, near - 1)], sizes[min(sizes.size - 1, near + 1)])
-        best = scipy.optimize.minimize_scalar(lambda one: -self._ratio(one), bounds=bounds, method="bounded")
-        return float(np.exp(best.x)), -float(best.fun)
-
-    def largest(self) -> float:
-        """Return the largest size that the data do not rule out [-]."""
-        ruled_out = self._ratios < max(0.0, float(self._ratios.max())) - RULED_OUT
-        return float(np.exp(self._sizes[int(np.argmax(ruled_out))])) if ruled_out[-1] else LARGEST_SIZE
-
-    def _ratio(self, log_size: float) -> float:
-        """Compute twice the logarithm of the likelihood ratio of a size, given as its logarithm, against none."""
-        information, power = self._spectrum
-        variance = np.exp(2.0 * log_size)
-        return float(np.sum(power * variance / (1.0 + variance * information) - np.log1p(variance * information)))
-
-    @cached_property
-    def _spectrum(self) -> tuple[Floats, Floats]:
-        """Return the information (D,) of independent deviations and the squares (D,) of their slopes."""
-        information, vectors = np.linalg.eigh(self.curvature)
-        return np.maximum(information, 0.0), (vectors.T @ self.slope) ** 2
-
-    @cached_property
-    def _sizes(self) -> Floats:
-        """Return logarithms of sizes, from one at which even the best determined deviation would not be seen."""
-        highest = float(np.log(LARGEST_SIZE))
-        lowest = -0.5 * float(np.log(max(float(self._spectrum[0].max(initial=0.0)), 1e-300))) - 2.0
-        return np.linspace(min(lowest, highest - 1.0), highest, 100)
-
-    @cached_property
-    def _ratios(self) -> Floats:
-        return np.array([self._ratio(one) for one in self._sizes])
-
-    def widened(self, covariance: Floats, size: float) -> Floats:
-        """Return the covariance (n, n) of the coordinates with deviations of some size, their most likely shift included."""
-        open_part = np.linalg.inv(self.curvature + np.eye(self.slope.size) / size**2)
-        moved = self.answer + self.at
-        shift = moved @ (open_part @ self.slope)
-        return np.asarray(covariance + moved @ open_part @ moved.T + np.outer(shift, shift))
+def _deviations(problem: FitProblem, found: FitResult, covariance: Floats) -> CoefficientDeviations:
+    final = with_fitted_noise(problem, found)
+    knots = [one.speed for one in final.coordinates.parameters if one.speed is not None]
+    speeds = np.concatenate([final.measurement.speed, knots])
+    shapes = DeviationShapes(float(speeds.min()), float(speeds.max()))
+    at = _at_own_speed(final, found.theta, shapes)
+    return CoefficientDeviations.of(final, found, covariance, shapes=shapes, owners=_owners(final), at=at)
 
 
-def _information(problem: FitProblem, theta: Floats, shapes: DeviationShapes) -> tuple[Floats, Floats, Floats, Floats]:
-    """Compute the information of unit deviations (D, D), that which they share with the coordinates (n, D), and ½ of the
-    derivative of -χ² by them (D,) and by the coordinates (n,)."""
-    coordinates = problem.coordinates
-    weight = np.where(problem.used, problem.weight(np.abs(problem.model(theta)), 0.0), 0.0)
-    owner = _owners(problem)
-    sizes = _sizes(problem, coordinates.coefficients(theta))
-    count = (int(owner.max(initial=-1)) + 1) * shapes.weight.shape[1]
-    own, mixed, slope = np.zeros((count, count)), np.zeros((theta.size, count)), np.zeros(count)
-    gradient = np.zeros(theta.size)
-    for found in problem.linear_phasors(theta):
-        block, by_coefficient = found.block, found.sensitivity.by_coefficient
-        rows, residual = found.weighted(problem.measurement.phasor, weight)
-        moved = np.zeros((count // shapes.weight.shape[1], *found.phasor.shape), dtype=complex)
-        for k in np.flatnonzero(owner >= 0).tolist():
-            moved[owner[k]] += by_coefficient[k] * sizes[k if sizes.ndim == 1 else (block, k)][..., None]
-        moved *= coordinates.channels.gains(theta) * weight[block]
-        shape = shapes.at(problem.measurement.speed[block])
-        deviations = (moved[:, None] * shape.T[:, :, None]).reshape(count, -1).view(float)
-        own += deviations @ deviations.T
-        mixed += rows @ deviations.T
-        slope += deviations @ residual
-        gradient += rows @ residual
-    return own, mixed, slope, gradient
-
-
-def _owners(problem: FitProblem) -> "np.ndarray[tuple[int], np.dtype[np.intp]]":
+def _owners(problem: FitProblem) -> Owners:
     """Return for each coefficient the number of its deviation (K,).
 
     A tied one has its leader's; a fixed one has none (-1), nor one whose model has deviations of its own.
@@ -244,22 +151,13 @@ def needs_form(problem: FitProblem) -> bool:
     return bool(following - _with_own_deviations(problem))
 
 
-def _sizes(problem: FitProblem, values: Floats) -> Floats:
-    """Return what a deviation of each coefficient is a part of, (K,) or (S, K): itself, or the direct terms beside it [SI]."""
-    coefficients = problem.train.unknowns.coefficients
-    index = {one.name: k for k, one in enumerate(coefficients)}
-    beside = [[index[f"{one.element}.{name}"] for name in one.term.beside] for one in coefficients]
-    first, second = (values[..., [pair[side] for pair in beside]] for side in (0, 1))
-    return np.asarray(np.sqrt(np.abs(first * second)))
-
-
 def _at_own_speed(problem: FitProblem, theta: Floats, shapes: DeviationShapes) -> Floats:
     """Return by how much each coordinate's coefficient deviates, at the speed whose value the coordinate is (n, D) [-]."""
     coordinates, names = problem.coordinates, [one.name for one in problem.train.unknowns.coefficients]
     owner, shape_count = _owners(problem), shapes.weight.shape[1]
     found = np.zeros((coordinates.size, (int(owner.max(initial=-1)) + 1) * shape_count))
     everywhere = shapes.at(problem.measurement.speed).mean(axis=0)
-    sizes = _sizes(problem, coordinates.coefficients(theta))
+    sizes = direct_sizes(problem, coordinates.coefficients(theta))
     for place, one in enumerate(coordinates.parameters):
         if one.coefficient is None:
             continue

@@ -84,6 +84,17 @@ class FilmCurves:
         by_viscosity = self._films.slopes(fitted)[:, :, self._films.viscosities].sum(axis=2)
         return np.asarray(self._weight @ ((place.mean() - place)[:, None] * by_viscosity))
 
+    def by_load(self, fitted: Floats) -> Floats:
+        """Compute the derivatives of the coefficients by the static loads of the document.
+
+        Args:
+            fitted: Fitted numbers (P,) [-].
+
+        Returns:
+            Derivatives (S, 8n, 2m) by the components along x and y of each load [SI per N].
+        """
+        return np.asarray(np.tensordot(self._weight, self._films.by_load(fitted), 1))
+
     def tilted(self, fitted: Floats) -> tuple[FilmEquilibrium, ...] | None:
         """Return the equilibria at the speeds, with the pads that tilt in them.
 

@@ -96,6 +96,17 @@ class FilmParameters:
         """Return the static loads (2m, P) per unit of each fitted number, along x and y of each [N]."""
         return self.mixing[self._of_films : self._of_films + 2 * len(self.loads)]
 
+    @property
+    def exact_forces(self) -> tuple[tuple[str, float, int], ...]:
+        """Return the components of static loads that the document calls exact: name, value [N], place among all 2m."""
+        unknown = unknown_forces(self.loads)
+        named = (
+            (f"static_load.{one.id}.force_{axis}", value, 2 * number + component)
+            for number, one in enumerate(self.loads)
+            for component, (axis, value) in enumerate((("x", one.force_x), ("y", one.force_y)))
+        )
+        return tuple(one for one in named if one[0] not in unknown)
+
     def load_changes(self, fitted: Floats) -> Floats:
         """Return by how much static loads differ from those of the document.
 

@@ -14,7 +14,7 @@ from estimator.arrays import Floats
 from estimator.errors import Invalid
 from estimator.statics.equilibrium import FilmEquilibrium, FilmTrain
 from estimator.statics.film_parameters import FilmParameters
-from estimator.statics.film_sensitivity import FilmSensitivity, film_sensitivity
+from estimator.statics.film_sensitivity import PARAMETERS, FilmSensitivity, film_sensitivity
 from estimator.statics.films_over_speed import equilibria_near
 from estimator.units import rad_per_s_to_rpm
 
@@ -273,6 +273,22 @@ class SolvedFilms:
             Derivatives (G, 8n, P) by the P own ones [SI].
         """
         return self._all_slopes(fitted).coefficients
+
+    def by_load(self, fitted: Floats) -> Floats:
+        """Compute the derivatives of the films' own coefficients by the static loads of the document.
+
+        Args:
+            fitted: Fitted numbers (...), the own ones first [-].
+
+        Returns:
+            Derivatives (G, 8n, 2m) by the components along x and y of each load [SI per N]; NaN where a film is too thin.
+        """
+        found, count = self.sensitivity(fitted), 2 * len(self._own.loads)
+        if found is None:
+            return np.full((self.nominal.speed.size, self.count, count), np.nan)
+        first = len(PARAMETERS) * len(self._own.forms)
+        rows = _rows(found.stiffness[:, first : first + count], found.damping[:, first : first + count])
+        return np.moveaxis(rows, 1, -1)
 
     def motions(self, fitted: Floats) -> tuple[Floats, Floats]:
         """Compute the derivatives of the journals' positions and of the films' forces by the films' own fitted numbers.

@@ -16,8 +16,9 @@ from estimator.updated_model.film_results import film_results
 from estimator.updated_model.model import expected_model
 from estimator.updated_model.static_coupling_loads import static_coupling_loads
 from tests.estimator.statics.test_film_model import SPEED, document, drawn
+from tests.film_plant.discrepancy import DiscrepancySize
 from tests.film_plant.documents import film_document, measured
-from tests.film_plant.plants import random_plant
+from tests.film_plant.plants import motor_compressor_plant, random_plant
 from tests.film_plant.train import Train
 
 FORCE_Y = "static_load.gear.force_y"
@@ -27,6 +28,12 @@ def with_force(said: dict[str, Any], **load: float) -> dict[str, Any]:
     """The document with a force on its first disc, known in part."""
     disc = said["discs"][0]
     return said | {"static_loads": [{"id": "gear", "shaft": disc["shaft"], "station": disc["station"], **load}]}
+
+
+def pressed(train: Train, _: np.random.Generator, __: float) -> Train:
+    """The train with half the weight of its first disc pressing on it besides."""
+    first = train.discs[0]
+    return replace(train, discs=(replace(first, force=(0.0, -0.5 * train.gravity * first.mass)), *train.discs[1:]))
 
 
 def test_derivatives_by_a_force_are_those_of_differences() -> None:
@@ -56,23 +63,17 @@ def test_a_force_acts_as_one_that_the_document_knows() -> None:
 
 
 def test_a_force_that_no_document_states_is_found_on_a_plant_of_other_make() -> None:
-    true = {}
-
-    def pressed(train: Train, _: np.random.Generator, __: float) -> Train:
-        first = train.discs[0]
-        true["force"] = -0.5 * train.gravity * first.mass
-        return replace(train, discs=(replace(first, force=(0.0, true["force"])), *train.discs[1:]))
-
     plant = random_plant(2, alter=pressed)
-    machine = parse_machine(with_force(film_document(plant), force_y_spread=abs(true["force"])))
+    true = -0.5 * plant.train.gravity * plant.train.discs[0].mass
+    machine = parse_machine(with_force(film_document(plant), force_y_spread=abs(true)))
     found = identify(machine, measured(plant, seed=2), Options(starts=3))
     assert found.accepted, found.verdict
     force = found.estimate(FORCE_Y)
     assert force.unit == parameter_units(machine)[FORCE_Y] == "N"
     assert force.value is not None, force.reason
     assert force.standard_error is not None
-    assert force.standard_error < 0.5 * abs(true["force"])
-    assert abs(force.value - true["force"]) < 3.0 * force.standard_error
+    assert force.standard_error < 0.5 * abs(true)
+    assert abs(force.value - true) < 3.0 * force.standard_error
 
 
 def test_a_force_behind_a_coupling_is_in_its_balance() -> None:
@@ -88,3 +89,55 @@ def test_a_force_behind_a_coupling_is_in_its_balance() -> None:
     carried = films["bearing.B3.load_vertical"] + films["bearing.B4.load_vertical"]
     found = {one.name: one.value for one in static_coupling_loads(pushed)}
     assert found["coupling.C1.static_shear_vertical"] == pytest.approx(-(balance.weight[1] + 900.0 + carried), rel=1e-9)
+
+
+def test_coefficients_follow_a_force_that_the_document_calls_exact_as_one_that_may_be_off() -> None:
+    exact = film_model(parse_machine(with_force(document(discrepancy=0.0), force_y=-500.0)))
+    free = film_model(parse_machine(with_force(document(discrepancy=0.0), force_y=-500.0, force_y_spread=800.0)))
+    curves, place = free.at(SPEED), [one.name for one in free.numbers].index(FORCE_Y)
+    fitted = np.array([one.centre for one in free.numbers])
+    own = exact.at(SPEED).by_load(np.array([one.centre for one in exact.numbers]))
+    assert own.shape == (SPEED.size, 32, 2)
+    wanted = curves.derivatives(fitted, slice(None))[:, :, place] / 800.0
+    np.testing.assert_allclose(own[..., 1], wanted, atol=1e-9 * np.abs(wanted).max())
+    assert [name for name, _, _ in free.own.exact_forces] == ["static_load.gear.force_x"]
+    assert exact.own.exact_forces[1] == (FORCE_Y, -500.0, 1)
+
+
+def test_a_force_that_is_stated_exactly_and_wrong_is_refused_with_the_one_that_the_films_want() -> None:
+    plant = random_plant(2, discrepancy=DiscrepancySize())
+    lifted = 0.5 * plant.train.gravity * plant.train.discs[0].mass
+    found = identify(
+        parse_machine(with_force(film_document(plant), force_y=lifted)), measured(plant, seed=2), Options(starts=3)
+    )
+    assert not found.accepted
+    assert found.verdict.startswith(f"the oil films want {FORCE_Y} to be about ")
+    assert "state how far it may be off (force_y_spread)" in found.verdict
+    wanted = float(found.verdict.split("to be about ")[1].split(" N")[0])
+    assert abs(wanted) < 0.2 * lifted
+
+
+def test_a_force_that_is_stated_exactly_and_right_is_accepted() -> None:
+    plant = random_plant(2, alter=pressed, discrepancy=DiscrepancySize())
+    force = -0.5 * plant.train.gravity * plant.train.discs[0].mass
+    found = identify(
+        parse_machine(with_force(film_document(plant), force_y=force)), measured(plant, seed=2), Options(starts=3)
+    )
+    assert found.accepted, found.verdict
+    assert FORCE_Y not in found.verdict
+
+
+def test_a_force_that_the_films_doubt_widens_what_follows_from_it() -> None:
+    plant = motor_compressor_plant(1, "rigid", discrepancy=DiscrepancySize())
+    lifted = 0.5 * plant.train.gravity * plant.train.discs[0].mass
+    said = film_document(plant)
+    found, right = (
+        identify(parse_machine(with_force(said, force_y=force)), measured(plant, seed=901), Options(starts=3))
+        for force in (lifted, 0.0)
+    )
+    assert right.accepted, right.verdict
+    if found.accepted:
+        assert "intervals are widened" in found.verdict
+        assert FORCE_Y in found.verdict
+        place = found.coordinates.index("bearing.B1.clearance")
+        assert found.covariance[place, place] > 1.5 * right.covariance[place, place]
