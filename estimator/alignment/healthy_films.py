@@ -1,9 +1,9 @@
 """Variation of a healthy train on oil films, in its own coordinates: from run to run, and over the seasons.
 
 From run to run, films' stiffness and damping scatter by some per cent, the oil is warmer or colder for all films together,
-each bearing moves by a micrometre, and the power is not quite the same, which process forces follow. How much is learnt from a baseline: variance components by expectation and
-maximisation (Laird and Ware, Biometrics 38 (1982) 963, doi:10.2307/2529876), with what is stated as a prior that counts as
-much as ten runs.
+each bearing moves by a micrometre, and the power is not quite the same, which process forces follow. How
+much is learnt from a baseline: variance components by expectation and maximisation (Laird and Ware, Biometrics 38 (1982) 963,
+doi:10.2307/2529876), with what is stated as a prior that counts as much as ten runs.
 """
 
 import math
