@@ -193,7 +193,7 @@ def _way(
     said: ParameterDescription, unit: float, size: dict[str, float], excited: dict[str, float]
 ) -> tuple[str | None, float]:
     """Return the number that a coordinate follows from run to run, and its standard deviation per unit of that."""
-    if said.quantity in VISCOSITIES:
+    if said.quantity in (*VISCOSITIES, "viscosity_ratio"):
         return "viscosity", 1.0
     if said.quantity.startswith("elevation"):
         return "elevation", 1.0 / unit
@@ -218,7 +218,7 @@ def _stated_force(load: StaticLoad) -> float:
 
 def _slow_way(said: ParameterDescription, unit: float) -> tuple[str | None, float]:
     """Return the number that a coordinate follows over the seasons, and its standard deviation per unit of that."""
-    if said.quantity in VISCOSITIES:
+    if said.quantity in (*VISCOSITIES, "viscosity_ratio"):
         return "slow_viscosity", 1.0
     if said.quantity == "clearance":
         return "slow_clearance", 1.0
