@@ -1,9 +1,9 @@
 """Histories of machines on oil films, run after run: seasons of oil, pedestals that grow, and what happens to them.
 
 Weekly run-downs. One supply oils all bearings, whose viscosities differ by 3 %. Films scatter by 1 % in stiffness and 5 % in
-damping, the oil's weather by 5 % of viscosity (some 2 K); over the year the oil is up to 10 K warmer and colder, and the second shaft's pedestals grow by 1 µm/K against the first's, with
-either sign. A third of the machines is misaligned by half of what is allowed from the beginning. In every other machine the
-oil's temperature is sent.
+damping, the oil's weather by 5 % of viscosity (some 2 K); over the year the oil is up to 10 K warmer and colder, and the
+second shaft's pedestals grow by 1 µm/K against the first's, with either sign. A third of the machines is misaligned by half
+of what is allowed from the beginning. In every other machine the oil's temperature is sent.
 """
 
 import math
