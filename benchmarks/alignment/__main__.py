@@ -1,9 +1,10 @@
 """Alignment on fluid films: figures asked beside those measured, on misaligned plants of other make than the estimator.
 
-Each plant is identified seven times, six of them as a baseline before its coupling moves; runs differ by 1 % in stiffness, 5 %
-in damping and 5 % in the viscosity of their oil. One half of the plants are motors and compressors around the reference, the
-other half of random proportions. One line a figure; status 1 where one falls short. Coverage is judged from 20 plants on.
-`--short` takes one plant of each kind and about a minute. Run-outs of couplings are tried on two machines of each kind.
+Each plant is identified seven times, six of them as a baseline before its coupling moves; runs differ by 1 % in stiffness, 5
+% in damping and 5 % in the viscosity of their oil. One half of the plants are motors and compressors around the reference,
+the other half of random proportions; one supply oils all bearings, whose viscosities differ by 3 %. One line a figure;
+status 1 where one falls short. Coverage is judged from 20 plants on. `--short` takes one plant of each kind and about a
+minute. Run-outs of couplings are tried on two machines of each kind.
 
 `--fleet N` lets N machines of each kind live through weeks of run-downs for each thing that can happen, through the gate and
 the service's own assessment; with `--results FOLDER` what was computed is not computed again.

@@ -16,10 +16,10 @@ from estimator.updated_model.derived_quantities import Derived, derived_quantiti
 from estimator.updated_model.model import updated_model
 from tests.film_plant.discrepancy import DiscrepancySize
 from tests.film_plant.documents import film_document, measured, measured_gaps
-from tests.film_plant.misalignment import MOVES, SETTLED, drawn, left_off, true_alignment
+from tests.film_plant.misalignment import MOVES, ONE_SUPPLY, drawn, left_off, true_alignment
 from tests.film_plant.motor_compressor import CouplingKind
 from tests.film_plant.plant import Plant
-from tests.film_plant.plants import Priors, motor_compressor_plant, random_plant
+from tests.film_plant.plants import motor_compressor_plant, random_plant
 from tests.film_plant.proportions import Design
 from tests.film_plant.scatter import run_of
 from tests.film_plant.scores import film_result_truths
@@ -31,7 +31,7 @@ SPREAD = 150e-6
 SAMPLES = 150
 PRIOR_PART = 0.8
 """Largest error of a change that is called determined, as a part of what is believed possible [-]."""
-BELIEVED = Priors(elevation=SPREAD, rigid_elevation=SPREAD)
+BELIEVED = replace(ONE_SUPPLY, elevation=SPREAD, rigid_elevation=SPREAD)
 
 
 @dataclass(frozen=True)
@@ -79,8 +79,8 @@ def plant_of(seed: int, kind: CouplingKind) -> Plant:
     """Return a misaligned plant: of even seeds a motor and compressor, of odd ones a train of random proportions."""
     alter, size = left_off(kind), DiscrepancySize()
     if seed % 2 == 0:
-        return motor_compressor_plant(seed, kind, priors=SETTLED, discrepancy=size, alter=alter)
-    return random_plant(seed, design=Design(coupling=kind), priors=SETTLED, discrepancy=size, alter=alter)
+        return motor_compressor_plant(seed, kind, priors=ONE_SUPPLY, discrepancy=size, alter=alter)
+    return random_plant(seed, design=Design(coupling=kind), priors=ONE_SUPPLY, discrepancy=size, alter=alter)
 
 
 def alignment_trial(seed: int, kind: CouplingKind) -> AlignmentTrial:

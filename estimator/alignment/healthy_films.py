@@ -1,9 +1,9 @@
 """Variation of a healthy train on oil films, in its own coordinates: from run to run, and over the seasons.
 
 From run to run, films' stiffness and damping scatter by some per cent, the oil is warmer or colder for all films together,
-and each bearing moves by a micrometre. How much is learnt from a baseline: variance components by expectation and
-maximisation (Laird and Ware, Biometrics 38 (1982) 963, doi:10.2307/2529876), with what is stated as a prior that counts as
-much as ten runs.
+each bearing moves by a micrometre, and the power is not quite the same, which process forces follow. How
+much is learnt from a baseline: variance components by expectation and maximisation (Laird and Ware, Biometrics 38 (1982) 963,
+doi:10.2307/2529876), with what is stated as a prior that counts as much as ten runs.
 """
 
 import math
@@ -18,6 +18,7 @@ from estimator.bearings.terms import TERMS
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.document import Machine
+from estimator.machine.films import StaticLoad
 from estimator.machine.parameter_description import ParameterDescription, describe
 from estimator.statics.film_deviations import SHARED
 from estimator.updated_model.film_results import placed_films
@@ -123,7 +124,9 @@ def coordinate_scales(coordinates: Coordinates, values: Floats) -> CoordinateSca
     found = placed_films(coordinates)
     if found is None:
         raise ValueError("only coordinates of a train on oil films vary so")
-    size = {one.name: form.discrepancy for one, form in zip(found[1].own.train.bearings, found[1].own.forms, strict=True)}
+    films = found[1].own
+    size = {one.name: form.discrepancy for one, form in zip(films.train.bearings, films.forms, strict=True)}
+    size |= {f"static_load.{one.id}": _stated_force(one) for one in films.loads}
     excited = dict(zip(coordinates.names, values, strict=True))
     described = [describe(name) for name in coordinates.names]
     ways = [_way(said, float(unit), size, excited) for said, unit in zip(described, coordinates.unit, strict=True)]
@@ -190,10 +193,12 @@ def _way(
     said: ParameterDescription, unit: float, size: dict[str, float], excited: dict[str, float]
 ) -> tuple[str | None, float]:
     """Return the number that a coordinate follows from run to run, and its standard deviation per unit of that."""
-    if said.quantity in VISCOSITIES:
+    if said.quantity in (*VISCOSITIES, "viscosity_ratio"):
         return "viscosity", 1.0
     if said.quantity.startswith("elevation"):
         return "elevation", 1.0 / unit
+    if said.element_kind == "static_load":
+        return "process_force", size[said.element] / unit
     if said.quantity == "unbalance":
         parts = [excited[f"{said.whole}.{part}"] for part in ("real", "imaginary")]
         return "unbalance", math.hypot(*parts) / unit
@@ -206,9 +211,14 @@ def _way(
     return None, 0.0
 
 
+def _stated_force(load: StaticLoad) -> float:
+    """Return what the document states of a static force: its size, or how far it may be off where that is more [N]."""
+    return max(math.hypot(load.force_x, load.force_y), load.force_x_spread, load.force_y_spread)
+
+
 def _slow_way(said: ParameterDescription, unit: float) -> tuple[str | None, float]:
     """Return the number that a coordinate follows over the seasons, and its standard deviation per unit of that."""
-    if said.quantity in VISCOSITIES:
+    if said.quantity in (*VISCOSITIES, "viscosity_ratio"):
         return "slow_viscosity", 1.0
     if said.quantity == "clearance":
         return "slow_clearance", 1.0

@@ -32,6 +32,7 @@ class JournalForm(FormDefaults, Part):
         OwnParameter("clearance", "clearance", UNITS["clearance"], positive=True),
         OwnParameter("viscosity", "viscosity", UNITS["viscosity"], positive=True),
         OwnParameter("viscosity_factor", "scale factor", UNITS["scale factor"], positive=True),
+        OwnParameter("viscosity_ratio", "scale factor", UNITS["scale factor"], positive=True),
         OwnParameter("viscosity_slope", "slope", UNITS["slope"], positive=False),
         OwnParameter("elevation_x", "elevation", UNITS["elevation"], positive=False),
         OwnParameter("elevation_y", "elevation", UNITS["elevation"], positive=False),
@@ -44,6 +45,10 @@ class JournalForm(FormDefaults, Part):
     form: Literal["journal"] = Field(description="coefficients that follow from the bearing's film")
     clearance_spread: Spread = Field(default=0.15, description="how far the radial clearance may be off, relative rms [-]")
     viscosity_spread: Spread = Field(default=0.15, description="how far the film's viscosity may be off, relative rms [-]")
+    viscosity_ratio_spread: Spread = Field(
+        default=0.0,
+        description="how far the viscosity may differ from what the oil's supply makes of it, relative rms [-]; 0: not at all",
+    )
     viscosity_slope_spread: Spread = Field(
         default=0.0,
         description="how far the slope of ln viscosity over ln speed may be off, rms [-]; 0: as the oil says",
@@ -80,7 +85,7 @@ class JournalForm(FormDefaults, Part):
         Returns:
             The number.
         """
-        return 4 + (self.viscosity_slope_spread > 0.0) if terms else 0
+        return 4 + (self.viscosity_slope_spread > 0.0) + (self.viscosity_ratio_spread > 0.0) if terms else 0
 
     def models(self, coefficients: Sequence[ModelParameter]) -> Sequence[CoefficientModel]:  # noqa: ARG002
         """Return no models: the films of a train have one together.

@@ -18,7 +18,7 @@ from estimator.updated_model.model import UpdatedModel
 
 LEFT = 0.5
 """Most of the baseline's margin that is left of one that has fallen [-]; one that was as low is the machine's design."""
-OIL = ("viscosity", "viscosity_factor")
+OIL = ("viscosity", "viscosity_factor", "viscosity_ratio")
 """Quantities that follow the oil and its temperature."""
 TINY = 1e-9
 """Least error of a margin [-]."""

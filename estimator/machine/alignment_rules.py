@@ -80,6 +80,10 @@ class HealthyVariation(Part):
     viscosity: Spread = Field(default=0.01, description="of each film's viscosity by itself from run to run, relative [-]")
     unbalance: Spread = Field(default=0.03, description="of each unbalance from run to run, as a part of it [-]")
     elevation: VariedElevation = Field(default=1e-6, description="of each bearing from run to run, in each direction [m]")
+    process_force: Spread = Field(
+        default=0.05,
+        description="of each static force that is identified from run to run, as a part of what is stated of it [-]",
+    )
     slow_oil: Spread = Field(
         default=0.3, description="of the viscosity of all films together over the seasons, relative [-]: some 10 K"
     )

@@ -298,6 +298,10 @@ def _supply_problems(train: Train) -> Iterator[InitErrorDetails]:
     """Find films of one oil supply of whose viscosities different things are believed: they have one factor."""
     first: dict[str, BearingOnFilm] = {}
     for one in bearings_on_films(train.bearings):
+        if one.film.oil.supply is None and one.form.viscosity_ratio_spread > 0.0:
+            message = "is over the viscosity of an oil supply: film.oil.supply must name it"
+            where = ("bearings", one.number, "speed_dependence", "viscosity_ratio_spread")
+            yield _problem(where, one.form.viscosity_ratio_spread, message)
         if one.film.oil.supply is not None:
             known = first.setdefault(one.film.oil.supply, one).form
             for name in ("viscosity_spread", "viscosity_slope_spread"):

@@ -7,7 +7,7 @@ from estimator.machine.films import JournalFilm, StaticLoad
 
 
 def film_parameter_names(bearing: str, film: JournalFilm, form: JournalForm) -> dict[str, str]:
-    """Return the names of a film's parameters; films of one oil supply have those of their oil in common.
+    """Return the names of a film's parameters; films of one oil supply have those of their oil in common, but for a ratio.
 
     Args:
         bearing: Id of the bearing.
@@ -25,6 +25,8 @@ def film_parameter_names(bearing: str, film: JournalFilm, form: JournalForm) -> 
         "elevation_x": f"{own}.elevation_x",
         "elevation_y": f"{own}.elevation_y",
     }
+    if supply is not None and form.viscosity_ratio_spread > 0.0:
+        found["viscosity_ratio"] = f"{own}.viscosity_ratio"
     return found | ({"viscosity_slope": f"{oil}.viscosity_slope"} if form.viscosity_slope_spread > 0.0 else {})
 
 

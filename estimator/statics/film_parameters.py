@@ -200,6 +200,8 @@ def _of_film(bearing: JournalBearing, form: JournalForm) -> Iterator[tuple[str, 
     yield "clearance", _logarithmic(names["clearance"], said.radial_clearance, form.clearance_spread)
     thick = bearing.oil.value if said.oil.supply is None else 1.0
     yield "viscosity", _logarithmic(names["viscosity"], thick, form.viscosity_spread)
+    if "viscosity_ratio" in names:
+        yield "viscosity", _logarithmic(names["viscosity_ratio"], 1.0, form.viscosity_ratio_spread)
     step = form.elevation_spread or 1e-9
     for what, raised in (("elevation_x", said.elevation_x), ("elevation_y", said.elevation_y)):
         yield what, ModelParameter(names[what], "elevation", UNITS["elevation"], False, raised, step, 1.0)

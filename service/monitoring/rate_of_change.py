@@ -13,7 +13,9 @@ from service.alerts.lifecycle import Severity
 from service.monitoring.finding_rules import RATE_OF_CHANGE
 from service.monitoring.limits import Limits, deviation_rule, severity_of
 
-FILM_NUMBERS = frozenset({"clearance", "viscosity", "viscosity_factor", "viscosity_slope", "elevation_x", "elevation_y"})
+FILM_NUMBERS = frozenset(
+    {"clearance", "viscosity", "viscosity_factor", "viscosity_ratio", "viscosity_slope", "elevation_x", "elevation_y"}
+)
 """Numbers of oil films, whose drifts are the seasons' or are judged by the diagnosis in their own units."""
 
 

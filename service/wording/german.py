@@ -301,6 +301,7 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "name.clearance": "Lagerspiel",
     "name.viscosity": "Viskosität",
     "name.viscosity_factor": "Viskositätsfaktor",
+    "name.viscosity_ratio": "Viskositätsverhältnis",
     "name.gain": "Verstärkung",
     "name.stiffness": "Steifigkeit",
     "name.coefficients": "Koeffizienten",

@@ -112,6 +112,9 @@ def film_document(plant: Plant, *, priors: Priors = PRIORS, discrepancy: float =
             "elevation_spread": priors.rigid_elevation if rigid else priors.elevation,
             "discrepancy": discrepancy,
         }
+        if priors.common_oil:
+            bearing["film"]["oil"]["supply"] = "main"
+            bearing["speed_dependence"]["viscosity_ratio_spread"] = priors.viscosity_difference
         if isinstance(one.oil, HeatedOil):
             bearing["speed_dependence"]["viscosity_slope_spread"] = SLOPE_SPREAD
     return said

@@ -12,6 +12,8 @@ from tests.film_plant.train import Train
 
 SETTLED = Priors(elevation=10e-6, rigid_elevation=5e-6)
 """Error of each bearing by itself in plants whose second shaft is misaligned."""
+ONE_SUPPLY = replace(SETTLED, common_oil=True, viscosity_difference=0.03)
+"""The same where one supply oils all bearings, whose viscosities differ by 3 % beside what they have in common."""
 
 
 @dataclass(frozen=True)

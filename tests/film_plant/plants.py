@@ -44,6 +44,7 @@ class Priors:
         elevation: Of a bearing's elevation, vertical and horizontal, with a flexible coupling [m].
         rigid_elevation: The same with a rigid coupling [m].
         common_oil: Whether all bearings have one oil supply, and so one viscosity.
+        viscosity_difference: Of the logarithm of each viscosity from that [-].
     """
 
     clearance: float = 0.15
@@ -51,6 +52,7 @@ class Priors:
     elevation: float = 30e-6
     rigid_elevation: float = 5e-6
     common_oil: bool = False
+    viscosity_difference: float = 0.0
 
 
 PRIORS = Priors()
@@ -177,13 +179,14 @@ def _truth(believed: Train, rng: np.random.Generator, priors: Priors, kind: Coup
     count = len(believed.bearings)
     clearance = np.exp(priors.clearance * rng.standard_normal(count))
     drawn = np.exp(priors.viscosity * rng.standard_normal(count))
-    viscosity = np.full(count, drawn[0]) if priors.common_oil else drawn
+    if priors.common_oil:
+        drawn = drawn[0] * np.exp(priors.viscosity_difference * rng.standard_normal(count))
     move = (priors.elevation if kind == "flexible" else priors.rigid_elevation) * rng.standard_normal((count, 2))
     bearings = tuple(
         replace(
             one,
             clearance=float(one.clearance * clearance[k]),
-            oil=_thickened(one.oil, float(viscosity[k])),
+            oil=_thickened(one.oil, float(drawn[k])),
             elevation=(one.elevation[0] + float(move[k, 0]), one.elevation[1] + float(move[k, 1])),
         )
         for k, one in enumerate(believed.bearings)

@@ -856,6 +856,7 @@ export const de: Record<Key, string> = {
   "term.clearance": "Lagerspiel",
   "term.viscosity": "Viskosität",
   "term.viscosity_factor": "Viskositätsfaktor",
+  "term.viscosity_ratio": "Viskosität über der der Versorgung",
   "term.gain": "Verstärkung",
   "term.rotating_offset": "Rundlauffehler der Bohrung",
   "term.rotating_angle": "Planlauffehler",

@@ -855,6 +855,7 @@ export const en = {
   "term.clearance": "clearance",
   "term.viscosity": "viscosity",
   "term.viscosity_factor": "viscosity factor",
+  "term.viscosity_ratio": "viscosity over its supply's",
   "term.gain": "gain",
   "term.rotating_offset": "rotating offset",
   "term.rotating_angle": "rotating angle",

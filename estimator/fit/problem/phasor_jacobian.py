@@ -29,7 +29,9 @@ def phasor_jacobian(
         first = coordinates.excitation_place[column]
         whole[first : first + 2] = coordinates.excitation_scale[column] * found.by_excitation[2 * column : 2 * column + 2]
     whole[coordinates.scale_place] = found.by_scale
-    whole *= coordinates.channels.gains(theta)
+    gains = coordinates.channels.gains(theta)
+    if not np.all(gains == 1.0):
+        whole *= gains
     coordinates.channels.add_derivatives(whole, found.phasor, direction)
     return whole
 

@@ -146,4 +146,6 @@ class FollowingCoefficients:
         for knots in self._knots:
             knots.add_derivatives(whole, theta, block, by_coefficient)
         for one in self._others:
-            whole[one.numbers] += one.chained(theta, block, by_coefficient[list(one.coefficients)])
+            found = one.chained(theta, block, by_coefficient[list(one.coefficients)])
+            whole[list(one.read)] += found[: len(one.read)]
+            whole[one.places.start : one.places.stop] += found[len(one.read) :]  # a slice, which nothing copies

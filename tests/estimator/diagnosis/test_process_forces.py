@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from estimator.alignment.healthy_films import coordinate_scales
 from estimator.diagnosis.film_findings import process_force_size, process_forces
 from estimator.diagnosis.film_reference import film_observation
 from estimator.diagnosis.finding_kind import BaselineValues, Cause
@@ -61,6 +62,27 @@ def test_a_force_that_has_changed_is_named_with_its_size() -> None:
     size = process_force_size(cause, BaselineValues({FORCE_Y: -500.0}, {}))
     assert size.quantities["force_y_n"] == pytest.approx(-600.0, abs=150.0)
     assert size.per_cent == pytest.approx(120.0, abs=30.0)
+
+
+def test_a_force_varies_from_run_to_run_by_a_part_of_what_is_stated_of_it() -> None:
+    coordinates = expected_model(train()).coordinates_at(np.ones(1))
+    scales = coordinate_scales(coordinates, coordinates.point(coordinates.centre))
+    place = coordinates.names.index(FORCE_Y)
+    for variation in (HealthyVariation(), HealthyVariation(process_force=0.2)):
+        spread = scales.own(variation)[place] * coordinates.unit[place]
+        assert spread == pytest.approx(variation.process_force * SPREAD)  # more than the force of 500 N itself
+
+
+def test_runs_whose_force_varies_as_stated_are_no_finding_and_more_stated_variation_hides_more() -> None:
+    rng = np.random.default_rng(8)
+    stated = HealthyVariation(process_force=0.15)
+    baseline = [run(rng, 120.0 * rng.standard_normal()) for _ in range(BASELINE)]
+    moved = [run(rng, -250.0), run(rng, -250.0)]
+    told = [
+        {cause.kind for cause in RunWindows.over(train(), baseline, variation=one).found(moved, on_delay=lambda *_: 2).causes}
+        for one in (HealthyVariation(process_force=0.0), stated)
+    ]
+    assert told == [{"process_force"}, set()]
 
 
 def test_its_words_tell_newtons_with_what_it_was() -> None:

@@ -58,6 +58,25 @@ def test_derivatives_are_those_of_differences(discrepancy: float) -> None:
         np.testing.assert_allclose(found[:, :, place] / size, difference / size, atol=2e-4)
 
 
+def test_films_of_one_supply_may_differ_from_it_by_a_ratio_each() -> None:
+    said = document(discrepancy=0.0)
+    for bearing in said["bearings"][:2]:
+        bearing["film"]["oil"]["supply"] = "motor"
+        bearing["speed_dependence"]["viscosity_ratio_spread"] = 0.03
+    model = film_model(parse_machine(said))
+    names = [one.name for one in model.numbers]
+    ratio = "bearing.B1.viscosity_ratio"
+    assert [name for name in names if "ratio" in name] == [ratio, "bearing.B2.viscosity_ratio"]
+    curves, fitted = model.at(SPEED), drawn(model, 3)
+    found = curves.derivatives(fitted, slice(None))
+    both = found[:, :, names.index(ratio)] + found[:, :, names.index("bearing.B2.viscosity_ratio")]
+    common = found[:, :, names.index("oil.motor.viscosity_factor")]
+    np.testing.assert_allclose(both, common, atol=1e-9 * np.abs(common).max())
+    said["bearings"][2]["speed_dependence"]["viscosity_ratio_spread"] = 0.03
+    with pytest.raises(DocumentError, match=r"viscosity_ratio_spread: .*film.oil.supply must name it"):
+        parse_machine(said)
+
+
 def test_derivatives_of_warmed_oils_and_of_one_supply_are_those_of_differences() -> None:
     said = document(discrepancy=0.0, viscosity_slope_spread=0.2)
     for bearing in said["bearings"]:
