@@ -19,6 +19,7 @@ from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine
 from estimator.runs.segmentation import RunKind
 from estimator.simulation.simulated_gaps import simulated_gaps
+from estimator.simulation.simulated_overall import simulated_overall
 from estimator.simulation.simulated_plant import (
     Truth,
     draw_truth,
@@ -33,7 +34,7 @@ from estimator.simulation.stories import Story
 from estimator.units import METRES, PEAK, RADIANS, rad_per_s_to_rpm
 from service.sources.publisher import Source
 from service.sources.recording import split
-from service.wire import WIRE_SCHEMA, Key, SampleBatch, as_sent
+from service.wire import LARGEST_AMPLITUDE, WIRE_SCHEMA, Key, SampleBatch, as_sent
 from service.wire.schema import ChannelTable
 
 logger = logging.getLogger(__name__)
@@ -131,6 +132,8 @@ class _SimulatedMachine:
         self._plan = plan
         self._truths = truths
         self._rng = rng
+        # Of its own: with or without overall levels, a seed draws the same machine and the same runs.
+        self._overall_rng = rng.spawn(1)[0]
         self._stop = stop
         self._truth = draw_truth(machine, rng)
         truth_at_progress(self._truth, machine, story, 1.0)  # raises when the story is impossible
@@ -167,7 +170,7 @@ class _SimulatedMachine:
         seconds, speed = speed_law(self.machine, kind, duration=duration, samples=self._plan.samples)
         phasors = measured_phasors(self.machine, truth, speed, self._rng)
         gaps = simulated_gaps(self.machine, truth, time=seconds, speed=speed, rng=self._rng)
-        batch = _batch(self.machine, start + seconds, speed, phasors, self._conditions, gaps)
+        batch = self._batch(start + seconds, speed, phasors, gaps)
         self._truths.write(self.machine, kind, batch.time_ns[-1], truth)
         self._publish(source, batch)
 
@@ -178,7 +181,11 @@ class _SimulatedMachine:
         speed = np.full(HOLD_SAMPLES, sweep[0])
         phasors = measured_phasors(self.machine, truth, speed, self._rng)
         gaps = simulated_gaps(self.machine, truth, time=seconds, speed=speed, rng=self._rng)
-        self._publish(source, _batch(self.machine, start + seconds, speed, phasors, self._conditions, gaps))
+        self._publish(source, self._batch(start + seconds, speed, phasors, gaps))
+
+    def _batch(self, time_s: Floats, speed: Floats, phasors: Complexes, gaps: Floats | None) -> SampleBatch:
+        overall = simulated_overall(phasors, self._overall_rng)
+        return _batch(self.machine, time_s, speed, phasors, self._conditions, gaps, overall)
 
     def _publish(self, source: Source, batch: SampleBatch) -> None:
         for piece in split(batch, BATCH_SAMPLES):
@@ -198,11 +205,18 @@ class _SimulatedMachine:
 
 
 def _batch(
-    machine: Machine, time_s: Floats, speed: Floats, phasors: Complexes, conditions: Floats, gaps: Floats | None
+    machine: Machine,
+    time_s: Floats,
+    speed: Floats,
+    phasors: Complexes,
+    conditions: Floats,
+    gaps: Floats | None,
+    overall: Floats,
 ) -> SampleBatch:
     """Return a batch in the usual units of vibration monitors: rpm, µm peak-to-peak, degrees of lag, gaps in µm.
 
     conditions: (k,), constant over the samples. gaps: the shaft's places (S, m) [m], NaN of probes that send none.
+    overall: levels (S, m), 0-to-peak [m].
     """
     told = dict(zip(machine.condition_names, conditions.tolist(), strict=True))
     return SampleBatch(
@@ -224,6 +238,8 @@ def _batch(
         amplitude=(np.abs(phasors) / (METRES["um"] * PEAK["peak-to-peak"])).tolist(),
         phase=np.mod(-np.angle(phasors) / RADIANS["deg"], 360.0).tolist(),
         conditions={name: [value] * speed.size for name, value in told.items()} or None,
+        # A monitor shows none where its probe cannot see that far.
+        overall=_table(np.where(overall <= LARGEST_AMPLITUDE, overall, np.nan) / (METRES["um"] * PEAK["peak-to-peak"])),
         gap=None if gaps is None else _table(as_sent(gaps, machine)),
         gap_unit=None if gaps is None else "um",
     )

@@ -11,6 +11,7 @@ from tests.browser.conftest import Seen
 from tests.browser.drawing import wait_drawn
 from tests.browser.levels import COPY, GAP_UM, OVERALL_PART, SECOND_PART, add_copy
 from tests.browser.story import MACHINE
+from tests.browser.views import show
 from tests.end_to_end.processes import Service
 
 
@@ -133,6 +134,49 @@ def test_every_plot_is_saved_as_a_picture_and_its_data_as_csv(seen: Seen, tmp_pa
     count = seen.page.locator(".plot, .polar").count()
     expect(seen.page.get_by_role("button", name=re.compile("^Save the data as CSV"))).to_have_count(count)
     assert seen.errors == []
+
+
+def test_two_machines_are_in_one_plot_of_trends_and_in_its_file(seen: Seen, service: Service, tmp_path: Path) -> None:
+    page, name = seen.page, "coupling.C1.kxx"
+    show(page, seen.base, "trends")
+    page.get_by_label("Beside it").select_option(COPY)
+    expect(page.locator(".names").first).to_contain_text(f"run-down of {MACHINE}")
+    expect(page.locator(".names").first).to_contain_text(f"run-down of {COPY}")
+    expect(page.locator("main")).to_contain_text(f"Beside it {COPY}: grey, tests and marks are those of this machine alone.")
+    own, other = (service.get(f"/machines/{one}/trends", parameter=name)["series"][0] for one in (MACHINE, COPY))
+    points = len(own["value"]) + len(other["value"])
+    assert other["value"]
+    plot = page.get_by_role("group", name=f"{name} over time, {points} points")
+    plot.focus()
+    read = set()
+    for _ in range(points):
+        plot.press("ArrowLeft")
+        read |= {one.split(",")[0] for one in plot.locator(".readout").inner_text().split("; ")}
+    assert read == {MACHINE, COPY}, "its runs are those of the machine at the same instants: both are read out"
+    lines = [one.get_attribute("class") for one in page.locator(".names").first.locator("svg").all()]
+    assert len(set(lines)) == len(lines) == 4
+    for button, has in (
+        (
+            page.locator(".panel").filter(has_text="single runs").get_by_role("button", name="CSV", exact=True),
+            (f"{MACHINE},", f"{COPY},"),
+        ),
+        (plot.get_by_title("Save the data as CSV"), (f"of {MACHINE}", f"of {COPY}")),
+    ):
+        with page.expect_download() as started:
+            button.first.click()
+        started.value.save_as(tmp_path / "both.csv")
+        text = (tmp_path / "both.csv").read_text(encoding="utf-8")
+        assert [one for one in has if one not in text] == []
+    seen.picture("two-machines")
+    page.get_by_label("Beside it").select_option("")
+    expect(page.get_by_role("group", name=f"{name} over time, {len(own['value'])} points")).to_be_visible()
+
+
+def test_another_machine_without_these_parameters_says_so(seen: Seen) -> None:
+    seen.page.route(re.compile(f"/machines/{COPY}/identifications"), lambda route: route.fulfill(json=[]))
+    seen.open(f"machines/{MACHINE}/trends?element=coupling.C1&beside={COPY}")
+    expect(seen.page.locator("main")).to_contain_text(f"{COPY} has no history of these parameters.")
+    expect(seen.page.locator(".plot canvas").first).to_be_visible()
 
 
 def test_refused_data_are_a_badge_in_a_persons_words(seen: Seen) -> None:

@@ -71,6 +71,15 @@ export async function get<T>(path: string): Promise<T> {
   return parse<T>(await request(path, { headers: { accept: "application/json" } }));
 }
 
+export async function getText(path: string): Promise<string> {
+  const response = await request(path, { headers: { accept: "text/csv" } });
+  try {
+    return await response.text();
+  } catch (error) {
+    throw isTimeout(error) ? pending() : new ApiError(response.status, t("theServiceSResponseWas"));
+  }
+}
+
 /** The resource, and the ETag that a change of it must name. */
 export async function getWithEtag<T>(path: string): Promise<[T, string | null]> {
   const response = await request(path, { headers: { accept: "application/json" }, cache: "no-store" });

@@ -7,9 +7,10 @@ import { RunSelect } from "../components/run-select";
 import { useResource } from "../data/resource";
 import { useRunSelection } from "../data/run-selection";
 import { t } from "../messages/messages";
-import type { Document, Fleet } from "../schemas/machines";
+import type { Document } from "../schemas/machines";
 import type { Run } from "../schemas/runs";
 import { BesideAlert, ChannelButtons, useChosenChannels } from "./chosen-channels";
+import { OtherMachineSelect, useOtherMachine } from "./other-machine";
 import { RunResponse } from "./run-response";
 
 export function ResponseTab({ machine }: { machine: Document }) {
@@ -18,6 +19,7 @@ export function ResponseTab({ machine }: { machine: Document }) {
   const { run, reference } = runs;
   const order = query.get("order") === "2" ? 2 : 1;
   const other = useOtherMachine(machine.id);
+  const otherRun = useNewestRun(other);
   const { chosen, beside, isPending } = useChosenChannels(machine);
   if (runs.all?.length === 0) {
     return (
@@ -31,7 +33,7 @@ export function ResponseTab({ machine }: { machine: Document }) {
       <Panel title={t("selection")}>
         <div class="choices">
           <RunSelect {...runs} />
-          <OtherMachineSelect machine={machine.id} other={other} />
+          <OtherMachineSelect machine={machine} chosen={other} label={t("newestRunOf")} />
           <ChannelButtons machine={machine} chosen={chosen} />
           <OrderButtons order={order} />
           <SlowRollSwitch checked={query.get("slow_roll") !== "none"} />
@@ -45,7 +47,7 @@ export function ResponseTab({ machine }: { machine: Document }) {
       ) : isPending ? (
         <Loading height="720px" />
       ) : (
-        <RunResponse machine={machine} run={run} reference={other?.run ?? reference} overlaid={other?.name} order={order} channels={chosen} asMeasured={query.get("slow_roll") === "none"} />
+        <RunResponse machine={machine} run={run} reference={otherRun ?? reference} overlaid={other} order={order} channels={chosen} asMeasured={query.get("slow_roll") === "none"} />
       )}
     </>
   );
@@ -63,36 +65,10 @@ function OrderButtons({ order }: { order: 1 | 2 }) {
   );
 }
 
-interface OtherMachine {
-  id: string;
-  name: string;
-  run: Run | undefined;
-}
-
-/** Another machine that the address names, and its newest run: it is overlaid on this one's. */
-function useOtherMachine(machine: string): OtherMachine | undefined {
-  const id = useStore(route).query.get("beside");
-  const path = id && id !== machine ? `/machines/${encodeURIComponent(id)}/runs?limit=50` : null;
-  const runs = useResource<Run[]>(path).data;
-  return path && id ? { id, name: id, run: runs?.find((one) => one.state === "closed" && one.samples !== 0) } : undefined;
-}
-
-function OtherMachineSelect({ machine, other }: { machine: string; other: OtherMachine | undefined }) {
-  const fleet = useResource<Fleet>("/fleet").data?.machines ?? [];
-  const others = fleet.filter((one) => one.id !== machine);
-  return (
-    <label>
-      {t("newestRunOf")}
-      <select value={other?.id ?? ""} onChange={(event) => replaceQuery({ beside: event.currentTarget.value || null })}>
-        <option value="">{t("noOtherMachine")}</option>
-        {others.map((one) => (
-          <option key={one.id} value={one.id}>
-            {one.name}
-          </option>
-        ))}
-      </select>
-    </label>
-  );
+/** The newest run with samples of another machine. */
+function useNewestRun(machine: string | undefined): Run | undefined {
+  const runs = useResource<Run[]>(machine ? `/machines/${encodeURIComponent(machine)}/runs?limit=50` : null).data;
+  return runs?.find((one) => one.state === "closed" && one.samples !== 0);
 }
 
 function SlowRollSwitch({ checked }: { checked: boolean }) {

@@ -16,6 +16,7 @@ import type { Alert } from "../schemas/alerts";
 import type { Identification } from "../schemas/identifications";
 import type { Document } from "../schemas/machines";
 import { elementsOfEstimates } from "../words/elements";
+import { OtherMachineSelect, useOtherMachine } from "./other-machine";
 
 const RANGES: [string, string, number][] = [
   ["month", t("n1Month"), 31],
@@ -31,6 +32,7 @@ const POOLED = "gathered";
 export function TrendsTab({ machine }: { machine: Document }) {
   const { query } = useStore(route);
   const period = usePeriod();
+  const other = useOtherMachine(machine.id);
   const { newest, none, failure, list } = useNewestIdentification(machine.id);
   const loaded = useResource<Alert[]>(`/machines/${machine.id}/alerts?limit=${MAX_ALERTS}`, 30_000);
   const alerts = loaded.data ?? [];
@@ -53,12 +55,13 @@ export function TrendsTab({ machine }: { machine: Document }) {
           <ElementButtons elements={elements} chosen={element} alerts={alerts} />
           <RangeButtons chosen={isFree ? "" : range} />
           <PeriodFields {...period} />
+          <OtherMachineSelect machine={machine} chosen={other} label={t("besideMachine")} />
           <PooledSwitch checked={query.get("scope") === POOLED} />
         </div>
         <Truncated shown={alerts.length} limit={MAX_ALERTS} of={t("alertsOfTheMachine")} />
       </Panel>
       <ElementHistories
-        key={[element, range, query.get("scope"), period.first, period.last].join()}
+        key={[element, range, query.get("scope"), period.first, period.last, other].join()}
         shown={period}
         machine={machine.id}
         rotation={machine.rotation}
@@ -68,6 +71,7 @@ export function TrendsTab({ machine }: { machine: Document }) {
         shownDays={isFree ? Infinity : (RANGES.find(([id]) => id === range)?.[2] ?? Infinity)}
         scope={query.get("scope") ?? "run"}
         alerts={alerts}
+        beside={other}
       />
     </>
   );

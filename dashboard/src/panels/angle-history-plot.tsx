@@ -1,13 +1,14 @@
 // The angle of a vector over time: a change of it alone does not show in the magnitude.
 import { ANY_ANGLE } from "../format/angles";
-import { t, term } from "../messages/messages";
+import { t } from "../messages/messages";
 import { unwrapPhase } from "../plots/phase";
 import { Plot } from "../plots/plot";
 import type { Curve, Marker } from "../plots/plot-props";
-import type { Series } from "../schemas/trends";
+import { curveName, overAll, seconds, type HistoryPoint, type MachineHistory } from "./history-points";
 
 interface Props {
-  series: Series;
+  histories: MachineHistory[];
+  points: HistoryPoint[];
   kinds: string[];
   markers: Marker[];
   xRange: [number, number] | undefined;
@@ -15,7 +16,8 @@ interface Props {
   onPick: (index: number) => void;
 }
 
-export function AngleHistoryPlot({ series, kinds, markers, xRange, readOut, onPick }: Props) {
+export function AngleHistoryPlot({ histories, points, kinds, markers, xRange, readOut, onPick }: Props) {
+  const { series } = histories[0]!;
   const isThinned = series.down_sampling && series.down_sampling.method !== "none";
   return (
     <>
@@ -23,11 +25,11 @@ export function AngleHistoryPlot({ series, kinds, markers, xRange, readOut, onPi
         <p class="muted thinned">{t("thinnedAngles", { points: series.down_sampling!.points })}</p>
       )}
       <Plot
-        label={t("angleOverTime", { parameter: series.parameter, points: series.value.length })}
-        x={series.measured_at.map((one) => Date.parse(one) / 1000)}
+        label={t("angleOverTime", { parameter: series.parameter, points: points.length })}
+        x={points.map(seconds)}
         time
-        yUnit="angle, °"
-        curves={angleCurves(series, kinds)}
+        yUnit={t("angleInDegrees")}
+        curves={histories.flatMap((one, place) => angleCurves(one, kinds, place * kinds.length).map((curve) => overAll(curve, one, points)))}
         markers={markers}
         {...(xRange ? { xRange } : {})}
         syncGroup="trends"
@@ -39,17 +41,18 @@ export function AngleHistoryPlot({ series, kinds, markers, xRange, readOut, onPi
   );
 }
 
-/** A curve for each kind of run, of accepted identifications only. */
-function angleCurves(series: Series, kinds: string[]): Curve[] {
+/** A curve for each kind of run, of accepted identifications only, in colours from a number on. */
+function angleCurves(history: MachineHistory, kinds: string[], colour: number): Curve[] {
+  const { series } = history;
   const accepted = series.quality.map((one) => one === "accepted");
   const angles = unwrapPhase(series.measured_at.map((_, at) => (accepted[at] ? series.angle_deg?.[at] ?? null : null)));
-  return kinds.map((kind, style): Curve => {
+  return kinds.map((kind, place): Curve => {
     const y = angles.map((one, at) => (series.run_kind[at] === kind ? one : null));
     const bound = (sign: number) =>
       y.map((one, at) => {
         const half = series.angle_half_width_deg?.[at] ?? ANY_ANGLE;
         return one === null || half >= ANY_ANGLE ? null : one + sign * half;
       });
-    return { name: term(kind), style, y, lower: bound(-1), upper: bound(1), points: true, spanGaps: true };
+    return { name: curveName(history, kind), style: colour + place, y, lower: bound(-1), upper: bound(1), points: true, spanGaps: true };
   });
 }

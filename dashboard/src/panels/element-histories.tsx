@@ -2,8 +2,9 @@
 import { Loaded } from "../components/loading";
 import { Panel, Truncated } from "../components/panel";
 import { Time } from "../components/time";
-import { API_PREFIX, queryString } from "../data/http-client";
+import { queryString } from "../data/http-client";
 import { isComparable } from "../data/newest-identification";
+import { useOtherTrends } from "../data/other-trends";
 import { useResource } from "../data/resource";
 import { angleConvention } from "../format/angles";
 import { elementName, isUnbalance, parameterName, quantityName } from "../format/names";
@@ -16,6 +17,8 @@ import type { Alert } from "../schemas/alerts";
 import type { IdentificationSummary } from "../schemas/identifications";
 import type { Sense, TimelineEntry } from "../schemas/machines";
 import type { Series, Trends, TrendTest, TrendTests } from "../schemas/trends";
+import { HistoryFile } from "./history-file";
+import { curveName, type MachineHistory } from "./history-points";
 import { ParameterHistory } from "./parameter-history";
 
 const POLL_MS = 30_000;
@@ -45,31 +48,33 @@ interface Props {
   scope: string;
   alerts: Alert[];
   height?: number;
+  /** Another machine, whose histories of the same parameters are in the same plots. */
+  beside?: string | undefined;
 }
 
 export function ElementHistories(props: Props) {
-  const { machine, element, names, from = null, to = null, scope, alerts } = props;
+  const { machine, element, names, from = null, to = null, scope, alerts, beside } = props;
   const query = { parameter: names, from, to, scope };
+  const other = useOtherTrends(beside, { ...query, max_points: MAX_POINTS });
   const result = useResource<Trends>(`/machines/${machine}/trends${queryString({ ...query, max_points: MAX_POINTS })}`, POLL_MS);
   const { tests, isPending } = useTrendTests(props);
   const timeline = useResource<TimelineEntry[]>(`/machines/${machine}/timeline${queryString({ from, to, limit: MAX_TIMELINE })}`, 60_000).data ?? [];
   const markers = markersOf(alerts.filter((one) => one.element === element), timeline).filter((one) => isWithin(one, from, to));
-  const file = `${API_PREFIX}/machines/${machine}/trends${queryString({ ...query, max_points: MAX_FILE_POINTS, format: "csv" })}`;
+  const files = [machine, ...(other.names.length > 0 ? [beside!] : [])].map((one) => ({
+    machine: one,
+    path: `/machines/${one}/trends${queryString({ ...query, parameter: one === machine ? names : other.names, max_points: MAX_FILE_POINTS, format: "csv" })}`,
+  }));
   return (
     <Panel
       title={t("historiesTitle", { element: elementName(element), scope: scope === "run" ? t("singleRuns") : t("pooledRuns") })}
-      aside={
-        <a class="screen" href={file} download={`${machine}-${element}.csv`}>
-          CSV
-        </a>
-      }
+      aside={<HistoryFile files={files} element={element} />}
     >
       {/* Results of tests that came later than the plots would move these. */}
-      <Loaded result={isPending ? { data: undefined, failure: result.failure } : result} lines={30}>
+      <Loaded result={isPending || other.isPending ? { data: undefined, failure: result.failure } : result} lines={30}>
         {({ series }) => (
           <>
-            <Explanation series={series} names={names} rotation={props.rotation} />
-            <Plots {...props} series={series} markers={markers} tests={tests} />
+            <Explanation series={series} other={other.series} {...props} />
+            <Plots {...props} series={series} other={other.series} markers={markers} tests={tests} />
             <MarkerList markers={markers} />
             {to === null && <Truncated shown={timeline.length} limit={MAX_TIMELINE} of={t("entriesOfTheTimeline")} />}
           </>
@@ -89,27 +94,41 @@ function useTrendTests({ machine, element, names, newest, to = null, scope }: Pr
   return { tests: isTested ? (data?.tests ?? []) : null, isPending: isTested && !data && !failure };
 }
 
-function Explanation({ series, names, rotation }: { series: Series[]; names: string[]; rotation: Sense | undefined }) {
+interface ShownProps extends Props {
+  series: Series[];
+  other: Series[];
+}
+
+function Explanation({ series, other, names, rotation, machine, beside }: ShownProps) {
+  const kinds = kindsOf([...series, ...other]);
+  const machines = beside ? [machine, beside] : [machine];
   return (
     <p class="muted">
-      <CurveLegend curves={kindsOf(series).map((one) => ({ name: term(one) }))} />
+      <CurveLegend curves={machines.flatMap((one) => kinds.map((kind) => ({ name: curveName({ machine: one, named: !!beside }, kind) })))} />
       {series.some((one) => one.baselines.length > 0) && t("greyBandExplained")}
       {names.some(isUnbalance) && t("anglesCounted", { convention: angleConvention(rotation) })}
+      {beside && (other.length > 0 ? t("besideExplained", { machine: beside }) : ` ${t("noHistoryOf", { machine: beside })}`)}
     </p>
   );
 }
 
-function Plots(props: Props & { series: Series[]; markers: Marker[]; tests: TrendTest[] | null }) {
-  const { series, element, tests } = props;
-  const xRange = chosenStretch(series, props.shown) ?? newestDays(series, props.shownDays ?? Infinity);
+function Plots(props: ShownProps & { markers: Marker[]; tests: TrendTest[] | null }) {
+  const { series, other, element, tests, machine, beside } = props;
+  const all = [...series, ...other];
+  const xRange = chosenStretch(all, props.shown) ?? newestDays(all, props.shownDays ?? Infinity);
+  const otherOf = (name: string): MachineHistory | undefined => {
+    const found = other.find((one) => one.parameter === name);
+    return found && { series: found, machine: beside!, named: true };
+  };
   return (
     <div class="plots">
       {series.map((one) => (
         <ParameterHistory
           key={one.parameter}
           name={element === DERIVED ? parameterName(one.parameter) : quantityName(one.parameter)}
-          series={one}
-          kinds={kindsOf(series)}
+          history={{ series: one, machine, named: !!beside }}
+          beside={otherOf(one.parameter)}
+          kinds={kindsOf(all)}
           markers={props.markers}
           tests={tests && tests.filter((test) => test.name === one.parameter || test.name.startsWith(`${one.parameter}.`))}
           xRange={xRange}

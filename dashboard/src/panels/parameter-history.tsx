@@ -1,19 +1,21 @@
 // The history of one parameter: its estimates with intervals, the baseline's band, and the results of its trend tests.
-import { navigate, route } from "../browser/router";
+import { navigate } from "../browser/router";
 import { angleText } from "../format/angles";
 import { isCrossCoupled } from "../format/names";
 import { number, percent, scaleOf, type Scale } from "../format/numbers";
-import { when } from "../format/times";
 import { t, term } from "../messages/messages";
 import { Plot } from "../plots/plot";
 import type { Band, Curve, Marker } from "../plots/plot-props";
 import type { BaselineBand, Series, TrendTest } from "../schemas/trends";
 import { trendTestTexts } from "../words/trend-tests";
 import { AngleHistoryPlot } from "./angle-history-plot";
+import { atOnce, curveName, historyPoints, overAll, pointHead, seconds, type HistoryPoint, type MachineHistory } from "./history-points";
 
 interface Props {
   name: string;
-  series: Series;
+  history: MachineHistory;
+  /** Of another machine, in the same plot. */
+  beside: MachineHistory | undefined;
   kinds: string[];
   markers: Marker[];
   /** Null where nothing is tested. */
@@ -22,12 +24,16 @@ interface Props {
   height: number;
 }
 
-export function ParameterHistory({ name, series, kinds, markers, tests, xRange, height }: Props) {
-  const sizes = series.value.filter((one) => one !== null).map(Math.abs);
+export function ParameterHistory({ name, history, beside, kinds, markers, tests, xRange, height }: Props) {
+  const { series } = history;
+  const histories = beside ? [history, beside] : [history];
+  const points = historyPoints(histories);
+  const sizes = histories.flatMap((one) => one.series.value.filter((value) => value !== null).map(Math.abs));
   const scale = scaleOf(Math.max(0, ...sizes), series.unit);
-  const readOut = (index: number) => pointText(series, index, scale);
+  // Two machines may have been measured at the same instant.
+  const readOut = (index: number) => atOnce(points, index).map((one) => pointText(one, scale)).join("; ");
   const isThinned = series.down_sampling && series.down_sampling.method !== "none";
-  const onPick = (index: number) => openIdentification(series.identification[index]!);
+  const onPick = (index: number) => openIdentification(points[index]!);
   return (
     <figure class="history-plot">
       <figcaption>
@@ -36,11 +42,11 @@ export function ParameterHistory({ name, series, kinds, markers, tests, xRange, 
       </figcaption>
       {tests && <p class="trend-tests">{trendTestTexts(series.parameter, tests).join("; ")}</p>}
       <Plot
-        label={t("parameterOverTime", { parameter: series.parameter, points: series.value.length })}
-        x={series.measured_at.map((one) => Date.parse(one) / 1000)}
+        label={t("parameterOverTime", { parameter: series.parameter, points: points.length })}
+        x={points.map(seconds)}
         time
         yUnit={scale.unit}
-        curves={historyCurves(series, kinds, scale)}
+        curves={histories.flatMap((one, place) => historyCurves(one, kinds, place * kinds.length, scale).map((curve) => overAll(curve, one, points)))}
         markers={markers}
         bands={baselineBands(series, scale)}
         {...(xRange ? { xRange } : {})}
@@ -49,28 +55,29 @@ export function ParameterHistory({ name, series, kinds, markers, tests, xRange, 
         readOut={readOut}
         onPick={onPick}
       />
-      {series.real && <AngleHistoryPlot series={series} kinds={kinds} markers={markers} xRange={xRange} readOut={readOut} onPick={onPick} />}
+      {series.real && <AngleHistoryPlot histories={histories} points={points} kinds={kinds} markers={markers} xRange={xRange} readOut={readOut} onPick={onPick} />}
     </figure>
   );
 }
 
-function openIdentification(id: number): void {
-  const machine = route.value.parts[1];
-  if (machine) navigate(["machines", machine, "identified"], { identification: String(id) });
+function openIdentification({ of, at }: HistoryPoint): void {
+  navigate(["machines", of.machine, "identified"], { identification: String(of.series.identification[at]!) });
 }
 
-/** A curve for each kind of run, and one of what was not accepted. */
-function historyCurves(series: Series, kinds: string[], scale: Scale): Curve[] {
+/** A curve for each kind of run, in colours from a number on, and one of what was not accepted. */
+function historyCurves(history: MachineHistory, kinds: string[], colour: number, scale: Scale): Curve[] {
+  const { series } = history;
   const filtered = (values: (number | null)[], keep: (index: number) => boolean) =>
     values.map((one, index) => (keep(index) ? scaled(one, scale) : null));
   const curves = kinds.map((kind, index): Curve => {
     const keep = (at: number) => series.run_kind[at] === kind && series.quality[at] === "accepted";
     const [y, lower, upper] = [series.value, series.lower, series.upper].map((column) => filtered(column, keep));
-    return { name: term(kind), style: index, y: y!, lower: lower!, upper: upper!, points: true, spanGaps: true };
+    return { name: curveName(history, kind), style: colour + index, y: y!, lower: lower!, upper: upper!, points: true, spanGaps: true };
   });
   if (series.quality.some((one) => one === "not_accepted")) {
     const y = filtered(series.value, (at) => series.quality[at] === "not_accepted");
-    curves.push({ name: t("pointNotAccepted"), y, faint: true, points: true, line: false });
+    const name = `${t("pointNotAccepted")}${history.named ? t("ofMachine", { machine: history.machine }) : ""}`;
+    curves.push({ name, y, faint: true, points: true, line: false });
   }
   return curves;
 }
@@ -89,9 +96,11 @@ function scaled(value: number | null | undefined, scale: Scale): number | null {
 }
 
 /** The text that is read out at a point. */
-function pointText(series: Series, index: number, scale: Scale): string {
+function pointText(point: HistoryPoint, scale: Scale): string {
+  const { of, at: index } = point;
+  const { series } = of;
   const value = series.value[index];
-  const at = `${when(series.measured_at[index]!)} ${term(series.run_kind[index]!)}`;
+  const at = `${pointHead(point)} ${term(series.run_kind[index]!)}`;
   if (value === null || value === undefined) return t("notEstimableAt", { at });
   const low = scaled(series.lower[index], scale);
   const high = scaled(series.upper[index], scale);

@@ -68,3 +68,23 @@ def test_without_conditions_nothing_is_said_of_them(router: zenoh.Session, clien
     runs = [json.loads(line) for line in (tmp_path / "truth.jsonl").read_text().splitlines()]
     assert [run["kind"] for run in runs] == ["run-up", "run-down"] * 2
     assert runs[0]["parameters"]["bearing.B1.kxx"] == pytest.approx(2e6, rel=0.4)
+
+
+def test_overall_levels_are_sent_that_hold_the_1x_and_none_beyond_what_a_probe_sees(
+    router: zenoh.Session, client: zenoh.Session, tmp_path: Path
+) -> None:
+    train = machine(id="levels")
+    heard = published(router, client, train, tmp_path / "truth.jsonl")
+    pairs = [
+        (level, first)
+        for one in heard
+        for levels, row in zip(one.overall or [], one.amplitude, strict=True)
+        for level, first in zip(levels, row, strict=True)
+    ]
+    assert len(pairs) == sum(len(one.time_ns) for one in heard) * len(train.channels)
+    told = [(level, first) for level, first in pairs if level is not None and first is not None]
+    assert told
+    assert all(0.99 * first - 1.0 <= level <= 1.11 * first + 12.0 for level, first in told)
+    samples, _, faults = to_samples(heard[0], train, received_at=heard[0].time_ns[-1])
+    assert faults == []
+    assert samples.overall.shape == samples.phasor.shape
