@@ -7,6 +7,7 @@ an object that is too long is therefore refused as a whole, before its items are
 import functools
 import types
 import typing
+from collections.abc import Sequence
 from typing import Any
 
 from annotated_types import MaxLen
@@ -57,6 +58,29 @@ def _require_no_foreign_boolean(model: type[BaseModel], field: str, value: Any) 
 
 def _contains_boolean(value: Any) -> bool:
     return isinstance(value, bool) or (isinstance(value, list | tuple) and any(map(_contains_boolean, value)))
+
+
+def fields_beside(model: type[BaseModel], location: Sequence[int | str]) -> list[str]:
+    """Return the fields that there are where an error's location within a model says that one is unknown.
+
+    Args:
+        model: The model.
+        location: Names, indices and forms from the model down to the unknown field.
+
+    Returns:
+        Their names, those of all forms that may stand there.
+    """
+    models = [model]
+    for name in location[:-1]:
+        held = [one.model_fields[name].annotation for one in models if isinstance(name, str) and name in one.model_fields]
+        models = [one for annotation in held for one in _models_in(annotation)] or models
+    return sorted({name for one in models for name in one.model_fields})
+
+
+def _models_in(annotation: Any) -> list[type[BaseModel]]:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return [annotation]
+    return [one for argument in typing.get_args(annotation) for one in _models_in(argument)]
 
 
 @functools.cache

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ModelWrapValidatorHandler, ValidationError, model_validator
 
 from estimator.bearings.registry import place_of
+from estimator.close_matches import did_you_mean
 from estimator.errors import Invalid
 from estimator.field_types import Identifier, Length, Part, Text
 from estimator.machine.calibration import Calibration
@@ -27,6 +28,7 @@ from estimator.machine.rules import (
 )
 from estimator.machine.sparkplug import Sparkplug
 from estimator.machine.unfinished_document import further_problems, retold
+from estimator.strict_model import fields_beside
 
 TINY = 1e-20
 """Bound that stands for zero [m, or any unit]."""
@@ -69,6 +71,17 @@ class Machine(Part):
     element_length: Length | None = Field(
         default=None, description="longest shaft element [m]; by default a twelfth of each shaft"
     )
+
+    if not TYPE_CHECKING:  # type checkers know the fields by the declarations above
+
+        def __init__(self, **fields: Any) -> None:
+            """Make the machine of its fields. Raises DocumentError, a line for each wrong one."""
+            try:
+                super().__init__(**fields)
+            except ValidationError as error:
+                raise DocumentError(problems_of(error.errors(), Machine)) from None
+
+        __init__.__pydantic_base_init__ = True  # documents are validated as if it were BaseModel's own
 
     @model_validator(mode="wrap")
     @classmethod
@@ -235,14 +248,15 @@ def parse_machine(document: Any) -> Machine:
     try:
         return Machine.model_validate(document)
     except ValidationError as error:
-        raise DocumentError(problems_of(error.errors())) from None
+        raise DocumentError(problems_of(error.errors(), Machine)) from None
 
 
-def problems_of(errors: Sequence[Any]) -> list[tuple[str, str]]:
+def problems_of(errors: Sequence[Any], model: type[BaseModel] | None = None) -> list[tuple[str, str]]:
     """List pydantic's errors, without those that only follow from another inside the same field.
 
     Args:
         errors: Errors as pydantic lists them.
+        model: The model that they are of, for the fields that there are beside an unknown one; None where it is not known.
 
     Returns:
         Pairs of a field and a message.
@@ -253,11 +267,14 @@ def problems_of(errors: Sequence[Any]) -> list[tuple[str, str]]:
         place = tuple(item["loc"])
         return item["type"] == "too_short" and any(len(p) > len(place) and p[: len(place)] == place for p in places)
 
-    return [(field_path(place_of(item)), _words(item)) for item in errors if not follows(item)]
+    return [(field_path(place_of(item)), _words(item, model)) for item in errors if not follows(item)]
 
 
-def _words(item: Any) -> str:
+def _words(item: Any, model: type[BaseModel] | None) -> str:
     """Return what pydantic says of an error, in plain words."""
+    if item["type"] == "extra_forbidden" and model is not None:
+        known = fields_beside(model, item["loc"])
+        return "there is no such field" + (did_you_mean(str(item["loc"][-1]), known) or f": there are {', '.join(known)}")
     least = item.get("ctx", {}).get("gt")
     if item["type"] == "greater_than" and isinstance(least, float) and 0.0 < least <= TINY:
         return "Input should be greater than 0"

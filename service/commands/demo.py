@@ -92,7 +92,9 @@ def run(*, leave: bool, port: int, as_json: bool = False) -> bool:
             right = all(outcome.right for outcome in outcomes)
             seconds = time.monotonic() - began
             if as_json:
-                say_json({"right": right, "seconds": seconds, "machines": [{"right": one.right, **asdict(one)} for one in outcomes]})
+                say_json(
+                    {"right": right, "seconds": seconds, "machines": [{"right": one.right, **asdict(one)} for one in outcomes]}
+                )
             else:
                 _print_summary(outcomes, str(client.base_url), seconds)
             if not leave:

@@ -24,8 +24,8 @@ def backup(
     from storage.database.claim import DatabaseUnusable
 
     try:
-        with working("copying the database"):
-            made = backups.back_up(database_url(database), file)
+        with working("copying the database") as report:
+            made = backups.back_up(database_url(database), file, report)
     except (BackupUnusable, DatabaseUnusable) as error:
         fail(str(error))
     if as_json:
@@ -49,8 +49,8 @@ def restore(
     from storage.database.claim import DatabaseUnusable
 
     try:
-        with working("restoring the database"):
-            restored = backups.restore(database_url(database), file, overwrite=overwrite, without_keys=without_keys)
+        with working("restoring the database") as report:
+            restored = backups.restore(database_url(database), file, report, overwrite=overwrite, without_keys=without_keys)
     except (BackupUnusable, DatabaseUnusable) as error:
         fail(str(error))
     found, access = restored.backup, restored.access

@@ -4,6 +4,7 @@ of PostgreSQL is an archive of `pg_dump`."""
 import errno
 import os
 import sqlite3
+from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -32,8 +33,10 @@ from storage.database.schema import require_known, revision_of, row_counts
 _NEVER = "a backup never replaces another one"
 
 
-def back_up(url: str, file: Path) -> Backup:
+def back_up(url: str, file: Path, report: Callable[[int, int], None] = lambda _done, _all: None) -> Backup:
     """Copy a database as of one moment into a new file, while others read and write.
+
+    report: receives how much of how much is copied; of PostgreSQL nobody knows it, and it is not called.
 
     Raises BackupUnusable, DatabaseUnusable.
     """
@@ -47,7 +50,7 @@ def back_up(url: str, file: Path) -> Backup:
         with temporary_engine(url) as engine, new_file(part):
             moment = datetime.now(UTC)
             if engine.dialect.name == "sqlite":
-                revision, rows = sqlite_copy.copy(engine, part)
+                revision, rows = sqlite_copy.copy(engine, part, report)
             else:
                 revision, rows = _dump_postgresql(engine, part)
             digest = synced_digest(part)
@@ -70,13 +73,22 @@ class Restored:
     access: RestoredAccess
 
 
-def restore(url: str, file: Path, *, overwrite: bool = False, without_keys: bool = False) -> Restored:
+def restore(
+    url: str,
+    file: Path,
+    report: Callable[[int, int], None] = lambda _done, _all: None,
+    *,
+    overwrite: bool = False,
+    without_keys: bool = False,
+) -> Restored:
     """Replace an empty database, or any database with `overwrite`, by a backup.
 
     Either all of the backup is in place afterwards, or the old data. Access is not restored as it was: all sessions are logged
     out, keys that the replaced database has as revoked are revoked, and keys that it does not know wait for a confirmation
     (`storage.backup.restored_access`). A backup without any key replaces a database that has some only where
     `without_keys` is set: the service would be open to everybody.
+
+    report: receives how much of how much is copied, as for `back_up`.
 
     Raises BackupUnusable, DatabaseUnusable; also while a service uses the database.
     """
@@ -94,7 +106,7 @@ def restore(url: str, file: Path, *, overwrite: bool = False, without_keys: bool
             if not overwrite:
                 _require_empty(engine, url)
             if engine.dialect.name == "sqlite":
-                access = sqlite_copy.replace(engine, file, found, without_keys=without_keys)
+                access = sqlite_copy.replace(engine, file, found, report, without_keys=without_keys)
             else:
                 access = _replace_postgresql(engine, file, found, without_keys=without_keys)
         except (OSError, sqlite3.Error, postgresql_tools.ToolFailed) as error:

@@ -2,6 +2,7 @@
 
 import hashlib
 import sqlite3
+from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 
@@ -16,10 +17,11 @@ from storage.database.private_files import PRIVATE
 from storage.database.schema import require_known, revision_of, row_counts
 
 _PIECE = 1 << 20
+_PAGES_AT_ONCE = 4096
 
 
-def copy(engine: Engine, part: Path) -> tuple[str, dict[str, int]]:
-    """Write all committed data into an existing empty file.
+def copy(engine: Engine, part: Path, report: Callable[[int, int], None]) -> tuple[str, dict[str, int]]:
+    """Write all committed data into an existing empty file. report: receives the numbers of pages done and to do.
 
     Returns the schema revision and the number of rows of each table. Raises BackupUnusable, DatabaseUnusable, sqlite3.Error.
     """
@@ -32,8 +34,11 @@ def copy(engine: Engine, part: Path) -> tuple[str, dict[str, int]]:
         closing(sqlite3.connect(f"{path.as_uri()}?mode=ro", uri=True)) as source,
         closing(sqlite3.connect(part, isolation_level=None)) as target,
     ):
-        # All pages in one step: a state between two commits, while writers go on in the write-ahead log.
-        source.backup(target, pages=-1)
+        # One state between two commits, while writers go on in the write-ahead log: that of a reading transaction around all.
+        source.execute("BEGIN")
+        source.execute("SELECT 1 FROM sqlite_master").fetchone()
+        source.backup(target, pages=_PAGES_AT_ONCE, progress=lambda _, left, total: report(total - left, total))
+        source.rollback()
         target.execute("PRAGMA journal_mode = DELETE")
         (verdict,) = target.execute("PRAGMA integrity_check(1)").fetchone()
     if verdict != "ok":
@@ -46,8 +51,12 @@ def _content(file: Path, name: str) -> tuple[str, dict[str, int]]:
         return require_known(revision_of(connection), name), row_counts(connection)
 
 
-def replace(engine: Engine, file: Path, found: Backup, *, without_keys: bool) -> RestoredAccess:
+def replace(
+    engine: Engine, file: Path, found: Backup, report: Callable[[int, int], None], *, without_keys: bool
+) -> RestoredAccess:
     """Replace the database file by a backup; at any moment the file is the old one or the new one.
+
+    report: receives the numbers of bytes copied and to copy.
 
     The caller must hold the claim. Returns the access that was withdrawn. Raises BackupUnusable, OSError, sqlite3.Error.
     """
@@ -63,6 +72,7 @@ def replace(engine: Engine, file: Path, found: Backup, *, without_keys: bool) ->
             while piece := source.read(_PIECE):
                 digest.update(piece)
                 target.write(piece)
+                report(target.tell(), found.size)
         if digest.hexdigest() != found.sha256:
             raise BackupUnusable(f"{file} changed while it was read")
         _require_whole(part, file, found)

@@ -38,7 +38,7 @@ SERVICE_ONLY = ("sqlalchemy", "alembic", "fastapi", "zenoh", "typer", "uvicorn",
 
 
 def python(code: str, *, folder: Path = ROOT) -> subprocess.CompletedProcess[str]:
-    """MachineRun code in a fresh interpreter that finds the packages of this checkout."""
+    """Run code in a fresh interpreter that finds the packages of this checkout."""
     return subprocess.run(
         [sys.executable, "-c", f"import sys; sys.path.append({str(ROOT)!r})\n{code}"],
         cwd=folder,
@@ -89,6 +89,15 @@ def test_a_wrong_name_gets_its_close_matches() -> None:
 
 def test_importing_needs_nothing_but_python() -> None:
     done = python("import rotorundown; print([one for one in ('numpy', 'scipy', 'pydantic') if one in sys.modules])")
+    assert done.stdout == "[]\n", done.stderr
+
+
+def test_what_reads_recordings_is_loaded_with_the_first_of_them() -> None:
+    unneeded = ("yaml", "html", "service.sources.recorded_runs", "scipy.optimize", "scipy.interpolate", "scipy.stats")
+    done = python(
+        "import rotorundown as rd; rd.read_machine, rd.read_run, rd.identify, rd.Result\n"
+        f"print([one for one in {unneeded!r} if one in sys.modules])"
+    )
     assert done.stdout == "[]\n", done.stderr
 
 

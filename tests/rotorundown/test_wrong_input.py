@@ -1,5 +1,6 @@
 """Tests that what is given wrongly is named in one line that says what would be right, in Python and by command."""
 
+import re
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -10,7 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 import rotorundown as rd
-from estimator.machine.document import Machine
+from estimator.machine.document import DocumentError, Machine
 from rotorundown.identification import NothingToIdentify
 from rotorundown.machine_files import WrongMachine
 from rotorundown.run_tables import WrongRun
@@ -58,6 +59,34 @@ def test_a_contradiction_of_a_machine_is_one_line(pump: Machine) -> None:
     with pytest.raises(WrongMachine, match=r"couplings\[0\].driven: 'nobody' is not one of the shafts: motor, pump") as raised:
         rd.read_machine(said)
     one_line(raised)
+    with pytest.raises(DocumentError, match=r"^couplings\[0\].driven: 'nobody' is not one of the shafts: motor") as raised:
+        rd.Machine(**said)
+    one_line(raised)
+
+
+WRONG_FIELDS: dict[str, tuple[Callable[[Any], Any], str]] = {
+    "of the document": (
+        lambda said: said.update(rotatoin="positive"),
+        "rotatoin: there is no such field; did you mean 'rotation'",
+    ),
+    "of a part": (
+        lambda said: said["shafts"][0]["sections"][0].update(lenght=1.0),
+        "shafts[0].sections[0].lenght: there is no such field; did you mean 'length'?",
+    ),
+    "of a named part": (lambda said: said["materials"]["steel"].update(densty=1.0), "did you mean 'density'"),
+    "like none": (lambda said: said["speed_range"].update(z=1), "there is no such field: there are maximum_rpm, minimum_rpm"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG_FIELDS)
+def test_an_unknown_field_gets_its_close_matches(pump: Machine, name: str) -> None:
+    change, words = WRONG_FIELDS[name]
+    said = pump.model_dump(mode="json", exclude_none=True)
+    change(said)
+    for make in (rd.read_machine, lambda document: rd.Machine(**document)):
+        with pytest.raises(ValueError, match=re.escape(words)) as raised:
+            make(said)
+        one_line(raised)
 
 
 def invoked(*arguments: str, **environment: str) -> Any:

@@ -72,7 +72,7 @@ WRONG_VALUES: list[tuple[str, Any, str]] = [
     ("materials.steel.poisson_ratio", 0.5, "less than 0.5"),
     ("materials.steel.poisson_ratio", -1.0, "greater than -1"),
     ("materials.steel.poisson_ratio", NAN, ""),
-    ("materials.steel.colour", "grey", "not permitted"),
+    ("materials.steel.colour", "grey", "no such field"),
     ("shafts", [], "at least 1"),
     ("shafts[0].id", "S 1", "pattern"),
     ("shafts[0].sections", [], "at least 1"),
@@ -99,7 +99,7 @@ WRONG_VALUES: list[tuple[str, Any, str]] = [
     ("bearings[3].kyy", -1.0, "greater than 0"),
     ("bearings[3].cxx", NAN, "finite"),
     ("bearings[3].kxy", NAN, "finite"),
-    ("bearings[3].kzz", 1.0, "not permitted"),
+    ("bearings[3].kzz", 1.0, "no such field"),
     ("couplings[0].driver", "S0", "not one of the shafts: S1, S2"),
     ("couplings[0].driven", "S0", "not one of the shafts: S1, S2"),
     ("couplings[0].driven", "S1", "two different shafts"),
@@ -113,7 +113,7 @@ WRONG_VALUES: list[tuple[str, Any, str]] = [
     ("noise.relative", NAN, ""),
     ("noise.floor", -1e-9, "greater than or equal to 0"),
     ("element_length", 0.0, "greater than 0"),
-    ("colour", "grey", "not permitted"),
+    ("colour", "grey", "no such field"),
 ]
 
 

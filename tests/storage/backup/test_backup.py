@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from sqlalchemy import select
 
-from storage.backup import backup, backup_file
+from storage.backup import backup, backup_file, sqlite_copy
 from storage.backup.backup_file import BackupUnusable, description_path
 from storage.database.claim import DatabaseUnusable
 from storage.database.engine import Database
@@ -120,6 +120,31 @@ def test_a_backup_made_while_others_write_is_of_one_moment(told: Database, targe
     restored = contents_of(target)
     assert restored["quarantine_counts"] == [("bad_frame", made.rows["quarantine"])]
     assert len(restored["quarantine"]) == made.rows["quarantine"]
+
+
+def test_what_is_written_between_two_steps_is_not_in_the_backup(
+    told: Database, target: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    if told.kind != "sqlite":
+        pytest.skip("nobody is told how far pg_dump is")
+    monkeypatch.setattr(sqlite_copy, "_PAGES_AT_ONCE", 5)
+    reported: list[tuple[int, int]] = []
+
+    def write_meanwhile(done: int, total: int) -> None:
+        reported.append((done, total))
+        with told.transaction() as session:
+            quarantine.add(session, [REJECTION] * 7)
+
+    made = backup.back_up(told.url, tmp_path / "backup", write_meanwhile)
+    assert len(reported) > 3
+    assert reported == sorted(reported)
+    assert reported[-1][0] == reported[-1][1]
+    assert made.rows["quarantine"] == 1
+    assert len(contents(told)["quarantine"]) == 1 + 7 * len(reported)
+    copied: list[tuple[int, int]] = []
+    backup.restore(target, tmp_path / "backup", lambda done, total: copied.append((done, total)))
+    assert copied[-1] == (made.size, made.size)
+    assert len(contents_of(target)["quarantine"]) == 1
 
 
 def test_data_are_not_overwritten_unless_told(told: Database, databases: Databases, tmp_path: Path) -> None:
