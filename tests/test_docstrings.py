@@ -104,7 +104,7 @@ GLOSS = re.compile(r"(?:^|[.;]\s+)\w+: of (?=[a-z])", re.MULTILINE)
 
 def test_fields_are_explained_in_whole_words() -> None:
     found = [
-        f"{path.relative_to(ROOT)}:{node.lineno}: {gloss[0].strip()}"
+        f"{path.relative_to(ROOT)}:{getattr(node, 'lineno', 1)}: {gloss[0].strip()}"
         for path in FILES
         for node in ast.walk(ast.parse(path.read_text()))
         if isinstance(node, ast.Module | ast.ClassDef | Function)

@@ -60,7 +60,8 @@ def readings(history: BaselineHistory) -> list[DatedPoint]:
 class BaselineComparison:
     """A machine's newest runs compared with its baseline, oldest first.
 
-    variation: variation of a healthy train on oil films. whole: comparison of such a train with all runs, not the newest alone.
+    variation: variation of a healthy train on oil films. whole: comparison of such a train with all its runs, not the
+    newest alone.
     """
 
     watch: RunWindows

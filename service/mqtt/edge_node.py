@@ -26,7 +26,7 @@ NODE_DEATH, DEVICE_DEATH = "NDEATH", "DDEATH"
 COUNTED = frozenset({NODE_BIRTH, DEVICE_BIRTH, NODE_DATA, DEVICE_DATA, DEVICE_DEATH})
 """Kinds of messages that a node counts."""
 
-Mark = tuple[int, int | None]
+MessageMark = tuple[int, int | None]
 """Count and time of a message."""
 
 
@@ -51,7 +51,7 @@ class EdgeNode:
 
     feeds: list[MachineFeed]
     names: dict[tuple[str, int], str] = field(default_factory=dict)
-    recent: deque[Mark] = field(default_factory=lambda: deque(maxlen=COUNT))
+    recent: deque[MessageMark] = field(default_factory=lambda: deque(maxlen=COUNT))
     last: int | None = None
     birth_number: float | None = None
     asked_at: float = -LONGEST_REBIRTH_S

@@ -1,4 +1,4 @@
-"""Where the sidecar of a recording stands; apart from its reader, as who only asks for it need not load what reads it."""
+"""Name the place of a recording's sidecar, apart from its reader: who only asks for the place need not load the reader."""
 
 from pathlib import Path
 

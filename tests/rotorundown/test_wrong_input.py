@@ -59,9 +59,9 @@ def test_a_contradiction_of_a_machine_is_one_line(pump: Machine) -> None:
     with pytest.raises(WrongMachine, match=r"couplings\[0\].driven: 'nobody' is not one of the shafts: motor, pump") as raised:
         rd.read_machine(said)
     one_line(raised)
-    with pytest.raises(DocumentError, match=r"^couplings\[0\].driven: 'nobody' is not one of the shafts: motor") as raised:
+    with pytest.raises(DocumentError, match=r"^couplings\[0\].driven: 'nobody' is not one of the shafts: motor") as unmade:
         rd.Machine(**said)
-    one_line(raised)
+    one_line(unmade)
 
 
 WRONG_FIELDS: dict[str, tuple[Callable[[Any], Any], str]] = {
