@@ -13,6 +13,8 @@ from storage.tables.alerting import AlertEventRow, DeliveryRow, SubscriptionPlan
 from storage.tables.machines import MachineRow
 
 ACTIVE, DISABLED = "active", "disabled"
+MOST_ACTIVE = 200
+"""Largest number of active subscriptions that one caller sees: each is a row for every event, in the event's transaction."""
 PENDING, DELIVERED, GIVEN_UP = "pending", "delivered", "given_up"
 STATES = (PENDING, DELIVERED, GIVEN_UP)
 
@@ -25,6 +27,10 @@ class SubscriptionUnknown(Missing):
 
 class SubscriptionExists(Conflict):
     """A subscription of this name exists already."""
+
+
+class TooManySubscriptions(Conflict):
+    """Raised for an active subscription beyond as many as may be."""
 
 
 class SubscriptionDisabled(Conflict):
@@ -47,10 +53,13 @@ def subscribe(
     plants: Collection[str] | None = None,
     reports: str | None = None,
 ) -> SubscriptionRow:
-    """Add an active subscription to the events of some plants (None: all plants); raise SubscriptionExists when the name is
-    taken. reports: how often it gets reports, from now on."""
+    """Add an active subscription to the events of some plants (None: all plants).
+
+    Raises SubscriptionExists when the name is taken, and TooManySubscriptions. reports: how often it gets some, from now on.
+    """
     if by_name(session, name) is not None:
         raise SubscriptionExists(f"subscription '{name}' exists already")
+    _require_place(session)
     moment = now()
     row = SubscriptionRow(kind=kind, name=name, target=target, secret=secret, state=ACTIVE, reason=None, created_at=moment)
     send_reports(row, reports, moment=moment)
@@ -115,9 +124,18 @@ def disable(session: Session, row: SubscriptionRow, reason: str) -> None:
         delivery.state, delivery.answer = GIVEN_UP, f"subscription disabled: {reason}"
 
 
-def enable(row: SubscriptionRow) -> None:
-    """Enable a subscription; it receives events from now on."""
+def enable(session: Session, row: SubscriptionRow) -> None:
+    """Enable a subscription; it receives events from now on. Raises TooManySubscriptions."""
+    if row.state != ACTIVE:
+        _require_place(session)
     row.state, row.reason = ACTIVE, None
+
+
+def _require_place(session: Session) -> None:
+    """Raise TooManySubscriptions where the caller sees as many active ones as may be."""
+    active = session.scalar(select(func.count(SubscriptionRow.id)).where(SubscriptionRow.state == ACTIVE)) or 0
+    if active >= MOST_ACTIVE:
+        raise TooManySubscriptions(f"{MOST_ACTIVE} subscriptions are active, as many as may be: disable some first")
 
 
 def require_active(row: SubscriptionRow) -> None:

@@ -41,15 +41,19 @@ class Layout:
         for client in self._clients.values():
             client.close()
 
-    def start(self, name: str) -> None:
-        """Begin a replica, or begin it again on the same port."""
+    def start(self, name: str, *, database: str | None = None, clock: Path | None = None) -> None:
+        """Begin a replica, or begin it again on the same port.
+
+        database: URL by which it reaches the database, when not the layout's. clock: file that says by how many seconds its
+        clock is off.
+        """
         if name not in self._clients:
             base = f"http://127.0.0.1:{free_port()}/api/v1"
             self._clients[name] = httpx.Client(base_url=base, timeout=20.0, headers={"if-match": "*"})
-        flags = ["--database", self.database, "--port", str(self.client(name).base_url.port)]
-        role = name.rstrip("0123456789")
-        log = self.folder / f"{name}.log"
-        self._begin(name, process(log, "serve", "--role", role, *flags, "--zenoh-connect", self.endpoint, **self._environment))
+        flags = ["--database", database or self.database, "--port", str(self.client(name).base_url.port)]
+        arguments = ["serve", "--role", name.rstrip("0123456789"), *flags, "--zenoh-connect", self.endpoint]
+        module = ["service"] if clock is None else ["tests.faults.shifted_clock", str(clock)]
+        self._begin(name, python(self.folder / f"{name}.log", "-m", *module, *arguments, **self._environment))
 
     def start_ready(self, *names: str) -> None:
         """Begin replicas and wait until they are ready."""

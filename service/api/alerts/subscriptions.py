@@ -115,7 +115,7 @@ def enable_subscription(
     with database(request).transaction() as session:
         row = deliveries.get(session, subscription_id)
         require(if_match, rendering.subscription(row, _secrets(request)))
-        deliveries.enable(row)
+        deliveries.enable(session, row)
         return tagged(response, rendering.subscription(row, _secrets(request)))
 
 

@@ -45,8 +45,16 @@ from storage.tables.machines import BalancingRow
 router = APIRouter(prefix="/machines/{machine_id}/balancings", tags=["balancing"], responses=RESPONSES, dependencies=[VIEWER])
 
 
+MOST_TRIALS = 50
+"""Largest number of trial runs of a balancing: each step reads all of them."""
+
+
 class BalancingMoved(Conflict):
     """Raised when somebody else took a step of the balancing meanwhile."""
+
+
+class TooManyTrials(Conflict):
+    """Raised for a trial run beyond as many as a balancing may have."""
 
 
 class StepMissing(Conflict):
@@ -70,10 +78,11 @@ def read_balancing(session: Reading, machine_id: MachineId, balancing_id: Number
 @router.post("", operation_id="begin_balancing", status_code=status.HTTP_201_CREATED, dependencies=[ANALYST])
 def begin_balancing(request: Request, machine_id: MachineId, said: schemas.BalancingIn) -> schemas.BalancingOut:
     """Begin a field balancing with runs of the machine as it is, before any trial weight."""
-    with database(request).transaction() as session:
+    with database(request).reading() as session:
         revision = machines.get(session, machine_id).revision
         for run in said.runs:
             balancing_run(session, machine_id, revision, run, None)
+    with database(request).transaction() as session:
         row = balancings.add(
             session,
             machine_id,
@@ -89,13 +98,17 @@ def begin_balancing(request: Request, machine_id: MachineId, said: schemas.Balan
 @router.post("/{balancing_id}/trials", operation_id="add_balancing_trial", dependencies=[ANALYST], responses=CHANGES)
 def add_trial(request: Request, machine_id: MachineId, balancing_id: Number, said: schemas.TrialIn) -> schemas.BalancingOut:
     """Add a run with trial weights. A correction that was computed before is computed anew on request."""
-    with database(request).transaction() as session:
-        row = balancings.get(session, machine_id, balancing_id, to_change=True)
-        weights = _weights(session, row, said.weights)
+    with database(request).reading() as session:
+        row = balancings.get(session, machine_id, balancing_id)
+        read, weights = row.updated_at, _weights(session, row, said.weights)
         if said.run in [*row.steps["initial"], *(trial["run"] for trial in row.steps["trials"])]:
             raise Unsuitable(f"run {said.run} is part of this balancing already")
+        if len(row.steps["trials"]) >= MOST_TRIALS:
+            raise TooManyTrials(f"balancing {balancing_id} has {MOST_TRIALS} trial runs, as many as may be: begin another one")
         tried = balancing_run(session, machine_id, row.revision, said.run, weights)
         _require_plausible(machines.document(session, machine_id, row.revision), tried)
+    with database(request).transaction() as session:
+        row = _unmoved(session, machine_id, balancing_id, read)
         trial = {"run": said.run, "weights": [asdict(one) for one in weights], "by": said.by}
         balancings.record(row, balancings.TRIED, trials=[*row.steps["trials"], trial], correction=None, check=None)
         return _rendered(session, row)

@@ -105,7 +105,7 @@ def test_a_disabled_subscription_gives_up_what_waits_and_keeps_what_was_delivere
         assert (waiting.state, waiting.answer) == (deliveries.GIVEN_UP, "subscription disabled: 410 Gone")
         with pytest.raises(SubscriptionDisabled, match="'a' is disabled \\(410 Gone\\)"):
             deliveries.require_active(row)
-        deliveries.enable(row)
+        deliveries.enable(session, row)
         deliveries.require_active(row)
         waiting.attempts = 7
         deliveries.redeliver(deliveries.delivery(session, waiting.id))
@@ -130,3 +130,16 @@ def test_what_is_unknown_is_named(plant: Database) -> None:
         with pytest.raises(DeliveryUnknown) as no_delivery:
             deliveries.delivery(session, 8)
     assert (no_subscription.value.detail, no_delivery.value.detail) == ("no subscription 7", "no delivery 8")
+
+
+def test_a_subscription_beyond_as_many_as_may_be_active_is_refused(plant: Database, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(deliveries, "MOST_ACTIVE", 2)
+    with plant.transaction() as session:
+        first = subscribe(session, "first")
+        subscribe(session, "second")
+        with pytest.raises(deliveries.TooManySubscriptions, match="2 subscriptions are active, as many as may be"):
+            subscribe(session, "third")
+        deliveries.disable(session, first, "by request")
+        subscribe(session, "third")
+        with pytest.raises(deliveries.TooManySubscriptions):
+            deliveries.enable(session, first)

@@ -9,6 +9,8 @@ import pytest
 from estimator.machine.document import parse_machine
 from service.alerts import transitions
 from service.alerts.transitions import AlertFinding
+from service.api.machines import balancings
+from service.balancing.stored_runs import balancing_run
 from storage.database.engine import Database
 from storage.machines import machines, timeline
 from storage.measurements import runs
@@ -217,3 +219,23 @@ def test_angles_are_on_the_discs_scale_where_one_is_said(store: Database, api: A
     assert said["angle_deg"] == pytest.approx(0.0, abs=1e-9)
     assert said["scale_deg"] == pytest.approx(90.0)
     assert told["disc_scale"] == scale
+
+
+def test_runs_are_read_while_others_may_write_and_a_balancing_has_only_so_many_trials(
+    store: Database, api: Api, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    held: list[bool] = []
+
+    def noting(*given: Any) -> Any:
+        held.append(store._turn._lock.locked())
+        return balancing_run(*given)
+
+    monkeypatch.setattr(balancings, "balancing_run", noting)
+    monkeypatch.setattr(balancings, "MOST_TRIALS", 1)
+    first, second, third = (add_run(store, {"D1": TRIALS["D1"]} if number > 1 else {}, number=number) for number in (1, 2, 3))
+    here = f"{PATH}/{api('POST', PATH, 201, json={'runs': [first], 'by': 'Ada'})['id']}"
+    trial = {"run": second, "weights": WEIGHTS["D1"], "by": "Ada"}
+    api("POST", f"{here}/trials", json=trial)
+    told = api("POST", f"{here}/trials", 409, json=trial | {"run": third})["detail"]
+    assert "has 1 trial runs, as many as may be" in told
+    assert held == [False, False]
