@@ -68,7 +68,7 @@ class CoefficientDeviations:
         """Return the most likely size [-] and twice the logarithm of its likelihood ratio against none [-].
 
         Returns:
-            Size and ratio.
+            Size [-] and ratio [-].
         """
         sizes = self._sizes
         near = int(np.argmax(self._ratios))

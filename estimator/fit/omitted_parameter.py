@@ -1,4 +1,4 @@
-"""What a parameter that a fit leaves out would be by the residuals at its end, without another fit.
+"""Change of a parameter that a fit takes for known, as the residuals at its end ask for it, without another fit.
 
 The score: the derivative of the likelihood by the parameter, over its standard deviation after the coordinates have answered
 (Rao, Proc. Camb. Phil. Soc. 44 (1948) 50, doi:10.1017/S0305004100023987).

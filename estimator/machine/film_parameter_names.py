@@ -4,6 +4,31 @@ from collections.abc import Sequence
 
 from estimator.bearings.journal import JournalForm
 from estimator.machine.films import JournalFilm, StaticLoad
+from estimator.machine.parameter_description import describe
+
+LOAD_BALANCE = 2
+"""Version of the balance of loads on oil films where the stiffness of couplings or pedestals is identified beside them: they
+follow the stiffness that is identified; at first they followed the document's."""
+
+
+def load_balance(coordinates: Sequence[str]) -> int | None:
+    """Return the version of the balance of loads on films that a fit's values follow from, by the names of its coordinates.
+
+    Values of another version are not of the same quantities: a change of it is no change of the machine.
+
+    Args:
+        coordinates: Names of the coordinates.
+
+    Returns:
+        The version; None without films, or where couplings and pedestals are as the document says in any case.
+    """
+    described = [describe(name) for name in coordinates]
+    on_films = any(one.element_kind == "bearing" and one.quantity == "clearance" for one in described)
+    stiff = any(
+        one.element_kind in ("coupling", "pedestal") and one.term is not None and one.term.direct and one.term.order == 0
+        for one in described
+    )
+    return LOAD_BALANCE if on_films and stiff else None
 
 
 def film_parameter_names(bearing: str, film: JournalFilm, form: JournalForm) -> dict[str, str]:

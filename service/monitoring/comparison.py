@@ -26,8 +26,8 @@ class ComparisonTerms:
 
     began: the baseline in force with its author and reason; None for the machine's first runs. today: the baseline for what
     is measured now. like: criteria of comparable runs: under revisions of the document that describe the same machine, of the
-    same kind of run, with the same slow-roll vectors, after the beginning of the baseline. revisions: the revisions that
-    describe this train.
+    same kind of run, with the same slow-roll vectors and balance of loads on films, after the beginning of the baseline.
+    revisions: the revisions that describe this train.
     """
 
     identification: IdentificationRow
@@ -43,6 +43,7 @@ class Compared:
 
     began: the baseline with its author and reason; None for the machine's first runs. wanted: identifications that form it.
     after: comparable runs up to the identification, which is the last one unless it belongs to the baseline.
+    balanced_otherwise: further accepted ones, by a release that balances the loads on oil films otherwise.
     """
 
     identification: IdentificationRow
@@ -50,19 +51,30 @@ class Compared:
     wanted: int
     baseline: Sequence[IdentificationRow]
     after: Sequence[IdentificationRow]
+    balanced_otherwise: int = 0
 
     @property
     def missing(self) -> str | None:
         """Return why there is nothing to compare yet; None when there is."""
         number = self.identification.id
         if len(self.baseline) < self.wanted:
-            return f"the baseline has {len(self.baseline)} of {self.wanted} identifications"
+            return f"the baseline has {len(self.baseline)} of {self.wanted} identifications{self._otherwise}"
         if number in {row.id for row in self.baseline}:
             return f"identification {number} is part of the baseline"
         if not self.after or self.after[-1].id != number:
             why = "not accepted, identified again, dated in the future, or of other speeds than the baseline"
             return f"identification {number} does not count: {why}"
         return None
+
+    @property
+    def _otherwise(self) -> str:
+        """Return what is to be done about identifications by another release; empty where there are none."""
+        if not self.balanced_otherwise:
+            return ""
+        return (
+            f"; {self.balanced_otherwise} more are by a release that balances the loads on oil films otherwise, with other "
+            "stiffnesses of couplings and pedestals: they are not compared, identify their runs again"
+        )
 
 
 def terms_of(session: Session, stored: IdentificationRow) -> ComparisonTerms:
@@ -74,6 +86,7 @@ def terms_of(session: Session, stored: IdentificationRow) -> ComparisonTerms:
         run_kind=stored.run_kind,
         slow_roll_version=stored.slow_roll_version,
         since=0 if began is None else began.since,
+        load_balance=stored.load_balance,
     )
     return ComparisonTerms(stored, began, today, like, revisions)
 
@@ -108,7 +121,8 @@ def compared_with(
         # What was refused before the machine's first good run belongs to nothing.
         after = [row for row in after if row.measured_at >= baseline[0].measured_at]
     after = [row for row in after if covers_same_speeds(row, baseline)]
-    return Compared(stored, terms.began, wanted, baseline, after[-longest:])
+    otherwise = identifications.balanced_otherwise(session, stored.machine_id, terms.like)
+    return Compared(stored, terms.began, wanted, baseline, after[-longest:], otherwise)
 
 
 def covers_same_speeds(row: IdentificationRow, baseline: Sequence[IdentificationRow]) -> bool:

@@ -45,7 +45,8 @@ def baseline_bands(
     for key, group in places.items():
         began = None if key.begun < 0 else begun[key.begun]
         revisions = tuple(machines.comparable_revisions(session, machine_id, key.revision))
-        like = ComparisonGroup(revisions, key.run_kind, key.slow_roll_version or None, 0 if began is None else began.since)
+        since, balance = 0 if began is None else began.since, key.load_balance or None
+        like = ComparisonGroup(revisions, key.run_kind, key.slow_roll_version or None, since, balance)
         rows, wanted = baseline_of(session, machine_id, like, began, baseline_runs=baseline_runs)
         band = _band(name, history, [row.id for row in rows]) if len(rows) == wanted else None
         if band is not None:
@@ -63,12 +64,13 @@ class _Key(NamedTuple):
     run_kind: str
     revision: int
     slow_roll_version: int
+    load_balance: int
 
 
 def _key(history: ParameterHistory, place: int, begun: Sequence[BaselineRow]) -> _Key:
     number = bisect_right(begun, int(history.measured_at[place]), key=lambda row: row.since) - 1
     kind, revision = str(history.run_kind[place]), int(history.revision[place])
-    return _Key(number, kind, revision, int(history.slow_roll_version[place]))
+    return _Key(number, kind, revision, int(history.slow_roll_version[place]), int(history.load_balance[place]))
 
 
 def _band(name: str, history: ParameterHistory, ids: Sequence[int]) -> Band | None:

@@ -12,6 +12,7 @@ from sqlalchemy.orm import Session, undefer
 from estimator.diagnosis.observation import ObservedFit
 from estimator.errors import Missing
 from estimator.fit.identification import Identification
+from estimator.machine.film_parameter_names import load_balance
 from estimator.machine.parameter_description import is_direct
 from estimator.trends.parameter_vector import Point
 from storage.clock import TOLERANCE, now
@@ -50,13 +51,14 @@ class Origin:
 class ComparisonGroup:
     """Conditions under which identifications are comparable: one of these machine revisions, kind of run, slow-roll vectors.
 
-    since: measured at that time or later [ns].
+    since: measured at that time or later [ns]. load_balance: version of the balance of loads on oil films, see the table.
     """
 
     revisions: tuple[int, ...]
     run_kind: str
     slow_roll_version: int | None = None
     since: int = 0
+    load_balance: int | None = None
 
 
 def add(session: Session, origin: Origin, result: Identification) -> IdentificationRow:
@@ -83,6 +85,7 @@ def add(session: Session, origin: Origin, result: Identification) -> Identificat
         options=origin.options,
         code_version=origin.code_version,
         slow_roll_version=origin.slow_roll_version,
+        load_balance=load_balance(result.coordinates),
         conditions=origin.conditions,
         channel_effects=None if result.channel_effects is None else channel_effects.encode(result.channel_effects),
         coordinates=list(result.coordinates),
@@ -275,8 +278,22 @@ def _accepted_runs(machine_id: str, like: ComparisonGroup) -> Select[Identificat
     return _runs(machine_id, like).where(IdentificationRow.accepted)
 
 
+def balanced_otherwise(session: Session, machine_id: str, like: ComparisonGroup) -> int:
+    """Return how many accepted identifications would meet `like` but for the balance of loads on oil films."""
+    balance = IdentificationRow.load_balance
+    other = _runs_of_any_balance(machine_id, like).where(
+        IdentificationRow.accepted, balance.is_distinct_from(like.load_balance)
+    )
+    return session.scalar(select(func.count()).select_from(other.with_only_columns(IdentificationRow.id).subquery())) or 0
+
+
 def _runs(machine_id: str, like: ComparisonGroup) -> Select[IdentificationRow]:
-    """Return a query for single runs that meet `like`.
+    """Return a query for single runs that meet `like`."""
+    return _runs_of_any_balance(machine_id, like).where(IdentificationRow.load_balance == like.load_balance)
+
+
+def _runs_of_any_balance(machine_id: str, like: ComparisonGroup) -> Select[IdentificationRow]:
+    """Return a query for single runs that meet `like` but for their balance of loads on oil films.
 
     Runs that a wrong clock dated in the future are left out: one of these would remain the newest until that time comes.
     """

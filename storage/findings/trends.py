@@ -58,6 +58,8 @@ class ParameterHistory:
     revision: Integers
     slow_roll_version: Integers
     """Version of the slow-roll vectors that were subtracted; 0 for none."""
+    load_balance: Integers
+    """Version of the balance of loads on oil films; 0 for none."""
 
     def __len__(self) -> int:
         return len(self.measured_at)
@@ -150,6 +152,7 @@ def _rows(session: Session, machine_id: str, names: Sequence[str], scope: str) -
                 identification.id,
                 identification.revision,
                 identification.slow_roll_version,
+                identification.load_balance,
             )
             .join(identification, identification.id == table.identification_id)
             .where(table.machine_id == machine_id, columns[0].in_(names))
@@ -172,8 +175,10 @@ def stamp(session: Session, machine_id: str) -> HistoryStamp:
 
 
 def _history(rows: Sequence[Sequence[object]]) -> ParameterHistory:
-    columns = list(zip(*rows, strict=True)) or [()] * 14
-    _, units, measured, value, lower, upper, error, imaginary, computed, accepted, kind, number, revision, version = columns
+    columns = list(zip(*rows, strict=True)) or [()] * 15
+    _, units, measured, value, lower, upper, error, imaginary, computed, accepted, kind, number, revision, version, balance = (
+        columns
+    )
     return ParameterHistory(
         unit=str(units[0]) if units else None,
         measured_at=np.array(measured, np.int64),
@@ -188,6 +193,7 @@ def _history(rows: Sequence[Sequence[object]]) -> ParameterHistory:
         identification=np.array(number, np.int64),
         revision=np.array(revision, np.int64),
         slow_roll_version=np.array([one or 0 for one in version], np.int64),
+        load_balance=np.array([one or 0 for one in balance], np.int64),
     )
 
 

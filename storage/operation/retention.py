@@ -143,7 +143,8 @@ def _of_baselines(session: Session, machine_id: str, baseline_runs: int) -> Sequ
     named = [number for row in begun for number in row.identification_ids or ()]
     found = list(session.scalars(select(made.run_ids).where(made.machine_id == machine_id, made.id.in_(named))))
     place = func.row_number().over(
-        partition_by=(made.revision, made.scope, made.run_kind, made.slow_roll_version), order_by=(made.measured_at, made.id)
+        partition_by=(made.revision, made.scope, made.run_kind, made.slow_roll_version, made.load_balance),
+        order_by=(made.measured_at, made.id),
     )
     for since in [0, *(row.since for row in begun if row.identification_ids is None)]:
         accepted = select(made.run_ids, place.label("place")).where(

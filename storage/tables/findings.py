@@ -80,6 +80,9 @@ class IdentificationRow(Base):
     point: Mapped[bytes | None] = mapped_column(LargeBinary, deferred=True)
     slow_roll_version: Mapped[int | None]
     channel_effects: Mapped[bytes | None] = mapped_column(LargeBinary, deferred=True)
+    load_balance: Mapped[int | None]
+    """Version of the balance of loads on oil films that the values follow from; null where couplings and pedestals are known,
+    without films, and by releases before the second."""
     conditions: Mapped[dict[str, Any] | None]
     """Mean of each operating condition over the runs, null for one not measured; null as a whole without any."""
 
