@@ -10,7 +10,6 @@ import numpy as np
 
 from estimator.fit.physical_limits import PhysicalLimits
 from estimator.machine.film_speeds import follows_films, reported_rpm
-from estimator.rotor.identity_cache import cached_by_identity
 from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model.model import UpdatedModel
 from estimator.updated_model.uncertainty import standard_errors
@@ -36,11 +35,8 @@ class StabilityMargin:
     error: float
 
 
-@cached_by_identity
 def stability_margin(model: UpdatedModel) -> StabilityMargin | None:
     """Compute the stability margin at running speed (Nelson 1976, doi:10.2514/3.7211; JCGM 100:2008, 5.2).
-
-    That of the last few models is remembered: several windows of runs end with the same one.
 
     Args:
         model: The updated model.

@@ -38,7 +38,7 @@ def low_stability(baseline: Sequence[Observation], window: Sequence[Observation]
     lacking: list[float] = []
     for one in reversed(window):  # mostly the newest alone, as solving for films takes time
         model = one.model() if one.accepted and one.model is not None else None
-        margin = None if model is None else stability_margin(model)
+        margin = None if model is None else _margin(model)
         if model is None or margin is None or _lacking(margin, LEAST_DECREMENT) <= CERTAIN:
             return
         usual = _usual_margin(model, baseline)
@@ -47,6 +47,12 @@ def low_stability(baseline: Sequence[Observation], window: Sequence[Observation]
         if lacking[0] <= CERTAIN:
             return
     yield DataFault("machine", tuple(0.5 * size**2 for size in lacking))
+
+
+@cached_by_identity
+def _margin(model: UpdatedModel) -> StabilityMargin | None:
+    """Return the margin of a run, remembered for the last few: several windows of runs end with the same one."""
+    return stability_margin(model)
 
 
 @cached_by_identity

@@ -102,7 +102,7 @@ class RunWindows:
         Returns:
             Number of runs.
         """
-        return max(self._window_lengths(on_delay))
+        return max(self._window_lengths(on_delay), default=0)
 
     def has_gone(self, after: Sequence[Observation], kind: str, element: str, *, off_delay: int) -> bool:
         """Check whether the newest runs show a cause no more.

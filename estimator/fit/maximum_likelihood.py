@@ -46,7 +46,7 @@ LARGEST_BEND = 0.75
 LARGEST_DAMPING = 1e10
 """Damping from which on steps are too short to bring anything [-]."""
 PASSING_DECREASE = 1.0
-"""Decrease of χ² below which a stage from an earlier fit's end stops where others follow [-]: their weights are better."""
+"""Decrease at which stages from an earlier fit's end pass to the next [-]: their weights are not yet those of the end."""
 STALLED_STEPS = 12
 """Number of steps over which the decrease of χ² is watched where derivatives promise more than steps bring."""
 STALLED_DECREASE = 0.05

@@ -25,8 +25,8 @@ from estimator.updated_model.uncertainty import PhasorBand, phasor_band
 class CouplingForce:
     """Loads that one coupling carries at S speeds, as 1× phasors with 95 % bands.
 
-    The coupling pushes its driven half with them and its driver half with the opposite. An equivalent load that was identified
-    acts beside them and is not in them.
+    The coupling pushes its driven half with them and its driver half with the opposite. What its run-out strains it by is in
+    them; an equivalent load that was identified acts beside them and is not.
 
     Attributes:
         coupling: Id of the coupling.

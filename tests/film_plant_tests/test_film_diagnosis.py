@@ -130,3 +130,24 @@ def test_a_clearance_that_is_15_per_cent_larger_is_wear() -> None:
     (one,) = diagnosed(worn(1, 1.15)).causes
     assert (one.cause.kind, one.cause.element) == ("wear", "bearing.B2")
     assert one.size.per_cent == pytest.approx(15.0, abs=4.0)
+
+
+def running_out(*, offset: complex = 0j, angle: complex = 0j) -> Change:
+    def change(one: Plant) -> Plant:
+        return replace(one, train=replace(one.train, couplings=(replace(one.train.couplings[0], run_out=(offset, angle)),)))
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "quantity", "size"),
+    [
+        (running_out(offset=2e-6 * np.exp(0.8j)), "offset_um", 2.0),
+        pytest.param(running_out(angle=10e-6j), "angle_urad", 10.0, marks=pytest.mark.long),
+    ],
+    ids=["bore", "face"],
+)
+def test_the_run_out_of_a_rigid_coupling_is_named_with_its_size(change: Change, quantity: str, size: float) -> None:
+    (one,) = diagnosed(change).causes
+    assert (one.cause.kind, one.cause.element) == ("rotating_coupling", "coupling.C1")
+    assert one.size.quantities[quantity] == pytest.approx(size, rel=0.15)

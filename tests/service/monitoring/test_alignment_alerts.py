@@ -117,6 +117,16 @@ def test_what_is_within_tolerance_is_told_as_a_change(weeks: Weeks) -> None:
     assert words_of(alert).startswith("Coupling C1 has changed its alignment: the driven shaft lies ")
 
 
+def test_what_stands_for_months_is_told_since_it_began(weeks: Weeks) -> None:
+    """The newest runs alone say what is there, all of them since when."""
+    weeks.file(sunk(120e-6), times=2)
+    (first,) = weeks.alerts()
+    weeks.file(sunk(120e-6), times=8)
+    (alert,) = weeks.alerts()
+    assert alert.evidence["runs"] != first.evidence["runs"] or alert.evidence != first.evidence  # it was told anew
+    assert words_of(alert).endswith(", against the baseline, since 2024-01-09")
+
+
 def test_a_season_of_oil_is_nothing_and_does_not_hide_a_shaft_that_sinks(weeks: Weeks) -> None:
     cold = {f"bearing.B{number}.viscosity": 0.45 for number in range(1, 5)}
     weeks.file(cold, times=4)
