@@ -14,6 +14,7 @@ from estimator.calibration.likely_gains import unlikely_gains
 from estimator.calibration.mounted_problem import MountedProblem
 from estimator.calibration.undetermined import distinct_speeds, freed
 from estimator.calibration.variance_components import ScatterModel, ScatterSizes
+from estimator.calibration.weights_in_step import doubt_of_weights
 from estimator.calibration.wrong_senses import explaining_senses
 from estimator.fit.goodness_of_fit import LARGEST_ESTIMATED_NOISE
 from estimator.fit.maximum_likelihood import descend
@@ -34,8 +35,8 @@ STATED_RUN_OUT = 3e-7
 """Run-out by which a channel differs from mounting to mounting, before the runs have shown it [m]."""
 STATED_NOISE = 2e-7
 """Rms error of a phasor at constant speed, before the runs have shown it [m]."""
-LARGEST_MOUNTING_PART = 0.3
-"""Part of the trial weights' effect beyond which differences between mountings are a model that does not fit [-]."""
+LARGE_MOUNTING_PART = 0.3
+"""Part of the trial weights' effect beyond which differences between mountings are doubted [-]"""
 PASSES = 10
 """Most times that the sizes of scatter are estimated anew."""
 STEPS = 40
@@ -254,10 +255,13 @@ def _verdict(problem: MountedProblem, theta: Floats, converged: bool) -> tuple[b
     if part[worst] > LARGEST_ESTIMATED_NOISE:
         return False, f"the model does not fit the runs: {words}; are weights, angles and their sense right?"
     moved = problem.unexplained_part(theta)
-    if moved > LARGEST_MOUNTING_PART:
-        most = 100 * LARGEST_MOUNTING_PART
-        words = f"mountings differ by {100 * moved:.0f} % of what the trial weights do, {most:.0f} % at most"
-        return False, f"the model does not fit the runs: {words}; are weights, angles, their sense and the phase's right?"
+    if moved > LARGE_MOUNTING_PART:
+        words += f"; mountings differ by {100 * moved:.0f} % of what the trial weights do"
+        doubt = doubt_of_weights(problem, theta, part=moved)
+        if doubt:
+            words += f", {doubt}"
+            return False, f"the model does not fit the runs: {words}; are weights, angles, their sense and the phase's right?"
+        words += ", by chance: heavier weights would calibrate better"
     return True, f"accepted: {words}"
 
 

@@ -1,0 +1,94 @@
+"""Whether what differs between mountings goes with the trial weights: then weights, angles or senses were stated wrongly.
+
+Discs that are mounted anew differ by chance, and their differences know nothing of the weights that are put on. A weight that
+is stated in the wrong sense, on the wrong disc or for the wrong run leaves a difference that goes with it. So each disc's
+differences are regressed on the two parts of its own weight; what these explain and what they leave follow an F distribution
+if nothing is wrong (Scheffé, The Analysis of Variance, 1959, sec. 2.5). Nor is one difference far larger than all others
+(Cochran, Ann. Eugen. 11 (1941) 47, doi:10.1111/j.1469-1809.1941.tb02271.x).
+"""
+
+import numpy as np
+import scipy.special
+
+from estimator.arrays import Complexes, Floats
+from estimator.calibration.mounted_problem import MountedProblem
+
+SEEN = 1e-6
+"""Part of the largest singular value from which on a part of a weight varies at all [-]."""
+SMALLEST_CHANCE = 1e-3
+"""Chance of differences that go so well with the weights, beneath which something is stated wrongly [-]."""
+FEW = 8
+"""Number of independent differences beside those that weights may explain, beneath which wrong weights are seen less well."""
+SMALLEST_CHANCE_OF_FEW = 0.1
+"""The same chance with so few of them [-]."""
+IN_STEP = "and go with these"
+ONE_MORE = "one disc of one mounting by far more than the others"
+NOT_SEEN = "which chance would do as well without any"
+TOO_FEW = "and there are too few mountings to tell them from these"
+
+
+def doubt_of_weights(problem: MountedProblem, theta: Floats, *, part: float) -> str:
+    """Judge whether chance explains differences between mountings that are large (Scheffé 1959, sec. 2.5).
+
+    Args:
+        problem: The calibration's problem.
+        theta: Its fit's end θ (n,) [-].
+        part: Rms of what the differences do over that of what the trial weights do [-].
+
+    Returns:
+        What speaks against the weights as they are stated, in words; empty where chance explains the differences.
+    """
+    weight = problem.weight(np.abs(problem.measurement.phasor), 0.0)
+    parts = problem.linearisation(theta, weight).difference[:, : 2 * problem.planes]
+    added = problem.measurement.added
+    if added is None:
+        return ""
+    # In units of what each disc usually differs by, so that all discs count alike.
+    weights = np.array([added[problem.mounting == one].mean(axis=0) for one in range(len(parts))])
+    difference: Complexes = np.asarray(parts[:, ::2] + 1j * parts[:, 1::2])
+    return doubt(difference, np.asarray(weights / problem.spread[: problem.planes], dtype=complex), part=part)
+
+
+def doubt(difference: Complexes, weight: Complexes, *, part: float) -> str:
+    """Judge whether chance explains differences between mountings (Scheffé 1959, sec. 2.5).
+
+    Args:
+        difference: Differences (M, P) of M mountings and P discs, which scatter alike [-].
+        weight: Weights (M, P) [-].
+        part: Rms of what the differences do over that of what the weights do [-].
+
+    Returns:
+        What speaks against the weights as they are stated, in words; empty where chance explains the differences.
+    """
+    explained = left = 0.0
+    tried = free = 0
+    least = SEEN * max(float(np.abs(weight).max()), 1e-300)
+    for own, put in zip(difference.T, weight.T, strict=True):
+        centred = own - own.mean()
+        columns = np.stack([put.real, put.imag], axis=1)
+        directions, size, _ = np.linalg.svd(columns - columns.mean(axis=0), full_matrices=False)
+        seen = directions[:, size > least]
+        shown = float(np.sum(np.abs(seen.T @ centred) ** 2))
+        explained += shown
+        left += float(np.sum(np.abs(centred) ** 2)) - shown
+        tried += seen.shape[1]
+        free += own.size - 1 - seen.shape[1]
+    if free <= 0 or tried == 0:
+        return TOO_FEW
+    if _chance(explained / max(left, 1e-300), tried, free) < (SMALLEST_CHANCE if free >= FEW else SMALLEST_CHANCE_OF_FEW):
+        return IN_STEP
+    if _chance_of_largest(difference) < SMALLEST_CHANCE:
+        return ONE_MORE
+    return "" if _chance(part**-2, tried, free) < SMALLEST_CHANCE else NOT_SEEN
+
+
+def _chance(ratio: float, tried: int, free: int) -> float:
+    """Return the chance of a ratio of sums of squares of `tried` and of `free` complex values that is as large."""
+    return float(scipy.special.fdtrc(2 * tried, 2 * free, ratio * free / tried))
+
+
+def _chance_of_largest(difference: Complexes) -> float:
+    """Return an upper bound of the chance that one of the squares is so large a part of their sum (Cochran 1941)."""
+    square = np.abs(difference - difference.mean(axis=0)) ** 2
+    share = float(square.max() / max(float(square.sum()), 1e-300))
+    return float(square.size * (1.0 - share) ** (square.size - 1))

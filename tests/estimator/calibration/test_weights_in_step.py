@@ -1,0 +1,87 @@
+"""Differences between mountings beside trial weights: large ones by chance are borne, those of wrong weights are refused."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchmarks.calibration.simulated_trains import RUNS, SPEEDS, MountedTrain
+from estimator.arrays import Complexes
+from estimator.calibration.calibrate import LARGE_MOUNTING_PART, calibrate
+from estimator.calibration.calibration_runs import CalibrationRun
+from estimator.calibration.weights_in_step import IN_STEP, NOT_SEEN, ONE_MORE, TOO_FEW, doubt
+
+MOUNTINGS, DISCS = 8, 4
+
+
+def drawn(seed: int) -> tuple[Complexes, Complexes]:
+    """Return differences of unit size and weights seven times as large, on one disc after the other."""
+    rng = np.random.default_rng(seed)
+    parts = rng.standard_normal((2, MOUNTINGS, DISCS))
+    weight = np.zeros((MOUNTINGS, DISCS), dtype=complex)
+    for number in range(1, MOUNTINGS):
+        weight[number, number % DISCS] = 7.0 * np.exp(2j * np.pi * rng.random())
+    return parts[0] + 1j * parts[1], weight
+
+
+def test_chance_is_seldom_taken_for_wrong_weights() -> None:
+    doubted = [bool(doubt(*drawn(seed), part=0.4)) for seed in range(1000)]
+    assert sum(doubted) <= 5
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_differences_that_go_with_weights_are_doubted(seed: int) -> None:
+    difference, weight = drawn(seed)
+    assert doubt(difference + np.conj(weight) - weight, weight, part=0.9) == IN_STEP
+    opposite = weight.copy()
+    opposite[1] *= -1.0
+    assert doubt(difference + weight - opposite, opposite, part=0.6) in {IN_STEP, ONE_MORE}
+
+
+def test_weights_that_do_hardly_more_than_chance_are_not_believed() -> None:
+    difference, weight = drawn(0)
+    assert doubt(difference, weight, part=0.5) == ""
+    assert doubt(difference, weight, part=2.0) == NOT_SEEN
+    assert doubt(difference[:1], weight[:1], part=0.4) == TOO_FEW
+
+
+@pytest.fixture(scope="module")
+def scattered() -> tuple[MountedTrain, list[CalibrationRun]]:
+    """A train whose mountings happen to differ by nearly a third of what its weights do."""
+    plant = MountedTrain("motor-pump", 0)
+    return plant, plant.runs(RUNS, SPEEDS)
+
+
+def test_a_train_that_differs_much_from_mounting_to_mounting_calibrates(
+    scattered: tuple[MountedTrain, list[CalibrationRun]],
+) -> None:
+    plant, runs = scattered
+    found = calibrate(plant.machine, runs)
+    assert found.accepted, found.verdict
+    share = 100 * LARGE_MOUNTING_PART
+    assert f"mountings differ by {share + 1:.0f} %" in found.verdict
+    assert "by chance" in found.verdict
+
+
+def test_the_same_train_with_angles_counted_the_other_way_round_is_refused(
+    scattered: tuple[MountedTrain, list[CalibrationRun]],
+) -> None:
+    plant, runs = scattered
+    turned = [
+        replace(one, measurement=replace(one.measurement, added=np.conj(np.asarray(one.measurement.added)))) for one in runs
+    ]
+    found = calibrate(plant.machine, turned)
+    assert not found.accepted
+    assert IN_STEP in found.verdict
+
+
+def test_the_same_train_with_the_weights_of_two_runs_exchanged_is_refused(
+    scattered: tuple[MountedTrain, list[CalibrationRun]],
+) -> None:
+    plant, runs = scattered
+    put = [one.measurement.added for one in runs]
+    put[1], put[2] = put[2], put[1]
+    swapped = [replace(one, measurement=replace(one.measurement, added=said)) for one, said in zip(runs, put, strict=True)]
+    found = calibrate(plant.machine, swapped)
+    assert not found.accepted
+    assert "mountings differ by" in found.verdict
