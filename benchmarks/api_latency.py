@@ -36,9 +36,12 @@ WEEK = 7 * 86_400 * SECOND
 FIVE_YEARS = 260
 LONG = 2000
 MACHINES = 1000
+ALIVE = "alive: what no answer is quicker than"
 ALERTS = 2000
 PARAMETERS = ("coupling.C1.kxx", "coupling.C1.kyy", "bearing.B2.kxx", "bearing.B3.kxx")
 AT_MOST_TWICE = 2.0
+OVER_ALIVE = 2.5
+"""Largest p99 of trends, lists of alerts and the list of machines over that of `/alive` in the same round [-]."""
 
 
 @dataclass(frozen=True)
@@ -46,11 +49,13 @@ class LatencyFigure:
     """A measured figure: requests of addresses, one after the other, with the p99 of their latency [s], all clients at once.
 
     asked_s: required latency; None without a requirement: harder requests, whose responses cannot be cached.
+    over_alive: whether it is judged by how much longer it takes than `/alive`, too.
     """
 
     name: str
     paths: list[str]
     asked_s: float | None
+    over_alive: bool = False
 
 
 def several(count: int) -> str:
@@ -67,17 +72,19 @@ def starts(count: int) -> list[str]:
 def figures(requests: int) -> tuple[LatencyFigure, ...]:
     """Return the figures that are measured."""
     weekly, long = f"/machines/weekly/trends?{several(4)}", f"/machines/{KEY.machine}/trends?{several(1)}"
+    one_weekly = f"/machines/weekly/trends?{several(1)}"
     limits = [f"/alerts?limit={number}" for number in range(50, 151)]
     return (
-        LatencyFigure("trend of five years, weekly, 1 parameter", [f"/machines/weekly/trends?{several(1)}"], 0.050),
-        LatencyFigure("trend of five years, weekly, 4 parameters", [weekly], 0.050),
+        LatencyFigure(ALIVE, ["/alive"], None),
+        LatencyFigure("trend of five years, weekly, 1 parameter", [one_weekly], 0.050, over_alive=True),
+        LatencyFigure("trend of five years, weekly, 4 parameters", [weekly], 0.050, over_alive=True),
         LatencyFigure("  each from another time on", [weekly + one for one in starts(requests)], None),
-        LatencyFigure("trend of 2,000 points", [long], 0.050),
+        LatencyFigure("trend of 2,000 points", [long], 0.050, over_alive=True),
         LatencyFigure("  each from another time on", [long + one for one in starts(requests)], None),
-        LatencyFigure("list of 100 alerts of 2,000", ["/alerts"], 0.030),
+        LatencyFigure("list of 100 alerts of 2,000", ["/alerts"], 0.030, over_alive=True),
         LatencyFigure("  50 to 150 of them", limits, None),
-        LatencyFigure("list of the open alerts", ["/alerts?open=true"], 0.030),
-        LatencyFigure("list of 1,000 machines", ["/machines"], 0.100),
+        LatencyFigure("list of the open alerts", ["/alerts?open=true"], 0.030, over_alive=True),
+        LatencyFigure("list of 1,000 machines", ["/machines"], 0.100, over_alive=True),
         LatencyFigure("overview of 1,000 machines", ["/fleet"], 0.100),
     )
 
@@ -186,7 +193,20 @@ def measure(folder: Path, options: argparse.Namespace) -> bool:
     print(f"  samples stored meanwhile: {stored}")
     limits = [figure.asked_s for figure in figures(options.requests)]
     within = all(found <= limit for found, limit in zip(p99, limits, strict=True) if limit is not None)
-    return compare(quiet, busy, [limit is not None for limit in limits]) and within
+    answers = beside_alive(quiet, options.requests)
+    return compare(quiet, busy, [limit is not None for limit in limits]) and answers and within
+
+
+def beside_alive(quiet: list[Round], requests: int) -> bool:
+    """Print how many times as long answers take as `/alive` in the same round; whether none takes longer than asked."""
+    names = [one.name for one in figures(requests)]
+    at = names.index(ALIVE)
+    over = np.median([one.p99 / one.p99[at] for one in quiet], axis=0)
+    judged = [place for place, one in enumerate(figures(requests)) if one.over_alive]
+    print(f"p99 over that of /alive in the same round, median of {len(quiet)}; asked: {OVER_ALIVE:g} at most")
+    for place in judged:
+        print(f"  {names[place]:42s} {over[place]:5.2f}{'' if over[place] <= OVER_ALIVE else '  MORE THAN ASKED'}")
+    return bool(over[judged].max() <= OVER_ALIVE)
 
 
 def compare(quiet: list[Round], busy: list[Round], asked: list[bool]) -> bool:

@@ -58,7 +58,8 @@ def _render(title: str, part: Callable[[ReportContents, ReportedFit], str], cont
         return part(contents, fit)
     except (ValueError, ArithmeticError, np.linalg.LinAlgError) as error:
         logger.warning("report of %s: %s cannot be computed: %s", contents.machine.id, title, error)
-        return muted(contents.language.say("report.not_computed", id=fit.one.id, reason=error))
+        reason = in_language(str(error), contents.language)
+        return muted(contents.language.say("report.not_computed", id=fit.one.id, reason=reason))
 
 
 def _trends(contents: ReportContents) -> str:

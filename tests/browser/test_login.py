@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, BrowserContext, Page, expect
+from sqlalchemy import func, select
 
 from benchmarks.serving import serving
 from service.api.application import application
@@ -17,6 +18,7 @@ from service.security.role import Role
 from service.security.tokens import Claims, Tokens
 from storage.database.engine import Database
 from storage.operation import audit
+from storage.tables.base import Base
 from tests.browser.conftest import PATIENCE_MS
 from tests.plant import KEY, sqlite_url
 from tests.ports import free_port
@@ -121,3 +123,69 @@ def test_the_documentation_page_works_under_its_policy(context: BrowserContext, 
     expect(page.locator(".opblock").first).to_be_visible()
     page.screenshot(path=tmp_path / "docs.png")
     assert complaints == []
+
+
+def test_a_viewer_who_presses_every_button_is_told_why_and_changes_nothing(context: BrowserContext, secured: Place) -> None:
+    with secured.database.transaction() as session:
+        _, key = api_keys.create(session, name="Vera", role=Role.VIEWER, plants=[KEY.plant], days=1)
+    page, _ = watched(context)
+    page.goto(f"{secured.url}/login")
+    page.get_by_label("API key").fill(key)
+    page.get_by_role("button", name="Log in").click()
+    expect(page.get_by_text("Vera (viewer)")).to_be_visible()
+    before = rows(secured.database)
+    changes: list[int] = []
+    page.on(
+        "response",
+        lambda answer: changes.append(answer.status) if answer.request.method in ("POST", "PUT", "DELETE") else None,
+    )
+    pressed = [f"{view}: {button}" for view in VIEWS_WITH_BUTTONS for button in pressed_buttons(page, secured.url, view)]
+    assert len(pressed) >= 10, pressed
+    assert changes, "nothing was sent: no button was pressed that would change something"
+    assert set(changes) == {403}, changes
+    assert rows(secured.database) == before
+
+
+VIEWS_WITH_BUTTONS = (
+    "alerts",
+    "subscriptions",
+    f"machines/{KEY.machine}",
+    *(f"machines/{KEY.machine}/{tab}" for tab in ("settings", "balancing")),
+)
+GIVEN = {"date": "2030-01-01", "datetime-local": "2030-01-01T12:00", "number": "1"}
+"""What is written into a field that must not stay empty, by its type; `x` into others."""
+
+
+def pressed_buttons(page: Page, base: str, view: str) -> Iterator[str]:
+    """Press each button of a view once, with its form filled in; each answer stands in the form or on the page."""
+    done: set[str] = set()
+    while True:
+        page.goto(f"{base}/")
+        page.goto(f"{base}/#/{view}")
+        expect(page.locator("main .panel, main .alert-row").first).to_be_visible()
+        expect(page.locator(".loading")).to_have_count(0)
+        for folded in page.locator("main details:not([open]) > summary").all():
+            folded.click()
+        texts = [one.strip() for one in page.locator("main button:visible:enabled").all_inner_texts()]
+        left = [at for at, text in enumerate(texts) if text not in done]
+        if not left:
+            return
+        done.add(texts[left[0]])
+        page.locator("main button:visible:enabled").nth(left[0]).click()
+        dialog = page.get_by_role("dialog")
+        if dialog.count():
+            for field in dialog.locator("input[required], textarea[required]").all():
+                if field.input_value() == "":
+                    field.fill(GIVEN.get(field.get_attribute("type") or "", "x"))
+            dialog.locator("button[type=submit]").click()
+            expect(dialog.get_by_role("alert")).to_contain_text("viewer")
+        yield texts[left[0]]
+
+
+def rows(database: Database) -> dict[str, int]:
+    """How many rows each table has, without who has logged in and what was tried."""
+    with database.reading() as session:
+        tables = [
+            one for one in Base.metadata.sorted_tables if one.name not in ("audit", "browser_sessions", "logins", "api_keys")
+        ]
+        return {one.name: session.scalar(select(func.count()).select_from(one)) or 0 for one in tables}

@@ -23,7 +23,7 @@ export function CentrelinePanel({ machine, found, path }: { machine: Document; f
         {(lines) => (
           <>
             <p class="muted">
-              <CurveLegend curves={namesOf(lines).map((name, style) => ({ name, style }))} /> {measuredText(lines)}
+              <CurveLegend curves={namesOf(lines).map((name, style) => ({ name, style }))} /> · {measuredText(lines)}
             </p>
             <div class="orbits shapes">
               {lines.bearings.map((one) => (
