@@ -1,4 +1,4 @@
-"""Where the sidecar of a recording stands; apart from its reader, as who only asks for it need not load what reads it."""
+"""Finds the sidecar of a recording; apart from its reader, for who only asks for it need not load what reads it."""
 
 from pathlib import Path
 
