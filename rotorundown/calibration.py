@@ -85,6 +85,8 @@ def calibrate(machine: Machine, files: Sequence[str | Path], *, seed: int = 0) -
     Raises:
         NotCalibrated: A file cannot be read, states no or impossible weights, or nothing differs between the runs.
     """
+    if isinstance(files, str | Path):
+        raise NotCalibrated(f"files is one path, {files}: give a list of the recordings with and without weights")
     try:
         runs, left_out = read_calibration_runs(machine, [Path(file) for file in files])
         with one_blas_thread():

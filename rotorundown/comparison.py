@@ -9,7 +9,7 @@ from estimator.identification.model_comparison import ModelComparison, compare_m
 from estimator.phasors.measurement import joined
 from rotorundown.environment.blas_threads import one_blas_thread
 from rotorundown.notebook_text import notebook_text
-from rotorundown.result import Result
+from rotorundown.result import Result, require_result
 from rotorundown.runs import MachineRun
 
 
@@ -59,7 +59,9 @@ def compare(baseline: Result, runs: MachineRun | Sequence[MachineRun], *, coupli
 
     Raises:
         NotComparable: The baseline is not accepted, or the machine has no such coupling.
+        NotIdentified: The baseline is no result of `identify`.
     """
+    require_result(baseline, "the baseline")
     machine = baseline.machine
     known = [one.id for one in machine.couplings]
     if coupling not in known:

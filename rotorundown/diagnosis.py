@@ -11,7 +11,7 @@ from estimator.diagnosis.run_windows import RunWindows
 from estimator.diagnosis.severity_measures import change_size
 from estimator.errors import Invalid
 from rotorundown.notebook_text import notebook_text
-from rotorundown.result import Result
+from rotorundown.result import Result, require_result
 
 
 class NotDiagnosable(Invalid):
@@ -65,7 +65,13 @@ def diagnose(baseline: Sequence[Result], later: Sequence[Result], *, runs_that_a
 
     Raises:
         NotDiagnosable: Results are missing, not accepted in the baseline, or of different machines.
+        NotIdentified: Something in the lists is no result of `identify`.
     """
+    for name, several in (("baseline", baseline), ("later", later)):
+        if isinstance(several, Result):
+            raise NotDiagnosable(f"{name} is one result: give a list of them")
+        for one in several:
+            require_result(one, f"what is in {name}")
     if not baseline or not later:
         raise NotDiagnosable("a diagnosis needs results of the healthy machine and later ones")
     machine = baseline[0].machine

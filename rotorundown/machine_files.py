@@ -29,6 +29,8 @@ def read_machine(source: str | Path | Mapping[str, Any] | Machine) -> Machine:
     """
     if isinstance(source, Machine):
         return source
+    if not isinstance(source, str | Path | Mapping):
+        raise WrongMachine(f"a machine is a document's path or its fields by name, not {type(source).__name__}")
     try:
         if isinstance(source, Mapping):
             return accepted_machine(dict(source))
@@ -36,6 +38,4 @@ def read_machine(source: str | Path | Mapping[str, Any] | Machine) -> Machine:
     except UnreadableFile as error:
         raise WrongMachine(str(error)) from None
     except DocumentError as error:
-        problems = [f"{field}: {message}" for field, message in error.problems]
-        listed = f" {problems[0]}" if len(problems) == 1 else "".join(f"\n  {one}" for one in problems)
-        raise WrongMachine(f"this is not a machine document:{listed}") from None
+        raise WrongMachine(f"this is not a machine document:{error.listed}") from None

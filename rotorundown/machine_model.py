@@ -34,6 +34,12 @@ class Model:
 
     updated: UpdatedModel
 
+    def __str__(self) -> str:
+        results = ("critical_speeds", "campbell", "modes", "response", "coupling_loads", "balance_grades", "balance")
+        return f"{self.machine.id}: model with {', '.join(f'{name}()' for name in results)}"
+
+    __repr__ = __str__
+
     @property
     def machine(self) -> Machine:
         """Return the machine."""

@@ -9,6 +9,7 @@ import numpy as np
 
 from estimator.calibration.unbalance_since import UnbalanceSince, unbalance_since
 from estimator.close_matches import did_you_mean
+from estimator.errors import Invalid
 from estimator.fit.estimates import Estimate
 from estimator.fit.identification import Identification
 from estimator.machine.document import Machine
@@ -30,6 +31,16 @@ CANDIDATE_SPEEDS = 60
 """Number of speeds of which the most helpful are chosen."""
 COLUMNS = ("element", "quantity", "value", "standard_error", "lower", "upper", "imaginary", "imaginary_standard_error", "unit")
 """Columns of a table of estimates, beside `reason`."""
+
+
+class NotIdentified(Invalid):
+    """Raised for something that is no result of an identification where one is needed."""
+
+
+def require_result(given: object, what: str) -> None:
+    """Require a result of `identify`. what: names what is given, for the error. Raises NotIdentified."""
+    if not isinstance(given, Result):
+        raise NotIdentified(f"{what} is a {type(given).__name__}: identify first, with identify(machine, runs)")
 
 
 class UnknownName(KeyError):
@@ -84,7 +95,7 @@ class Result:
         for one in self.identification.estimates:
             if one.name == name:
                 return one
-        raise UnknownName(f"'{name}' is not estimated{did_you_mean(name, known)}")
+        raise UnknownName(f"'{name}' is not estimated{did_you_mean(str(name), known)}")
 
     def __iter__(self) -> Iterator[str]:
         return (one.name for one in self.identification.estimates)

@@ -1,10 +1,10 @@
 """Tables of a run without a sidecar: which columns hold what, and what is wrong with their numbers."""
 
 import csv
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -21,8 +21,17 @@ SPEED_COLUMNS = ("speed", "speed_rpm", "rpm")
 TIME_COLUMNS = ("time", "time_s")
 AMPLITUDE_ENDS = ("_amplitude", "_um_pp")
 PHASE_ENDS = ("_phase", "_lag_deg")
+OTHER_SEPARATORS = {";": "semicolons", "\t": "tabs"}
 FIXED_UNITS = {"speed_rpm": "rpm", "rpm": "rpm"}
 """Columns whose names give the unit of the speed."""
+UNIT_OPTIONS = {
+    "speed_unit": SpeedUnit,
+    "amplitude_unit": AmplitudeUnit,
+    "amplitude_kind": AmplitudeKind,
+    "phase_convention": PhaseConvention,
+    "phase_unit": PhaseUnit,
+}
+"""Units of a table, as `read_run` takes them."""
 BEGINNING_NS = 946_771_200_000_000_000
 """Time [ns since 1970] given to the first sample: 2 January 2000, as in recordings without a date."""
 LARGEST_ANGLE_RAD = 4.0 * np.pi
@@ -48,6 +57,13 @@ class TableUnits:
     convention: PhaseConvention = "lag"
     phase: PhaseUnit = "deg"
 
+    def __post_init__(self) -> None:
+        """Raise WrongRun for a unit that there is not."""
+        given = (self.speed, self.amplitude, self.kind, self.convention, self.phase)
+        for (option, known), unit in zip(UNIT_OPTIONS.items(), given, strict=True):
+            if unit not in get_args(known):
+                raise WrongRun(f"{option} {unit!r} is not one of {', '.join(get_args(known))}")
+
     @property
     def words(self) -> str:
         """Return the units in words."""
@@ -65,7 +81,9 @@ class RunTable:
         """Return the columns of a data frame or a mapping. Raises WrongRun."""
         if not hasattr(source, "keys") or not hasattr(source, "__getitem__"):
             raise WrongRun(f"a run is a file's path, a data frame or a mapping of columns, not {type(source).__name__}")
-        columns = {str(name): _numbers(str(name), source[name]) for name in source.keys()}  # noqa: SIM118 - a frame's too
+        names = [str(name) for name in source.keys()]  # noqa: SIM118 - a frame's too
+        _require_different(names)
+        columns = {str(name): _numbers(str(name), source[name]) for name in source.keys()}  # noqa: SIM118
         if not columns or not all(column.ndim == 1 and column.size for column in columns.values()):
             raise WrongRun("the run has no samples: each column must hold at least one number")
         if len({column.size for column in columns.values()}) > 1:
@@ -147,13 +165,17 @@ def read_csv_table(path: Path) -> RunTable:
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:
             rows = list(csv.reader(file, strict=True))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
+    except UnicodeDecodeError:
+        raise WrongRun(f"{path} is no text in UTF-8: save it as CSV in UTF-8") from None
+    except (OSError, csv.Error) as error:
         raise WrongRun(f"{path}: {getattr(error, 'strerror', None) or error}") from None
     if len(rows) < 2:
         raise WrongRun(f"{path} has no rows below a header line")
     header, *body = rows
-    if len(header) == 1 and ";" in header[0]:
-        raise WrongRun(f"{path} is separated by semicolons: write it with commas, and numbers with a decimal point")
+    separator = next((words for sign, words in OTHER_SEPARATORS.items() if sign in header[0]), None)
+    if len(header) == 1 and separator:
+        raise WrongRun(f"{path} is separated by {separator}: write it with commas, and numbers with a decimal point")
+    _require_different(header)
     for line, row in enumerate(body, start=2):
         if row and len(row) != len(header):
             raise WrongRun(
@@ -161,6 +183,12 @@ def read_csv_table(path: Path) -> RunTable:
                 "write a point"
             )
     return RunTable.of({name: [row[i] for row in body if row] for i, name in enumerate(header)})
+
+
+def _require_different(names: Sequence[str]) -> None:
+    twice = next((name for i, name in enumerate(names) if name in names[:i]), None)
+    if twice is not None:
+        raise WrongRun(f"column '{twice}' stands twice: which one counts?")
 
 
 def _seconds(values: Floats) -> Floats:
@@ -180,7 +208,7 @@ def _numbers(name: str, values: Iterable[Any]) -> Floats:
             found[number] = float(value)
         except (TypeError, ValueError):
             comma = ": write numbers with a decimal point" if "," in str(value) else ""
-            raise WrongRun(f"column '{name}', row {number + 1}: '{value}' is not a number{comma}") from None
+            raise WrongRun(f"column '{name}', row {number + 1}: '{value!s:.40}' is not a number{comma}") from None
     return found
 
 

@@ -146,6 +146,8 @@ def read_run(
     if not isinstance(source, str | Path):
         return _run_of_table(RunTable.of(source), "run", machine, units)
     path = Path(source)
+    if path.is_dir():
+        raise WrongRun(f"{path} is a folder: name a file of it")
     beside = sidecar_of(path) if sidecar is None else Path(sidecar)
     if sidecar is None and path.suffix == ".csv" and not beside.exists():
         return _run_of_table(read_csv_table(path), path.name, machine, units)

@@ -1,9 +1,12 @@
 """Simulates a run-down of a machine, to try methods and thresholds on."""
 
 from dataclasses import replace
+from typing import get_args
 
 import numpy as np
 
+from estimator.close_matches import did_you_mean
+from estimator.errors import Invalid
 from estimator.machine.document import Machine
 from estimator.phasors.channel_status import ChannelStatus
 from estimator.phasors.measurement import MeasuredGaps, Measurement
@@ -14,6 +17,11 @@ from estimator.simulation.stories import Story
 from rotorundown.runs import MachineRun
 
 DURATION_S = 600.0
+FEWEST_SAMPLES = 2
+
+
+class NotSimulated(Invalid):
+    """Raised for a run that cannot be simulated; the message says what can."""
 
 
 def simulate(
@@ -41,8 +49,10 @@ def simulate(
         The run, with its true parameters.
 
     Raises:
+        NotSimulated: There is no such story, or a number is out of its range.
         ValueError: The document does not say enough to simulate from.
     """
+    _require_possible(machine, story, progress, samples, duration_s)
     true = truth_at_progress(draw_truth(machine, np.random.default_rng(seed)), machine, story, progress)
     rng = np.random.default_rng([seed, run_seed])
     time, speed = speed_law(machine, "run-down", duration=duration_s, samples=samples)
@@ -57,3 +67,17 @@ def simulate(
     return MachineRun(
         f"simulated {story}", machine.channels, recorded, measurement, units="as simulated, in SI", truth=of_run.parameters
     )
+
+
+def _require_possible(machine: Machine, story: str, progress: float, samples: int, duration_s: float) -> None:
+    if not isinstance(machine, Machine):
+        raise NotSimulated(f"the machine is a {type(machine).__name__}: read it first, with read_machine(…)")
+    stories = get_args(Story)
+    if story not in stories:
+        raise NotSimulated(f"there is no story {story!r}: there are {', '.join(stories)}{did_you_mean(str(story), stories)}")
+    if not 0.0 <= progress <= 1.0:
+        raise NotSimulated(f"progress {progress:g} is not from 0 to 1")
+    if samples < FEWEST_SAMPLES:
+        raise NotSimulated(f"a run has {FEWEST_SAMPLES} samples at least, not {samples}")
+    if not 0.0 < duration_s < float("inf"):
+        raise NotSimulated(f"a run takes some time: duration_s {duration_s:g} is not above 0 s")

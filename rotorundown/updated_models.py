@@ -3,9 +3,23 @@
 from estimator.machine.document import Machine
 from estimator.updated_model.model import expected_model
 from rotorundown.machine_model import Model
-from rotorundown.result import Result
+from rotorundown.result import Result, require_result
 
 
 def model(source: Result | Machine) -> Model:
-    """Return the model of a result, or the one that a document expects before anything is measured."""
-    return source.model if isinstance(source, Result) else Model(expected_model(source))
+    """Return the model of a result, or the one that a document expects before anything is measured.
+
+    Args:
+        source: The result of an identification, or a machine.
+
+    Returns:
+        The model.
+
+    Raises:
+        NotIdentified: The source is neither.
+        ValueError: The document does not say enough to expect anything.
+    """
+    if isinstance(source, Machine):
+        return Model(expected_model(source))
+    require_result(source, "the source")
+    return source.model

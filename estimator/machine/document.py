@@ -223,6 +223,12 @@ class DocumentError(Invalid):
         super().__init__("\n".join(f"{field}: {message}" for field, message in problems))
 
     @property
+    def listed(self) -> str:
+        """Return the problems to stand behind a colon: one on its line, several each on a line of its own."""
+        lines = str(self).splitlines()
+        return f" {lines[0]}" if len(lines) == 1 else "".join(f"\n  {one}" for one in lines)
+
+    @property
     def detail(self) -> str:
         """State that the document is wrong as a whole; `field_errors` has the rest."""
         return "the machine document is wrong"
@@ -275,6 +281,8 @@ def _words(item: Any, model: type[BaseModel] | None) -> str:
     if item["type"] == "extra_forbidden" and model is not None:
         known = fields_beside(model, item["loc"])
         return "there is no such field" + (did_you_mean(str(item["loc"][-1]), known) or f": there are {', '.join(known)}")
+    if item["type"] == "model_type":
+        return "should be fields by name, each with its value"
     least = item.get("ctx", {}).get("gt")
     if item["type"] == "greater_than" and isinstance(least, float) and 0.0 < least <= TINY:
         return "Input should be greater than 0"

@@ -37,5 +37,4 @@ def read_machine(path: Path) -> Machine:
     except WrongTableFile as error:
         raise UnreadableFile(f"{path}: {error}") from error
     except DocumentError as error:
-        problems = "\n".join(f"  {field}: {message}" for field, message in error.problems)
-        raise UnreadableFile(f"{path} is not a machine document:\n{problems}") from error
+        raise UnreadableFile(f"{path} is not a machine document:{error.listed}") from error

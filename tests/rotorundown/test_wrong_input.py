@@ -1,4 +1,4 @@
-"""Tests that what is given wrongly is named in one line that says what would be right, in Python and by command."""
+"""What is given wrongly is named in one line that says what would be right, in Python and by command."""
 
 import re
 import shutil
@@ -59,9 +59,9 @@ def test_a_contradiction_of_a_machine_is_one_line(pump: Machine) -> None:
     with pytest.raises(WrongMachine, match=r"couplings\[0\].driven: 'nobody' is not one of the shafts: motor, pump") as raised:
         rd.read_machine(said)
     one_line(raised)
-    with pytest.raises(DocumentError, match=r"^couplings\[0\].driven: 'nobody' is not one of the shafts: motor") as unmade:
+    with pytest.raises(DocumentError, match=r"^couplings\[0\].driven: 'nobody' is not one of the shafts: motor") as directly:
         rd.Machine(**said)
-    one_line(unmade)
+    one_line(directly)
 
 
 WRONG_FIELDS: dict[str, tuple[Callable[[Any], Any], str]] = {
@@ -87,6 +87,91 @@ def test_an_unknown_field_gets_its_close_matches(pump: Machine, name: str) -> No
         with pytest.raises(ValueError, match=re.escape(words)) as raised:
             make(said)
         one_line(raised)
+
+
+def doubled(frame: Any) -> Any:
+    return frame.set_axis([*frame.columns[:-1], frame.columns[-2]], axis=1)
+
+
+MISREAD: dict[str, tuple[Callable[[Any, Path], Any], dict[str, Any], str]] = {
+    "degrees said to be radians": (
+        lambda frame, _: frame,
+        {"phase_unit": "rad"},
+        "degrees and not radians: say phase_unit='deg'",
+    ),
+    "a unit that there is not": (
+        lambda frame, _: frame.rename(columns={"speed_rpm": "speed"}),
+        {"speed_unit": "hz"},
+        "speed_unit 'hz' is not one of rpm, rad/s, Hz",
+    ),
+    "a kind that there is not": (lambda frame, _: frame, {"amplitude_kind": "pp"}, "amplitude_kind 'pp' is not one of peak"),
+    "a column twice": (lambda frame, _: doubled(frame), {}, "column 'B4R_um_pp' stands twice"),
+    "a column twice in a file": (lambda frame, file: written(file, doubled(frame)), {}, "column 'B4R_um_pp' stands twice"),
+    "tabs": (
+        lambda frame, file: frame.to_csv(file, sep="\t", index=False) or file,
+        {},
+        "is separated by tabs: write it with commas",
+    ),
+    "a folder": (lambda _, file: file.parent, {}, "is a folder: name a file of it"),
+    "no text": (
+        lambda _, file: file.write_bytes(bytes(range(256))) and file,
+        {},
+        "is no text in UTF-8: save it as CSV in UTF-8",
+    ),
+    "an array": (lambda frame, _: frame.to_numpy(), {}, "a data frame or a mapping of columns, not ndarray"),
+}
+
+
+@pytest.mark.parametrize("name", MISREAD)
+def test_what_cannot_be_a_run_is_one_line(pump: Machine, run: rd.MachineRun, tmp_path: Path, name: str) -> None:
+    make, options, words = MISREAD[name]
+    with pytest.raises(WrongRun, match=re.escape(words)) as raised:
+        rd.read_run(make(run.to_frame(), tmp_path / "run.csv"), machine=pump, **options)
+    one_line(raised)
+
+
+def test_what_is_no_machine_is_one_line(tmp_path: Path) -> None:
+    wrong: Any
+    for wrong in (None, [1]):
+        with pytest.raises(WrongMachine, match="a document's path or its fields by name, not") as raised:
+            rd.read_machine(wrong)
+        one_line(raised)
+    for text in ("", "- 1"):
+        (tmp_path / "wrong.yaml").write_text(text)
+        with pytest.raises(WrongMachine, match="should be fields by name, each with its value") as raised:
+            rd.read_machine(tmp_path / "wrong.yaml")
+        one_line(raised)
+
+
+def test_what_was_not_identified_is_told_so(pump: Machine, run: rd.MachineRun, result: rd.Result) -> None:
+    made: Any = rd
+    calls: list[tuple[Callable[[], Any], str]] = [
+        (lambda: made.compare(pump, run, coupling="C1"), "the baseline is a Machine: identify first"),
+        (lambda: made.diagnose(result, [result]), "baseline is one result: give a list of them"),
+        (lambda: made.diagnose([result], [run]), "what is in later is a MachineRun: identify first"),
+        (lambda: made.model(None), "the source is a NoneType: identify first"),
+        (lambda: made.calibrate(pump, "run.csv"), "files is one path, run.csv: give a list"),
+        (lambda: made.simulate(str(PUMP)), "read it first, with read_machine(…)"),
+        (
+            lambda: made.simulate(pump, story="misaligned"),
+            "there are healthy, misalignment, unbalance; did you mean 'misalignment'",
+        ),
+        (lambda: made.simulate(pump, progress=7), "progress 7 is not from 0 to 1"),
+        (lambda: made.simulate(pump, samples=0), "a run has 2 samples at least, not 0"),
+        (lambda: made.simulate(pump, duration_s=float("nan")), "a run takes some time"),
+    ]
+    for call, words in calls:
+        with pytest.raises(ValueError, match=re.escape(words)) as raised:
+            call()
+        one_line(raised)
+    with pytest.raises(KeyError, match="'3' is not estimated"):
+        made.Result.__getitem__(result, 3)
+
+
+def test_a_model_is_printed_in_a_line(pump: Machine) -> None:
+    assert str(rd.model(pump)) == repr(rd.model(pump))
+    assert str(rd.model(pump)).startswith("motor-pump: model with critical_speeds(), campbell()")
+    assert all(hasattr(rd.Model, name) for name in re.findall(r"(\w+)\(\)", str(rd.model(pump))))
 
 
 def invoked(*arguments: str, **environment: str) -> Any:
