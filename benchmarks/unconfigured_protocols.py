@@ -51,7 +51,7 @@ sys.modules["service.opcua.serving"] = stand_in
 
 @dataclass(frozen=True)
 class ProtocolMemory:
-    """What was measured: memory of a service as it is and of one without the protocols [MB], and what it loaded of them."""
+    """Memory of a service as it is and of one without the protocols [MB], and what the former loaded of them."""
 
     as_it_is: float
     without: float
@@ -76,7 +76,7 @@ class ProgramService(Service):
         self._program = program
 
     def started(self) -> AbstractContextManager["subprocess.Popen[bytes]"]:
-        """The service, on its way to be ready."""
+        """Return the service, on its way to be ready."""
         flags = ["--database", self.database, "--port", str(self.port), self._network, self.endpoint]
         return python(self.log, "-c", self._program, "serve", *flags, **self._environment)
 
