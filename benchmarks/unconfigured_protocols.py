@@ -31,7 +31,8 @@ LIBRARIES = ("asyncua", "aiomqtt", "paho")
 ROOMS = ("service.opcua", "service.mqtt")
 UNASKED = {"service.opcua", "service.opcua.serving"}
 """Modules of both rooms that a service imports in any case."""
-SETTLED_S = 2.0
+LOOK_S, ALIKE, ALIKE_MB, PATIENCE_S = 1.0, 6, 0.3, 120.0
+"""Memory is settled when so many looks in a row are alike: what a service loads once it is ready takes its time."""
 
 SERVE = f"""
 import atexit, json, runpy, sys
@@ -51,7 +52,7 @@ sys.modules["service.opcua.serving"] = stand_in
 
 @dataclass(frozen=True)
 class ProtocolMemory:
-    """What was measured: memory of a service as it is and of one without the protocols [MB], and what it loaded of them."""
+    """Memory of a service as it is and of one without the protocols [MB], and what the former loaded of them."""
 
     as_it_is: float
     without: float
@@ -76,7 +77,7 @@ class ProgramService(Service):
         self._program = program
 
     def started(self) -> AbstractContextManager["subprocess.Popen[bytes]"]:
-        """The service, on its way to be ready."""
+        """Return the service, on its way to be ready."""
         flags = ["--database", self.database, "--port", str(self.port), self._network, self.endpoint]
         return python(self.log, "-c", self._program, "serve", *flags, **self._environment)
 
@@ -90,12 +91,23 @@ def measured(*, rounds: int) -> ProtocolMemory:
             with tempfile.TemporaryDirectory() as folder:
                 service = ProgramService(Path(folder), before + SERVE)
                 with service.running() as process:
-                    time.sleep(SETTLED_S)
-                    memory[before].append(psutil.Process(process.pid).memory_full_info().uss / 2**20)
+                    memory[before].append(_settled(psutil.Process(process.pid)))
                 service.client.close()
                 if not before:
                     loaded |= _loaded(service.log)
     return ProtocolMemory(statistics.median(memory[""]), statistics.median(memory[WITHOUT]), tuple(sorted(loaded)))
+
+
+def _settled(process: psutil.Process) -> float:
+    """Return the memory that a process has to itself, once that stays as it is [MB]."""
+    looks: list[float] = []
+    deadline = time.monotonic() + PATIENCE_S
+    while len(looks) < ALIKE or max(looks[-ALIKE:]) - min(looks[-ALIKE:]) > ALIKE_MB:
+        if time.monotonic() > deadline:
+            raise SystemExit(f"the memory of the service has not settled within {PATIENCE_S:g} s")
+        time.sleep(LOOK_S)
+        looks.append(process.memory_full_info().uss / 2**20)
+    return looks[-1]
 
 
 def _loaded(log: Path) -> set[str]:

@@ -68,7 +68,7 @@ class EdgeNode:
             return False
         if kind != NODE_BIRTH:
             if self.last is None:
-                self.wants_rebirth = True  # what it said at its birth was not heard
+                self.ask_soon()  # what it said at its birth was not heard
             elif gap := (payload.sequence - self.last - 1) % COUNT:
                 self._note_gap(gap)
         self.last = payload.sequence
@@ -92,6 +92,10 @@ class EdgeNode:
             self.last = None
             self.forget(None)
 
+    def ask_soon(self) -> None:
+        """Note that the node is to be asked for its names, for a reason that is new: earlier requests in vain do not count."""
+        self.wants_rebirth, self.rebirth_pause = True, REBIRTH_S
+
     def asks_now(self, moment: float) -> bool:
         """Return whether the node is to be asked for its names now, and note that it was. moment: by a monotonic clock [s]."""
         if not self.wants_rebirth or moment < self.asked_at + self.rebirth_pause:
@@ -109,7 +113,7 @@ class EdgeNode:
 
     def _note_gap(self, gap: int) -> None:
         self.missing += gap
-        self.wants_rebirth = True
+        self.ask_soon()
         for feed in self.feeds:
             feed.sequence += gap
         self.forget(None)

@@ -15,7 +15,6 @@ from service.mqtt.edge_node import (
     DEVICE_DEATH,
     NODE_BIRTH,
     NODE_DEATH,
-    REBIRTH_S,
     EdgeNode,
     MachineFeed,
 )
@@ -63,7 +62,8 @@ class SparkplugNodes:
             if feed is None or feed.mapping != mapping:
                 # What the node said of these metrics was not kept: it is asked to say it again, once it is heard of.
                 feed = MachineFeed(machine, mapping, 0 if feed is None else feed.sequence)
-                nodes[place].wants_rebirth = nodes[place].last is not None
+                if nodes[place].last is not None:
+                    nodes[place].ask_soon()
             feed.machine = machine
             nodes[place].feeds.append(feed)
         self._missing_before += sum(one.missing for place, one in self._nodes.items() if place not in nodes)
@@ -129,7 +129,6 @@ class SparkplugNodes:
             if values.get(feed.mapping.speed) is None:
                 node.wants_rebirth = True
             else:
-                node.rebirth_pause = REBIRTH_S
                 yield self._batch(feed, values, min(moment * 1_000_000, LATEST_NS))
 
     def _batch(self, feed: MachineFeed, values: Mapping[str, float | None], time_ns: int) -> SampleBatch:

@@ -20,7 +20,7 @@ from service.configuration.release import VERSION
 from service.configuration.settings import Settings
 from service.opcua.alert_conditions import AlertConditions
 from service.opcua.browsing import Browsing
-from service.opcua.client_requests import ListeningServer
+from service.opcua.client_requests import LARGEST_CHUNK, ListeningServer
 from service.opcua.client_session import ClientSession
 from service.opcua.client_trust import ClientTrust, application_uri, load_own
 from service.opcua.client_users import ClientUser, ClientUsers
@@ -49,8 +49,8 @@ POLICIES = [
 ]
 """Security policies that are offered where there is a certificate; all of them encrypt, as API keys pass."""
 MOST_CONNECTIONS, MOST_ALL_SUBSCRIPTIONS = 100, 200
-LARGEST_MESSAGE = 16 * 2**20
-CHUNK = 65_535
+LARGEST_MESSAGE = 4 * 2**20
+"""Largest message in either direction [B]: ten thousand references have half of it."""
 SESSIONS_S = 3.0
 """Time between looks whether sessions' keys and certificates still hold [s]."""
 
@@ -243,9 +243,9 @@ class PlantServer:
         server.name, server.product_uri, server.manufacturer_name = "Rundown", "urn:rundown", "Rundown"
         server.application_type = ua.ApplicationType.Server
         server.limits = TransportLimits(
-            max_recv_buffer=CHUNK,
-            max_send_buffer=CHUNK,
-            max_chunk_count=LARGEST_MESSAGE // CHUNK + 1,
+            max_recv_buffer=LARGEST_CHUNK,
+            max_send_buffer=LARGEST_CHUNK,
+            max_chunk_count=LARGEST_MESSAGE // LARGEST_CHUNK + 1,
             max_message_size=LARGEST_MESSAGE,
         )
 

@@ -263,8 +263,8 @@ def test_a_metric_that_never_comes_is_said_and_asked_for_ever_more_rarely(caplog
     (node,) = one._nodes.values()
     asked = [moment for moment in range(0, 3600, 5) if _asks(node, float(moment))]
     assert 5 <= len(asked) <= 11, "10, 20, 40 … 600 s between"
-    one.batches(DEVICE.format("DBIRTH"), written(2, ALL))
-    assert node.rebirth_pause == 10.0
+    one.batches(DEVICE.format("DDATA"), written(9, {AMPLITUDE: 2.0}))
+    assert node.rebirth_pause == 10.0, "a gap is a new reason"
 
 
 def _asks(node: EdgeNode, moment: float) -> bool:

@@ -1,8 +1,11 @@
 """The part of the service: loaded only where configured, failing alone, and what settings say."""
 
 import asyncio
+import contextlib
+import socket
 import subprocess
 import sys
+from collections.abc import Iterator
 from datetime import timedelta
 from pathlib import Path
 
@@ -131,12 +134,64 @@ def test_open_to_the_network_without_keys_it_does_not_start() -> None:
     assert require_authentication(settings, keys_are_there=True) == []
 
 
-@pytest.mark.long
-def test_strange_bytes_end_their_own_connection_only(database: Database, tmp_path: Path) -> None:
+@pytest.fixture
+def unencrypted(database: Database) -> Iterator[tuple[int, OpcUaServing]]:
+    """A server without security, and its port."""
     port = free_port()
-    endpoint = LOOPBACK.format(port)
-    serving = OpcUaServing(database, Settings(opcua_listen=endpoint, opcua_allow_unencrypted=True))
+    serving = OpcUaServing(database, Settings(opcua_listen=LOOPBACK.format(port), opcua_allow_unencrypted=True))
     serving.start()
+    try:
+        wait_until(lambda: serving.ready)
+        yield port, serving
+        assert serving.trouble is None
+    finally:
+        serving.stop()
+
+
+def test_who_announces_more_than_was_agreed_on_is_cut_off(unencrypted: tuple[int, OpcUaServing], tmp_path: Path) -> None:
+    """Two gigabytes, of which the library would keep what comes of them, from anybody."""
+    port, _ = unencrypted
+    with socket.create_connection(("127.0.0.1", port)) as stranger:
+        stranger.settimeout(20.0)
+        stranger.sendall(b"MSGC" + (2**31).to_bytes(4, "little"))
+        with pytest.raises((ConnectionResetError, BrokenPipeError)):
+            stranger.sendall(bytes(64 * 2**20))
+    with second_stack(LOOPBACK.format(port), tmp_path, application="urn:second-stack:client") as client:
+        assert client.ask("browse", node="ns=2;i=1")["status"] == "Good"
+
+
+def test_who_only_holds_connections_keeps_others_of_other_addresses_out_of_nothing(
+    unencrypted: tuple[int, OpcUaServing], tmp_path: Path
+) -> None:
+    port, _ = unencrypted
+    with contextlib.ExitStack() as held:
+        strangers = []
+        for _ in range(120):
+            one = socket.create_connection(("127.0.0.1", port), source_address=("127.0.0.2", 0))
+            strangers.append(held.enter_context(one))
+
+        def refused() -> int:
+            return sum(_is_closed(one) for one in strangers)
+
+        wait_until(lambda: refused() >= 100)
+        assert refused() == 100, "twenty of an address may be on their way in"
+        with second_stack(LOOPBACK.format(port), tmp_path, application="urn:second-stack:client") as client:
+            assert client.ask("browse", node="ns=2;i=1")["status"] == "Good"
+
+
+def _is_closed(one: socket.socket) -> bool:
+    one.setblocking(False)
+    try:
+        return one.recv(1, socket.MSG_PEEK) == b""
+    except BlockingIOError:
+        return False
+    except OSError:
+        return True
+
+
+@pytest.mark.long
+def test_strange_bytes_end_their_own_connection_only(unencrypted: tuple[int, OpcUaServing], tmp_path: Path) -> None:
+    port, _ = unencrypted
 
     async def throw(content: bytes) -> None:
         reader, writer = await asyncio.open_connection("127.0.0.1", port)
@@ -146,17 +201,7 @@ def test_strange_bytes_end_their_own_connection_only(database: Database, tmp_pat
         writer.close()
         del reader
 
-    try:
-        wait_until(lambda: serving.ready)
-        for content in (
-            b"\x00" * 100,
-            b"GET / HTTP/1.1\r\n\r\n",
-            b"HELF\xff\xff\xff\xff" + b"a" * 1000,
-            b"MSGF\x10\0\0\0" + b"b" * 8,
-        ):
-            asyncio.run(throw(content))
-        with second_stack(endpoint, tmp_path, application="urn:second-stack:client") as client:
-            assert client.ask("browse", node="ns=2;i=1")["status"] == "Good"
-        assert serving.trouble is None
-    finally:
-        serving.stop()
+    for content in RUBBISH:
+        asyncio.run(throw(content))
+    with second_stack(LOOPBACK.format(port), tmp_path, application="urn:second-stack:client") as client:
+        assert client.ask("browse", node="ns=2;i=1")["status"] == "Good"
