@@ -111,7 +111,7 @@ class Journal:
         within_s: after this time [s], pauses aside, no further batch is added, and the outcomes of fewer are returned;
         at least one batch is stored.
         """
-        self._convert(arrived)
+        _convert(arrived, self._documents, self.pacing)
         try:
             with self._collector.lock, self._database.transaction(beside_others=True) as session:
                 self._share.require(session, {one.batch.machine for one in arrived})
@@ -129,14 +129,6 @@ class Journal:
         """Forget all state that other processes may have changed; all of it is in the store."""
         self._numbering.forget()
         self._collector.forget()
-
-    def _convert(self, arrived: list[ArrivedBatch]) -> None:
-        """Convert batches of known machines before the transaction that stores them: others need not wait for that."""
-        for one in arrived:
-            if (known := self._documents.get(one.batch.machine)) is not None:
-                with contextlib.suppress(Rejected):  # raised again where it is stored
-                    one.converted(*known)
-                self.pacing.pause()
 
     def _document(self, session: Session, machine_id: str) -> tuple[int, Machine]:
         """Return the revision in force and its document, which is parsed once."""
@@ -203,6 +195,15 @@ class Journal:
             in_time = joined if ascends else joined.pick(np.argsort(joined.time, kind="stable"))
             self._collector.feed(session, machine, revision, in_time)
             self.pacing.pause()
+
+
+def _convert(arrived: list[ArrivedBatch], documents: Documents, pacing: Pacing) -> None:
+    """Convert batches of known machines before the transaction that stores them: others need not wait for that."""
+    for one in arrived:
+        if (known := documents.get(one.batch.machine)) is not None:
+            with contextlib.suppress(Rejected):  # raised again where it is stored
+                one.converted(*known)
+            pacing.pause()
 
 
 def _load(session: Session, arrived: list[ArrivedBatch]) -> list[object]:

@@ -3,6 +3,7 @@ and a revoked key stops working once they expire.
 """
 
 import asyncio
+import contextlib
 import hashlib
 import logging
 import time
@@ -73,6 +74,12 @@ def session_cookie(headers: Mapping[bytes, bytes], wanted: str) -> str | None:
     return None
 
 
+def _seen(look: "asyncio.Future[bool]") -> None:
+    """Take the error of a look that nobody waits for any more: the next look meets it."""
+    if not look.cancelled():
+        look.exception()
+
+
 class Authentication:
     """Authentication of requests. required: credentials are needed even where there is neither a key nor an issuer."""
 
@@ -89,13 +96,19 @@ class Authentication:
         self._clock = clock
         self._on = required or tokens is not None or self._any_keys_exist()
         self._checked_at = clock()
+        self._looking: asyncio.Future[bool] | None = None
+        """The look for a first key that is under way."""
         self._identities: dict[bytes, tuple[float, Principal]] = {}
 
     async def on(self) -> bool:
         """Check whether credentials are needed. A first key is noticed within seconds; once needed, they stay so."""
         if not self._on and self._clock() - self._checked_at > IDENTITY_CACHE_S:
             self._checked_at = self._clock()
-            self._on = await asyncio.to_thread(self._any_keys_exist)
+            if self._looking is None or self._looking.done():  # one thread at most waits for a database that hangs
+                self._looking = asyncio.ensure_future(asyncio.to_thread(self._any_keys_exist))
+                self._looking.add_done_callback(_seen)
+            with contextlib.suppress(TimeoutError):  # as it was: data are in the database that does not answer
+                self._on = await asyncio.wait_for(asyncio.shield(self._looking), PATIENCE_S)
         return self._on
 
     async def principal(self, given: Credentials) -> Principal:

@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+import threading
 import time
 from pathlib import Path
 
@@ -13,7 +14,7 @@ from sqlalchemy import select
 from service.api.alerts import schemas
 from service.api.machines import limit_schemas, timeline_schemas
 from service.resilience.rate_limit import RateLimit
-from service.security import api_keys
+from service.security import api_keys, authentication
 from service.security.authentication import COOKIE, IDENTITY_CACHE_S, Authentication, Credentials, Unauthenticated
 from service.security.configuration import Security
 from service.security.key_set import KEPT_S, RETRY_S, STALE_S, KeySet, KeysUnavailable, _parsed
@@ -47,6 +48,34 @@ class Clock:
 def made(database: Database, role: Role = Role.VIEWER, days: float = 1.0) -> str:
     with database.transaction() as session:
         return api_keys.create(session, name="anna", role=role, plants=None, days=days)[1]
+
+
+def test_a_database_that_hangs_keeps_nobody_waiting_where_there_is_no_key_yet(
+    database: Database, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(authentication, "PATIENCE_S", 0.1)
+    clock, answers, looks = Clock(), threading.Event(), list[int]()
+    one = Authentication(database, clock=clock)
+
+    def hanging() -> bool:
+        looks.append(1)
+        return answers.wait(60.0)
+
+    async def ask() -> list[bool]:
+        found = []
+        for _ in range(3):
+            clock.now += 2 * IDENTITY_CACHE_S
+            found.append(await asyncio.wait_for(one.on(), 20.0))
+        assert len(looks) == 1, "one thread waits, not one for each request"
+        answers.set()
+        clock.now += 2 * IDENTITY_CACHE_S
+        return [*found, await asyncio.wait_for(one.on(), 20.0)]
+
+    monkeypatch.setattr(one, "_any_keys_exist", hanging)
+    try:
+        assert asyncio.run(ask()) == [False, False, False, True]
+    finally:
+        answers.set()
 
 
 def test_only_the_hash_of_a_key_is_kept(store: Database) -> None:
