@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,6 +21,8 @@ SAME_MISFIT = 1.01
 """Factor up to which two misfits are the same [-]."""
 SAME_OPTIMUM = 1.0
 """Difference of χ² up to which two starts have ended in the same optimum [-]: a part of one standard error."""
+MOST_CONTINUED = 2
+"""Most times that a fit goes on in the valley in which it has not converged."""
 CANDIDATES = 12
 """Number of random candidates from which each start after the first is the best."""
 HOPELESS_MISFIT = 3.0
@@ -71,6 +73,7 @@ def best_fit(
     starts: int,
     seed: int,
     good: Callable[[FitResult], bool],
+    unfinished: Callable[[FitResult], bool] = lambda _: False,
     beginning: Floats | None = None,
     twice: bool = False,
     passes: int = FINAL_PASSES,
@@ -85,6 +88,8 @@ def best_fit(
         starts: Most starts.
         seed: Seed of the random starts.
         good: Function that accepts a fit.
+        unfinished: Function that returns whether a fit would be accepted had it converged: it goes on where it ended, and
+            other starts are spared.
         beginning: Fit coordinates θ (n,) of the first start, in place of the nominal values [-].
         twice: Whether to go on until the best misfit has been reached twice.
         passes: Most repetitions of each fit's last stage.
@@ -108,6 +113,10 @@ def best_fit(
             start = chosen_start(problem, rng, first=start_number == 1, begin=begin)
             found = fit(problem, start, give_up_from=give_up_from, passes=passes)
         iterations += found.iterations
+        if not twice and np.isfinite(found.misfit) and unfinished(found):
+            best = _continued(problem, found, unfinished, passes)
+            iterations += best.iterations
+            break
         if np.isfinite(found.misfit) and good(found) and not twice:
             best = found
             break
@@ -124,6 +133,17 @@ def best_fit(
         raise FitFailed(f"none of {start_number} starts led to a finite misfit: are the document's values sensible?")
     unique = _times(reached, best.misfit, SAME_OPTIMUM) >= 2 if twice else None
     return BestFit(best, start_number, iterations, unique)
+
+
+def _continued(problem: FitProblem, found: FitResult, unfinished: Callable[[FitResult], bool], passes: int) -> FitResult:
+    """Return where a fit that has not converged ends when it goes on; its iterations are those spent so."""
+    iterations = 0
+    for _ in range(MOST_CONTINUED):
+        found = fit(problem, found.theta, near=True, passes=passes)
+        iterations += found.iterations
+        if not unfinished(found):
+            break
+    return replace(found, iterations=iterations)
 
 
 def _times(reached: list[float], best: float, tolerance: float) -> int:
