@@ -16,6 +16,7 @@ from estimator.arrays import Floats
 from estimator.fit.channel_sensitivity import ChannelEffects, channel_effects, with_run_outs
 from estimator.fit.goodness_of_fit import judge
 from estimator.fit.maximum_likelihood import STAGE_MISFITS, fit
+from estimator.fit.multistart import HOPELESS_MISFIT
 from estimator.fit.nuisance_parameters import deviates_too_far
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem, FitResult, best_excitations
@@ -67,7 +68,8 @@ def fit_with_run_outs(problem: FitProblem, start: Floats, *, near: bool) -> RunO
     theta = coordinates.centre.copy()
     theta[own] = (problem.coordinates.point(start) - coordinates.origin[own]) / coordinates.unit[own]
     theta = best_excitations(whole, theta, whole.weight(whole.first_amplitude, STAGE_MISFITS[0]))
-    found = fit(whole, theta, near=near)
+    hopeless = np.inf if whole.noise.estimated else HOPELESS_MISFIT
+    found = fit(whole, theta, near=near, give_up_from=hopeless)
     if not judge(whole, found).accepted or deviates_too_far(whole, found):
         return None
     return _run_out_fit(whole, found, own)

@@ -1,7 +1,7 @@
 """Verdict on a fit: whether it may be believed, and why."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -101,6 +101,19 @@ def judge(problem: FitProblem, found: FitResult) -> Verdict:
     if reduced < 1.0 - CHI_SQUARE_LIMIT * spread:
         return Verdict(True, f"accepted; the stated noise is too large: {chi}{outlying}", freedom)
     return Verdict(True, f"accepted: {chi}{outlying}", freedom)
+
+
+def is_unfinished(problem: FitProblem, found: FitResult) -> bool:
+    """Return whether a fit has not converged and would be accepted if it had: in a long valley that the noise covers.
+
+    Args:
+        problem: The fit's problem.
+        found: The fit.
+
+    Returns:
+        Whether it is so.
+    """
+    return not found.converged and judge(problem, replace(found, converged=True)).accepted
 
 
 @dataclass(frozen=True)

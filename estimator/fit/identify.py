@@ -17,7 +17,7 @@ from estimator.fit.fit_samples import (
     without_empty_samples,
 )
 from estimator.fit.gap_checks import with_gaps
-from estimator.fit.goodness_of_fit import judge
+from estimator.fit.goodness_of_fit import is_unfinished, judge
 from estimator.fit.identifiability import Reasons, reasons_for
 from estimator.fit.identification import Identification, Options
 from estimator.fit.multistart import BestFit, FitFailed, best_fit
@@ -118,8 +118,9 @@ def identify_train(
     begin = None if beginning is None else problem.coordinates.theta(beginning)
 
     best = _best_first(problem, begin, options)
-    other, misfits = None, not judge(problem, best.fit).accepted
-    if misfits or deviates_too_far(problem, best.fit):
+    other, finished = None, not is_unfinished(problem, best.fit)
+    misfits = finished and not judge(problem, best.fit).accepted
+    if misfits or (finished and deviates_too_far(problem, best.fit)):
         other = fit_with_run_outs(problem, best.fit.theta if begin is None else begin, near=begin is not None)
         if misfits and other is None and begin is not None and options.starts > 1:
             best = _best_of(problem, begin, options, starts=options.starts)
@@ -145,6 +146,7 @@ def _best_of(problem: FitProblem, begin: Floats | None, options: Options, *, sta
         starts=starts,
         seed=options.seed,
         good=lambda found: judge(problem, found).accepted,
+        unfinished=lambda found: is_unfinished(problem, found),
         beginning=begin,
         twice=few and begin is None and not problem.coordinates.calibrated_places,
     )

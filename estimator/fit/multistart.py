@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,6 +21,8 @@ SAME_MISFIT = 1.01
 """Factor up to which two misfits are the same [-]."""
 SAME_OPTIMUM = 1.0
 """Difference of χ² up to which two starts have ended in the same optimum [-]: a part of one standard error."""
+MOST_CONTINUED = 2
+"""Most times that a fit goes on in the valley in which it has not converged."""
 CANDIDATES = 12
 """Number of random candidates from which each start after the first is the best."""
 HOPELESS_MISFIT = 3.0
@@ -71,6 +73,7 @@ def best_fit(
     starts: int,
     seed: int,
     good: Callable[[FitResult], bool],
+    unfinished: Callable[[FitResult], bool] = lambda _: False,
     beginning: Floats | None = None,
     twice: bool = False,
     passes: int = FINAL_PASSES,
@@ -85,6 +88,7 @@ def best_fit(
         starts: Most starts.
         seed: Seed of the random starts.
         good: Function that accepts a fit.
+        unfinished: Function that returns whether a fit would be good had it converged: it goes on, no other starts follow.
         beginning: Fit coordinates θ (n,) of the first start, in place of the nominal values [-].
         twice: Whether to go on until the best misfit has been reached twice.
         passes: Most repetitions of each fit's last stage.
@@ -99,8 +103,7 @@ def best_fit(
     rng = np.random.default_rng(seed)
     best: FitResult | None = None
     reached: list[float] = []
-    give_up_from = math.inf
-    iterations = 0
+    give_up_from, iterations = math.inf, 0
     for start_number in range(1, max(1, starts) + 1):
         if start_number == 1 and beginning is not None:
             found = fit(problem, beginning, near=True, passes=passes)
@@ -108,8 +111,9 @@ def best_fit(
             start = chosen_start(problem, rng, first=start_number == 1, begin=begin)
             found = fit(problem, start, give_up_from=give_up_from, passes=passes)
         iterations += found.iterations
-        if np.isfinite(found.misfit) and good(found) and not twice:
-            best = found
+        if not twice and np.isfinite(found.misfit) and (good(found) or unfinished(found)):
+            best = _continued(problem, found, unfinished, passes)
+            iterations += best.iterations - found.iterations
             break
         if np.isfinite(found.misfit) and (best is None or found.misfit < best.misfit):
             best = found
@@ -122,8 +126,18 @@ def best_fit(
             break  # the same misfit from everywhere is the data's or the model's, not the start's
     if best is None:
         raise FitFailed(f"none of {start_number} starts led to a finite misfit: are the document's values sensible?")
-    unique = _times(reached, best.misfit, SAME_OPTIMUM) >= 2 if twice else None
-    return BestFit(best, start_number, iterations, unique)
+    return BestFit(best, start_number, iterations, _times(reached, best.misfit, SAME_OPTIMUM) >= 2 if twice else None)
+
+
+def _continued(problem: FitProblem, found: FitResult, unfinished: Callable[[FitResult], bool], passes: int) -> FitResult:
+    """Return where a fit ends that goes on while it is unfinished, with the iterations of all."""
+    iterations = found.iterations
+    for _ in range(MOST_CONTINUED):
+        if not unfinished(found):
+            break
+        found = fit(problem, found.theta, near=True, passes=passes)
+        iterations += found.iterations
+    return replace(found, iterations=iterations)
 
 
 def _times(reached: list[float], best: float, tolerance: float) -> int:

@@ -22,7 +22,7 @@ DOUBTFUL_SCORE = 1.6
 
 
 @dataclass(frozen=True)
-class _Wanted:
+class _WantedForce:
     """Component of a static load: its name, its value in the document [N], and the change that the residuals ask for."""
 
     name: str
@@ -59,7 +59,7 @@ def judge_exact_forces(problem: FitProblem, found: FitResult, covariance: Floats
     return FormVerdict(worst.change.widened(covariance), remark=f"; {worst.words}; intervals are widened")
 
 
-def _wanted(problem: FitProblem, found: FitResult, covariance: Floats) -> Iterator[_Wanted]:
+def _wanted(problem: FitProblem, found: FitResult, covariance: Floats) -> Iterator[_WantedForce]:
     """Yield what the residuals ask of each component that is called exact."""
     from estimator.statics.film_curves import FilmCurves  # films are loaded where coefficients follow the speed
     from estimator.statics.film_model import FilmModel
@@ -74,4 +74,4 @@ def _wanted(problem: FitProblem, found: FitResult, covariance: Floats) -> Iterat
         for name, stated, place in exact:
             change = omitted_parameter(final, found.theta, covariance, placed, by_load[..., place])
             if change is not None:
-                yield _Wanted(name, stated, change)
+                yield _WantedForce(name, stated, change)
