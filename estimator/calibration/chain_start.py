@@ -16,6 +16,8 @@ from estimator.rotor.response import excitation_responses
 
 SMALLEST, LARGEST = 0.02, 50.0
 """Gains between which one is believed [-]: others come from coefficients that are far off."""
+SAME = 1e-3
+"""Singular value over the largest beneath which unknowns are one [-], such as run-outs and unbalance at one speed."""
 LEAST_SEEN = 1e-6
 """Part of a column that the others must leave over for its unknown to be seen [-]."""
 
@@ -66,4 +68,4 @@ def _regression(columns: Complexes, seen: Complexes) -> Complexes | None:
     others = scaled[:, 1:] @ np.linalg.lstsq(scaled[:, 1:], scaled[:, 0], rcond=1e-9)[0]
     if np.linalg.norm(scaled[:, 0] - others) ** 2 <= LEAST_SEEN:
         return None
-    return np.asarray(np.linalg.lstsq(scaled, seen, rcond=1e-9)[0] / size)
+    return np.asarray(np.linalg.lstsq(scaled, seen, rcond=SAME)[0] / size)

@@ -101,6 +101,18 @@ def test_the_measured_kit_is_predicted_better_than_by_least_squares() -> None:
     assert model.covered > 0.9
 
 
+def test_one_speed_that_jitters_calibrates() -> None:
+    machine, whole, conditions = kit()
+    condition = np.array(conditions)
+    used = np.isin(condition, ["BASE", "A005", "A026", "B009", "B039"]) & (whole.speed < 115.0)
+    found = calibrate(machine, [CalibrationRun("slow", whole.pick(used), tuple(condition[used].tolist()), steady=True)])
+    assert found.accepted, found.verdict
+    assert found.unique
+    assert found.machine.calibration is not None
+    known = dict(zip(found.machine.calibration.parameters, found.machine.calibration.values, strict=True))
+    assert abs(known["disc.D1.unbalance.real"] + 1j * known["disc.D1.unbalance.imaginary"]) < 2e-4
+
+
 def test_speeds_that_hardly_differ_are_one() -> None:
     assert distinct_speeds(np.array([105.0, 105.01, 105.6, 126.0, 126.4])) == pytest.approx([105.203, 126.2], abs=0.01)
     assert distinct_speeds(np.linspace(100.0, 200.0, 500)).size > 30
