@@ -33,9 +33,7 @@ READY = "import rotorundown as rd; rd.read_machine, rd.read_run, rd.identify, rd
 def processor_seconds(codes: Sequence[str], *, tries: int) -> list[float]:
     """Return the least processor time of fresh interpreters that run each code, in turns [s]; modules are compiled before."""
     compiling = os.environ | {"PYTHONDONTWRITEBYTECODE": "", "OPENBLAS_NUM_THREADS": "1"}
-    found: list[list[float]] = []
-    for _ in range(1 + tries):
-        found.append([_processor_seconds_of(code, compiling) for code in codes])
+    found = [[_processor_seconds_of(code, compiling) for code in codes] for _ in range(1 + tries)]
     return [min(column) for column in zip(*found[1:], strict=True)]
 
 

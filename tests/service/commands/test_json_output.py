@@ -24,7 +24,7 @@ from tests.plant import machine
 
 PUMP = str(EXAMPLES / "motor-pump.yaml")
 WITHOUT_RESULT = {"serve", "worker", "router", "simulate", "replay", "edge", "init", "document"}
-"""Commands that print no result: they work until they are ended, or write a file to be edited; `document` prints JSON anyway."""
+"""Commands that print no result: they work until they are ended, or write a file to edit; `document` prints JSON anyway."""
 
 
 def printed(*arguments: str, status: int = 0) -> Any:
