@@ -24,11 +24,11 @@ from tests.plant import machine
 
 PUMP = str(EXAMPLES / "motor-pump.yaml")
 WITHOUT_RESULT = {"serve", "worker", "router", "simulate", "replay", "edge", "init", "document"}
-"""Commands that print no result: they work until they are ended, or write a file to be edited; `document` is JSON anyway."""
+"""Commands that print no result: they work until they are ended, or write a file to edit; `document` prints JSON anyway."""
 
 
 def printed(*arguments: str, status: int = 0) -> Any:
-    """Return what a command prints with --json on its standard output, decoded."""
+    """What a command prints with --json on its standard output, decoded."""
     ended = CliRunner().invoke(app, [*arguments, "--json"])
     assert ended.exit_code == status, ended.output
     return json.loads(ended.stdout)
