@@ -28,7 +28,7 @@ estimator/updated_model: estimator estimator/bearings estimator/fit estimator/fi
 estimator/calibration: estimator estimator/fit estimator/fit/problem estimator/machine estimator/phasors
     estimator/rotor estimator/updated_model
 estimator/alignment: estimator estimator/bearings estimator/fit estimator/fit/problem estimator/machine
-    estimator/rotor estimator/statics estimator/updated_model
+    estimator/statics estimator/updated_model
 estimator/diagnosis: estimator estimator/alignment estimator/fit estimator/fit/problem estimator/machine
     estimator/rotor estimator/statics estimator/trends estimator/updated_model
 estimator/identification: estimator estimator/fit estimator/fit/problem estimator/machine estimator/modes

@@ -1,4 +1,4 @@
-"""Whether what differs between mountings goes with the trial weights: then weights, angles or senses were stated wrongly.
+"""Test whether differences between mountings go with the trial weights: then weights, angles or senses were stated wrongly.
 
 Discs that are mounted anew differ by chance, and their differences know nothing of the weights that are put on. A weight that
 is stated in the wrong sense, on the wrong disc or for the wrong run leaves a difference that goes with it. So each disc's

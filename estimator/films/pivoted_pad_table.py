@@ -166,7 +166,7 @@ def _over_root(x: Floats, whole: float) -> Floats:
 
 
 def _extrapolated(found: list[float]) -> float:
-    """Extrapolate values at even steps by one step, with the parabola through the last three."""
+    """Predict the next of values at even steps, with the parabola through the last three."""
     return 3.0 * found[-1] - 3.0 * found[-2] + found[-3]
 
 

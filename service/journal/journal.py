@@ -154,7 +154,7 @@ class Journal:
                 documents[machine_id] = self._document(session, machine_id)
             pending.outcomes.append(self._numbering.add(session, pending, one, *documents[machine_id]))
         added = self._add_blocks(session, pending, documents)
-        self._collect(session, added, documents)
+        _collect(session, added, documents, collector=self._collector, pacing=self.pacing)
         if pending.rejections:
             quarantine.add(session, pending.rejections)
         del loaded
@@ -186,16 +186,6 @@ class Journal:
         samples.add_blocks(session, blocks)
         return added
 
-    def _collect(self, session: Session, added: dict[str, list[Samples]], documents: Documents) -> None:
-        """Pass the added samples to run collection, ordered by time."""
-        for machine_id, parts in added.items():
-            revision, machine = documents[machine_id]
-            joined = join(parts, channels=len(machine.probes))
-            ascends = bool(np.all(joined.time[1:] >= joined.time[:-1]))
-            in_time = joined if ascends else joined.pick(np.argsort(joined.time, kind="stable"))
-            self._collector.feed(session, machine, revision, in_time)
-            self.pacing.pause()
-
 
 def _convert(arrived: list[ArrivedBatch], documents: Documents, pacing: Pacing) -> None:
     """Convert batches of known machines before the transaction that stores them: others need not wait for that."""
@@ -204,6 +194,19 @@ def _convert(arrived: list[ArrivedBatch], documents: Documents, pacing: Pacing) 
             with contextlib.suppress(Rejected):  # raised again where it is stored
                 one.converted(*known)
             pacing.pause()
+
+
+def _collect(
+    session: Session, added: dict[str, list[Samples]], documents: Documents, *, collector: Collector, pacing: Pacing
+) -> None:
+    """Pass the added samples to run collection, ordered by time."""
+    for machine_id, parts in added.items():
+        revision, machine = documents[machine_id]
+        joined = join(parts, channels=len(machine.probes))
+        ascends = bool(np.all(joined.time[1:] >= joined.time[:-1]))
+        in_time = joined if ascends else joined.pick(np.argsort(joined.time, kind="stable"))
+        collector.feed(session, machine, revision, in_time)
+        pacing.pause()
 
 
 def _load(session: Session, arrived: list[ArrivedBatch]) -> list[object]:

@@ -180,7 +180,7 @@ def _second_orders(
 def _compared_values(
     session: Session, elements: Mapping[str, str], stored: IdentificationRow, ids: Sequence[int]
 ) -> Iterator[ComparedValue]:
-    """Yield the derived quantities that all have. elements: of each quantity by name; ids: of the baseline."""
+    """Yield the derived quantities that all have. elements: each quantity's element by name; ids: baseline's ids."""
     if not ids or not elements:
         return
     rows = derived.several(session, [stored.id, *ids], elements)

@@ -42,7 +42,7 @@ PAGE = """<!doctype html>
 def login_page(
     request: Request, trouble: str | None = None, status: int = 200, *, error: object = "", name: str = ""
 ) -> Response:
-    """Return the page with what went wrong, by its key. error: a reason in English; name: of whom it concerns."""
+    """Return the page with what went wrong, by its key. error: a reason in English; name: name of the person concerned."""
     language = _language(request)
     said = "" if trouble is None else language.say(f"login.{trouble}", reason=in_language(str(error), language), name=name)
     with_issuer = cast(Security, request.app.state.security).open_id is not None

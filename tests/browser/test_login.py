@@ -153,7 +153,7 @@ VIEWS_WITH_BUTTONS = (
     *(f"machines/{KEY.machine}/{tab}" for tab in ("settings", "balancing")),
 )
 GIVEN = {"date": "2030-01-01", "datetime-local": "2030-01-01T12:00", "number": "1"}
-"""What is written into a field that must not stay empty, by its type; `x` into others."""
+"""Text for a field that must not stay empty, by its type; `x` for others."""
 
 
 def pressed_buttons(page: Page, base: str, view: str) -> Iterator[str]:
@@ -183,7 +183,7 @@ def pressed_buttons(page: Page, base: str, view: str) -> Iterator[str]:
 
 
 def rows(database: Database) -> dict[str, int]:
-    """How many rows each table has, without who has logged in and what was tried."""
+    """Return the number of rows of each table, without who has logged in and what was tried."""
     with database.reading() as session:
         tables = [
             one for one in Base.metadata.sorted_tables if one.name not in ("audit", "browser_sessions", "logins", "api_keys")

@@ -57,7 +57,7 @@ class Monitors:
         return found
 
     def check(self, name: str) -> None:
-        """What was acknowledged is stored once, and no number is missing."""
+        """Check that all acknowledged samples are stored once, and that no number is missing."""
         rows = {row["machine"]: row for row in self._layout.get(name, "/sources")}
         for machine in MACHINES:
             row, count = rows[machine], self.acknowledged[machine]

@@ -1,4 +1,4 @@
-"""What is given wrongly is named in one line that says what would be right, in Python and by command."""
+"""Wrong input is named in one line that says what would be right, in Python and by command."""
 
 import re
 import shutil

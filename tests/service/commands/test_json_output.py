@@ -28,7 +28,7 @@ WITHOUT_RESULT = {"serve", "worker", "router", "simulate", "replay", "edge", "in
 
 
 def printed(*arguments: str, status: int = 0) -> Any:
-    """What a command prints with --json on its standard output, decoded."""
+    """Return the decoded JSON that a command prints with --json on its standard output."""
     ended = CliRunner().invoke(app, [*arguments, "--json"])
     assert ended.exit_code == status, ended.output
     return json.loads(ended.stdout)
