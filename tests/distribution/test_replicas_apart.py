@@ -49,7 +49,7 @@ class Monitors:
         found = {}
         for machine in MACHINES:
             first = self.acknowledged[machine]
-            sent = batch([900.0] * 5, machine=machine, sequence=first, start=time.time_ns() - SECOND, step=SECOND // 10)
+            sent = batch([900.0] * 5, machine=machine, sequence=first, start=time.time_ns() - SECOND, step=SECOND // 1000)
             content, path = encode_body(sent, JSON), f"/machines/{machine}/samples"
             answer = self._layout.client(name).post(path, content=content, headers={"content-type": JSON})
             found[machine] = answer.status_code, answer.text
