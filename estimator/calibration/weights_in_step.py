@@ -1,4 +1,4 @@
-"""Test whether differences between mountings go with the trial weights: then weights, angles or senses were stated wrongly.
+"""Differences between mountings that go with the trial weights: then weights, angles or senses were stated wrongly.
 
 Discs that are mounted anew differ by chance, and their differences know nothing of the weights that are put on. A weight that
 is stated in the wrong sense, on the wrong disc or for the wrong run leaves a difference that goes with it. So each disc's
@@ -20,7 +20,7 @@ SMALLEST_CHANCE = 1e-3
 FEW = 8
 """Number of independent differences beside those that weights may explain, beneath which wrong weights are seen less well."""
 SMALLEST_CHANCE_OF_FEW = 0.1
-"""The same chance with so few of them [-]."""
+"""Chance as above with so few of them [-]."""
 IN_STEP = "and go with these"
 ONE_MORE = "one disc of one mounting by far more than the others"
 NOT_SEEN = "which chance would do as well without any"
@@ -28,10 +28,10 @@ TOO_FEW = "and there are too few mountings to tell them from these"
 
 
 def doubt_of_weights(problem: MountedProblem, theta: Floats, *, part: float) -> str:
-    """Judge whether chance explains differences between mountings that are large (Scheffé 1959, sec. 2.5).
+    """Judge whether chance explains large differences between mountings (Scheffé 1959, sec. 2.5).
 
     Args:
-        problem: The calibration's problem.
+        problem: The problem of the calibration.
         theta: Its fit's end θ (n,) [-].
         part: Rms of what the differences do over that of what the trial weights do [-].
 
