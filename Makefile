@@ -29,7 +29,7 @@ lint: $(VENV)/.installed
 
 # As an installed package is: where Python may not write its caches, each service started would compile all of it anew.
 compiled: $(VENV)/.installed
-	$(BIN)/python -m compileall -q estimator rotorundown service storage tests benchmarks
+	$(BIN)/python -m compileall -q estimator formats rotorundown service storage tests benchmarks
 
 test: lint compiled
 	$(BIN)/pytest -n $(PROCESSES) $(IN_PARALLEL) -m 'not long' --ignore tests/browser

@@ -16,9 +16,9 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
+from formats.wire import Key
 from service.messaging.session import session, wait_connected
 from service.sources.publisher import Source
-from service.wire import Key
 from storage.clock import from_datetime
 from tests.end_to_end.processes import Service, until
 from tests.end_to_end.test_real_input import ROSS, ross_batch

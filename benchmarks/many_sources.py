@@ -30,9 +30,9 @@ from benchmarks.chain import (
     received,
 )
 from benchmarks.throughput import template
+from formats.wire import Key
 from service.messaging.session import session, wait_connected
 from service.sources.publisher import Source
-from service.wire import Key
 from tests.end_to_end.processes import Service, until
 
 PROCESSES = 4

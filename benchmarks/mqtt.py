@@ -29,12 +29,12 @@ from benchmarks import unconfigured_protocols
 from benchmarks.alert_changes import alerting_machine, change_alert
 from benchmarks.chain import PLANT, StoredSamples, create_machines
 from benchmarks.throughput import template
+from formats.wire import JSON, MESSAGEPACK, encode_body
 from service.configuration.settings import Settings
 from service.delivery.dispatcher import Dispatcher
 from service.messaging.session import session as zenoh_session
 from service.mqtt.publisher import MqttAlerts
 from service.replication.work_share import WholeShare
-from service.wire import JSON, MESSAGEPACK, encode_body
 from storage.alerts import alerts, deliveries
 from storage.database.engine import Database
 from tests.end_to_end.processes import Service, until

@@ -11,7 +11,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from service.configuration.release import VERSION
+from rotorundown.environment.release import VERSION
 from tests.end_to_end.installed_wheel import build_wheel, make_environment, run
 from tests.paths import ROOT
 

@@ -33,10 +33,10 @@ from benchmarks.chain import (
     received,
     router,
 )
+from formats.wire import ENCODINGS, Key, SampleBatch
 from service.messaging.session import session, wait_connected
 from service.sources.publisher import Source
 from service.sources.sqlite_replay_log import SqliteReplayLog
-from service.wire import ENCODINGS, Key, SampleBatch
 from tests.end_to_end.processes import Service, until
 from tests.end_to_end.test_real_input import ross_batch
 from tests.faults.storage_faults import own_server

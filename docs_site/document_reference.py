@@ -8,7 +8,7 @@ from pydantic import BaseModel
 
 from docs_site.cli_reference import table_cell
 from estimator.machine.document import Machine
-from service.configuration.document_files import read_machine
+from formats.files.document_files import read_machine
 
 HEAD = """# Machine document: reference
 

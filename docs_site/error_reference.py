@@ -10,13 +10,13 @@ from typing import NamedTuple, get_args
 from docs_site.cli_reference import table_cell
 from estimator.errors import DomainError
 from estimator.phasors.quality import MEANING
+from formats.wire.rejection import Reason
 from service.api.findings.job_remedies import ANY_OTHER, REMEDIES
 from service.api.operation.refusal_words import refusal_words
 from service.http.error_status import STATUS
-from service.wire.rejection import Reason
 
 ROOT = Path(__file__).parents[1]
-PACKAGES = ("rotorundown", "service", "estimator", "storage")
+PACKAGES = ("rotorundown", "service", "formats", "estimator", "storage")
 DOCUMENTS = ("estimator/machine", "estimator/bearings")
 """Rooms whose plain ValueErrors name what a machine document may not say."""
 CONTRADICTIONS = "estimator/machine"

@@ -82,7 +82,7 @@ require_own_packages()
 def __getattr__(name: str) -> Any:
     """Return a public name, importing its module on first use. Raises AttributeError with close matches."""
     if name == "__version__":
-        from service.configuration.release import VERSION
+        from rotorundown.environment.release import VERSION
 
         return VERSION
     if name not in _PLACES:

@@ -10,12 +10,12 @@ from estimator.calibration.calibrate import Calibrated, with_named_senses
 from estimator.calibration.calibrate import calibrate as calibrate_runs
 from estimator.errors import Invalid
 from estimator.machine.document import Machine
+from formats.files.document_files import UnreadableFile
+from formats.recordings.recorded_runs import read_calibration_runs
+from formats.wire import Rejected
 from rotorundown.calibration_summary import calibration_text
 from rotorundown.environment.blas_threads import one_blas_thread
 from rotorundown.notebook_text import notebook_text
-from service.configuration.document_files import UnreadableFile
-from service.sources.recorded_runs import read_calibration_runs
-from service.wire import Rejected
 
 LINE_WIDTH = 120
 

@@ -7,8 +7,8 @@ from typing import Any
 from estimator.errors import Invalid
 from estimator.machine.document import DocumentError, Machine
 from estimator.machine.document_size import accepted_machine
-from service.configuration.document_files import UnreadableFile
-from service.configuration.document_files import read_machine as read_machine_file
+from formats.files.document_files import UnreadableFile
+from formats.files.document_files import read_machine as read_machine_file
 
 
 class WrongMachine(Invalid):

@@ -13,7 +13,7 @@ from estimator.close_matches import did_you_mean
 from estimator.errors import Invalid
 from estimator.machine.document import Machine
 from estimator.units import RAD_PER_S, AmplitudeKind, AmplitudeUnit, PhaseConvention, PhaseUnit, SpeedUnit, rad_per_s_to_rpm
-from service.wire import WIRE_SCHEMA, SampleBatch, to_samples
+from formats.wire import WIRE_SCHEMA, SampleBatch, to_samples
 from storage.clock import now
 from storage.encoding.sample_blocks import Samples
 

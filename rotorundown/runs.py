@@ -21,11 +21,11 @@ from estimator.units import (
     PhaseUnit,
     SpeedUnit,
 )
+from formats.files.document_files import UnreadableFile
+from formats.recordings.sidecar_place import sidecar_of
+from formats.wire import Rejected
 from rotorundown.environment.optional_packages import optional_package
 from rotorundown.run_tables import RunTable, TableUnits, WrongRun, read_csv_table
-from service.configuration.document_files import UnreadableFile
-from service.sources.sidecar_place import sidecar_of
-from service.wire import Rejected
 
 __all__ = ["MachineRun", "WrongRun", "read_run"]
 
@@ -152,7 +152,7 @@ def read_run(
     if sidecar is None and path.suffix == ".csv" and not beside.exists():
         return _run_of_table(read_csv_table(path), path.name, machine, units)
     # Vendors' formats, trial weights, slow roll: loaded with the first recording, not with the first table.
-    from service.sources.recorded_runs import read_runs
+    from formats.recordings.recorded_runs import read_runs
 
     try:
         runs, left_out = read_runs(machine, [path], beside)

@@ -20,7 +20,7 @@ from tests.estimator import test_sources
 from tests.rooms import ROOMS
 from tests.service import test_dashboard_rooms
 
-PACKAGES = ("estimator", "storage", "service", "rotorundown")
+PACKAGES = ("estimator", "storage", "formats", "service", "rotorundown")
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine
 from estimator.phasors.channel_status import ChannelStatus
 from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law
-from service.configuration.document_files import read_machine
+from formats.files.document_files import read_machine
 from service.configuration.settings import Settings
 from service.identification.scheduler import JobScheduler
 from service.identification.worker_tasks import TASKS

@@ -21,8 +21,8 @@ from estimator.machine.rules import Noise
 from estimator.phasors.channel_status import ChannelStatus
 from estimator.rotor.condensation import condense
 from estimator.units import rpm_to_rad_per_s
+from formats.wire import WIRE_SCHEMA, Key, SampleBatch, encode_batch
 from service.journal.batch import ArrivedBatch
-from service.wire import WIRE_SCHEMA, Key, SampleBatch, encode_batch
 from storage.encoding.sample_blocks import Samples
 from storage.findings import identifications, jobs
 from storage.findings.identifications import Origin

@@ -16,7 +16,8 @@ estimator/trends: estimator estimator/machine
 estimator/modes: estimator estimator/machine estimator/rotor
 estimator/phasors: estimator estimator/machine estimator/modes estimator/rotor
 estimator/statics: estimator estimator/bearings estimator/films estimator/machine estimator/modes estimator/rotor
-estimator/fit/problem: estimator estimator/bearings estimator/machine estimator/phasors estimator/rotor estimator/statics
+estimator/fit/problem: estimator estimator/bearings estimator/machine estimator/phasors estimator/rotor
+    estimator/statics
 estimator/fit: estimator estimator/bearings estimator/fit/problem estimator/machine estimator/modes estimator/phasors
     estimator/rotor estimator/statics
 estimator/runs: estimator estimator/machine estimator/phasors
@@ -25,12 +26,12 @@ estimator/simulation: estimator estimator/bearings estimator/machine estimator/p
     estimator/statics estimator/trends
 estimator/updated_model: estimator estimator/bearings estimator/fit estimator/fit/problem estimator/machine
     estimator/modes estimator/phasors estimator/rotor estimator/statics
-estimator/calibration: estimator estimator/fit estimator/fit/problem estimator/machine estimator/phasors
-    estimator/rotor estimator/updated_model
+estimator/calibration: estimator estimator/fit estimator/fit/problem estimator/machine estimator/phasors estimator/rotor
+    estimator/updated_model
 estimator/alignment: estimator estimator/bearings estimator/fit estimator/fit/problem estimator/machine
     estimator/statics estimator/updated_model
-estimator/diagnosis: estimator estimator/alignment estimator/fit estimator/fit/problem estimator/machine
-    estimator/rotor estimator/statics estimator/trends estimator/updated_model
+estimator/diagnosis: estimator estimator/alignment estimator/fit estimator/fit/problem estimator/machine estimator/rotor
+    estimator/statics estimator/trends estimator/updated_model
 estimator/identification: estimator estimator/fit estimator/fit/problem estimator/machine estimator/modes
     estimator/phasors estimator/rotor estimator/updated_model
 storage:
@@ -41,79 +42,80 @@ storage/machines: estimator estimator/machine estimator/phasors storage storage/
 storage/measurements: estimator estimator/phasors estimator/runs storage storage/encoding storage/tables
 storage/alerts: estimator storage storage/database storage/tables
 storage/backup: storage storage/database storage/encoding storage/tables
-storage/findings: estimator estimator/diagnosis estimator/fit estimator/machine estimator/trends
-    estimator/updated_model storage storage/database storage/encoding storage/machines storage/measurements
-    storage/tables
+storage/findings: estimator estimator/diagnosis estimator/fit estimator/machine estimator/trends estimator/updated_model
+    storage storage/database storage/encoding storage/machines storage/measurements storage/tables
 storage/operation: estimator storage storage/alerts storage/database storage/encoding storage/findings storage/machines
     storage/tables
+formats:
+formats/files: estimator/bearings estimator/machine
+formats/wire: estimator estimator/machine estimator/phasors storage storage/encoding
+formats/recordings: estimator estimator/calibration estimator/machine estimator/phasors formats/files formats/wire
+    storage storage/database
 service/wording: estimator/diagnosis estimator/fit estimator/machine
-service/export: estimator/machine estimator/phasors storage storage/database storage/encoding storage/machines
-    storage/measurements storage/tables
-service/wire: estimator estimator/machine estimator/phasors storage storage/encoding
+service/export: estimator/machine estimator/phasors formats/files storage storage/database storage/encoding
+    storage/machines storage/measurements storage/tables
 service/alerts: estimator storage storage/alerts storage/tables
-service/resilience: service/wire storage storage/database storage/measurements
+service/resilience: formats/wire storage storage/database storage/measurements
 service/secrets: storage/backup storage/database
-service/configuration: estimator estimator/bearings estimator/machine service/secrets storage/encoding
+service/configuration: estimator service/secrets storage/encoding
 service/http: estimator service/configuration service/resilience service/secrets storage/database storage/operation
-service/messaging: service/configuration service/wire
+service/messaging: formats/wire service/configuration
 service/replication: service/configuration service/resilience storage/database storage/findings storage/operation
     storage/tables
-service/sources: estimator estimator/calibration estimator/machine estimator/phasors estimator/runs
-    estimator/simulation service/configuration service/export service/wire storage storage/database
+service/sources: estimator estimator/machine estimator/runs estimator/simulation formats/recordings formats/wire
 rotorundown/environment:
 rotorundown/plots: estimator estimator/fit estimator/machine estimator/modes estimator/phasors estimator/statics
     estimator/updated_model rotorundown/environment
 rotorundown: estimator estimator/calibration estimator/diagnosis estimator/fit estimator/identification
-    estimator/machine estimator/modes estimator/phasors estimator/simulation estimator/updated_model
-    rotorundown/environment rotorundown/plots service/configuration service/sources service/wire storage
-    storage/encoding
+    estimator/machine estimator/modes estimator/phasors estimator/simulation estimator/updated_model formats/files
+    formats/recordings formats/wire rotorundown/environment rotorundown/plots storage storage/encoding
 service/balancing: estimator estimator/calibration estimator/fit estimator/machine estimator/phasors
     estimator/updated_model service/wording storage/alerts storage/machines storage/measurements
-service/workers: service/configuration service/resilience
-service/edge: estimator estimator/machine estimator/phasors estimator/signal service/configuration service/sources
-    service/wire storage
+service/workers: rotorundown/environment service/configuration service/resilience
+service/edge: estimator estimator/machine estimator/phasors estimator/signal formats/files formats/recordings
+    formats/wire service/configuration service/sources storage
 service/monitoring: estimator estimator/alignment estimator/diagnosis estimator/fit estimator/machine estimator/rotor
-    estimator/trends estimator/updated_model service/alerts service/configuration service/replication
-    service/resilience service/wording service/workers storage storage/alerts storage/database storage/findings
-    storage/machines storage/measurements storage/tables
-service/advice: estimator estimator/diagnosis service/alerts service/configuration service/monitoring service/wording
-    storage storage/alerts storage/tables
+    estimator/trends estimator/updated_model service/alerts service/configuration service/replication service/resilience
+    service/wording service/workers storage storage/alerts storage/database storage/findings storage/machines
+    storage/measurements storage/tables
+service/advice: estimator estimator/diagnosis formats/files service/alerts service/monitoring service/wording storage
+    storage/alerts storage/tables
 service/delivery: estimator service/advice service/alerts service/configuration service/monitoring service/replication
-    service/resilience service/secrets service/wording storage storage/alerts storage/backup storage/database storage/encoding
-    storage/machines storage/operation storage/tables
-service/runs: estimator estimator/machine estimator/runs service/replication service/resilience storage
-    storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
-service/security: estimator service/configuration service/http service/resilience service/wording storage storage/database
-    storage/encoding storage/operation storage/tables
-service/opcua: estimator estimator/rotor estimator/updated_model service/advice service/alerts service/configuration
-    service/resilience service/runs service/security storage storage/alerts storage/database storage/findings
-    storage/machines storage/operation storage/tables
+    service/resilience service/secrets service/wording storage storage/alerts storage/backup storage/database
+    storage/encoding storage/machines storage/operation storage/tables
+service/runs: estimator estimator/machine estimator/runs service/replication service/resilience storage storage/database
+    storage/encoding storage/findings storage/machines storage/measurements storage/tables
+service/security: estimator service/configuration service/http service/resilience service/wording storage
+    storage/database storage/encoding storage/operation storage/tables
+service/opcua: estimator estimator/rotor estimator/updated_model rotorundown/environment service/advice service/alerts
+    service/configuration service/resilience service/runs service/security storage storage/alerts storage/database
+    storage/findings storage/machines storage/operation storage/tables
 service/identification: estimator estimator/calibration estimator/fit estimator/identification estimator/machine
-    estimator/modes estimator/phasors estimator/updated_model service/balancing service/configuration
-    service/monitoring service/replication service/resilience service/workers storage storage/database storage/encoding
-    storage/findings storage/machines storage/measurements storage/tables
+    estimator/modes estimator/phasors estimator/updated_model rotorundown/environment service/balancing
+    service/configuration service/monitoring service/replication service/resilience service/workers storage
+    storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
 service/reports: estimator estimator/alignment estimator/machine estimator/phasors estimator/statics
     estimator/updated_model service/advice service/alerts service/balancing service/configuration service/delivery
     service/identification service/monitoring service/replication service/resilience service/wording service/workers
     storage storage/alerts storage/database storage/findings storage/machines storage/measurements storage/tables
-service/journal: estimator estimator/machine service/replication service/resilience service/runs service/wire
+service/journal: estimator estimator/machine formats/wire service/replication service/resilience service/runs
     storage/database storage/encoding storage/machines storage/measurements storage/tables
-service/mqtt: estimator/machine service/advice service/alerts service/configuration service/journal service/replication
-    service/resilience service/wire storage storage/alerts storage/database storage/findings storage/machines
+service/mqtt: estimator/machine formats/wire service/advice service/alerts service/configuration service/journal
+    service/replication service/resilience storage storage/alerts storage/database storage/findings storage/machines
     storage/tables
 service/maintenance: service/configuration service/replication service/resilience service/runs storage storage/backup
     storage/database storage/machines storage/measurements storage/operation
-service/api/conventions: estimator estimator/machine service/export service/http service/identification service/secrets
+service/api/conventions: estimator estimator/machine formats/files service/http service/identification service/secrets
     service/security service/wording storage storage/findings
-service/recovery: service/journal service/replication service/resilience service/wire storage/encoding
+service/recovery: formats/wire service/journal service/replication service/resilience storage/encoding
 service/api/cache: estimator service/api/conventions service/http storage/database
-service/api/measurements: estimator estimator/machine estimator/phasors estimator/trends service/api/conventions
-    service/http service/identification service/journal service/security service/wire storage storage/encoding
-    storage/machines storage/measurements storage/tables
-service/api/operation: service/api/conventions service/configuration service/http service/replication service/security
-    service/wire storage storage/alerts storage/database storage/findings storage/measurements storage/operation
-    storage/tables
-service/ingest: service/journal service/recovery service/replication service/resilience service/wire storage
+service/api/measurements: estimator estimator/machine estimator/phasors estimator/trends formats/wire
+    service/api/conventions service/http service/identification service/journal service/security storage
+    storage/encoding storage/machines storage/measurements storage/tables
+service/api/operation: formats/wire rotorundown/environment service/api/conventions service/configuration service/http
+    service/replication service/security storage storage/alerts storage/database storage/findings storage/measurements
+    storage/operation storage/tables
+service/ingest: formats/wire service/journal service/recovery service/replication service/resilience storage
     storage/database storage/machines storage/measurements
 service/api/findings: estimator estimator/alignment estimator/calibration estimator/diagnosis estimator/fit
     estimator/machine estimator/modes estimator/phasors estimator/rotor estimator/trends estimator/updated_model
@@ -130,22 +132,22 @@ service/api/trends: estimator estimator/trends estimator/updated_model service/a
 service/api/alerts: estimator service/advice service/alerts service/api/cache service/api/conventions
     service/api/findings service/delivery service/reports service/resilience service/secrets service/security
     service/wording storage storage/alerts storage/database storage/machines storage/tables
-service/api: service/advice service/api/alerts service/api/cache service/api/conventions service/api/findings
-    service/api/machines service/api/measurements service/api/operation service/api/trends service/configuration
-    service/delivery service/http service/identification service/journal service/reports service/resilience
-    service/security storage/database storage/tables
-service/doctor: service/api service/configuration service/delivery service/maintenance service/messaging service/mqtt
-    service/security service/wire storage/alerts storage/backup storage/database storage/operation
+service/api: rotorundown/environment service/advice service/api/alerts service/api/cache service/api/conventions
+    service/api/findings service/api/machines service/api/measurements service/api/operation service/api/trends
+    service/configuration service/delivery service/http service/identification service/journal service/reports
+    service/resilience service/security storage/database storage/tables
+service/doctor: formats/wire service/api service/configuration service/delivery service/maintenance service/messaging
+    service/mqtt service/security storage/alerts storage/backup storage/database storage/operation
 service/commands/results: estimator estimator/calibration estimator/fit estimator/identification estimator/machine
     estimator/modes estimator/phasors estimator/statics estimator/thesis estimator/updated_model rotorundown
 service/commands: estimator estimator/calibration estimator/fit estimator/identification estimator/machine
-    estimator/phasors estimator/simulation estimator/thesis estimator/updated_model rotorundown rotorundown/environment
-    service/advice service/api service/api/operation service/balancing service/commands/results service/configuration
-    service/delivery service/doctor service/edge service/export service/http service/identification service/ingest
-    service/journal service/maintenance service/messaging service/monitoring service/mqtt service/opcua
-    service/replication service/reports service/resilience service/runs service/secrets service/security
-    service/sources service/wire service/wording service/workers storage storage/backup storage/database
-    storage/encoding storage/machines storage/operation storage/tables
+    estimator/phasors estimator/simulation estimator/thesis estimator/updated_model formats/files formats/recordings
+    formats/wire rotorundown rotorundown/environment service/advice service/api service/api/operation service/balancing
+    service/commands/results service/configuration service/delivery service/doctor service/edge service/export
+    service/http service/identification service/ingest service/journal service/maintenance service/messaging
+    service/monitoring service/mqtt service/opcua service/replication service/reports service/resilience service/runs
+    service/secrets service/security service/sources service/wording service/workers storage storage/backup
+    storage/database storage/encoding storage/machines storage/operation storage/tables
 service: estimator/machine service/alerts service/api/alerts service/api/findings service/api/machines
     service/api/measurements service/api/trends service/commands service/http
 """

@@ -47,7 +47,7 @@ def height(room: str) -> int:
 def drawing() -> str:
     """Return the packages with their rooms as storeys: each imports from lower ones only."""
     lines = ["```"]
-    for package in ("service", "rotorundown", "storage", "estimator"):
+    for package in ("service", "rotorundown", "formats", "storage", "estimator"):
         storeys: dict[int, list[str]] = {}
         for room in ROOMS:
             if room.startswith(f"{package}/"):

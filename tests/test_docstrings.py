@@ -14,7 +14,7 @@ import pytest
 from tests.estimator.test_docstrings import NO_OPENING, QUESTIONS, VERBS
 
 ROOT = Path(__file__).parents[1]
-PACKAGES = ("service", "storage", "rotorundown", "benchmarks")
+PACKAGES = ("service", "storage", "formats", "rotorundown", "benchmarks")
 OWN_VERBS = (
     "Accept Acknowledge Acquire Allow Answer Append Apply Ask Begin Bind Call Cancel Claim Clear Close Commit Complete "
     "Compose Compress Configure Confirm Copy Create Decode Decrypt Delete Deliver Demonstrate Disable Disconnect Drop "

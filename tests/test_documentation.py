@@ -8,9 +8,9 @@ from typing import get_args
 import pytest
 from pydantic import SecretStr
 
+from formats.wire import Reason
 from service.commands.app import app
 from service.configuration.settings import Settings
-from service.wire import Reason
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -47,7 +47,7 @@ def test_every_command_that_the_first_steps_show_exists() -> None:
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_files_that_a_page_names_exist(page: Path) -> None:
     listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.splitlines()
-    names = {Path(one).name for one in listed if one.startswith(("estimator/", "storage/", "service/"))}
+    names = {Path(one).name for one in listed if one.startswith(("estimator/", "storage/", "formats/", "service/"))}
     named = re.findall(r"`((?:[\w-]+/)*[\w-]+\.(?:py|yaml|md))`|\]\(([\w/-]+\.md)\)", page.read_text())
     invented = {"FILE.yaml", "columns.yaml"}
     found = [pair[0] or pair[1] for pair in named]

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from tests.imports import ROOT
 
-PACKAGES = ("estimator", "storage", "service", "rotorundown", "benchmarks")
+PACKAGES = ("estimator", "storage", "formats", "service", "rotorundown", "benchmarks")
 
 
 def type_names(source: str) -> Iterator[tuple[str, int]]:

@@ -15,7 +15,7 @@ import pytest
 
 from tests.paths import ROOT
 
-PACKAGES = ("estimator", "storage", "service", "rotorundown")
+PACKAGES = ("estimator", "storage", "formats", "service", "rotorundown")
 PAGE = "dashboard/src"
 BOUNDS = {"finding": 2, "channel": 2, "bearing model": 2, "resource": 5}
 """Most files that each may take."""

@@ -15,8 +15,8 @@ from estimator.fit.estimates import CONFIDENCE_95
 from estimator.fit.identify import identify
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
-from service.configuration.document_files import read_machine
-from service.sources.recorded_runs import read_calibration_runs
+from formats.files.document_files import read_machine
+from formats.recordings.recorded_runs import read_calibration_runs
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCUMENT = ROOT / "examples" / "rk4-rotor-kit-four-probes.yaml"

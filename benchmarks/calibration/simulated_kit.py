@@ -15,7 +15,7 @@ from estimator.phasors.measurement import Measurement
 from estimator.rotor.condensation import condense
 from estimator.rotor.response import response
 from estimator.units import rpm_to_rad_per_s
-from service.configuration.document_files import read_machine
+from formats.files.document_files import read_machine
 
 SPEEDS_RPM = (800.0, 1000.0, 1200.0)
 RUNS, LATER = 16, 6

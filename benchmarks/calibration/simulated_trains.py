@@ -26,7 +26,7 @@ from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
 from estimator.simulation.simulated_plant import draw_truth, measured_phasors
 from estimator.units import rpm_to_rad_per_s
-from service.configuration.document_files import read_machine
+from formats.files.document_files import read_machine
 
 TRAINS = {"motor-pump": 40, "thesis-chapter-3": 12}
 """Examples, and how many trains like each are simulated."""

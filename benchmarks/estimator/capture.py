@@ -19,7 +19,7 @@ from estimator.machine.parameter_description import is_direct
 from estimator.phasors.measurement import Measurement
 from estimator.runs.sample_selection import thinned
 from estimator.simulation.simulated_plant import Truth, draw_truth, measured_phasors, speed_law
-from service.configuration.document_files import read_machine
+from formats.files.document_files import read_machine
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "thesis-chapter-3.yaml"
 COUNTS = (150, 300, 600, 1000, 2000)

@@ -22,7 +22,7 @@ from estimator.phasors.measurement import Measurement
 from estimator.simulation.simulated_plant import Truth, draw_truth, measured_phasors, speed_law
 from estimator.updated_model.derived_quantities import Derived, derived_quantities, model_quantities, running_speed
 from estimator.updated_model.model import UpdatedModel, expected_model
-from service.configuration.document_files import read_machine
+from formats.files.document_files import read_machine
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 MACHINES = ("thesis-chapter-3", "motor-pump", "turbine-compressor-generator")

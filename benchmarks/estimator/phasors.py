@@ -30,12 +30,12 @@ from estimator.signal.keyphasor import ShaftAngle, read_keyphasor
 from estimator.signal.order_tracking import track_orders
 from estimator.thesis.time_history import band_passed, extrema_phasor
 from estimator.units import rpm_to_rad_per_s
+from formats.wire import BINARY, Key
 from service.commands.edge import open_log
 from service.edge.agent import Agent
 from service.edge.configuration import EdgeConfiguration
 from service.messaging.session import session
 from service.sources.publisher import Source
-from service.wire import BINARY, Key
 
 RUNS = 400
 SECONDS = 3.2

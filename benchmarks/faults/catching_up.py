@@ -12,9 +12,9 @@ import psutil
 
 from benchmarks.chain import PLANT, StoredSamples, create_machines, patiently, publish_or_measure, publishing, received
 from benchmarks.throughput import template
+from formats.wire import Key
 from service.messaging.session import session, wait_connected
 from service.sources.publisher import Source
-from service.wire import Key
 from tests.end_to_end.processes import Service, until
 
 LARGEST_MEMORY_MB = 1024.0

@@ -18,10 +18,10 @@ from typing import Any
 import schemathesis
 from schemathesis.engine import Status, events, from_schema
 
+from formats.wire import JSON, encode_body
 from service.alerts import transitions
 from service.alerts.transitions import AlertFinding, Person
 from service.monitoring import baseline_changes
-from service.wire import JSON, encode_body
 from storage.alerts import deliveries, suppressions
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples

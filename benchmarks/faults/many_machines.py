@@ -13,9 +13,9 @@ import psutil
 
 from benchmarks.chain import Ledger, StoredSamples, Usage, patiently, percentiles, publish_or_measure, publishing, received
 from estimator.machine.document import parse_machine
+from formats.wire import Key
 from service.messaging.session import session, wait_connected
 from service.sources.publisher import Source
-from service.wire import Key
 from storage.database.engine import Database
 from storage.machines import machines
 from storage.measurements import runs

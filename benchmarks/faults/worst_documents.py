@@ -29,7 +29,7 @@ import numpy as np
 from benchmarks.chain import received
 from benchmarks.faults.large_documents import KINDS, largest
 from estimator.machine.document import Machine, parse_machine
-from service.wire import JSON, SampleBatch, encode_body
+from formats.wire import JSON, SampleBatch, encode_body
 from tests.databases import PostgresqlDatabases
 from tests.end_to_end.alive import probing
 from tests.end_to_end.processes import Service, until

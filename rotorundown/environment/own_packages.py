@@ -3,7 +3,7 @@
 from importlib.util import find_spec
 from pathlib import Path
 
-OWN_PACKAGES = ("estimator", "service", "storage")
+OWN_PACKAGES = ("estimator", "formats", "service", "storage")
 
 
 def require_own_packages() -> None:

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from estimator.close_matches import did_you_mean
-from service.configuration.document_files import UnreadableFile, read_yaml
+from formats.files.document_files import UnreadableFile, read_yaml
 from service.monitoring.finding_catalogue import told_rule
 from service.monitoring.finding_rules import FINDING_RULES, RATE_RULE
 from service.wording.finding_texts import LISTS, MOST_TEXTS, FindingTexts, TextsWrong

@@ -9,6 +9,7 @@ from fastapi import APIRouter, Depends, FastAPI
 from fastapi_offline import FastAPIOffline
 from starlette.routing import BaseRoute
 
+from rotorundown.environment.release import VERSION
 from service.advice.site_texts import SiteTexts
 from service.api.alerts.event_stream import Broadcaster
 from service.api.alerts.event_stream import router as event_stream
@@ -66,7 +67,6 @@ from service.api.operation.stages import router as stages
 from service.api.trends.columns import HistoryCache
 from service.api.trends.filed import router as filed
 from service.api.trends.routes import router as trends
-from service.configuration.release import VERSION
 from service.configuration.settings import DEFAULT_BASELINE_RUNS
 from service.delivery.addresses import Network
 from service.delivery.signing_secrets import SigningSecrets

@@ -89,9 +89,9 @@ def _print(machine: "Machine", result: "Identification", file: Path, sidecar: Pa
     from estimator.calibration.unbalance_since import unbalance_since
     from estimator.updated_model.derived_quantities import alignment_quantities
     from estimator.updated_model.model import updated_model
+    from formats.recordings.recording import read_circumstances
     from service.commands.results.alignment_report import alignment_text
     from service.commands.results.identification_report import identification_text, since_text
-    from service.sources.recording import read_circumstances
 
     say_lines(identification_text(result))
     since = unbalance_since(machine, result)
@@ -168,8 +168,8 @@ def model(
 
 def _print_films(machine: Path, service_rpm: float | None, *, needed: bool, as_json: bool) -> None:
     """Print the static state on oil films of a document that describes them; needed: fail for one that does not."""
+    from formats.files.document_files import UnreadableFile, read_machine
     from service.commands.results.film_report import film_content, film_text, has_films
-    from service.configuration.document_files import UnreadableFile, read_machine
 
     try:
         described = read_machine(machine)
@@ -196,11 +196,11 @@ def compare(
     import threadpoolctl
 
     from estimator.identification.model_comparison import compare_misalignment
+    from formats.files.document_files import UnreadableFile
+    from formats.recordings.recorded_runs import read_measurement
+    from formats.wire import Rejected
     from service.commands.results.identification_report import comparison_text
     from service.commands.results.result_content import comparison_content
-    from service.configuration.document_files import UnreadableFile
-    from service.sources.recorded_runs import read_measurement
-    from service.wire import Rejected
 
     described, _, healthy = identified(machine, [baseline], None)
     if not healthy.accepted:
@@ -228,11 +228,11 @@ def show_slow_roll(
 ) -> None:
     """Print the slow-roll vectors of a recorded run. Ends with status 1 when no channel shows one."""
     from estimator.phasors.measurement import joined
+    from formats.files.document_files import UnreadableFile
+    from formats.recordings.recorded_runs import captured
+    from formats.wire import Rejected
     from service.commands.results.identification_report import slow_roll_text
     from service.commands.results.result_content import slow_roll_content
-    from service.configuration.document_files import UnreadableFile
-    from service.sources.recorded_runs import captured
-    from service.wire import Rejected
 
     try:
         described, runs = _runs(machine, [file], sidecar)
@@ -258,10 +258,10 @@ def _regress(
 
     from estimator.phasors.measurement import joined
     from estimator.thesis.machine_regression import regress
+    from formats.files.document_files import UnreadableFile
+    from formats.wire import Rejected
     from service.commands.results.identification_report import EXPLAINED, regression_text
     from service.commands.results.result_content import regression_content
-    from service.configuration.document_files import UnreadableFile
-    from service.wire import Rejected
 
     try:
         described, runs = _runs(machine, files, sidecar, slow_roll)
@@ -286,12 +286,12 @@ def _runs(
 
     Tables without a sidecar are read as the library reads them, and it is said in which units.
     """
+    from formats.files.document_files import read_machine
+    from formats.recordings.recorded_runs import read_runs, without_slow_roll
+    from formats.recordings.sidecar_place import sidecar_of
     from rotorundown.runs import read_run
     from service.commands.document_warnings import say_warnings
     from service.commands.results.identification_report import slow_roll_text
-    from service.configuration.document_files import read_machine
-    from service.sources.recorded_runs import read_runs, without_slow_roll
-    from service.sources.sidecar_place import sidecar_of
 
     described = read_machine(machine)
     say_warnings(described)
@@ -330,10 +330,10 @@ def _gated(
     slow_roll: str | None = None,
 ) -> "tuple[Machine, Measurement, GatedIdentification]":
     from estimator.phasors.measurement import joined
+    from formats.files.document_files import UnreadableFile
+    from formats.wire import Rejected
     from rotorundown.identification import identify_behind_gate
     from rotorundown.runs import MachineRun
-    from service.configuration.document_files import UnreadableFile
-    from service.wire import Rejected
 
     try:
         described, runs = _runs(machine, files, sidecar, slow_roll)

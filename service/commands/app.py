@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_args
 import typer
 
 from estimator.simulation.stories import Story
+from rotorundown.environment.release import VERSION
 from service.commands.analysis import compare, identify_offline, model, show_slow_roll
 from service.commands.balancing import balance_machine
 from service.commands.calibration import calibrate
@@ -29,7 +30,6 @@ from service.commands.retention import retention_app
 from service.commands.storage import backup, export, move, restore
 from service.commands.terminal import say, say_lines, working
 from service.configuration.log_format import log_to_terminal
-from service.configuration.release import VERSION
 from service.configuration.settings import DEFAULT_ZENOH_ENDPOINT, ProcessRole, Settings, SettingsWrong, settings_of
 from service.configuration.settings_file import VARIABLE as CONFIG_VARIABLE
 
@@ -210,7 +210,7 @@ def simulate(
     truth: Annotated[Path | None, typer.Option(help="file for the true parameters of each run")] = None,
 ) -> None:
     """Simulate machines in a process of their own, publishing over zenoh as real sources do."""
-    from service.configuration.document_files import UnreadableFile
+    from formats.files.document_files import UnreadableFile
     from service.messaging.access_control import from_environment
     from service.messaging.session import StreamUnusable, wait_connected
     from service.messaging.session import session as zenoh_session
@@ -237,14 +237,14 @@ def replay(
     speedup: Annotated[float, typer.Option(min=0.001, help="how much faster than it was recorded")] = 1.0,
 ) -> None:
     """Publish a recorded run over zenoh, in real or compressed time."""
-    from service.configuration.document_files import UnreadableFile
+    from formats.files.document_files import UnreadableFile
+    from formats.recordings.recording import read_recording, split
+    from formats.wire import Key
     from service.messaging.access_control import AccessUnusable, from_environment
     from service.messaging.session import StreamUnusable, wait_connected
     from service.messaging.session import session as zenoh_session
     from service.sources.publisher import Source
-    from service.sources.recording import read_recording, split
     from service.sources.simulator import BATCH_SAMPLES
-    from service.wire import Key
 
     log_to_terminal("INFO")
     stop = _stop_on_signal()
@@ -275,8 +275,8 @@ def edge(
     speedup: Annotated[float | None, typer.Option(min=0.001, help="pace of files over real time; as fast as it goes")] = None,
 ) -> None:
     """Run the edge agent: raw probe waveforms with a keyphasor in, samples of phasors out, through a durable log."""
+    from formats.files.document_files import UnreadableFile
     from service.commands.edge import run_edge
-    from service.configuration.document_files import UnreadableFile
     from service.messaging.access_control import AccessUnusable
     from service.messaging.session import StreamUnusable
     from service.sources.replay_log import LogError
@@ -291,8 +291,8 @@ def edge(
 @app.command()
 def document(machine: Annotated[Path, typer.Argument(help="machine document, YAML or JSON")]) -> None:
     """Check a machine document and print it as JSON, as the REST API takes it."""
+    from formats.files.document_files import UnreadableFile, read_machine
     from service.commands.document_warnings import say_warnings
-    from service.configuration.document_files import UnreadableFile, read_machine
 
     try:
         described = read_machine(machine)
@@ -313,10 +313,10 @@ def sample(
     as_json: JsonWanted = False,
 ) -> None:
     """Write one simulated run-down as a recording, to try the commands on."""
+    from formats.files.document_files import UnreadableFile
+    from formats.recordings.recording import write_recording
+    from formats.wire import as_sent
     from rotorundown.simulation import simulate as simulate_run
-    from service.configuration.document_files import UnreadableFile
-    from service.sources.recording import write_recording
-    from service.wire import as_sent
 
     try:
         described, story = _machine_and_story(machine)
@@ -366,7 +366,7 @@ def demo(
 
 
 def _machine_and_story(text: str) -> "tuple[Machine, Story]":
-    from service.configuration.document_files import UnreadableFile, read_machine
+    from formats.files.document_files import UnreadableFile, read_machine
 
     name, colon, story = text.rpartition(":")
     if story in get_args(Story):

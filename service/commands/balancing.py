@@ -54,11 +54,11 @@ def balance_machine(
 
     from estimator.calibration.balancing_check import check_balancing
     from estimator.calibration.field_balancing import balance_from_trials
+    from formats.files.document_files import UnreadableFile, read_machine
+    from formats.wire import Rejected
     from service.balancing.correction_rows import channel_effects
     from service.balancing.printed_page import printed_page
     from service.commands.document_warnings import say_warnings
-    from service.configuration.document_files import UnreadableFile, read_machine
-    from service.wire import Rejected
 
     language = find_language(locale)
     try:
@@ -113,9 +113,9 @@ def _balancing_runs(machine: "Machine", file: Path, *, required: bool) -> "list[
     required: whether the file must state its weights. A run that states none is taken to have had none.
     """
     from estimator.calibration.field_balancing import BalancingRun
-    from service.configuration.document_files import UnreadableFile
-    from service.sources.recorded_runs import read_runs
-    from service.sources.recording import read_circumstances
+    from formats.files.document_files import UnreadableFile
+    from formats.recordings.recorded_runs import read_runs
+    from formats.recordings.recording import read_circumstances
 
     ((_, measurement),), left_out = read_runs(machine, [file])
     for line in left_out:
@@ -146,8 +146,8 @@ def _balancing_runs(machine: "Machine", file: Path, *, required: bool) -> "list[
 def _check_run(machine: "Machine", file: Path) -> "BalancingRun":
     """Return a check run; where it states no weights, those of the correction are taken to be on."""
     from estimator.calibration.field_balancing import BalancingRun
-    from service.configuration.document_files import UnreadableFile
-    from service.sources.recorded_runs import read_runs
+    from formats.files.document_files import UnreadableFile
+    from formats.recordings.recorded_runs import read_runs
 
     runs = _balancing_runs(machine, file, required=False)
     if len(runs) > 1:

@@ -25,10 +25,10 @@ def calibrate(
     together; what differs between mountings and how channels scatter comes from the runs. What they cannot determine is said
     and held at the document's values. Ends with status 1, and writes nothing, when the model does not fit.
     """
+    from formats.files.document_files import UnreadableFile, read_machine
     from rotorundown.calibration import NotCalibrated
     from rotorundown.calibration import calibrate as calibrated
     from service.commands.document_warnings import say_warnings
-    from service.configuration.document_files import UnreadableFile, read_machine
 
     try:
         described = read_machine(machine)

@@ -22,9 +22,9 @@ import httpx
 import numpy as np
 
 from estimator.machine.parameter_description import describe
+from formats.files.document_files import UnreadableFile, read_yaml
 from rotorundown.environment.example_machines import examples_folder
 from service.commands.json_output import say_json
-from service.configuration.document_files import UnreadableFile, read_yaml
 from storage.clock import from_datetime
 
 EXAMPLES = examples_folder()

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import msgspec
 
+from formats.wire import Key
 from service.edge.agent import Agent
 from service.edge.configuration import ENCODINGS, EdgeConfiguration, read_configuration
 from service.edge.topic import Topic
@@ -13,7 +14,6 @@ from service.messaging.session import session as zenoh_session
 from service.messaging.session import wait_connected
 from service.sources.publisher import Source
 from service.sources.sqlite_replay_log import SqliteReplayLog
-from service.wire import Key
 
 LINGER_S = 5.0
 """Time for which replay queries are answered with `--exit` [s]."""

@@ -20,6 +20,7 @@ from sqlalchemy import Connection, Engine, text
 from sqlalchemy.exc import SQLAlchemyError
 from sqlalchemy.orm import Session
 
+from formats.wire import Key
 from service.configuration.hosts import is_loopback
 from service.configuration.settings import Settings
 from service.delivery.channels import is_channel
@@ -31,7 +32,6 @@ from service.maintenance.store_check import WAITING
 from service.messaging.access_control import AccessUnusable, StreamSecurity
 from service.messaging.session import StreamUnusable, connected, session
 from service.security.certificates import good_until
-from service.wire import Key
 from storage.alerts import deliveries
 from storage.backup.backup_file import newest_in
 from storage.backup.restored_access import known_keys

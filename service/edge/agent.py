@@ -16,6 +16,7 @@ from estimator.signal.keyphasor import Threshold
 from estimator.signal.order_tracking import Block
 from estimator.signal.waveform_faults import UNUSABLE
 from estimator.units import rad_per_s_to_rpm
+from formats.wire import WIRE_SCHEMA, SampleBatch
 from service.edge.blocks import BlockOutcome, BlockSettings, BlockStream, Position
 from service.edge.condition import Conditions, WaveformFinding
 from service.edge.configuration import EdgeConfiguration, InputFile
@@ -23,7 +24,6 @@ from service.edge.files import read_chunks
 from service.edge.topic import Topic
 from service.sources.publisher import Source
 from service.sources.replay_log import LogError
-from service.wire import WIRE_SCHEMA, SampleBatch
 from storage.clock import is_ahead
 
 logger = logging.getLogger(__name__)

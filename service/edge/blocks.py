@@ -21,10 +21,10 @@ from estimator.signal.keyphasor import (
 )
 from estimator.signal.order_tracking import Block, LeftOut, track_block
 from estimator.units import rad_per_s_to_rpm
+from formats.wire import OVERSPEED
 from service.edge.condition import WaveformFinding
 from service.edge.mark_count import ROUNDING, Mark, counted_from, last_mark
 from service.edge.sample_window import Chunk, SampleWindow
-from service.wire import OVERSPEED
 
 MARGIN = 0.5
 """Waveform on each side of a block of some seconds from which its shaft angle is read, as a part of the block's length."""

@@ -12,11 +12,11 @@ from estimator.machine.rules import SpeedRange
 from estimator.signal.keyphasor import Edge
 from estimator.strict_model import StrictModel
 from estimator.units import METRES
-from service.configuration.document_files import UnreadableFile, read_yaml
+from formats.files.document_files import UnreadableFile, read_yaml
+from formats.recordings.measured_files import READERS
+from formats.wire import BINARY, JSON, LARGEST_CHANNEL_COUNT, MESSAGEPACK
 from service.configuration.settings import DEFAULT_ZENOH_ENDPOINT
-from service.sources.measured_files import READERS
 from service.sources.replay_log import LOG_BYTES, LOG_SAMPLES
-from service.wire import BINARY, JSON, LARGEST_CHANNEL_COUNT, MESSAGEPACK
 
 ENCODINGS = {"binary": BINARY, "msgpack": MESSAGEPACK, "json": JSON}
 SUFFIXES = {".csv", ".npz", ".h5", ".hdf5", ".wav", *READERS}

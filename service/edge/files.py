@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from estimator.arrays import Floats
+from formats.recordings.measured_files import is_measured_file
 from service.edge.condition import Conditions
 from service.edge.configuration import InputFile, Waveforms
 from service.edge.csv_file import CsvFile
@@ -17,7 +18,6 @@ from service.edge.measured_file import MeasuredFile
 from service.edge.npz_file import NpzFile
 from service.edge.sample_window import Chunk
 from service.edge.wav_file import WavFile
-from service.sources.measured_files import is_measured_file
 from storage.clock import from_datetime
 
 CHUNK_SAMPLES = 16_384

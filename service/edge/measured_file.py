@@ -6,9 +6,9 @@ from pathlib import Path
 import numpy as np
 
 from estimator.arrays import Floats
+from formats.recordings.measured_columns import BrokenFile
+from formats.recordings.measured_files import read_measured_file
 from service.edge.file_trouble import FileTrouble
-from service.sources.measured_columns import BrokenFile
-from service.sources.measured_files import read_measured_file
 
 
 class MeasuredFile:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from service.export.csv_cells import CsvWriter
+from formats.files.csv_cells import CsvWriter
 from storage.clock import to_datetime
 from storage.database.private_files import prepare
 

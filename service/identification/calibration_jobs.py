@@ -16,8 +16,8 @@ from estimator.calibration.calibrated_document import calibrated_document, is_th
 from estimator.calibration.calibration_runs import CalibrationRun, check_runs
 from estimator.errors import Conflict, Invalid
 from estimator.machine.document import Machine, parse_machine
+from rotorundown.environment.release import VERSION
 from service.balancing.stored_runs import StoredWeight, added_unbalance, read_weights
-from service.configuration.release import VERSION
 from service.identification.calibration_task import CalibrationOutcome, CalibrationTask, StoredCalibrationRun
 from service.identification.job_options import Requester
 from service.identification.job_quota import LONGEST_IDENTITY

@@ -7,7 +7,7 @@ from sqlalchemy.orm import Session
 
 from estimator.fit.identification import Options
 from estimator.machine.document import parse_machine
-from service.configuration.release import VERSION
+from rotorundown.environment.release import VERSION
 from service.identification import job_options
 from service.identification.task import IdentificationTask
 from storage.encoding.sample_blocks import DamagedBlock, encode

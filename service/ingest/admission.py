@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import zenoh
 
+from formats.wire import InternalErrorReason, Key, Reason, Rejected, SampleBatch, decode_batch, decode_body, require_size
 from service.ingest.clock_doubt import OwnClock
 from service.ingest.inbox import PublishedMessage
 from service.journal.batch import ArrivedBatch
@@ -12,7 +13,6 @@ from service.journal.http_queue import UNFORESEEN, NotStoring, Submission
 from service.journal.journal import Journal
 from service.journal.refusals import Refusals
 from service.resilience.internal_errors import see_log
-from service.wire import InternalErrorReason, Key, Reason, Rejected, SampleBatch, decode_batch, decode_body, require_size
 from storage.clock import now
 from storage.database.errors import is_database_wide
 from storage.measurements.quarantine import Rejection

@@ -9,8 +9,8 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from formats.wire import SampleBatch
 from service.resilience.bounded_dict import BoundedDict
-from service.wire import SampleBatch
 from storage.clock import FUTURE_TOLERANCE, now, to_datetime
 
 logger = logging.getLogger(__name__)

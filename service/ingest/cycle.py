@@ -10,6 +10,7 @@ import time
 
 import zenoh
 
+from formats.wire import ALL_LIVE, ALL_SAMPLES
 from service.ingest.admission import Admission
 from service.ingest.clock_doubt import OwnClock
 from service.ingest.inbox import Inbox
@@ -22,7 +23,6 @@ from service.journal.source_backoff import SourceBackoff
 from service.journal.write_batch import WriteBatch
 from service.recovery.gap_recovery import GapRecovery
 from service.replication.work_share import Share
-from service.wire import ALL_LIVE, ALL_SAMPLES
 from storage.database.errors import LeaseLost
 
 logger = logging.getLogger(__name__)

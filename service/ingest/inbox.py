@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import zenoh
 
+from formats.wire import LARGEST_MESSAGE
 from service.resilience.supervised_thread import SupervisedThread
-from service.wire import LARGEST_MESSAGE
 from storage.clock import now
 from storage.measurements.quarantine import KEPT_BYTES
 

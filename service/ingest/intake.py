@@ -2,6 +2,7 @@
 
 import time
 
+from formats.wire import Key, Rejected
 from service.ingest.admission import Admission
 from service.ingest.inbox import Inbox, PublishedMessage
 from service.journal.http_queue import UNFORESEEN, NotStoring, Submission, Submissions
@@ -10,7 +11,6 @@ from service.journal.source_backoff import SourceBackoff
 from service.journal.write_batch import WriteBatch
 from service.recovery.gap_recovery import GapRecovery
 from service.replication.work_share import Share
-from service.wire import Key, Rejected
 from storage.database.errors import error_message, is_database_wide
 
 LARGEST_CYCLE = 1_000

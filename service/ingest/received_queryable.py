@@ -5,9 +5,9 @@ import logging
 import msgspec
 import zenoh
 
+from formats.wire import ALL_RECEIVED, JSON, Key, Received, Rejected
 from service.journal.journal import Journal
 from service.replication.work_share import Share
-from service.wire import ALL_RECEIVED, JSON, Key, Received, Rejected
 from storage.database.errors import is_database_wide
 
 logger = logging.getLogger(__name__)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.machine.document import Machine
-from service.wire import Fault, Rejected, SampleBatch, source_key, to_samples
+from formats.wire import Fault, Rejected, SampleBatch, source_key, to_samples
 from storage.encoding.sample_blocks import Samples
 from storage.encoding.source_key import SourceKey
 

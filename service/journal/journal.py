@@ -16,6 +16,7 @@ import numpy as np
 from sqlalchemy.orm import Session
 
 from estimator.machine.document import Machine
+from formats.wire import Rejected, SourceReceived
 from service.journal.batch import ArrivedBatch, StoreOutcome
 from service.journal.numbering import Numbering, Pending
 from service.journal.pacing import Pacing
@@ -23,7 +24,6 @@ from service.journal.sequence_gaps import SequenceGap, stored_gaps
 from service.replication.work_share import Share, WholeShare
 from service.runs.collector import Collector
 from service.runs.silence import SilentMachines
-from service.wire import Rejected, SourceReceived
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples, join
 from storage.encoding.source_key import SourceKey

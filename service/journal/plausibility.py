@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from estimator.machine.document import Machine
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
-from service.wire import Fault
+from formats.wire import Fault
 from storage.encoding.sample_blocks import Samples
 
 FASTEST_CHANGE = 0.5

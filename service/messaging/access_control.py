@@ -11,8 +11,8 @@ from typing import Annotated, Any
 import yaml
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from formats.wire.keys import Key
 from service.configuration.settings import Settings, SettingsWrong, settings_of
-from service.wire.keys import Key
 
 PlantMachine = Annotated[str, Field(pattern=r"^[A-Za-z0-9_-]{1,64}/[A-Za-z0-9_-]{1,64}$")]
 PlantMachinePattern = Annotated[str, Field(pattern=r"^([A-Za-z0-9_-]{1,64}|\*)/([A-Za-z0-9_-]{1,64}|\*)$")]

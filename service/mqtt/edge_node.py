@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 
 from estimator.machine.document import Machine
 from estimator.machine.sparkplug import Sparkplug
+from formats.wire import Rejected
 from service.mqtt.sparkplug_payload import SparkplugMetric, SparkplugPayload
-from service.wire import Rejected
 
 COUNT = 256
 REBIRTH_S, LONGEST_REBIRTH_S = 10.0, 600.0

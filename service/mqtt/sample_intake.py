@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import aiomqtt
 
+from formats.wire import MESSAGEPACK, Key, Rejected, encode_body, recognised
 from service.configuration.mqtt_settings import MqttSettings
 from service.journal.batch import StoreOutcome
 from service.journal.http_queue import Busy, NotStoring, Publication, SubmissionSink
@@ -23,7 +24,6 @@ from service.mqtt.mapped_machines import MappedMachines
 from service.mqtt.sparkplug_nodes import NAMESPACE, SparkplugNodes
 from service.mqtt.topics import Topics
 from service.replication.work_share import INGEST, Share
-from service.wire import MESSAGEPACK, Key, Rejected, encode_body, recognised
 from storage.database.engine import Database
 from storage.database.errors import is_database_wide
 

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from estimator.machine.document import Machine
 from estimator.machine.sparkplug import Sparkplug
+from formats.wire import SampleBatch
 from service.mqtt.edge_node import (
     COUNTED,
     DEVICE_BIRTH,
@@ -19,7 +20,6 @@ from service.mqtt.edge_node import (
     MachineFeed,
 )
 from service.mqtt.sparkplug_payload import SparkplugMetric, SparkplugPayload, decoded, rebirth
-from service.wire import SampleBatch
 
 logger = logging.getLogger(__name__)
 

@@ -9,7 +9,7 @@ import struct
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from service.wire import Rejected
+from formats.wire import Rejected
 
 LARGEST_METRIC_COUNT = 5_000
 SIGNED_BITS = {1: 8, 2: 16, 3: 32, 4: 64}

@@ -3,7 +3,7 @@
 import re
 from dataclasses import dataclass
 
-from service.wire import IDENTIFIER, Key, Rejected
+from formats.wire import IDENTIFIER, Key, Rejected
 
 _OTHER = re.compile(r"[^A-Za-z0-9_.-]")
 

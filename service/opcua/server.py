@@ -15,8 +15,8 @@ from asyncua.crypto.permission_rules import User
 from asyncua.server.internal_server import InternalServer
 from asyncua.server.internal_session import InternalSession
 
+from rotorundown.environment.release import VERSION
 from service.advice.site_texts import SiteTexts
-from service.configuration.release import VERSION
 from service.configuration.settings import Settings
 from service.opcua.alert_conditions import AlertConditions
 from service.opcua.browsing import Browsing

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import zenoh
 
+from formats.wire import Key
 from service.journal.source_backoff import SourceBackoff
 from service.recovery import log_queries
 from service.recovery.known_logs import KnownLogs
@@ -12,7 +13,6 @@ from service.recovery.log_queries import LogQueries, replies_so_far
 from service.recovery.protocols import BatchSink, GapRecords, ReplyReader
 from service.resilience.backoff import Backoff
 from service.resilience.bounded_dict import BoundedDict
-from service.wire import Key
 from storage.encoding.source_key import SourceKey
 
 

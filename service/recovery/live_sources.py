@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import zenoh
 
+from formats.wire import IDENTIFIER, Key
 from service.recovery.log_queries import LogQueries, replies_so_far
 from service.resilience.bounded_dict import BoundedDict
-from service.wire import IDENTIFIER, Key
 from storage.encoding.source_key import SourceKey
 
 logger = logging.getLogger(__name__)

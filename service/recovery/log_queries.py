@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import zenoh
 
-from service.wire import ALL_LIVE, Key
+from formats.wire import ALL_LIVE, Key
 
 MAXIMUM_QUERIES = 64
 """Largest number of logs queried concurrently."""

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import zenoh
 
+from formats.wire import Key
 from service.journal.batch import LARGEST_GAP, ArrivedBatch
 from service.journal.source_backoff import SourceBackoff
 from service.recovery import log_queries
@@ -11,7 +12,6 @@ from service.recovery.known_logs import KnownLogs
 from service.recovery.log_queries import LogQueries, replies_so_far
 from service.recovery.protocols import BatchSink, ReplyReader
 from service.resilience.bounded_dict import BoundedDict
-from service.wire import Key
 from storage.encoding.source_key import SourceKey
 
 

@@ -9,9 +9,9 @@ from typing import Protocol
 
 import zenoh
 
+from formats.wire import Key
 from service.journal.batch import ArrivedBatch
 from service.journal.sequence_gaps import SequenceGap
-from service.wire import Key
 from storage.encoding.source_key import SourceKey
 
 

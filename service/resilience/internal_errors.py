@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable
 
-from service.wire import InternalErrorReason
+from formats.wire import InternalErrorReason
 from storage.clock import now
 from storage.measurements.quarantine import Rejection
 

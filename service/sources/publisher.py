@@ -12,8 +12,8 @@ from typing import Self
 
 import zenoh
 
+from formats.wire import JSON, MESSAGEPACK, Key, SampleBatch, encode_batch
 from service.sources.replay_log import LARGEST_REPLY_COUNT, LogEntry, LogError, MemoryLog, SourceLog
-from service.wire import JSON, MESSAGEPACK, Key, SampleBatch, encode_batch
 
 logger = logging.getLogger(__name__)
 

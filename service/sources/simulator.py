@@ -32,10 +32,10 @@ from estimator.simulation.simulated_plant import (
 )
 from estimator.simulation.stories import Story
 from estimator.units import METRES, PEAK, RADIANS, rad_per_s_to_rpm
+from formats.recordings.recording import split
+from formats.wire import LARGEST_AMPLITUDE, WIRE_SCHEMA, Key, SampleBatch, as_sent
+from formats.wire.schema import ChannelTable
 from service.sources.publisher import Source
-from service.sources.recording import split
-from service.wire import LARGEST_AMPLITUDE, WIRE_SCHEMA, Key, SampleBatch, as_sent
-from service.wire.schema import ChannelTable
 
 logger = logging.getLogger(__name__)
 

@@ -9,7 +9,7 @@ import pickle
 import uuid
 from typing import TypedDict
 
-from service.configuration.release import VERSION
+from rotorundown.environment.release import VERSION
 from service.workers.process_pool import ProcessPool
 from service.workers.worker_process import failed
 

@@ -3,7 +3,7 @@
 import json
 
 from benchmarks.sbom import with_version
-from service.configuration.release import VERSION
+from rotorundown.environment.release import VERSION
 
 
 def test_the_main_component_has_its_version() -> None:

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 from sqlalchemy.exc import DBAPIError
 
+from formats.wire import JSON, encode_body
 from service.replication.lease_keeper import LeaseKeeper
 from service.replication.work_share import lease_of
-from service.wire import JSON, encode_body
 from storage.database.engine import Database
 from storage.operation import leases, replicas
 from tests.databases import PostgresqlDatabases

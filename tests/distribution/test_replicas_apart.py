@@ -9,7 +9,7 @@ from pathlib import Path
 import httpx
 import pytest
 
-from service.wire import JSON, encode_body
+from formats.wire import JSON, encode_body
 from tests.databases import PostgresqlDatabases
 from tests.distribution.layout import Layout
 from tests.end_to_end.processes import until

@@ -8,9 +8,9 @@ import httpx
 import numpy as np
 import pytest
 
+from formats.wire import JSON, encode_body
 from service.security import api_keys
 from service.security.role import Role
-from service.wire import JSON, encode_body
 from storage.database.engine import Database
 from storage.findings import jobs
 from storage.machines import machines

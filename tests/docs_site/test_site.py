@@ -25,11 +25,11 @@ from docs_site.settings_reference import settings_page
 from docs_site.source import DOCS, ELSEWHERE, NAVIGATION, REFERENCES, site_links, write_source
 from estimator.errors import DomainError
 from estimator.machine.document import Machine
+from formats.wire.rejection import Reason
 from service.commands.help_panels import EXAMPLES
 from service.configuration.settings import Settings
 from service.http.error_status import STATUS
 from service.monitoring.finding_rules import FINDING_RULES, RATE_RULE
-from service.wire.rejection import Reason
 from storage.measurements.runs import SamplesReleased
 from tests.paths import ROOT
 

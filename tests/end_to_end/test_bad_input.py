@@ -10,9 +10,9 @@ import msgspec
 import pytest
 import zenoh
 
+from formats.wire import LARGEST_MESSAGE, MESSAGEPACK, Key, SampleBatch, encode_batch, frame
 from service.messaging.session import session as zenoh_session
 from service.messaging.session import wait_connected
-from service.wire import LARGEST_MESSAGE, MESSAGEPACK, Key, SampleBatch, encode_batch, frame
 from tests.end_to_end.processes import EXAMPLES, Service, example, process, rundown, until
 from tests.end_to_end.test_real_input import ROSS, ross_batch
 from tests.ports import free_port

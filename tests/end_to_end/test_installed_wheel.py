@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from service.configuration.release import VERSION
+from rotorundown.environment.release import VERSION
 from tests.end_to_end.installed_wheel import build_wheel, make_environment, run
 from tests.paths import ROOT
 
@@ -41,7 +41,7 @@ def test_the_wheel_holds_packages_and_examples_and_nothing_else(wheel: Path) -> 
     with zipfile.ZipFile(wheel) as opened:
         names = opened.namelist()
     tops = {name.partition("/")[0] for name in names}
-    assert tops == {"estimator", "storage", "service", "rotorundown", f"rotorundown-{VERSION}.dist-info"}
+    assert tops == {"estimator", "storage", "formats", "service", "rotorundown", f"rotorundown-{VERSION}.dist-info"}
     for example in (ROOT / "examples").glob("*.yaml"):
         assert f"rotorundown/examples/{example.name}" in names
     for needed in (

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law
-from service.configuration.document_files import read_machine
-from service.wire import JSON, WIRE_SCHEMA, SampleBatch, encode_body
+from formats.files.document_files import read_machine
+from formats.wire import JSON, WIRE_SCHEMA, SampleBatch, encode_body
 from tests.end_to_end.processes import EXAMPLES, Service, until
 
 MACHINE = "thesis-chapter-3"

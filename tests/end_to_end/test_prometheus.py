@@ -11,7 +11,7 @@ from typing import Any
 import httpx
 import pytest
 
-from service.wire import JSON, encode_body
+from formats.wire import JSON, encode_body
 from tests.end_to_end.processes import EXAMPLES, Service, until
 from tests.plant import KEY, batch, document
 from tests.ports import free_port

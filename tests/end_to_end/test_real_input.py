@@ -12,11 +12,11 @@ import pytest
 
 from estimator.fit.identify import identify
 from estimator.machine.document import parse_machine
+from formats.recordings.recording import split
+from formats.wire import WIRE_SCHEMA, Key, SampleBatch, to_samples
 from service.messaging.session import session as zenoh_session
 from service.messaging.session import wait_connected
 from service.sources.publisher import Source
-from service.sources.recording import split
-from service.wire import WIRE_SCHEMA, Key, SampleBatch, to_samples
 from storage.clock import now
 from storage.encoding.packing import QUANTUM
 from tests.end_to_end.processes import DATA, Service, example, rundown, until

@@ -13,11 +13,11 @@ from estimator.fit.identification import Options
 from estimator.machine.document import Machine
 from estimator.runs.segmentation import RunKind
 from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law
+from formats.wire import SampleBatch, encode_batch, source_key
 from service.identification.computation import compute
 from service.identification.task import IdentificationTask
 from service.journal.batch import ArrivedBatch
 from service.runs.collector import Collector
-from service.wire import SampleBatch, encode_batch, source_key
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples, encode
 from storage.machines import machines

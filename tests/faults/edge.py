@@ -11,10 +11,10 @@ import threading
 import time
 from pathlib import Path
 
+from formats.wire import BINARY
 from service.messaging.session import session
 from service.sources.publisher import Source
 from service.sources.sqlite_replay_log import SqliteReplayLog
-from service.wire import BINARY
 from tests.faults.measured import SIZE, measured
 from tests.plant import KEY
 

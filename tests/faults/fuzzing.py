@@ -13,10 +13,7 @@ import numpy as np
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 
-from service.journal.batch import ArrivedBatch
-from service.journal.journal import Journal
-from service.runs.collector import Collector
-from service.wire import (
+from formats.wire import (
     BINARY,
     ENCODINGS,
     JSON,
@@ -28,6 +25,9 @@ from service.wire import (
     encode_body,
     frame,
 )
+from service.journal.batch import ArrivedBatch
+from service.journal.journal import Journal
+from service.runs.collector import Collector
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import decode
 from storage.measurements import quarantine

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from service.wire import SampleBatch, to_samples
+from formats.wire import SampleBatch, to_samples
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples, decode, join
 from storage.tables.measurements import SampleBlockRow

@@ -13,7 +13,7 @@ from pathlib import Path
 import httpx
 import numpy as np
 
-from service.wire import JSON, encode_body
+from formats.wire import JSON, encode_body
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import decode, join
 from storage.findings import identifications, jobs

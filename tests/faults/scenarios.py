@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from formats.wire import MESSAGEPACK, encode_batch
 from service.messaging.session import session, wait_connected
 from service.sources.replay_log import LogEntry
-from service.wire import MESSAGEPACK, encode_batch
 from tests.end_to_end.processes import Service, until
 from tests.faults.chain import PARTS, Chain, Part
 from tests.faults.mangling import MangledSource, Mangler

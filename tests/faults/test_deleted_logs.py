@@ -15,7 +15,7 @@ from pathlib import Path
 import httpx
 import pytest
 
-from service.wire import JSON, encode_body
+from formats.wire import JSON, encode_body
 from storage.database.engine import Database
 from storage.machines import machines
 from tests.end_to_end.processes import Service, rundown, until

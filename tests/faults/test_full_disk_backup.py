@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from service.wire import JSON, encode_body
+from formats.wire import JSON, encode_body
 from storage.backup import backup_file
 from tests.end_to_end.processes import Service
 from tests.faults.measured import measured

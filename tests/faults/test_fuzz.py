@@ -13,13 +13,13 @@ import zenoh
 from benchmarks.chain import patiently
 from estimator.fit.identification import Identification, Options
 from estimator.phasors.quality import Quality
+from formats.wire import JSON, SampleBatch, encode_batch
 from service.identification.computation import compute
 from service.identification.task import IdentificationTask
 from service.journal.journal import Journal
 from service.messaging.session import session as stream_session
 from service.messaging.session import wait_connected
 from service.runs.collector import Collector
-from service.wire import JSON, SampleBatch, encode_batch
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples, encode
 from storage.machines import machines

@@ -6,7 +6,7 @@ from pathlib import Path
 import httpx
 import pytest
 
-from service.wire import JSON, encode_body
+from formats.wire import JSON, encode_body
 from storage.clock import to_datetime
 from tests.end_to_end.processes import until
 from tests.faults.shifted_clock import ShiftedService

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from service.wire import ENCODINGS, JSON, decode_batch, encode_batch
+from formats.wire import ENCODINGS, JSON, decode_batch, encode_batch
 from storage.clock import FUTURE_TOLERANCE
 from storage.database.engine import Database
 from tests.faults.clocks import HOUR, MINUTE, SIZE, STEP, TRUE, kept, told, wandering

@@ -10,7 +10,7 @@ import yaml
 
 import rotorundown
 from rotorundown.environment.example_machines import examples_folder
-from service.configuration.release import VERSION
+from rotorundown.environment.release import VERSION
 from tests.paths import ROOT
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]

@@ -93,7 +93,7 @@ def test_importing_needs_nothing_but_python() -> None:
 
 
 def test_what_reads_recordings_is_loaded_with_the_first_of_them() -> None:
-    unneeded = ("yaml", "html", "service.sources.recorded_runs", "scipy.optimize", "scipy.interpolate", "scipy.stats")
+    unneeded = ("yaml", "html", "formats.recordings.recorded_runs", "scipy.optimize", "scipy.interpolate", "scipy.stats")
     done = python(
         "import rotorundown as rd; rd.read_machine, rd.read_run, rd.identify, rd.Result\n"
         f"print([one for one in {unneeded!r} if one in sys.modules])"

@@ -11,8 +11,8 @@ import pytest
 import rotorundown as rd
 from estimator.arrays import Floats
 from estimator.machine.document import Machine
+from formats.recordings.recording import write_recording
 from rotorundown.run_tables import WrongRun
-from service.sources.recording import write_recording
 
 
 def table(run: rd.MachineRun) -> dict[str, Floats]:

@@ -8,6 +8,8 @@ import pytest
 
 import rotorundown as rd
 from benchmarks.serving import served
+from formats.recordings.recording import read_recording
+from formats.wire import to_samples
 from rotorundown.run_tables import WrongRun
 from rotorundown.service_rows import AlertEntry, EstimateEntry, IdentificationEntry, MachineEntry, RunEntry
 from service.alerts import transitions
@@ -18,8 +20,6 @@ from service.api.machines.schemas import MachineSummary
 from service.api.measurements.schemas import Run
 from service.security import api_keys
 from service.security.role import Role
-from service.sources.recording import read_recording
-from service.wire import to_samples
 from storage.clock import now
 from storage.database.engine import Database
 from storage.machines import machines

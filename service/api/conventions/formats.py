@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from fastapi import HTTPException, Request, status
 
-from service.export.csv_cells import CsvWriter
+from formats.files.csv_cells import CsvWriter
 
 Format = Literal["json", "csv", "parquet"]
 

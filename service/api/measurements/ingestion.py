@@ -13,6 +13,7 @@ from fastapi import APIRouter, HTTPException, Request, status
 
 from estimator.close_matches import did_you_mean
 from estimator.errors import Conflict, DomainError, Invalid, Missing, Oversized, Unavailable, Unreadable
+from formats.wire import ENCODINGS, LARGEST_MESSAGE, Fault, Reason, Rejected, SampleBatch, unknown_fields
 from service.api.conventions.dependencies import MachineId
 from service.api.conventions.problems import RESPONSES
 from service.api.measurements import schemas
@@ -20,7 +21,6 @@ from service.http.error_status import STATUS
 from service.http.problem import Problem
 from service.journal.http_queue import RETRY_AFTER_S, SubmissionSink
 from service.security.requirement import SOURCE
-from service.wire import ENCODINGS, LARGEST_MESSAGE, Fault, Reason, Rejected, SampleBatch, unknown_fields
 
 router = APIRouter(tags=["measurements"], responses=RESPONSES)
 

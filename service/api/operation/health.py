@@ -7,13 +7,13 @@ from typing import Annotated, cast
 from fastapi import APIRouter, Query, Request, Response, status
 from sqlalchemy.exc import DBAPIError
 
+from formats.wire import InternalErrorReason, Reason
+from rotorundown.environment.release import VERSION
 from service.api.conventions.dependencies import Reading, database, moment, principal
 from service.api.conventions.paging import ById, BySource
 from service.api.conventions.times import Time
 from service.api.operation import rendering, schemas
-from service.configuration.release import VERSION
 from service.security.requirement import ADMIN, ANYBODY, VIEWER
-from service.wire import InternalErrorReason, Reason
 from storage.database.claim import DatabaseUnusable
 from storage.database.engine import Database
 from storage.database.errors import is_database_wide

@@ -15,11 +15,11 @@ from prometheus_client.openmetrics.exposition import CONTENT_TYPE_LATEST, genera
 from prometheus_client.registry import Collector
 from sqlalchemy.exc import DBAPIError
 
+from formats.wire import InternalErrorReason, Reason
 from service.api.conventions.dependencies import database
 from service.api.operation.health import health_report
 from service.security.requirement import VIEWER
 from service.security.store import Store
-from service.wire import InternalErrorReason, Reason
 from storage.alerts import deliveries
 from storage.clock import now
 from storage.database.claim import DatabaseUnusable

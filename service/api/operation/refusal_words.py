@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from service.wire import InternalErrorReason, Reason
+from formats.wire import InternalErrorReason, Reason
 
 _MEANINGS: dict[Reason | InternalErrorReason, str] = {
     "too_large": "the message is larger than what is taken: send fewer samples in each",

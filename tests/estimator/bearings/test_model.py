@@ -119,7 +119,7 @@ def test_only_one_place_asks_for_the_class_of_a_form() -> None:
     names = {form.__name__ for form in FORMS}
     found = {
         path.relative_to(ROOT).as_posix()
-        for package in ("estimator", "storage", "service")
+        for package in ("estimator", "storage", "formats", "service")
         for path in (ROOT / package).rglob("*.py")
         for node in ast.walk(ast.parse(path.read_text()))
         if isinstance(node, ast.Call) and ast.unparse(node.func) == "isinstance"

@@ -22,7 +22,7 @@ from estimator.rotor.assembly import assemble_rotor
 from estimator.rotor.condensation import condense
 from estimator.rotor.parameters import unknowns
 from estimator.updated_model.model import expected_model
-from service.configuration.document_files import UnreadableFile, read_machine
+from formats.files.document_files import UnreadableFile, read_machine
 from tests.estimator.long_trains import TRAINS
 from tests.estimator.trains import Document, one_disc_document
 from tests.paths import EXAMPLES

@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 import yaml
 
-from service.configuration.document_files import read_machine
+from formats.files.document_files import read_machine
 from tests.paths import DATA, EXAMPLES
 from tests.service.commands.command_line import run
 

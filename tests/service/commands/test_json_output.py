@@ -12,10 +12,10 @@ import typer.main
 from typer.testing import CliRunner
 
 import rotorundown as rd
+from formats.recordings.recording import write_recording
 from service.commands.app import app
 from service.commands.json_output import plain
 from service.commands.terminal import working
-from service.sources.recording import write_recording
 from storage.backup.transfer import move
 from storage.database.engine import Database
 from storage.machines import machines

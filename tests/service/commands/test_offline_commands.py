@@ -11,8 +11,8 @@ import pytest
 import yaml
 
 from estimator.machine.document import parse_machine
-from service.configuration.document_files import read_machine
-from service.configuration.release import VERSION
+from formats.files.document_files import read_machine
+from rotorundown.environment.release import VERSION
 from tests.estimator.trains import LATERAL, Complexes, Document, chapter_3_document, dense_response, noisy
 from tests.service.commands.command_line import run
 from tests.service.commands.recorded_run import write_run

@@ -14,6 +14,7 @@ import yaml
 import zenoh
 from typer.testing import CliRunner
 
+from formats.wire import SampleBatch, decode_batch, to_samples
 from service.commands.app import app
 from service.commands.edge import open_log
 from service.edge import topic as topic_module
@@ -24,7 +25,6 @@ from service.edge.topic import Topic
 from service.edge.waveform_message import encode_waveforms
 from service.sources.publisher import Source
 from service.sources.sqlite_replay_log import SqliteReplayLog
-from service.wire import SampleBatch, decode_batch, to_samples
 from storage.encoding.sample_blocks import Samples, join
 from tests.plant import KEY, assert_same_samples, document, listened_to, machine, wait_until
 from tests.waveforms import RATE, START_NS, edge_document, recorded, true_phasors

@@ -11,7 +11,7 @@ from estimator.machine.document import Machine
 from estimator.machine.rules import Noise
 from estimator.phasors.slow_roll import SlowRoll
 from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law
-from service.configuration.document_files import read_machine
+from formats.files.document_files import read_machine
 from service.identification import computation
 from service.identification.task import IdentificationOutcome, IdentificationTask
 from storage.encoding.sample_blocks import encode

@@ -6,6 +6,7 @@ from typing import Any
 
 import zenoh
 
+from formats.wire import MESSAGEPACK, Key, SampleBatch, encode_batch
 from service.ingest.ingest_thread import Ingest
 from service.journal.batch import ArrivedBatch
 from service.journal.journal import Journal
@@ -15,7 +16,6 @@ from service.recovery.gap_recovery import GapRecovery
 from service.replication.work_share import WholeShare
 from service.runs.collector import Collector
 from service.sources.publisher import Source
-from service.wire import MESSAGEPACK, Key, SampleBatch, encode_batch
 from storage.database.engine import Database
 from storage.encoding.source_key import SourceKey
 from storage.measurements import quarantine

@@ -4,8 +4,8 @@ import time
 
 import pytest
 
+from formats.wire import SampleBatch
 from service.ingest.clock_doubt import OwnClock, is_doubted
-from service.wire import SampleBatch
 from tests.plant import SECOND, batch
 
 MINUTE, DAY = 60 * SECOND, 86_400 * SECOND

@@ -7,6 +7,7 @@ import pytest
 import zenoh
 from sqlalchemy.exc import OperationalError
 
+from formats.wire import ALL_LIVE, Key
 from service.ingest import ingest_thread as ingest_module
 from service.ingest.ingest_thread import Ingest
 from service.journal.journal import Journal
@@ -15,7 +16,6 @@ from service.journal.write_batch import WriteBatch
 from service.recovery import gap_recovery as recovery_module
 from service.replication.work_share import WholeShare
 from service.runs.collector import Collector
-from service.wire import ALL_LIVE, Key
 from storage.database.engine import Database
 from storage.encoding.source_key import SourceKey
 from tests.plant import KEY, arrived, batch, wait_until

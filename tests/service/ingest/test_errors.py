@@ -8,6 +8,7 @@ import pytest
 import zenoh
 from sqlalchemy import select
 
+from formats.wire import MESSAGEPACK, encode_body, source_key
 from service.ingest import ingest_thread as ingest_module
 from service.ingest.ingest_thread import Ingest
 from service.journal import single_writes
@@ -20,7 +21,6 @@ from service.recovery import known_logs
 from service.resilience import backoff as backoff_module
 from service.runs.collector import Collector
 from service.sources.publisher import Source
-from service.wire import MESSAGEPACK, encode_body, source_key
 from storage.database.engine import Database
 from storage.encoding.source_key import SourceKey
 from storage.machines import machines

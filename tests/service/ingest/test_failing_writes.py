@@ -8,6 +8,7 @@ import pytest
 import zenoh
 from sqlalchemy.exc import IntegrityError, OperationalError
 
+from formats.wire import MESSAGEPACK, encode_batch, encode_body
 from service.ingest import ingest_thread as ingest_module
 from service.journal import single_writes
 from service.journal.batch import ArrivedBatch, StoreOutcome
@@ -18,7 +19,6 @@ from service.journal.write_batch import WriteBatch
 from service.recovery import gap_recovery as recovery_module
 from service.resilience import backoff as backoff_module
 from service.runs.collector import Collector
-from service.wire import MESSAGEPACK, encode_batch, encode_body
 from storage.database.engine import Database
 from storage.encoding.source_key import SourceKey
 from storage.measurements.quarantine import Rejection

@@ -9,10 +9,10 @@ import psutil
 import pytest
 import zenoh
 
+from formats.wire import LARGEST_MESSAGE
 from service.ingest import inbox as inbox_module
 from service.ingest.inbox import Inbox, PublishedMessage
 from service.resilience.heap_trim import release_free_memory
-from service.wire import LARGEST_MESSAGE
 from storage.measurements.quarantine import KEPT_BYTES
 from tests.plant import listened_to, wait_until
 

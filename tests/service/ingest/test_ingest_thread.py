@@ -7,9 +7,9 @@ import pytest
 import zenoh
 from sqlalchemy import text
 
+from formats.wire import ALL_SAMPLES, Key, encode_batch
 from service.ingest import ingest_thread as ingest_module
 from service.ingest.ingest_thread import Ingest
-from service.wire import ALL_SAMPLES, Key, encode_batch
 from storage.database.engine import Database
 from storage.measurements import runs
 from tests.plant import KEY, batch, sweep_rpm, wait_until

@@ -8,12 +8,12 @@ import httpx
 import pytest
 import zenoh
 
+from formats.wire import JSON, encode_body
 from service.ingest.ingest_thread import Ingest
 from service.journal.http_queue import Submissions
 from service.journal.journal import Journal
 from service.runs.collector import Collector
 from service.sources.publisher import Source
-from service.wire import JSON, encode_body
 from storage.database.engine import Database
 from tests.api_in_process import Api
 from tests.plant import KEY, SECOND, batch, wait_until

@@ -5,8 +5,8 @@ from typing import Any
 import pytest
 import zenoh
 
+from formats.wire import LARGEST_MESSAGE, encode_batch
 from service.ingest.ingest_thread import Ingest
-from service.wire import LARGEST_MESSAGE, encode_batch
 from storage.database.engine import Database
 from storage.machines import machines
 from storage.measurements import quarantine

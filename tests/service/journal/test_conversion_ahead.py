@@ -2,9 +2,9 @@
 
 import pytest
 
+from formats.wire import to_samples
 from service.journal import batch as batches
 from service.journal.batch import ArrivedBatch
-from service.wire import to_samples
 from storage.database.engine import Database
 from storage.machines import machines
 from storage.measurements import samples as sample_store

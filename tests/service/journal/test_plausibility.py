@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from formats.wire import Fault
 from service.journal.plausibility import FASTEST_CHANGE, JITTER, STRIKES, Plausibility
-from service.wire import Fault
 from tests.plant import SECOND, START, few_examples, machine, samples
 
 HIGHEST = 3000.0

@@ -11,6 +11,7 @@ import zenoh
 from sqlalchemy import text
 from sqlalchemy.exc import DBAPIError
 
+from formats.wire import JSON, encode_body
 from service.configuration.settings import Settings
 from service.identification.scheduler import JobScheduler
 from service.ingest.ingest_thread import Ingest
@@ -20,7 +21,6 @@ from service.maintenance.housekeeping import Housekeeping
 from service.maintenance.retention_tiers import Tier
 from service.maintenance.store_check import StoreCheck
 from service.runs.collector import Collector
-from service.wire import JSON, encode_body
 from storage.database import file_inspection
 from storage.database.damage import is_damage, marker_of
 from storage.database.engine import Database

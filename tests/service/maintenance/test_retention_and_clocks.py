@@ -10,6 +10,7 @@ import zenoh
 from sqlalchemy import event, func, select
 from typer.testing import CliRunner
 
+from formats.wire import JSON, encode_body
 from service.commands.app import app
 from service.configuration.settings import Settings
 from service.ingest.ingest_thread import Ingest
@@ -21,7 +22,6 @@ from service.maintenance.retention_cut_offs import DAY_NS
 from service.maintenance.retention_tiers import Blocks
 from service.replication.work_share import WholeShare
 from service.runs.collector import Collector
-from service.wire import JSON, encode_body
 from storage.database.engine import Database
 from storage.machines import machines
 from storage.measurements import runs

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 import zenoh
 
+from formats.wire.keys import ALL_LIVE, ALL_RECEIVED, ALL_SAMPLES, Key
 from service.messaging.access_control import AccessUnusable, StreamAccess, StreamSecurity, read_access
 from service.messaging.session import StreamUnusable, connected, session
-from service.wire.keys import ALL_LIVE, ALL_RECEIVED, ALL_SAMPLES, Key
 from tests.end_to_end.processes import ROOT
 from tests.plant import wait_until
 from tests.ports import free_endpoint

@@ -9,13 +9,13 @@ import aiomqtt
 import pytest
 import zenoh
 
+from formats.wire import BINARY, JSON, MESSAGEPACK, encode_body
 from service.ingest.ingest_thread import Ingest
 from service.journal.http_queue import Submissions
 from service.journal.journal import Journal
 from service.mqtt.sample_intake import MqttSamples, PublishedBody
 from service.replication.work_share import WholeShare
 from service.runs.collector import Collector
-from service.wire import BINARY, JSON, MESSAGEPACK, encode_body
 from storage.database.engine import Database
 from storage.measurements import quarantine
 from tests.mosquitto import Mosquitto

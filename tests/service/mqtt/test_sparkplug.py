@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 
 from estimator.errors import Invalid
 from estimator.machine.document import Machine, parse_machine
+from formats.wire import JSON, MESSAGEPACK, Rejected, decode_body, encode_body, to_samples
 from service.mqtt.edge_node import EdgeNode
 from service.mqtt.mapped_machines import MappedMachines
 from service.mqtt.sparkplug_nodes import SOURCE, SparkplugNodes
 from service.mqtt.sparkplug_payload import REBIRTH, decoded, rebirth
-from service.wire import JSON, MESSAGEPACK, Rejected, decode_body, encode_body, to_samples
 from storage.database.engine import Database
 from storage.machines import machines
 from tests.mosquitto import Mosquitto

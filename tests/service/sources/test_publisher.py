@@ -5,10 +5,10 @@ import time
 import pytest
 import zenoh
 
+from formats.wire import JSON, MESSAGEPACK, SampleBatch, decode_batch
 from service.sources import publisher as source_module
 from service.sources.publisher import Source
 from service.sources.replay_log import MemoryLog
-from service.wire import JSON, MESSAGEPACK, SampleBatch, decode_batch
 from tests.plant import KEY, batch, wait_until
 
 

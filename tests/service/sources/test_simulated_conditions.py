@@ -9,8 +9,8 @@ import yaml
 import zenoh
 
 from estimator.machine.document import Machine, parse_machine
+from formats.wire import ALL_SAMPLES, Key, SampleBatch, decode_batch, to_samples
 from service.sources.simulator import SimulationPlan, simulate
-from service.wire import ALL_SAMPLES, Key, SampleBatch, decode_batch, to_samples
 from tests.paths import EXAMPLES
 from tests.plant import listened_to, machine, wait_until
 

@@ -13,10 +13,10 @@ from pathlib import Path
 import pytest
 import zenoh
 
+from formats.wire import decode_batch
 from service.sources.publisher import Source
 from service.sources.replay_log import LogDamaged, LogEntry, LogError, LogFull, LogInUse, LogOfAnother, MemoryLog, SourceLog
 from service.sources.sqlite_replay_log import SqliteReplayLog
-from service.wire import decode_batch
 from tests.plant import KEY, SECOND, START, batch, listened_to, wait_until
 
 

@@ -16,15 +16,7 @@ import zenoh
 from prometheus_client.openmetrics.parser import text_string_to_metric_families
 from sqlalchemy import text
 
-from service.api.measurements import ingestion
-from service.api.operation import metrics
-from service.api.operation.refusal_words import MEANINGS, refusal_words
-from service.ingest import ingest_thread as ingest_module
-from service.ingest.ingest_thread import Ingest
-from service.journal.http_queue import Busy, NotStoring, Submissions
-from service.journal.journal import Journal
-from service.runs.collector import Collector
-from service.wire import (
+from formats.wire import (
     BINARY,
     ENCODINGS,
     JSON,
@@ -36,6 +28,14 @@ from service.wire import (
     encode_body,
     unknown_fields,
 )
+from service.api.measurements import ingestion
+from service.api.operation import metrics
+from service.api.operation.refusal_words import MEANINGS, refusal_words
+from service.ingest import ingest_thread as ingest_module
+from service.ingest.ingest_thread import Ingest
+from service.journal.http_queue import Busy, NotStoring, Submissions
+from service.journal.journal import Journal
+from service.runs.collector import Collector
 from storage.clock import now
 from storage.database.engine import Database
 from storage.encoding.source_key import SourceKey

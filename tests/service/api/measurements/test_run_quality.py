@@ -12,11 +12,11 @@ from estimator.machine.document import Machine
 from estimator.machine.rules import QualityRules
 from estimator.phasors.channel_status import ChannelStatus
 from estimator.phasors.quality import Flag
-from service.configuration.document_files import read_machine
+from formats.files.document_files import read_machine
+from formats.recordings.recording import read_recording
+from formats.wire import to_samples
 from service.identification import computation
 from service.identification.task import IdentificationTask
-from service.sources.recording import read_recording
-from service.wire import to_samples
 from storage.clock import now
 from storage.database.engine import Database
 from storage.encoding.sample_blocks import DamagedBlock, Samples, encode

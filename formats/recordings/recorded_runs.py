@@ -1,0 +1,145 @@
+"""Reads recorded runs as one measurement of a machine, without a service, and subtracts their slow roll on request."""
+
+import hashlib
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from estimator.calibration.calibration_runs import CalibrationRun
+from estimator.machine.document import Machine
+from estimator.machine.speed_units import outside_speed_range
+from estimator.phasors.measurement import Measurement, joined
+from estimator.phasors.quality import assess
+from estimator.phasors.recorded_run import RecordedRun
+from estimator.phasors.slow_roll import Capture, capture, corrected
+from estimator.units import rpm_to_rad_per_s
+from formats.files.document_files import UnreadableFile
+from formats.recordings.recording import RecordedCircumstances, read_circumstances, read_recording
+from formats.wire import to_samples
+from storage.clock import now
+
+
+def read_measurement(machine: Machine, files: Sequence[Path], sidecar: Path | None = None) -> tuple[Measurement, list[str]]:
+    """Return all runs of some files as one measurement, with descriptions of omitted rows; as `read_runs`."""
+    runs, left_out = read_runs(machine, files, sidecar)
+    return joined([measurement for _, measurement in runs]), left_out
+
+
+def read_runs(
+    machine: Machine, files: Sequence[Path], sidecar: Path | None = None
+) -> tuple[list[tuple[RecordedRun, Measurement]], list[str]]:
+    """Return the run of each file, as recorded and as a measurement, with descriptions of omitted rows.
+
+    sidecar: replaces the one beside the file, for a single file. Raises UnreadableFile, and Rejected for a recording without
+    this machine's channels.
+    """
+    if sidecar is not None and len(files) > 1:
+        raise UnreadableFile("a sidecar can be given for one file only; with several, each has its own beside it")
+    found = [_read(machine, file, sidecar) for file in files]
+    return [(one.recorded, one.measurement) for one in found], [fault for one in found for fault in one.faults]
+
+
+def read_calibration_runs(machine: Machine, files: Sequence[Path]) -> tuple[list[CalibrationRun], list[str]]:
+    """Return each file as a run of a calibration, with descriptions of omitted rows; raises as `read_runs`."""
+    found = [_read(machine, file, None) for file in files]
+    runs = [_calibration_run(machine, file, one) for file, one in zip(files, found, strict=True)]
+    return runs, [fault for one in found for fault in one.faults]
+
+
+@dataclass(frozen=True, eq=False)
+class _ReadRun:
+    """A file's run, as recorded and as a measurement, with what its sidecar states, the rows taken (R,) and the faults."""
+
+    recorded: RecordedRun
+    measurement: Measurement
+    circumstances: RecordedCircumstances
+    taken: NDArray[np.bool_]
+    faults: list[str]
+
+
+def _read(machine: Machine, file: Path, sidecar: Path | None) -> _ReadRun:
+    recording = read_recording(file, sidecar)
+    if recording.machine != machine.id:
+        raise UnreadableFile(f"{file} is a recording of '{recording.machine}', the document describes '{machine.id}'")
+    samples, taken, faults = to_samples(recording, machine, received_at=now())
+    outside = outside_speed_range(machine.speed_range, samples.speed[np.isfinite(samples.speed)])
+    if outside and not taken.any():
+        raise UnreadableFile(f"{file}: {outside}")
+    run = samples.pick(taken)
+    circumstances = read_circumstances(file, sidecar)
+    recorded = run.recorded(machine.channels)
+    if circumstances.kind == "dwells":
+        recorded = replace(recorded, time=None)  # no sweep has gone through them
+    measurement = _with_trial_weights(machine, run.measurement(), circumstances, taken, file)
+    words = [f"{file}, row {fault.index + 1} left out: {fault.detail}" for fault in faults]
+    return _ReadRun(recorded, measurement, circumstances, taken, [*words, *([f"{file}: {outside}"] if outside else [])])
+
+
+def _calibration_run(machine: Machine, file: Path, read: _ReadRun) -> CalibrationRun:
+    measurement, steady = read.measurement, read.circumstances.kind == "dwells"
+    if read.circumstances.stated and measurement.added is None:
+        measurement = replace(measurement, added=np.zeros((measurement.speed.size, len(machine.discs)), dtype=complex))
+    if not steady:
+        usable = assess(read.recorded, noise=machine.noise, rules=machine.quality).usable
+        measurement = replace(measurement, usable=measurement.usable & usable)
+    mounting = tuple(name for name, taken in zip(read.circumstances.mounting, read.taken, strict=True) if taken)
+    return CalibrationRun(file.name, measurement, mounting, steady, hashlib.sha256(file.read_bytes()).hexdigest())
+
+
+def speed_band(text: str) -> tuple[float, float]:
+    """Parse a band such as 200:400 [r/min] into its lowest and highest speed [rad/s]. Raises ValueError."""
+    parts = text.split(":")
+    try:
+        lowest, highest = (rpm_to_rad_per_s(float(part)) for part in parts)
+    except ValueError:
+        raise ValueError(f"'{text}' is no speed band; one is written as 200:400, in rpm") from None
+    if not 0.0 < lowest < highest < math.inf:
+        raise ValueError(f"'{text}' is no speed band: it needs two positive speeds, the lower one first")
+    return lowest, highest
+
+
+def captured(machine: Machine, measurement: Measurement, band: str) -> Capture:
+    """Capture slow-roll vectors from a band of a recording. Raises NotSlowRoll, ValueError."""
+    lowest, highest = speed_band(band)
+    return capture(machine, measurement, lowest=lowest, highest=highest)
+
+
+def without_slow_roll(
+    machine: Machine, runs: Sequence[tuple[RecordedRun, Measurement]], band: str
+) -> tuple[Machine, list[tuple[RecordedRun, Measurement]], Capture]:
+    """Return a machine and its runs without the slow-roll vectors of a band; raises as `captured`.
+
+    The band's own samples are omitted from the result: their information is used up.
+    """
+    found = captured(machine, joined([measurement for _, measurement in runs]), band)
+    lowest, highest = speed_band(band)
+    described, rest = machine, []
+    for run, measurement in runs:
+        outside = (measurement.speed < lowest) | (measurement.speed > highest)
+        described, without = corrected(machine, measurement.pick(outside), found.slow_roll)
+        rest.append((run.pick(outside), without))
+    return described, rest, found
+
+
+def _with_trial_weights(
+    machine: Machine, run: Measurement, circumstances: RecordedCircumstances, taken: NDArray[np.bool_], file: Path
+) -> Measurement:
+    discs = [disc.id for disc in machine.discs]
+    unknown = sorted(set(circumstances.added) - set(discs))
+    if unknown:
+        raise UnreadableFile(f"the sidecar of {file} adds unbalance to {', '.join(unknown)}; the discs are {', '.join(discs)}")
+    if not circumstances.added:
+        return run
+    added = np.zeros((run.speed.size, len(discs)), dtype=complex)
+    for disc, unbalances in circumstances.added.items():
+        added[:, discs.index(disc)] = np.array(unbalances)[taken]
+    if circumstances.kind == "sweep" and np.any(np.abs(added - added[:1]) > 0.0):
+        raise UnreadableFile(
+            f"{file}: trial weights differ from row to row of one sweep; where each row was taken at a constant speed, "
+            "its sidecar says `kind: dwells`"
+        )
+    return replace(run, added=added)

@@ -1,0 +1,94 @@
+"""The table of a recording: a CSV file with a header line, its cells as numbers or words, and what is wrong with its place."""
+
+import csv
+import io
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from formats.files.document_files import UnreadableFile
+from formats.recordings.exported_table import exported_rows, is_plain
+from formats.recordings.measured_columns import BrokenFile
+from formats.recordings.measured_files import is_measured_file, read_measured_file
+
+
+@dataclass(frozen=True)
+class RecordedTable:
+    """Rows of a CSV file by the names in its header line.
+
+    Attributes:
+        path: The file.
+        rows: One mapping per row below the header.
+    """
+
+    path: Path
+    rows: list[dict[str, str | None]]
+
+    @classmethod
+    def read(cls, path: Path) -> "RecordedTable":
+        """Return the table of a file, of a measuring system or CSV. Raises UnreadableFile."""
+        if is_measured_file(path):
+            return cls(path, _measured_rows(path))
+        try:
+            # Spreadsheets put a byte order mark in front.
+            text = path.read_text(encoding="utf-8-sig")
+            rows = list(csv.DictReader(io.StringIO(text, newline=""), strict=True)) if is_plain(text) else exported_rows(text)
+            rows = rows or list(csv.DictReader(io.StringIO(text, newline=""), strict=True))
+        except (OSError, UnicodeDecodeError, csv.Error) as error:
+            raise UnreadableFile(f"{path}: {error}") from error
+        if not rows:
+            raise UnreadableFile(f"{path} has no rows below its header")
+        return cls(path, rows)
+
+    def gappy(self, name: str) -> list[float | None]:
+        """Return the numbers of a column, None where a cell is blank. Raises UnreadableFile."""
+        return [self._number(line, name, text) for line, text in enumerate(self._cells(name), start=2)]
+
+    def column(self, name: str) -> list[float]:
+        """Return the numbers of a column that has no gaps. Raises UnreadableFile."""
+        values = self.gappy(name)
+        if None in values:
+            raise UnreadableFile(f"{self.path}, line {values.index(None) + 2}: column '{name}' has no value")
+        return [value for value in values if value is not None]
+
+    def words(self, name: str) -> list[str]:
+        """Return the texts of a column that has no gaps. Raises UnreadableFile."""
+        found = [(text or "").strip() for text in self._cells(name)]
+        if "" in found:
+            raise UnreadableFile(f"{self.path}, line {found.index('') + 2}: column '{name}' has no value")
+        return found
+
+    def _cells(self, name: str) -> list[str | None]:
+        if f"{name}#1" in self.rows[0]:
+            raise UnreadableFile(f"{self.path}: column '{name}' is there more than once: name '{name}#1', '{name}#2', …")
+        if name not in self.rows[0]:
+            raise UnreadableFile(f"{self.path} has no column '{name}'; it has {', '.join(filter(None, self.rows[0]))}")
+        return [row[name] for row in self.rows]
+
+    def _number(self, line: int, name: str, text: str | None) -> float | None:
+        if text is None:
+            raise UnreadableFile(f"{self.path}, line {line} is too short: it has no column '{name}'")
+        if not text.strip():
+            return None
+        try:
+            return float(text)
+        except ValueError:
+            raise UnreadableFile(f"{self.path}, line {line}: '{text}' in column '{name}' is not a number") from None
+
+
+def _measured_rows(path: Path) -> list[dict[str, str | None]]:
+    """Return the rows of a measuring system's file as cells; columns of other lengths are left out. Raises UnreadableFile."""
+    try:
+        read = read_measured_file(path)
+    except (BrokenFile, OSError) as error:
+        raise UnreadableFile(f"{path}: {error}") from error
+    if read.cut:
+        raise UnreadableFile(f"{path}: {read.cut}")
+    sizes = [column.size for column in read.values.values()]
+    length = max(set(sizes), key=sizes.count, default=0)
+    columns = {name: column for name, column in read.values.items() if column.size == length}
+    if not length:
+        raise UnreadableFile(f"{path} holds no column of numbers")
+    cells = {name: ["" if np.isnan(one) else repr(float(one)) for one in column] for name, column in columns.items()}
+    return [{name: column[row] for name, column in cells.items()} for row in range(length)]

@@ -1,0 +1,353 @@
+"""Recorded runs: a CSV file with a header line, and beside it a sidecar YAML that describes its columns."""
+
+import cmath
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Annotated, Literal, Self
+
+import msgspec
+import numpy as np
+import yaml
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic_core import ErrorDetails
+
+from estimator.arrays import Complexes, Floats
+from estimator.field_types import Identifier, Positive
+from estimator.machine.disc_scale import DiscScale
+from estimator.machine.document import Machine, field_path
+from estimator.units import RADIANS
+from formats.files.csv_cells import CsvWriter, cell
+from formats.files.document_files import UnreadableFile, read_yaml
+from formats.recordings.recorded_table import RecordedTable
+from formats.recordings.sidecar_place import sidecar_of
+from formats.recordings.trial_weights import TrialWeight
+from formats.wire import TABLES, WIRE_SCHEMA, SampleBatch
+from storage.clock import from_datetime
+from storage.database.private_files import prepare
+
+LONGEST_S = 1e9
+"""Longest recording: thirty years [s]."""
+
+
+class RecordedChannel(BaseModel):
+    """The columns of one channel."""
+
+    model_config = ConfigDict(extra="forbid", defer_build=True)
+
+    channel: Identifier
+    amplitude: str | None = None
+    phase: str | None = None
+    real: str | None = Field(default=None, description="with `imaginary` in place of amplitude and phase")
+    imaginary: str | None = None
+    scatter: str | None = Field(default=None, description="rms of the complex error, in the amplitude's unit and kind")
+    gap: str | None = Field(
+        default=None, description="mean gap, in `gap_unit`; the machine's document says which way it grows"
+    )
+    overall: str | None = Field(default=None, description="unfiltered vibration, in the amplitude's unit and kind")
+
+    @model_validator(mode="after")
+    def _one_pair(self) -> Self:
+        polar, parts = (self.amplitude, self.phase), (self.real, self.imaginary)
+        if None in polar + parts and (None not in polar or None not in parts) and (polar + parts).count(None) == 2:
+            return self
+        raise ValueError("give the columns of amplitude and phase, or of real and imaginary")
+
+
+class Sidecar(BaseModel):
+    """Description of a recording's columns; `FILE.yaml` beside `FILE.csv`."""
+
+    model_config = ConfigDict(extra="forbid", defer_build=True)
+
+    plant: Identifier
+    machine: Identifier
+    source: Identifier = "recording"
+    direction: Literal["positive", "negative"] = "positive"
+    kind: Literal["sweep", "dwells"] = Field(
+        default="sweep", description="a run-up or run-down, or rows that each were taken at a constant speed"
+    )
+    start: datetime = Field(default=datetime(2000, 1, 2, tzinfo=UTC), description="time of the first row")
+    time: str | None = Field(default=None, description="column with seconds since the start")
+    interval_s: Positive | None = Field(default=None, description="time between rows, where there is no such column")
+    speed: str = Field(description="column")
+    speed_unit: str
+    channels: Annotated[list[RecordedChannel], Field(min_length=1)]
+    amplitude_unit: str
+    amplitude_kind: str
+    phase_convention: str
+    phase_unit: str
+    gap_unit: Literal["um", "mil", "mm", "m", "V"] | None = Field(default=None, description="unit of the columns of gaps")
+    conditions: dict[Identifier, str] = Field(default_factory=dict, description="column of each operating condition by name")
+    added_unbalance: dict[Identifier, TrialWeight] | Literal["none"] | None = Field(
+        default=None, description="trial weights that were on: disc, and what they add to its unbalance; `none` for none"
+    )
+    disc_scale: DiscScale = DiscScale.model_construct()
+    mounting: str | None = Field(
+        default=None,
+        description="column that tells rows apart between which the machine was taken apart or stood; "
+        "by default a recording is one mounting",
+    )
+
+    @model_validator(mode="after")
+    def _mapped_once(self) -> Self:
+        columns = [
+            one
+            for part in self.channels
+            for one in (part.amplitude, part.phase, part.real, part.imaginary, part.scatter, part.gap, part.overall)
+        ]
+        ids = [part.channel for part in self.channels]
+        again = sorted({one for one in ids if ids.count(one) > 1})
+        if again:
+            raise ValueError(f"channel {', '.join(again)} is listed twice: each probe of the document has one entry")
+        mapped = [one for one in (self.speed, self.time, *columns) if one is not None]
+        twice = sorted({one for one in mapped if mapped.count(one) > 1})
+        if twice:
+            raise ValueError(f"column {', '.join(twice)} is mapped twice: each amplitude, phase and speed has one of its own")
+        if (self.gap_unit is None) != all(part.gap is None for part in self.channels):
+            raise ValueError("gap_unit and the columns of gaps come together or not at all")
+        return self
+
+    @property
+    def trial_weights(self) -> dict[str, TrialWeight]:
+        """Return the trial weights that were on by disc."""
+        return {} if self.added_unbalance in (None, "none") else dict(self.added_unbalance)  # type: ignore[arg-type]
+
+
+def read_recording(path: Path, sidecar_path: Path | None = None) -> SampleBatch:
+    """Return all rows of a recording as one batch, numbered from 0. Raises UnreadableFile."""
+    sidecar = _sidecar_of(path, sidecar_path)
+    table = RecordedTable.read(path)
+    speed = table.column(sidecar.speed)
+    start = from_datetime(sidecar.start)
+    turn = 1.0 if sidecar.phase_unit == "rad" else RADIANS["deg"]
+    return SampleBatch(
+        schema=WIRE_SCHEMA,
+        plant=sidecar.plant,
+        machine=sidecar.machine,
+        source=sidecar.source,
+        epoch=0,
+        sequence=0,
+        channels=[channel.channel for channel in sidecar.channels],
+        speed_unit=sidecar.speed_unit,
+        amplitude_unit=sidecar.amplitude_unit,
+        amplitude_kind=sidecar.amplitude_kind,
+        phase_convention=sidecar.phase_convention,
+        phase_unit=sidecar.phase_unit,
+        direction=sidecar.direction,
+        time_ns=[start + round(s * 1e9) for s in _seconds(path, table, sidecar, len(speed))],
+        speed=speed,
+        amplitude=_rows(_amplitude(table, channel) for channel in sidecar.channels),
+        phase=_rows(_phase(table, channel, turn) for channel in sidecar.channels),
+        scatter=_optional(table, [one.scatter for one in sidecar.channels], len(speed)),
+        gap=_optional(table, [one.gap for one in sidecar.channels], len(speed)),
+        gap_unit=sidecar.gap_unit,
+        overall=_optional(table, [one.overall for one in sidecar.channels], len(speed)),
+        conditions={name: table.gappy(column) for name, column in sidecar.conditions.items()} or None,
+    )
+
+
+def _sidecar_of(path: Path, sidecar_path: Path | None) -> Sidecar:
+    """Return the sidecar of a recording, by default the one beside it. Raises UnreadableFile."""
+    if path.is_dir():
+        raise UnreadableFile(f"{path} is a folder, not a recording")
+    beside = sidecar_path or sidecar_of(path)
+    if not path.exists():
+        raise UnreadableFile(f"{path}: no such file")
+    if not beside.exists():
+        raise UnreadableFile(f"{path} needs a sidecar {beside} that says what its columns mean; see docs/integrators.md")
+    sidecar = read_sidecar(beside)
+    if sidecar.kind == "sweep" and (sidecar.time is None) == (sidecar.interval_s is None):
+        raise UnreadableFile(f"{path}: its sidecar must give either the column `time` or `interval_s`")
+    return sidecar
+
+
+def _seconds(path: Path, table: RecordedTable, sidecar: Sidecar, count: int) -> list[float]:
+    """Return the times of `count` rows since the start [s]. Raises UnreadableFile."""
+    if sidecar.time is None:
+        interval = sidecar.interval_s or 1.0  # rows of dwells stand in no order of time
+        return [i * interval for i in range(count)]
+    seconds = table.column(sidecar.time)
+    if not all(abs(s) < LONGEST_S for s in seconds):
+        raise UnreadableFile(f"{path}: column '{sidecar.time}' must hold seconds since the start, below {LONGEST_S:.0e}")
+    return seconds
+
+
+def _optional(table: RecordedTable, columns: list[str | None], count: int) -> list[list[float | None]] | None:
+    """Return what channels may have, row by row, from the column of each; None where no channel has one."""
+    if not any(columns):
+        return None
+    return _rows([None] * count if one is None else table.gappy(one) for one in columns)
+
+
+def _rows(columns: Iterable[list[float | None]]) -> list[list[float | None]]:
+    """Return columns row by row."""
+    return [list(row) for row in zip(*columns, strict=True)]
+
+
+def _require_room(path: Path) -> None:
+    """Raise UnreadableFile where a recording's sidecar would take the place of a file that is none."""
+    beside = path.with_suffix(".yaml")
+    if beside == path:
+        raise UnreadableFile(f"{path}: a recording is a CSV file; its sidecar takes the name that ends in .yaml")
+    if not beside.exists():
+        return
+    try:
+        read_sidecar(beside)
+    except UnreadableFile:
+        raise UnreadableFile(
+            f"{beside} is no sidecar of a recording, and that of {path.name} would take its place: give the CSV another name"
+        ) from None
+
+
+def write_recording(
+    path: Path, machine: Machine, *, speed_rpm: Floats, phasor: Complexes, interval_s: float, gap_um: Floats | None = None
+) -> None:
+    """Write a run as CSV with its sidecar, readable by their owner only, for `read_recording`.
+
+    speed_rpm: (S,) [r/min]. phasor: (S, m) at the machine's probes, 0-to-peak [m]; written in µm peak-to-peak, phase lag.
+    gap_um: (S, m) gaps as the probes' document says that they grow [µm]; NaN for probes without.
+
+    Raises UnreadableFile where another file, such as the machine's document, stands where the sidecar would.
+    """
+    _require_room(path)
+    channels = machine.channels
+    gap = np.full(phasor.shape, np.nan) if gap_um is None else gap_um
+    told = np.flatnonzero(np.isfinite(gap).all(axis=0))
+    gaps = {channels[place]: cell(f"{channels[place]}_gap_um") for place in told}
+    prepare(path)
+    prepare(path.with_suffix(".yaml"))
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = CsvWriter(file)
+        parts = (f"{channel}_{part}" for channel in channels for part in ("um_pp", "lag_deg"))
+        writer.row(["speed_rpm", *parts, *gaps.values()])
+        for speed, row, behind in zip(speed_rpm, phasor, gap[:, told], strict=True):
+            values = [value for one in row for value in (2e6 * abs(one), -math.degrees(cmath.phase(one)))]
+            writer.row([f"{speed:.4f}", *(f"{value:.6g}" for value in (*values, *behind))])
+    sidecar = Sidecar(
+        plant=machine.plant,
+        machine=machine.id,
+        direction=machine.rotation,
+        interval_s=interval_s,
+        speed="speed_rpm",
+        speed_unit="rpm",
+        channels=[
+            RecordedChannel(channel=c, amplitude=cell(f"{c}_um_pp"), phase=cell(f"{c}_lag_deg"), gap=gaps.get(c))
+            for c in channels
+        ],
+        amplitude_unit="um",
+        amplitude_kind="peak-to-peak",
+        phase_convention="lag",
+        phase_unit="deg",
+        gap_unit="um" if gaps else None,
+    )
+    described = sidecar.model_dump(
+        mode="json", exclude_none=True, exclude={"start", "kind", "added_unbalance", "disc_scale", "conditions"}
+    )
+    path.with_suffix(".yaml").write_text(yaml.safe_dump(described, sort_keys=False), encoding="utf-8")
+
+
+def read_sidecar(path: Path) -> Sidecar:
+    """Return a sidecar; raise UnreadableFile, naming every wrong field."""
+    try:
+        return Sidecar.model_validate(read_yaml(path))
+    except ValidationError as error:
+        problems = "\n".join(dict.fromkeys(f"  {_fault_text(item['loc'], item['msg'])}" for item in _chosen(error)))
+        raise UnreadableFile(f"{path} is not a recording's sidecar:\n{problems}") from error
+
+
+def _chosen(error: ValidationError) -> list[ErrorDetails]:
+    """Return what is wrong, without the alternatives of a field that was meant otherwise: `none`, where weights are listed."""
+    found = error.errors()
+    listed = {item["loc"][0] for item in found if _is_alternative(item["loc"][1:2], "dict[") and len(item["loc"]) > 2}
+    return [item for item in found if not (item["loc"][:1] and item["loc"][0] in listed and len(item["loc"]) == 2)]
+
+
+def _is_alternative(names: tuple[int | str, ...], kind: str) -> bool:
+    return bool(names) and str(names[0]).startswith(kind)
+
+
+def _fault_text(location: tuple[int | str, ...], message: str) -> str:
+    """Return one fault: the field, where it is one field's, and what would be right."""
+    fields = tuple(one for one in location if not str(one).startswith(("dict[", "literal[", "constrained-", "function-")))
+    message = message.removeprefix("Value error, ")
+    return f"{field_path(fields)}: {message}" if fields else message
+
+
+def split(batch: SampleBatch, size: int) -> Iterator[SampleBatch]:
+    """Yield the batch in pieces of at most `size` samples."""
+    for start in range(0, len(batch.time_ns), size):
+        piece = slice(start, start + size)
+        yield msgspec.structs.replace(
+            batch,
+            sequence=batch.sequence + start,
+            time_ns=batch.time_ns[piece],
+            speed=batch.speed[piece],
+            conditions=None
+            if batch.conditions is None
+            else {name: values[piece] for name, values in batch.conditions.items()},
+            **{name: rows if rows is None else rows[piece] for name in TABLES for rows in [getattr(batch, name)]},
+        )
+
+
+def _amplitude(table: RecordedTable, channel: RecordedChannel) -> list[float | None]:
+    """Return the amplitude of a channel in each row."""
+    if channel.amplitude is not None:
+        return table.gappy(channel.amplitude)
+    return [None if one is None else abs(one) for one in _vectors(table, channel)]
+
+
+def _phase(table: RecordedTable, channel: RecordedChannel, turn: float) -> list[float | None]:
+    """Return the phase of a channel in each row, in the recording's unit, of which one is `turn` radians."""
+    if channel.phase is not None:
+        return table.gappy(channel.phase)
+    return [None if one is None else cmath.phase(one) / turn for one in _vectors(table, channel)]
+
+
+def _vectors(table: RecordedTable, channel: RecordedChannel) -> list[complex | None]:
+    pairs = zip(table.gappy(channel.real or ""), table.gappy(channel.imaginary or ""), strict=True)
+    return [None if real is None or imaginary is None else complex(real, imaginary) for real, imaginary in pairs]
+
+
+@dataclass(frozen=True)
+class RecordedCircumstances:
+    """Statements of a recording's sidecar on the machine in each of its rows.
+
+    Attributes:
+        kind: Whether it is a sweep or rows at constant speeds.
+        stated: Whether the sidecar says which trial weights were on.
+        added: Unbalance that they added by disc, a value per row [kg m].
+        mounting: Name of the mounting of each row.
+        scale: The scale of angles on the discs.
+        direction: +1 where +x turned to +y, else -1.
+    """
+
+    kind: Literal["sweep", "dwells"]
+    stated: bool
+    added: dict[str, list[complex]]
+    mounting: list[str]
+    scale: DiscScale
+    direction: int
+
+
+def read_circumstances(path: Path, sidecar_path: Path | None = None) -> RecordedCircumstances:
+    """Return trial weights and mountings of all rows of a recording. Raises UnreadableFile."""
+    sidecar, table = read_sidecar(sidecar_path or sidecar_of(path)), RecordedTable.read(path)
+    direction = 1 if sidecar.direction == "positive" else -1
+
+    def unbalances(weight: TrialWeight) -> list[complex]:
+        columns = {one: table.column(one) for one in (weight.amount, weight.angle_deg) if isinstance(one, str)}
+        return [
+            weight.unbalance(lambda name, row=row: columns[name][row], sidecar.disc_scale, direction=direction)  # type: ignore[misc]
+            for row in range(len(table.rows))
+        ]
+
+    return RecordedCircumstances(
+        kind=sidecar.kind,
+        stated=sidecar.added_unbalance is not None,
+        added={disc: unbalances(weight) for disc, weight in sidecar.trial_weights.items()},
+        mounting=[path.stem] * len(table.rows) if sidecar.mounting is None else table.words(sidecar.mounting),
+        scale=sidecar.disc_scale,
+        direction=direction,
+    )

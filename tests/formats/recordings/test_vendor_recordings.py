@@ -1,0 +1,101 @@
+"""Vectors in files of measuring systems and in exports of other programs, their columns mapped once for a folder."""
+
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import pyuff
+import scipy.io
+import yaml
+from nptdms import ChannelObject, TdmsWriter
+
+from formats.files.document_files import UnreadableFile
+from formats.recordings.recording import read_recording
+
+RPM = np.linspace(600.0, 3000.0, 25)
+AMPLITUDE = 20.0 + 0.01 * RPM
+PHASE = np.linspace(10.0, 170.0, 25)
+SAID = {
+    "plant": "examples",
+    "machine": "pump",
+    "interval_s": 1.0,
+    "speed": "Speed",
+    "speed_unit": "rpm",
+    "amplitude_unit": "um",
+    "amplitude_kind": "peak-to-peak",
+    "phase_convention": "lag",
+    "phase_unit": "deg",
+    "channels": [{"channel": "B1X", "amplitude": "A", "phase": "P"}],
+}
+SYSTEM_1 = """Machine Name:,Pump
+Point Name,B1X,,,B1Y
+Date Range,"from 2024-03-01, to 2024-03-01"
+
+Timestamp,Speed,Amplitude,Phase,Amplitude,Phase
+,rpm,um pp,deg,um pp,deg
+"""
+
+
+def mapped(folder: Path, **changes: Any) -> None:
+    """Save the mapping of the columns for all recordings of a folder."""
+    (folder / "columns.yaml").write_text(yaml.safe_dump(SAID | changes))
+
+
+def assert_read(path: Path) -> None:
+    batch = read_recording(path)
+    assert batch.speed == pytest.approx(list(RPM), rel=1e-5)
+    assert [row[0] for row in batch.amplitude] == pytest.approx(list(AMPLITUDE), rel=1e-5)
+    assert [row[0] for row in batch.phase] == pytest.approx(list(PHASE), rel=1e-5)
+
+
+def test_vectors_of_mat_and_tdms_files(tmp_path: Path) -> None:
+    mapped(tmp_path)
+    scipy.io.savemat(tmp_path / "a.mat", {"Speed": RPM, "A": AMPLITUDE, "P": PHASE, "other": np.ones(3)})
+    with TdmsWriter(tmp_path / "a.tdms") as file:
+        file.write_segment([ChannelObject("run", n, v) for n, v in (("Speed", RPM), ("A", AMPLITUDE), ("P", PHASE))])
+    assert_read(tmp_path / "a.mat")
+    assert_read(tmp_path / "a.tdms")
+
+
+def test_an_order_over_speed_in_a_universal_file(tmp_path: Path) -> None:
+    said = {"type": 58, "binary": 0, "func_type": 2, "id1": "B1X", "rsp_node": 1, "rsp_dir": 1, "ref_node": 1, "ref_dir": 1}
+    vector = AMPLITUDE * np.exp(1j * np.radians(PHASE))
+    kinds = {"abscissa_spec_data_type": 19, "ordinate_spec_data_type": 8, "orddenom_spec_data_type": 0}
+    pyuff.UFF(str(tmp_path / "a.uff")).write_sets(said | kinds | {"data": vector, "x": RPM}, mode="add")
+    channel = {"channel": "B1X", "real": "B1X.real", "imaginary": "B1X.imag"}
+    mapped(tmp_path, speed="x", channels=[channel], phase_convention="lead")
+    assert_read(tmp_path / "a.uff")
+
+
+@pytest.mark.parametrize("separator", [",", ";", "\t"])
+def test_an_export_with_lines_about_it_a_line_of_units_and_names_that_repeat(tmp_path: Path, separator: str) -> None:
+    mapped(tmp_path, channels=[{"channel": "B1X", "amplitude": "Amplitude#2", "phase": "Phase#2"}])
+    rows = [
+        f"3/1/2024 10:00:{k:02d},{speed:.6f},1.0,2.0,{one:.6f},{phase:.6f}"
+        for k, (speed, one, phase) in enumerate(zip(RPM, AMPLITUDE, PHASE, strict=True))
+    ]
+    text = (SYSTEM_1 + "\n".join(rows)).replace(",", separator)
+    if separator != ",":
+        text = text.replace(".", ",")
+    (tmp_path / "a.csv").write_text(text + "\n")
+    assert_read(tmp_path / "a.csv")
+    mapped(tmp_path, channels=[{"channel": "B1X", "amplitude": "Amplitude", "phase": "Phase#2"}])
+    with pytest.raises(UnreadableFile, match="'Amplitude' is there more than once: name 'Amplitude#1', 'Amplitude#2'"):
+        read_recording(tmp_path / "a.csv")
+
+
+def test_columns_that_map_twice_and_files_that_are_cut_are_named(tmp_path: Path) -> None:
+    mapped(tmp_path, channels=[{"channel": "B1X", "amplitude": "A", "phase": "A"}])
+    scipy.io.savemat(tmp_path / "a.mat", {"Speed": RPM, "A": AMPLITUDE, "P": PHASE})
+    with pytest.raises(UnreadableFile, match="column A is mapped twice"):
+        read_recording(tmp_path / "a.mat")
+    mapped(tmp_path)
+    whole = (tmp_path / "a.mat").read_bytes()
+    (tmp_path / "a.mat").write_bytes(whole[: math.floor(0.7 * len(whole))])
+    with pytest.raises(UnreadableFile, match="not a whole MAT file"):
+        read_recording(tmp_path / "a.mat")
+    scipy.io.savemat(tmp_path / "b.mat", {"Speed": RPM, "A": AMPLITUDE})
+    with pytest.raises(UnreadableFile, match="has no column 'P'; it has Speed, A"):
+        read_recording(tmp_path / "b.mat")
