@@ -1,3 +1,3 @@
-"""Formats in which data and documents come from outside and go there, without any service. They import `storage`, for its sample
-blocks and its clock, and `estimator`; `rotorundown` and `service` read and write by them.
+"""Formats in which samples and documents come in and go out, without any service: wire, recordings, files. Its rooms build on
+`storage`, for its sample blocks and its clock, and on `estimator`; `rotorundown` and `service` read and write with them.
 """

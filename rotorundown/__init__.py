@@ -1,6 +1,6 @@
 """The public Python API of Rundown, without any service; docs/python.md begins with five lines of it. It imports `plots`,
-`environment` and `estimator`, and of the service only what reads files; its commands use it in turn. Nothing is imported
-before a name is used.
+`environment`, `estimator`, `storage`, and of the formats `files`, `recordings` and `wire`; the service's commands use it.
+Nothing is imported before a name is used.
 """
 
 import gc

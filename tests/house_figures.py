@@ -65,6 +65,7 @@ def _rooms() -> Iterator[HouseFigure]:
     graphs = {
         "files": {one: set(others) for one, others in test_rooms.imports().items()},
         "rooms": {one: set(others) for one, others in test_rooms.arrows().items()},
+        "packages": test_rooms.packages(),
     }
     for what, graph in graphs.items():
         found = test_rooms.circle(graph)

@@ -1,3 +1,3 @@
-"""Settings, log format and documents in files. It imports `secrets`, no other room of the service; every room above may import
+"""Settings and log format. It imports `secrets`, no other room of the service; every room above may import
 it.
 """

@@ -1,1 +1,1 @@
-"""Tables as CSV and Parquet files. It imports no other room; the API, commands and recordings write with it."""
+"""Tables as CSV and Parquet files. It imports no other room; the API and commands write with it."""
