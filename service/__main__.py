@@ -35,10 +35,11 @@ def main() -> None:
         gc.enable()
         app()
     except ModuleNotFoundError as error:
-        if error.name not in SERVICE_ONLY:
+        package = str(error.name).partition(".")[0]
+        if package not in SERVICE_ONLY:
             raise
         sys.exit(
-            f"rundown: {error.name} is not installed. The library works without it (import rotorundown); "
+            f"rundown: {package} is not installed. The library works without it (import rotorundown); "
             "the service and its commands need: pip install 'rotorundown[service]'"
         )
 
