@@ -1,6 +1,7 @@
 """Requests that come at once begin one by one, clients in turn; who asks whether the service is alive waits for none."""
 
 import asyncio
+import concurrent.futures
 from collections.abc import Callable, Coroutine
 from typing import Any
 
@@ -87,3 +88,22 @@ def test_who_goes_away_while_waiting_holds_up_nobody() -> None:
         await ask(asked("10.0.0.2"))
 
     assert [scope["client"][0] for scope in begun(attack)] == ["10.0.0.1", "10.0.0.1", "10.0.0.2"]
+
+
+def test_requests_of_two_loops_do_not_wait_for_each_other() -> None:
+    """A turn that the other loop has to give would never come."""
+    order: list[Scope] = []
+
+    async def app(scope: Scope, _receive: Receive, _send: Send) -> None:
+        order.append(scope)
+
+    one = Beginnings(app)
+
+    async def requests() -> None:
+        for _ in range(50):
+            await asyncio.gather(*(one(asked("10.0.0.1"), receive, send) for _ in range(4)))
+
+    with concurrent.futures.ThreadPoolExecutor(8) as threads:
+        for done in [threads.submit(asyncio.run, _run(requests())) for _ in range(8)]:
+            done.result(timeout=60)
+    assert len(order) == 8 * 50 * 4
