@@ -296,7 +296,7 @@ def refused(document: Document) -> tuple[str, str]:
         ({"kxx": None}, "", "at least one of kxx, kxy"),
         ({"csv": "bearing.csv", "kxx": None, "speed_rpm": None}, "", "a file is read only by commands"),
         ({"scale_spread": -0.1}, ".scale_spread", "greater than or equal to 0"),
-        ({"kzz": [1.0] * 5}, ".kzz", "not permitted"),
+        ({"kzz": [1.0] * 5}, ".kzz", "there is no such field"),
     ],
 )
 def test_a_wrong_table_names_the_field(changes: dict[str, Any], field: str, message: str) -> None:
