@@ -12,7 +12,6 @@ from sqlalchemy.orm import Session, undefer
 from estimator.diagnosis.observation import ObservedFit
 from estimator.errors import Missing
 from estimator.fit.identification import Identification
-from estimator.machine.film_parameter_names import load_balance
 from estimator.machine.parameter_description import is_direct
 from estimator.trends.parameter_vector import Point
 from storage.clock import TOLERANCE, now
@@ -32,7 +31,10 @@ class IdentificationUnknown(Missing):
 
 @dataclass(frozen=True)
 class Origin:
-    """The inputs of an identification: machine revision, job, runs and options."""
+    """The inputs of an identification: machine revision, job, runs and options.
+
+    load_balance: version of the balance of loads on oil films by which it was computed, see the table.
+    """
 
     machine_id: str
     revision: int
@@ -45,6 +47,7 @@ class Origin:
     code_version: str
     slow_roll_version: int | None = None
     conditions: dict[str, float | None] | None = None
+    load_balance: int | None = None
 
 
 @dataclass(frozen=True)
@@ -85,7 +88,7 @@ def add(session: Session, origin: Origin, result: Identification) -> Identificat
         options=origin.options,
         code_version=origin.code_version,
         slow_roll_version=origin.slow_roll_version,
-        load_balance=load_balance(result.coordinates),
+        load_balance=origin.load_balance,
         conditions=origin.conditions,
         channel_effects=None if result.channel_effects is None else channel_effects.encode(result.channel_effects),
         coordinates=list(result.coordinates),
