@@ -252,9 +252,7 @@ def accepted_among(
 
     Where a run was identified again, the identification that counts now is returned.
     """
-    same_runs = select(cast(IdentificationRow.run_ids, Text)).where(IdentificationRow.id.in_(ids))
-    query = _accepted_runs(machine_id, replace(like, since=0))
-    query = query.where(cast(IdentificationRow.run_ids, Text).in_(same_runs))
+    query = _of_same_runs(_accepted_runs(machine_id, replace(like, since=0)), ids)
     return session.scalars(query.order_by(IdentificationRow.measured_at, IdentificationRow.id)).all()
 
 
@@ -281,12 +279,20 @@ def _accepted_runs(machine_id: str, like: ComparisonGroup) -> Select[Identificat
     return _runs(machine_id, like).where(IdentificationRow.accepted)
 
 
-def balanced_otherwise(session: Session, machine_id: str, like: ComparisonGroup) -> int:
-    """Return how many accepted identifications would meet `like` but for the balance of loads on oil films."""
-    balance = IdentificationRow.load_balance
-    other = _runs_of_any_balance(machine_id, like).where(
-        IdentificationRow.accepted, balance.is_distinct_from(like.load_balance)
-    )
+def _of_same_runs(query: Select[IdentificationRow], ids: Sequence[int]) -> Select[IdentificationRow]:
+    """Return a query for those identifications that are of the same runs as some."""
+    same_runs = select(cast(IdentificationRow.run_ids, Text)).where(IdentificationRow.id.in_(ids))
+    return query.where(cast(IdentificationRow.run_ids, Text).in_(same_runs))
+
+
+def balanced_otherwise(session: Session, machine_id: str, like: ComparisonGroup, *, among: Sequence[int] | None = None) -> int:
+    """Return how many accepted identifications would meet `like` but for the balance of loads on oil films.
+
+    among: ids of the only ones that count, whenever they were measured, see `accepted_among`; None: all.
+    """
+    query = _runs_of_any_balance(machine_id, like if among is None else replace(like, since=0))
+    query = query if among is None else _of_same_runs(query, among)
+    other = query.where(IdentificationRow.accepted, IdentificationRow.load_balance.is_distinct_from(like.load_balance))
     return session.scalar(select(func.count()).select_from(other.with_only_columns(IdentificationRow.id).subquery())) or 0
 
 
