@@ -52,8 +52,9 @@ def test_a_batch_converted_before_its_document_was_revised_is_converted_again(pl
     assert stored.phasor.tolist() == before.samples.phasor[:, ::-1].tolist(), "in the order of the new document"
 
 
+@pytest.mark.usefixtures("plant")
 def test_there_is_a_pause_after_a_conversion_and_none_where_nothing_was_converted(
-    plant: Database, journal: PromptJournal, monkeypatch: pytest.MonkeyPatch
+    journal: PromptJournal, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Pauses for nothing would use up the time that a cycle has for them."""
     journal.store([piece(0)], [])
