@@ -16,6 +16,7 @@ from estimator.fit.channel_sensitivity import ChannelEffects
 from estimator.fit.estimates import Estimate
 from estimator.fit.identification import Identification
 from estimator.machine.document import Machine, parse_machine
+from estimator.machine.film_parameter_names import load_balance
 from estimator.machine.parameter_description import is_direct
 from estimator.machine.rules import Noise
 from estimator.phasors.channel_status import ChannelStatus
@@ -256,6 +257,7 @@ def store_identification(
         measured_at=measured_at,
         options={"starts": 10, "seed": 0},
         code_version="0.1.0",
+        load_balance=load_balance(outcome.coordinates),
     )
     return identifications.add(session, origin, outcome)
 

@@ -75,6 +75,12 @@ IDENTIFICATIONS = (
     Column("noise_relative", "number", "rms of the complex error, part of the amplitude", "1"),
     Column("noise_floor", "number", "rms of the complex error that is always there", "m"),
     Column("slow_roll_version", "integer", "slow-roll vectors that were subtracted; none where there is no value"),
+    Column(
+        "load_balance",
+        "integer",
+        "version of the balance of loads on oil films beside unknown couplings or pedestals: values of two versions are not "
+        "to be compared; no value before the second, or where it does not matter",
+    ),
     _CODE,
 )
 TRENDS = (

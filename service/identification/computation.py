@@ -11,6 +11,7 @@ from estimator.identification.convention_trials import ConventionVerdict, with_n
 from estimator.identification.pooling import combine
 from estimator.identification.quality_gate import GatedIdentification, identify_gated
 from estimator.machine.document import Machine, parse_machine
+from estimator.machine.film_parameter_names import load_balance
 from estimator.machine.under_conditions import require_celsius, under_conditions
 from estimator.modes.nominal_critical_speeds import crossed_critical_speeds
 from estimator.phasors.harmonic_ratio import Orders
@@ -63,6 +64,7 @@ def compute(task: IdentificationTask) -> IdentificationOutcome:
             conditions=conditions,
             beginning=beginning,
             crossed=crossed,
+            load_balance=load_balance(result.coordinates),
         )
 
 

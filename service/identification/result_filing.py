@@ -140,7 +140,8 @@ class ResultFiling:
 def _stored(session: Session, row: JobRow, options: Options, outcome: IdentificationOutcome) -> IdentificationRow:
     """Store an identification with its derived quantities."""
     assert outcome.identification is not None
-    came_from = replace(origin(session, row, options, outcome.beginning), conditions=outcome.conditions or None)
+    came_from = origin(session, row, options, outcome.beginning)
+    came_from = replace(came_from, conditions=outcome.conditions or None, load_balance=outcome.load_balance)
     stored = identifications.add(session, came_from, outcome.identification)
     derived.add(session, stored, outcome.derived)
     if outcome.underived is not None:

@@ -40,6 +40,7 @@ class IdentificationOutcome:
     derived: quantities derived from an accepted identification; underived: why there are none after all. conditions: mean of
     each operating condition over the runs by name, None where it was not measured. beginning: id of the identification from
     which the fit started, if any. crossed: per run the critical speeds of the document's model that it crossed [r/min].
+    load_balance: version of the balance of loads on oil films by which the worker computed, see `load_balance`.
     """
 
     qualities: tuple[Quality, ...]
@@ -50,3 +51,4 @@ class IdentificationOutcome:
     conditions: dict[str, float | None] = field(default_factory=dict)
     beginning: int | None = None
     crossed: tuple[list[float], ...] = ()
+    load_balance: int | None = None

@@ -51,6 +51,10 @@ class ArrivedBatch:
         self._conversion[:] = [found]
         return found
 
+    def is_converted(self, revision: int) -> bool:
+        """Return whether `converted` has nothing to do by a revision of the document."""
+        return any(kept.revision == revision for kept in self._conversion)
+
     @property
     def end(self) -> int:
         """Return the number of the sample behind its last one."""

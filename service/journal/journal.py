@@ -190,7 +190,7 @@ class Journal:
 def _convert(arrived: list[ArrivedBatch], documents: Documents, pacing: Pacing) -> None:
     """Convert batches of known machines before the transaction that stores them: others need not wait for that."""
     for one in arrived:
-        if (known := documents.get(one.batch.machine)) is not None:
+        if (known := documents.get(one.batch.machine)) is not None and not one.is_converted(known[0]):
             with contextlib.suppress(Rejected):  # raised again where it is stored
                 one.converted(*known)
             pacing.pause()

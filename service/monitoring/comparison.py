@@ -121,8 +121,14 @@ def compared_with(
         # What was refused before the machine's first good run belongs to nothing.
         after = [row for row in after if row.measured_at >= baseline[0].measured_at]
     after = [row for row in after if covers_same_speeds(row, baseline)]
-    otherwise = identifications.balanced_otherwise(session, stored.machine_id, terms.like)
+    otherwise = 0 if len(baseline) >= wanted else _balanced_otherwise(session, terms)
     return Compared(stored, terms.began, wanted, baseline, after[-longest:], otherwise)
+
+
+def _balanced_otherwise(session: Session, terms: ComparisonTerms) -> int:
+    """Return how many identifications a baseline lacks for their balance of loads, of the named ones where it names some."""
+    named = None if terms.began is None else terms.began.identification_ids
+    return identifications.balanced_otherwise(session, terms.identification.machine_id, terms.like, among=named)
 
 
 def covers_same_speeds(row: IdentificationRow, baseline: Sequence[IdentificationRow]) -> bool:

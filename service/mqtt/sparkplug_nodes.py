@@ -39,6 +39,7 @@ class SparkplugNodes:
     def __init__(self, epoch: int) -> None:
         self._epoch = epoch
         self._nodes: dict[NodeId, EdgeNode] = {}
+        self._sequences: dict[str, int] = {}
         self._missing_before = 0
 
     @property
@@ -49,6 +50,8 @@ class SparkplugNodes:
     def follow(self, machines: Sequence[Machine]) -> None:
         """Take the documents in force; values of machines whose mapping is the same are kept."""
         known = {feed.machine.id: feed for node in self._nodes.values() for feed in node.feeds}
+        # Numbers go on where a mapping comes back: samples of numbers that the store knows would be taken for duplicates.
+        self._sequences |= {machine: feed.sequence for machine, feed in known.items()}
         nodes: dict[NodeId, EdgeNode] = {}
         for machine in machines:
             mapping = machine.sparkplug
@@ -61,7 +64,7 @@ class SparkplugNodes:
             feed = known.get(machine.id)
             if feed is None or feed.mapping != mapping:
                 # What the node said of these metrics was not kept: it is asked to say it again, once it is heard of.
-                feed = MachineFeed(machine, mapping, 0 if feed is None else feed.sequence)
+                feed = MachineFeed(machine, mapping, self._sequences.get(machine.id, 0))
                 if nodes[place].last is not None:
                     nodes[place].ask_soon()
             feed.machine = machine

@@ -37,6 +37,13 @@ GERMAN_STORED: Mapping[str, str] = {
     "the clock was set back": "die Uhr wurde zurückgestellt",
     "no more samples came": "es kamen keine Messwerte mehr",
     "the baseline has {have} of {wanted} identifications": "der Referenzzustand hat {have} von {wanted} Identifikationen",
+    (
+        "{count} more are by a release that balances the loads on oil films otherwise, with other stiffnesses of couplings "
+        "and pedestals: they are not compared, identify their runs again"
+    ): (
+        "{count} weitere sind von einer Version, die die Lasten der Ölfilme anders verteilt, mit anderen Steifigkeiten von "
+        "Kupplungen und Lagerböcken: sie werden nicht verglichen, ihre Läufe erneut identifizieren"
+    ),
     "identification {id} is part of the baseline": "Identifikation {id} gehört zum Referenzzustand",
     "identification {id} does not count: {rest}": "Identifikation {id} zählt nicht: {rest}",
     "not accepted, identified again, dated in the future, or of other speeds than the baseline": (
@@ -125,6 +132,27 @@ GERMAN_STORED: Mapping[str, str] = {
         "die Viskosität der Ölfilme steigt mit der Drehzahl, etwa mit deren Potenz {power} ({errors} Standardfehler): das "
         "Dokument gibt eine Viskosität für alle Drehzahlen an"
     ),
+    (
+        "the oil films want {force} to be about {wanted} N, where the document says {stated} N exactly ({errors} standard "
+        "errors): state how far it may be off ({spread})"
+    ): (
+        "die Ölfilme verlangen {force} von etwa {wanted} N, wo das Dokument genau {stated} N nennt ({errors} "
+        "Standardfehler): angeben, wie weit der Wert abweichen kann ({spread})"
+    ),
+    (
+        "oil films deviate from their model by about {size} % from one {length} % of the speed range to the next: more than "
+        "the document says (discrepancy)"
+    ): (
+        "die Ölfilme weichen um etwa {size} % von einem Abschnitt von {length} % des Drehzahlbereichs zum nächsten von ihrem "
+        "Modell ab: mehr, als das Dokument sagt (discrepancy)"
+    ),
+    (
+        "oil films deviate from their model more sharply over speed than it allows for, by about {size} % from one {length} % "
+        "of the speed range to the next: intervals are widened"
+    ): (
+        "die Ölfilme weichen schärfer über der Drehzahl von ihrem Modell ab, als es zulässt, um etwa {size} % von einem "
+        "Abschnitt von {length} % des Drehzahlbereichs zum nächsten: Vertrauensbereiche sind verbreitert"
+    ),
     "not physically possible: at {speed} rpm, where the machine ran, {what}": (
         "physikalisch nicht möglich: bei {speed} 1/min, wo die Maschine lief, {what}"
     ),
@@ -198,10 +226,10 @@ GERMAN_STORED: Mapping[str, str] = {
     "{probes} swapped with each other": "{probes} untereinander vertauscht",
     "0-to-peak amplitudes that were sent as peak-to-peak": "Scheitelwerten, die als Spitze-Spitze-Werte gesendet wurden",
     "peak-to-peak amplitudes that were sent as 0-to-peak": "Spitze-Spitze-Werten, die als Scheitelwerte gesendet wurden",
-    "amplitudes in {unit} that were sent as {other}": "Amplituden in {unit}, die als {other} gesendet wurden",
-    "amplitudes in {unit} that were sent as {other}?": "Amplituden in {unit}, die als {other} gesendet wurden?",
-    "speeds in {unit} that were sent as {other}": "Drehzahlen in {unit}, die als {other} gesendet wurden",
-    "speeds in {unit} that were sent as {other}?": "Drehzahlen in {unit}, die als {other} gesendet wurden?",
+    "amplitudes in {meant} that were sent as {sent}": "Amplituden in {meant}, die als {sent} gesendet wurden",
+    "amplitudes in {meant} that were sent as {sent}?": "Amplituden in {meant}, die als {sent} gesendet wurden?",
+    "speeds in {meant} that were sent as {sent}": "Drehzahlen in {meant}, die als {sent} gesendet wurden",
+    "speeds in {meant} that were sent as {sent}?": "Drehzahlen in {meant}, die als {sent} gesendet wurden?",
     "it turned at {slowest} to {fastest} r/min, {part} % of {low} to {high} r/min": (
         "sie drehte mit {slowest} bis {fastest} 1/min, {part} % von {low} bis {high} 1/min"
     ),

@@ -12,7 +12,14 @@ STORED_SENTENCES: Mapping[Locale, Mapping[str, str]] = {"de": GERMAN_STORED}
 _COMMENTS = ("comment.revised", "comment.new_baseline", "comment.cause_gone", "comment.time_over")
 """Keys of what the service writes into histories, the more particular ones first."""
 _PLACE = re.compile(r"\{(\w+)\}")
-_FRACTION = re.compile(r"[−+-]?\d+\.\d+(e[+-]?\d+)?")
+_LIST = re.compile(r"\{\w+\}(?:,| and| or| or with) \{\w+\}")
+"""Form of a list, which any sentence may have by chance: it is one only of parts that are known, or names."""
+_ONE_WORD = frozenset({"id", "meant", "sent"})
+"""Places that one word fills, so that no list of sentences is taken for one sentence."""
+_WORD = r"\S+"
+_NAME = re.compile(rf"{_WORD}(?: %)?")
+"""Part of a list that every language says alike: a name or a number."""
+_FRACTION = re.compile(r"[−+-]?\d+\.\d+(e[+-]?\d+)?(?: %)?")
 
 
 def in_language(sentence: str, language: Language) -> str:
@@ -32,24 +39,36 @@ def told_comment(comment: str, language: Language) -> str:
 
 
 def _part(part: str, language: Language) -> str:
+    return _known(part, language) or part
+
+
+@functools.lru_cache(maxsize=4096)  # parts of a list are looked for again at each of its separators
+def _known(part: str, language: Language) -> str | None:
+    """Return a part in a language; None where there are no words for it."""
     if _FRACTION.fullmatch(part):
         return language.digits(part)
-    for form, said in _forms(language.code):
-        found = form.fullmatch(part)
-        if found:
-            values = {name: _part(value, language) for name, value in found.groupdict().items()}
-            return _PLACE.sub(lambda place, values=values: values[place[1]], said)  # type: ignore[misc]
-    return part
+    for form, said, is_list in _forms(language.code):
+        if found := form.fullmatch(part):
+            values = found.groupdict()
+            known = {name: _known(value, language) for name, value in values.items()}
+            if not is_list or all(known[name] or _NAME.fullmatch(value) for name, value in values.items()):
+                told = {name: known[name] or value for name, value in values.items()}
+                return _PLACE.sub(lambda place, told=told: told[place[1]], said)  # type: ignore[misc]
+    return None
 
 
 @functools.cache
-def _forms(code: Locale) -> tuple[tuple[re.Pattern[str], str], ...]:
-    """Return the forms of sentences, the longest first: the most of a sentence is known by them."""
+def _forms(code: Locale) -> tuple[tuple[re.Pattern[str], str, bool], ...]:
+    """Return the forms of sentences and whether each is a list, the longest first: the most of a sentence is known by them."""
     known = STORED_SENTENCES[code]
-    return tuple((_form(sentence), known[sentence]) for sentence in sorted(known, key=len, reverse=True))
+    return tuple((_form(one), known[one], bool(_LIST.fullmatch(one))) for one in sorted(known, key=len, reverse=True))
 
 
 @functools.cache
 def _form(sentence: str) -> re.Pattern[str]:
     parts = _PLACE.split(sentence)
-    return re.compile("".join(f"(?P<{one}>.+)" if at % 2 else re.escape(one) for at, one in enumerate(parts)), re.DOTALL)
+    return re.compile("".join(_filled(one) if at % 2 else re.escape(one) for at, one in enumerate(parts)), re.DOTALL)
+
+
+def _filled(place: str) -> str:
+    return rf"(?P<{place}>{_WORD if place in _ONE_WORD else '.+'})"

@@ -118,8 +118,15 @@ class ProcessPool:
             return None
 
     def _look_at_all(self) -> None:
+        """Look at every process, whatever befalls the others; raise the first error after that."""
+        errors = []
         for number, slot in enumerate(self._slots):
-            self._look_at(number, slot)
+            try:
+                self._look_at(number, slot)
+            except Exception as error:  # noqa: BLE001 - raised below
+                errors.append(error)
+        if errors:
+            raise errors[0]
 
     def _look_at(self, number: int, slot: "_Slot") -> None:
         if (silent := slot.silent_s()) is not None:

@@ -14,7 +14,7 @@ from storage.tables.machines import MachineRow
 
 ACTIVE, DISABLED = "active", "disabled"
 MOST_ACTIVE = 200
-"""Largest number of active subscriptions that one caller sees: each is a row for every event, in the event's transaction."""
+"""Largest number of active subscriptions to a plant's events: each is a row for every event, in the event's transaction."""
 PENDING, DELIVERED, GIVEN_UP = "pending", "delivered", "given_up"
 STATES = (PENDING, DELIVERED, GIVEN_UP)
 
@@ -59,7 +59,7 @@ def subscribe(
     """
     if by_name(session, name) is not None:
         raise SubscriptionExists(f"subscription '{name}' exists already")
-    _require_place(session)
+    _require_place(session, plants)
     moment = now()
     row = SubscriptionRow(kind=kind, name=name, target=target, secret=secret, state=ACTIVE, reason=None, created_at=moment)
     send_reports(row, reports, moment=moment)
@@ -127,15 +127,29 @@ def disable(session: Session, row: SubscriptionRow, reason: str) -> None:
 def enable(session: Session, row: SubscriptionRow) -> None:
     """Enable a subscription; it receives events from now on. Raises TooManySubscriptions."""
     if row.state != ACTIVE:
-        _require_place(session)
+        _require_place(session, subscribed_plants(row))
     row.state, row.reason = ACTIVE, None
 
 
-def _require_place(session: Session) -> None:
-    """Raise TooManySubscriptions where the caller sees as many active ones as may be."""
-    active = session.scalar(select(func.count(SubscriptionRow.id)).where(SubscriptionRow.state == ACTIVE)) or 0
-    if active >= MOST_ACTIVE:
-        raise TooManySubscriptions(f"{MOST_ACTIVE} subscriptions are active, as many as may be: disable some first")
+def _require_place(session: Session, plants: Collection[str] | None) -> None:
+    """Raise TooManySubscriptions where a plant's events go to as many active ones as may be, visible to the caller or not.
+
+    plants: those whose events another one is to get; None or none: all.
+    """
+    named = select(SubscriptionPlantRow.subscription_id)
+    active = select(func.count(SubscriptionRow.id)).where(SubscriptionRow.state == ACTIVE)
+    to_all = session.scalar(active.where(SubscriptionRow.id.not_in(named)).execution_options(**EVERY_PLANT)) or 0
+    by_plant = (
+        select(SubscriptionPlantRow.plant, func.count())
+        .join(SubscriptionRow, SubscriptionRow.id == SubscriptionPlantRow.subscription_id)
+        .where(SubscriptionRow.state == ACTIVE)
+        .group_by(SubscriptionPlantRow.plant)
+    )
+    found = session.execute(by_plant.execution_options(**EVERY_PLANT))
+    if to_all + max((count for plant, count in found if not plants or plant in plants), default=0) >= MOST_ACTIVE:
+        raise TooManySubscriptions(
+            f"{MOST_ACTIVE} subscriptions to the events of a plant are active, as many as may be: disable some first"
+        )
 
 
 def require_active(row: SubscriptionRow) -> None:

@@ -12,7 +12,6 @@ from sqlalchemy.orm import Session, undefer
 from estimator.diagnosis.observation import ObservedFit
 from estimator.errors import Missing
 from estimator.fit.identification import Identification
-from estimator.machine.film_parameter_names import load_balance
 from estimator.machine.parameter_description import is_direct
 from estimator.trends.parameter_vector import Point
 from storage.clock import TOLERANCE, now
@@ -32,7 +31,10 @@ class IdentificationUnknown(Missing):
 
 @dataclass(frozen=True)
 class Origin:
-    """The inputs of an identification: machine revision, job, runs and options."""
+    """The inputs of an identification: machine revision, job, runs and options.
+
+    load_balance: version of the balance of loads on oil films by which it was computed, see the table.
+    """
 
     machine_id: str
     revision: int
@@ -45,6 +47,7 @@ class Origin:
     code_version: str
     slow_roll_version: int | None = None
     conditions: dict[str, float | None] | None = None
+    load_balance: int | None = None
 
 
 @dataclass(frozen=True)
@@ -85,7 +88,7 @@ def add(session: Session, origin: Origin, result: Identification) -> Identificat
         options=origin.options,
         code_version=origin.code_version,
         slow_roll_version=origin.slow_roll_version,
-        load_balance=load_balance(result.coordinates),
+        load_balance=origin.load_balance,
         conditions=origin.conditions,
         channel_effects=None if result.channel_effects is None else channel_effects.encode(result.channel_effects),
         coordinates=list(result.coordinates),
@@ -249,9 +252,7 @@ def accepted_among(
 
     Where a run was identified again, the identification that counts now is returned.
     """
-    same_runs = select(cast(IdentificationRow.run_ids, Text)).where(IdentificationRow.id.in_(ids))
-    query = _accepted_runs(machine_id, replace(like, since=0))
-    query = query.where(cast(IdentificationRow.run_ids, Text).in_(same_runs))
+    query = _of_same_runs(_accepted_runs(machine_id, replace(like, since=0)), ids)
     return session.scalars(query.order_by(IdentificationRow.measured_at, IdentificationRow.id)).all()
 
 
@@ -278,12 +279,20 @@ def _accepted_runs(machine_id: str, like: ComparisonGroup) -> Select[Identificat
     return _runs(machine_id, like).where(IdentificationRow.accepted)
 
 
-def balanced_otherwise(session: Session, machine_id: str, like: ComparisonGroup) -> int:
-    """Return how many accepted identifications would meet `like` but for the balance of loads on oil films."""
-    balance = IdentificationRow.load_balance
-    other = _runs_of_any_balance(machine_id, like).where(
-        IdentificationRow.accepted, balance.is_distinct_from(like.load_balance)
-    )
+def _of_same_runs(query: Select[IdentificationRow], ids: Sequence[int]) -> Select[IdentificationRow]:
+    """Return a query for those identifications that are of the same runs as some."""
+    same_runs = select(cast(IdentificationRow.run_ids, Text)).where(IdentificationRow.id.in_(ids))
+    return query.where(cast(IdentificationRow.run_ids, Text).in_(same_runs))
+
+
+def balanced_otherwise(session: Session, machine_id: str, like: ComparisonGroup, *, among: Sequence[int] | None = None) -> int:
+    """Return how many accepted identifications would meet `like` but for the balance of loads on oil films.
+
+    among: ids of the only ones that count, whenever they were measured, see `accepted_among`; None: all.
+    """
+    query = _runs_of_any_balance(machine_id, like if among is None else replace(like, since=0))
+    query = query if among is None else _of_same_runs(query, among)
+    other = query.where(IdentificationRow.accepted, IdentificationRow.load_balance.is_distinct_from(like.load_balance))
     return session.scalar(select(func.count()).select_from(other.with_only_columns(IdentificationRow.id).subquery())) or 0
 
 

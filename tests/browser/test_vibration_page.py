@@ -209,3 +209,33 @@ def test_a_wall_shows_the_fleet_and_follows_it(seen: Seen) -> None:
     with seen.page.expect_response(re.compile("/api/v1/fleet")):
         seen.page.wait_for_timeout(100)
     assert seen.errors == []
+
+
+@pytest.mark.parametrize("part", ["identifications", "trends"])
+def test_that_the_histories_of_another_machine_cannot_be_had_is_not_said_to_be_none(seen: Seen, part: str) -> None:
+    refused = {"title": "Forbidden", "status": 403, "detail": "this key may not see them"}
+    seen.page.route(re.compile(rf"/machines/{COPY}/{part}\?"), lambda route: route.fulfill(status=403, json=refused))
+    seen.open(f"machines/{MACHINE}/trends?element=coupling.C1&beside={COPY}")
+    expect(seen.page.locator("main")).to_contain_text(f"{COPY}: its history could not be loaded: this key may not see them")
+    expect(seen.page.locator("main")).not_to_contain_text(f"{COPY} has no history")
+
+
+@pytest.mark.parametrize(
+    ("rotation", "said"),
+    [
+        ("positive", "Angles of unbalances: from the mark, +x towards +y, with rotation."),
+        (
+            "negative",
+            f"Angles of unbalances of {MACHINE}: from the mark, +x towards +y, with rotation. "
+            f"· Angles of unbalances of {COPY}: from the mark, +x towards +y, against rotation.",
+        ),
+    ],
+)
+def test_angles_of_two_machines_are_told_of_each_where_they_do_not_turn_the_same_way(
+    seen: Seen, service: Service, rotation: str, said: str
+) -> None:
+    found = service.get(f"/machines/{COPY}")
+    turned = found | {"document": found["document"] | {"rotation": rotation}}
+    seen.page.route(re.compile(rf"/machines/{COPY}$"), lambda route: route.fulfill(json=turned))
+    seen.open(f"machines/{MACHINE}/trends?element=disc.D1&beside={COPY}")
+    expect(seen.page.locator("main")).to_contain_text(said)

@@ -55,12 +55,20 @@ export function term(identifier: string): string {
   return MESSAGES[`term.${name}`] ?? DECLARED[name] ?? identifier.replaceAll("_", " ");
 }
 
-const NUMBER = /^[−+-]?\d+\.\d+(e[+-]?\d+)?$/;
+const NUMBER = /^[−+-]?\d+\.\d+(e[+-]?\d+)?( %)?$/;
+/** Form of a list, which any sentence may have by chance: it is one only of parts that are known, or names. */
+const LIST = /^\{\w+\}(,| and| or| or with) \{\w+\}$/;
+const NAME = /^\S+( %)?$/;
+/** Places that one word fills, so that no list of sentences is taken for one sentence. */
+const ONE_WORD = new Set(["id", "meant", "sent"]);
 
 /** English sentences that the service stores, as forms with their words here; the longest come first. None where the page is English. */
-const STORED_FORMS: [RegExp, string][] = Object.entries(await storedSentences())
+const STORED_FORMS: [RegExp, string, boolean][] = Object.entries(await storedSentences())
   .sort(([one], [other]) => other.length - one.length)
-  .map(([sentence, said]) => [storedForm(sentence), said]);
+  .map(([sentence, said]) => [storedForm(sentence), said, LIST.test(sentence)]);
+
+/** Parts that were looked for, null where there are no words: those of a list are looked for again at each of its separators. */
+const KNOWN_PARTS = new Map<string, string | null>();
 
 async function storedSentences(): Promise<Readonly<Record<string, string>>> {
   if (shownLocale === "en") return {};
@@ -77,15 +85,31 @@ export function stored(sentence: string): string {
 }
 
 function storedForm(text: string): RegExp {
-  const parts = text.split(PLACE).map((part, at) => (at % 2 === 0 ? part.replace(/[.*+?^${}()|[\]\\]/g, "\\$&") : `(?<${part}>.+)`));
+  const parts = text.split(PLACE).map((part, at) => (at % 2 === 0 ? part.replace(/[.*+?^${}()|[\]\\]/g, "\\$&") : `(?<${part}>${ONE_WORD.has(part) ? "\\S+" : ".+"})`));
   return new RegExp(`^${parts.join("")}$`);
 }
 
 function storedPart(part: string): string {
-  if (NUMBER.test(part)) return part.replace(".", t("decimalMark"));
-  for (const [form, said] of STORED_FORMS) {
-    const found = form.exec(part);
-    if (found) return said.split(PLACE).map((one, at) => (at % 2 === 0 ? one : storedPart(found.groups![one]!))).join("");
+  return knownPart(part) ?? part;
+}
+
+function knownPart(part: string): string | null {
+  let known = KNOWN_PARTS.get(part);
+  if (known === undefined) {
+    known = soughtPart(part);
+    KNOWN_PARTS.set(part, known);
   }
-  return part;
+  return known;
+}
+
+function soughtPart(part: string): string | null {
+  if (NUMBER.test(part)) return part.replace(".", t("decimalMark"));
+  for (const [form, said, isList] of STORED_FORMS) {
+    const found = form.exec(part);
+    if (!found) continue;
+    const places = found.groups ?? {};
+    if (isList && !Object.values(places).every((one) => knownPart(one) !== null || NAME.test(one))) continue;
+    return said.split(PLACE).map((one, at) => (at % 2 === 0 ? one : storedPart(places[one]!))).join("");
+  }
+  return null;
 }

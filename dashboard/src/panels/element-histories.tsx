@@ -4,7 +4,7 @@ import { Panel, Truncated } from "../components/panel";
 import { Time } from "../components/time";
 import { queryString } from "../data/http-client";
 import { isComparable } from "../data/newest-identification";
-import { useOtherTrends } from "../data/other-trends";
+import { useOtherTrends, type OtherTrends } from "../data/other-trends";
 import { useResource } from "../data/resource";
 import { angleConvention } from "../format/angles";
 import { elementName, isUnbalance, parameterName, quantityName } from "../format/names";
@@ -73,7 +73,7 @@ export function ElementHistories(props: Props) {
       <Loaded result={isPending || other.isPending ? { data: undefined, failure: result.failure } : result} lines={30}>
         {({ series }) => (
           <>
-            <Explanation series={series} other={other.series} {...props} />
+            <Explanation {...props} series={series} beside={beside && { ...other, machine: beside }} />
             <Plots {...props} series={series} other={other.series} markers={markers} tests={tests} />
             <MarkerList markers={markers} />
             {to === null && <Truncated shown={timeline.length} limit={MAX_TIMELINE} of={t("entriesOfTheTimeline")} />}
@@ -99,17 +99,39 @@ interface ShownProps extends Props {
   other: Series[];
 }
 
-function Explanation({ series, other, names, rotation, machine, beside }: ShownProps) {
-  const kinds = kindsOf([...series, ...other]);
-  const machines = beside ? [machine, beside] : [machine];
+interface Explained {
+  machine: string;
+  names: string[];
+  rotation: Sense | undefined;
+  series: Series[];
+  beside: (OtherTrends & { machine: string }) | undefined | "";
+}
+
+function Explanation({ machine, names, rotation, series, beside }: Explained) {
+  const kinds = kindsOf([...series, ...(beside ? beside.series : [])]);
+  const machines = beside ? [machine, beside.machine] : [machine];
   return (
     <p class="muted">
       <CurveLegend curves={machines.flatMap((one) => kinds.map((kind) => ({ name: curveName({ machine: one, named: !!beside }, kind) })))} />
       {series.some((one) => one.baselines.length > 0) && t("greyBandExplained")}
-      {names.some(isUnbalance) && t("anglesCounted", { convention: angleConvention(rotation) })}
-      {beside && (other.length > 0 ? t("besideExplained", { machine: beside }) : ` ${t("noHistoryOf", { machine: beside })}`)}
+      {names.some(isUnbalance) && anglesCounted(machine, rotation, beside)}
+      {beside && besideExplained(beside)}
     </p>
   );
+}
+
+/** How angles count, of each machine by itself where the two do not turn the same way. */
+function anglesCounted(machine: string, rotation: Sense = "positive", beside: Explained["beside"]): string {
+  const own = { machine, convention: angleConvention(rotation) };
+  if (!beside || beside.series.length === 0 || beside.rotation === rotation) return t("anglesCounted", own);
+  const other = beside.rotation && t("anglesCountedOf", { machine: beside.machine, convention: angleConvention(beside.rotation) });
+  return t("anglesCountedOf", own) + (other ?? "");
+}
+
+function besideExplained({ machine, series, failure }: Exclude<Explained["beside"], undefined | "">) {
+  if (series.length > 0) return t("besideExplained", { machine });
+  if (failure) return <span class="error"> {t("historyOfNotLoaded", { machine, failure: failure.message })}</span>;
+  return ` ${t("noHistoryOf", { machine })}`;
 }
 
 function Plots(props: ShownProps & { markers: Marker[]; tests: TrendTest[] | null }) {

@@ -107,7 +107,7 @@ def disable_subscription(
         return tagged(response, rendering.subscription(row, _secrets(request)))
 
 
-@router.post("/{subscription_id}/enable", operation_id="enable_subscription", dependencies=[ADMIN])
+@router.post("/{subscription_id}/enable", operation_id="enable_subscription", dependencies=[ADMIN], responses=CHANGES)
 def enable_subscription(
     request: Request, response: Response, subscription_id: Number, if_match: IfMatch = None
 ) -> schemas.SubscriptionOut:

@@ -7,6 +7,7 @@ from fastapi import APIRouter, Query, Request
 from pydantic import BaseModel, Field
 from sqlalchemy.orm import Session
 
+from estimator.machine.film_parameter_names import load_balance
 from estimator.trends.deviations import parameter_of
 from estimator.trends.parameter_change import ParameterChange, Values, element_changes, parameter_changes
 from service.api.conventions.dependencies import Number, Reading
@@ -15,6 +16,7 @@ from service.api.findings.model import read_identified
 from service.identification.stored_model import Identified
 from service.security.requirement import VIEWER
 from storage.findings import identifications
+from storage.tables.findings import IdentificationRow
 
 router = APIRouter(prefix="/identifications", tags=["identifications"], responses=RESPONSES, dependencies=[VIEWER])
 
@@ -83,11 +85,13 @@ def compare_identifications(
 
     Only the errors of the fits are counted; the baseline shows how much the machine varies from run to run.
     """
-    machine_of = [identifications.get(session, number).machine_id for number in (first, second)]
+    rows = [identifications.get(session, number) for number in (first, second)]
+    machine_of = [row.machine_id for row in rows]
     if machine_of[0] != machine_of[1]:
         raise Unsuitable(
             f"only those of one machine: identification {first} is of machine '{machine_of[0]}', {second} of '{machine_of[1]}'"
         )
+    _require_same_balance(*rows)
     unknown = [_undetermined(session, number) for number in (first, second)]
     before, after = (_values(read_identified(request, number)) for number in (first, second))
     return Comparison(
@@ -127,6 +131,17 @@ def read_correlation(session: Reading, identification_id: Number) -> Correlation
             Pair(one=row.coordinates[i], other=row.coordinates[j], correlation=float(matrix[i, j])) for i, j in strongest
         ],
     )
+
+
+def _require_same_balance(*rows: IdentificationRow) -> None:
+    """Raise Unsuitable where one identification balances the loads on oil films otherwise than the other."""
+    concerned = [row for row in rows if load_balance(row.coordinates) is not None]
+    if len(concerned) == len(rows) and len({row.load_balance for row in concerned}) > 1:
+        older = min(concerned, key=lambda row: row.load_balance or 0)
+        raise Unsuitable(
+            f"identification {older.id} is by a release that balances the loads on oil films otherwise, with other "
+            "stiffnesses of couplings and pedestals: identify its run again and compare that"
+        )
 
 
 def _undetermined(session: Session, identification_id: int) -> set[str]:

@@ -41,6 +41,7 @@ def identification(row: IdentificationRow) -> schemas.IdentificationSummary:
         noise_floor=row.noise_floor,
         outliers=row.outliers,
         slow_roll_version=row.slow_roll_version,
+        load_balance=row.load_balance,
         conditions=row.conditions,
     )
 

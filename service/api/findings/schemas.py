@@ -67,6 +67,10 @@ class IdentificationSummary(BaseModel):
     noise_floor: float | None = Field(description="its floor, 0-to-peak [m]")
     outliers: dict[str, int] | None = Field(description="per channel the phasors left out because no noise explains them")
     slow_roll_version: int | None = Field(description="slow-roll vectors that were subtracted; null: none")
+    load_balance: int | None = Field(
+        description="version of the balance of loads on oil films beside unknown couplings or pedestals: values of two "
+        "versions are not to be compared; null: before the second, or where it does not matter"
+    )
     conditions: dict[str, float | None] | None = Field(
         description="mean of each operating condition over the runs, in the unit of the machine's document"
     )

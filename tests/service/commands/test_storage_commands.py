@@ -121,6 +121,8 @@ def test_a_machine_s_history_is_exported(told: Database, held: Samples, tmp_path
         "samples-2",
         *SAID,
     } == columns.keys()
+    comparable = {"revision", "run_kind", "slow_roll_version", "load_balance"}
+    assert comparable <= {one["name"] for one in columns["identifications"]}, "what tells which may be compared"
     check_samples(tmp_path / "pump", held)
     assert json.loads((tmp_path / "pump" / "machine-2.json").read_text())["conditions"][0]["name"] == "load"
     assert columns["samples-2"][-1]["unit"] == "kW"

@@ -9,6 +9,7 @@ import yaml
 
 from estimator.fit.identification import Options
 from estimator.machine.document import Machine, parse_machine
+from estimator.machine.film_parameter_names import LOAD_BALANCE
 from estimator.machine.under_conditions import ConditionImpossible, under_conditions
 from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law
 from service.identification import computation
@@ -58,6 +59,7 @@ def test_a_run_is_identified_with_its_own_temperature_of_the_oil(train: Machine)
     outcome = computed(train, told=MEASURED)
     assert outcome.identification is not None
     assert outcome.identification.accepted, outcome.identification.verdict
+    assert outcome.load_balance == LOAD_BALANCE
     assert outcome.conditions == {"oil": MEASURED}
     assert outcome.underived is None
     # ISO VG 46 of 65 degC by the law of Walther, and a spread of the truth of 15 %.

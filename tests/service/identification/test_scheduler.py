@@ -81,6 +81,25 @@ def test_a_result_is_kept_where_what_it_is_judged_by_is_damaged(
             assert len(identifications.of_machine(session, train.id)) == 1
 
 
+def test_the_balance_of_loads_is_that_of_the_worker_that_computed(
+    database: Database, train: Machine, executor: LocalExecutor, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A worker of another release knows another version than the service that files its result."""
+    store = ResultFiling._store
+
+    def by_another(self: ResultFiling, taken: Any, outcome: IdentificationOutcome) -> None:
+        store(self, taken, replace(outcome, load_balance=7))
+
+    monkeypatch.setattr(ResultFiling, "_store", by_another)
+    with database.transaction() as session:
+        machines.create(session, train)
+    close_run(database, train, seed=1, start_s=1_700_000_000)
+    with identifying(database, executor):
+        wait_until(lambda: counts(database) == {"done": 1})
+    with database.reading() as session:
+        assert [row.load_balance for row in identifications.of_machine(session, train.id)] == [7]
+
+
 def test_conditions_and_derived_quantities_of_a_run_are_kept(
     database: Database, train: Machine, executor: LocalExecutor
 ) -> None:

@@ -50,3 +50,19 @@ def test_a_batch_converted_before_its_document_was_revised_is_converted_again(pl
         stored = sample_store.latest(session, "pump-7", revision=2, count=100)
     assert len(stored) == 10
     assert stored.phasor.tolist() == before.samples.phasor[:, ::-1].tolist(), "in the order of the new document"
+
+
+@pytest.mark.usefixtures("plant")
+def test_there_is_a_pause_after_a_conversion_and_none_where_nothing_was_converted(
+    journal: PromptJournal, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Pauses for nothing would use up the time that a cycle has for them."""
+    journal.store([piece(0)], [])
+    pauses: list[None] = []
+    monkeypatch.setattr(journal.pacing, "pause", lambda: pauses.append(None))
+    journal.store([piece(1)], [])
+    with_conversion = len(pauses)
+    waits = piece(2)
+    waits.converted(1, machine())
+    journal.store([waits], [])
+    assert len(pauses) - with_conversion == with_conversion - 1

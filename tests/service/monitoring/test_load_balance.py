@@ -4,6 +4,7 @@ from service.monitoring.comparison import compared
 from service.monitoring.trend_bands import baseline_bands
 from storage.database.engine import Database
 from storage.findings import jobs, trends
+from storage.machines import baselines
 from storage.tables.findings import IdentificationRow
 from tests.plant import KEY, START, identification, store_identification
 
@@ -31,6 +32,26 @@ def test_those_by_an_older_release_make_no_baseline_for_new_ones_and_are_told(pl
     assert found.missing is not None
     assert found.missing.startswith("the baseline has 1 of 5 identifications; 5 more are by a release that balances the loads")
     assert found.missing.endswith("identify their runs again")
+
+
+def test_of_named_identifications_those_are_told_whenever_they_were_measured(plant: Database) -> None:
+    """Others by the older release do not matter: they would not join the baseline if they were identified again."""
+    *before, last = stored(plant, [None] * BASELINE + [2])
+    with plant.transaction() as session:
+        baselines.begin(
+            session, KEY.machine, since=START + BASELINE, identification_ids=before[:2], reason="aligned", by="anna"
+        )
+    with plant.reading() as session:
+        found = compared(session, session.get_one(IdentificationRow, last), baseline_runs=BASELINE)
+    assert found.missing is not None
+    assert found.missing.startswith("the baseline has 0 of 2 identifications; 2 more are by a release that balances the loads")
+
+
+def test_a_complete_baseline_has_no_hint(plant: Database) -> None:
+    *_, last = stored(plant, [None] + [2] * (BASELINE + 1))
+    with plant.reading() as session:
+        found = compared(session, session.get_one(IdentificationRow, last), baseline_runs=BASELINE)
+    assert (found.missing, found.balanced_otherwise) == (None, 0)
 
 
 def test_once_their_runs_are_identified_again_there_is_a_baseline(plant: Database) -> None:

@@ -255,6 +255,19 @@ def test_a_changed_mapping_asks_for_what_was_not_kept() -> None:
     assert len(list(one.rebirths())) == 1
 
 
+def test_samples_are_numbered_on_where_a_document_has_no_mapping_for_a_while() -> None:
+    """Numbers that were given before would be those of duplicates: their samples would be lost without a word."""
+    one = nodes()
+    born(one)
+    (before,) = one.batches(DEVICE.format("DDATA"), written(2, {1: 13.0}, at=1))
+    one.follow([])
+    one.follow([])
+    one.follow([mapped()])
+    one.batches(NODE.format("NBIRTH"), written(0, {}, at=2))
+    (after,) = one.batches(DEVICE.format("DBIRTH"), written(1, ALL, at=2))
+    assert (after.epoch, after.sequence) == (before.epoch, before.sequence + 1)
+
+
 def test_a_metric_that_never_comes_is_said_and_asked_for_ever_more_rarely(caplog: pytest.LogCaptureFixture) -> None:
     one = nodes()
     one.batches(NODE.format("NBIRTH"), written(0, {}))

@@ -39,6 +39,16 @@ def test_what_nobody_knows_stays_as_it_is_and_numbers_get_their_mark() -> None:
         in_language("accepted: χ²/dof 1.02, expected 1 ± 0.08", GERMAN)
         == "angenommen: χ²/Freiheitsgrad 1,02, erwartet 1 ± 0,08"
     )
+    for unknown in (
+        "the values and the file",
+        "bearing B1 of it and coupling renewed",
+        "no more, the end",
+        "this or with that part",
+    ):
+        assert in_language(unknown, GERMAN) == unknown
+    assert in_language("D1, D2 and bearing B1", GERMAN) == "D1, D2 und Lager B1"
+    endless = ", ".join(f"this {n} and that {n} or a {n}" for n in range(60))
+    assert in_language(endless, GERMAN) == endless
     refused = Verdict(True, "accepted: χ²/dof 1.02, expected 1 ± 0.08", 3).refused("it is left out")
     assert in_language(refused.words, GERMAN) == "er ist ausgelassen; χ²/Freiheitsgrad 1,02, erwartet 1 ± 0,08"
 

@@ -150,6 +150,25 @@ def test_an_error_of_the_watch_ends_one_look_and_is_logged(
     assert "worker processes cannot be looked after: unexpected error; trying again" in caplog.messages
 
 
+def test_an_error_at_one_process_does_not_keep_the_watch_from_the_others(
+    two: ProcessPool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    silent_s, first_fails = process_pool._Slot.silent_s, threading.Event()
+
+    def silent_but_of_the_first(slot: process_pool._Slot) -> float | None:
+        if first_fails.is_set() and slot is two._slots[0]:
+            raise RuntimeError("can't start new thread")
+        return silent_s(slot)
+
+    monkeypatch.setattr(process_pool._Slot, "silent_s", silent_but_of_the_first)
+    first_fails.set()
+    hanging = [two.submit(0.5, time.sleep, 600.0) for _ in range(2)]
+    wait_until(lambda: any(future.done() for future in hanging))
+    assert not all(future.done() for future in hanging)
+    first_fails.clear()
+    assert {type(future.exception(SOON_S)) for future in hanging} == {WorkerStuck}
+
+
 def pool_threads() -> set[threading.Thread]:
     """Threads of process pools, those of tests before among them."""
     return {one for one in threading.enumerate() if one.name == "worker process"}

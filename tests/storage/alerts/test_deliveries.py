@@ -7,6 +7,7 @@ from storage.alerts import deliveries
 from storage.alerts.deliveries import DeliveryUnknown, SubscriptionDisabled, SubscriptionExists, SubscriptionUnknown
 from storage.clock import TOLERANCE, now
 from storage.database.engine import Database
+from storage.database.plant_scope import PlantScope
 from storage.tables.alerting import DeliveryRow, SubscriptionRow
 from tests.plant import KEY
 from tests.storage.alerts.stored_alerts import add, add_event
@@ -137,9 +138,32 @@ def test_a_subscription_beyond_as_many_as_may_be_active_is_refused(plant: Databa
     with plant.transaction() as session:
         first = subscribe(session, "first")
         subscribe(session, "second")
-        with pytest.raises(deliveries.TooManySubscriptions, match="2 subscriptions are active, as many as may be"):
+        with pytest.raises(deliveries.TooManySubscriptions, match="2 subscriptions to the events of a plant are active"):
             subscribe(session, "third")
         deliveries.disable(session, first, "by request")
         subscribe(session, "third")
         with pytest.raises(deliveries.TooManySubscriptions):
             deliveries.enable(session, first)
+
+
+def test_active_subscriptions_are_counted_that_get_the_same_events_whoever_asks(
+    plant: Database, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Those of other plants take no place, and those that the caller does not see do: each gets a row for every event."""
+    monkeypatch.setattr(deliveries, "MOST_ACTIVE", 2)
+    with plant.transaction() as session:
+        subscribe(session, "all")
+        subscribe(session, "other", "plant-2")
+    with PlantScope(plant, frozenset({KEY.plant})).transaction() as session:
+        own = subscribe(session, "own", KEY.plant)
+        with pytest.raises(deliveries.TooManySubscriptions):
+            subscribe(session, "another", KEY.plant)
+        deliveries.disable(session, own, "by request")
+        deliveries.enable(session, own)
+        deliveries.disable(session, own, "by request")
+    with plant.transaction() as session:
+        with pytest.raises(deliveries.TooManySubscriptions):
+            subscribe(session, "everything")
+        with pytest.raises(deliveries.TooManySubscriptions):
+            subscribe(session, "both", KEY.plant, "plant-2")
+        subscribe(session, "mine", KEY.plant)

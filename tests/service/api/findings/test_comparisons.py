@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from estimator.machine.film_parameter_names import LOAD_BALANCE
 from storage.database.engine import Database
 from storage.machines import machines
 from storage.tables.findings import EstimateRow
@@ -62,3 +63,18 @@ def test_identifications_of_two_machines_are_not_compared(plant: Database) -> No
         first, second = row.id, other.id
     detail = problem(api.get("/identifications/compare", first=first, second=second), 422)["detail"]
     assert "one machine" in detail
+
+
+def test_identifications_whose_loads_are_balanced_otherwise_are_not_compared(plant: Database) -> None:
+    """Their couplings and pedestals follow from other loads: the difference would be taken for a change of the machine."""
+    names = ("bearing.B1.clearance", "coupling.C1.kxx")
+    with plant.transaction() as session:
+        one = identification(coordinates=names, covariance=np.eye(2), point=np.zeros(2))
+        older, newer = (store_identification(session, one, run_id=number) for number in (1, 2))
+        assert newer.load_balance == LOAD_BALANCE
+        older.load_balance = None
+        first, second = newer.id, older.id
+    api = Api(plant)
+    detail = problem(api.get("/identifications/compare", first=first, second=second), 422)["detail"]
+    assert f"identification {second} is by a release that balances the loads on oil films otherwise" in detail
+    assert [one["load_balance"] for one in api.value("/machines/pump-7/identifications")] == [LOAD_BALANCE, None]
