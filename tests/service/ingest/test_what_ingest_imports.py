@@ -15,6 +15,7 @@ STATES_AND_COUNTS = {
     "bearings.registry",
     "bearings.table_columns",
     "bearings.terms",
+    "close_matches",
     "errors",
     "field_types",
     "machine.alignment_rules",
