@@ -11,6 +11,7 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.fit.problem.fit_problem import FitProblem
+from estimator.fit.problem.gap_rows import linearised_gaps
 from estimator.fit.problem.placed_models import PlacedModel
 
 SEEN = 1e-9
@@ -71,6 +72,7 @@ def omitted_parameter(
     """
     weight = np.where(problem.used, problem.weight(np.abs(problem.model(theta)), 0.0), 0.0)
     own, mixed, slope = 0.0, np.zeros(theta.size), 0.0
+    gradient = linearised_gaps(problem.gaps, theta)[1] - problem.coordinates.prior.pull(theta)  # what the fit's end has left
     for found in problem.linear_phasors(theta):
         rows, residual = found.weighted(problem.measurement.phasor, weight)
         by_coefficient = found.sensitivity.by_coefficient[list(placed.coefficients)]
@@ -80,6 +82,11 @@ def omitted_parameter(
         own += float(parts @ parts)
         mixed += rows @ parts
         slope += float(parts @ residual)
+        gradient += rows @ residual
     answer = -covariance @ mixed
     left = own + float(mixed @ answer)
-    return None if left <= SEEN * own else OmittedParameter(slope / left, 1.0 / math.sqrt(left), answer)
+    return (
+        None
+        if left <= SEEN * own
+        else OmittedParameter((slope + float(answer @ gradient)) / left, 1.0 / math.sqrt(left), answer)
+    )
