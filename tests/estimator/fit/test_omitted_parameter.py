@@ -28,7 +28,7 @@ def test_a_fit_that_stops_a_part_of_a_standard_error_early_asks_for_the_same_for
     start = best_excitations(problem, coordinates.centre, problem.weight(problem.first_amplitude, 0.5))
     found = fit(problem, start)
     assert found.converged
-    covariance: Floats = np.linalg.inv(found.information + coordinates.prior.precision)
+    covariance: Floats = np.asarray(np.linalg.inv(found.information + coordinates.prior.precision), dtype=float)
     final, (placed,) = with_fitted_noise(problem, found), coordinates.models
     assert isinstance(placed.curves, FilmCurves)
     changes: list[OmittedParameter] = []
