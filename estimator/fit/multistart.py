@@ -88,7 +88,7 @@ def best_fit(
         starts: Most starts.
         seed: Seed of the random starts.
         good: Function that accepts a fit.
-        unfinished: Function that returns whether a fit would be good had it converged: it goes on, no other starts follow.
+        unfinished: Function that returns whether a fit would be good had it converged: it goes on from where it is.
         beginning: Fit coordinates θ (n,) of the first start, in place of the nominal values [-].
         twice: Whether to go on until the best misfit has been reached twice.
         passes: Most repetitions of each fit's last stage.
@@ -111,9 +111,12 @@ def best_fit(
             start = chosen_start(problem, rng, first=start_number == 1, begin=begin)
             found = fit(problem, start, give_up_from=give_up_from, passes=passes)
         iterations += found.iterations
-        if not twice and np.isfinite(found.misfit) and (good(found) or unfinished(found)):
-            best = _continued(problem, found, unfinished, passes)
-            iterations += best.iterations - found.iterations
+        if not twice and np.isfinite(found.misfit) and unfinished(found):
+            continued = _continued(problem, found, unfinished, passes)
+            iterations += continued.iterations - found.iterations
+            found = continued
+        if not twice and np.isfinite(found.misfit) and good(found):
+            best = found
             break
         if np.isfinite(found.misfit) and (best is None or found.misfit < best.misfit):
             best = found
