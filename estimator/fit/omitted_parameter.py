@@ -56,16 +56,23 @@ class OmittedParameter:
 
 
 def omitted_parameter(
-    problem: FitProblem, theta: Floats, covariance: Floats, placed: PlacedModel, by_parameter: Floats
+    problem: FitProblem,
+    theta: Floats,
+    covariance: Floats,
+    placed: PlacedModel,
+    by_parameter: Floats,
+    *,
+    inflation: float = 1.0,
 ) -> OmittedParameter | None:
     """Estimate the change of a parameter that the residuals ask for (Rao 1948, doi:10.1017/S0305004100023987).
 
     Args:
         problem: The problem, with the noise and the outliers of the fit's end.
         theta: Fit coordinates θ (n,) there [-].
-        covariance: Covariance (n, n) of the fit coordinates [-].
+        covariance: Covariance (n, n) of the fit coordinates, as independent residuals have it [-].
         placed: The model whose c coefficients depend on the parameter.
         by_parameter: Derivatives (S, c) of its coefficients by the parameter [SI per its unit].
+        inflation: Factor on variances, as neighbouring residuals are alike [-].
 
     Returns:
         The change; None where the data say nothing of it.
@@ -85,8 +92,6 @@ def omitted_parameter(
         gradient += rows @ residual
     answer = -covariance @ mixed
     left = own + float(mixed @ answer)
-    return (
-        None
-        if left <= SEEN * own
-        else OmittedParameter((slope + float(answer @ gradient)) / left, 1.0 / math.sqrt(left), answer)
-    )
+    if left <= SEEN * own:
+        return None
+    return OmittedParameter((slope + float(answer @ gradient)) / left, math.sqrt(inflation / left), answer)

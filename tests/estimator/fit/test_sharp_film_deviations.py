@@ -59,7 +59,7 @@ def test_films_of_any_bore_that_are_off_here_and_there_are_refused_or_have_inter
 def test_they_are_wider_than_without_that_judgement(monkeypatch: pytest.MonkeyPatch) -> None:
     plant = plant_of("plain", 101, 0.01)
     found = identified(plant, 101)
-    monkeypatch.setattr(conclusion, "judge_sharp_deviations", lambda problem, fit, covariance: FormVerdict(covariance))  # noqa: ARG005
+    monkeypatch.setattr(conclusion, "judge_sharp_deviations", lambda problem, fit, covariance, **_: FormVerdict(covariance))  # noqa: ARG005
     before = identified(plant, 101)
     assert WORDS not in before.verdict
     ratio = np.sqrt(np.diag(found.covariance) / np.diag(before.covariance))
@@ -73,7 +73,7 @@ def test_films_that_are_off_by_more_than_the_document_says_are_refused(monkeypat
     plant = plant_of("plain", 101, 0.01)
     machine = parse_machine(film_document(plant, discrepancy=0.005))
     monkeypatch.setattr(conclusion, "excessive_deviations", lambda *_: "")
-    monkeypatch.setattr(conclusion, "viscosity_trend", lambda *_: None)
+    monkeypatch.setattr(conclusion, "viscosity_trend", lambda *_, **__: None)
     found = identify(machine, measured(plant, seed=101), Options(starts=3))
     assert not found.accepted
     assert "more than the document says (discrepancy)" in found.verdict
