@@ -110,11 +110,9 @@ def best_fit(
         else:
             start = chosen_start(problem, rng, first=start_number == 1, begin=begin)
             found = fit(problem, start, give_up_from=give_up_from, passes=passes)
+        if not twice:
+            found = _continued(problem, found, unfinished, passes)
         iterations += found.iterations
-        if not twice and np.isfinite(found.misfit) and unfinished(found):
-            continued = _continued(problem, found, unfinished, passes)
-            iterations += continued.iterations - found.iterations
-            found = continued
         if not twice and np.isfinite(found.misfit) and good(found):
             best = found
             break
@@ -136,7 +134,7 @@ def _continued(problem: FitProblem, found: FitResult, unfinished: Callable[[FitR
     """Return where a fit ends that goes on while it is unfinished, with the iterations of all."""
     iterations = found.iterations
     for _ in range(MOST_CONTINUED):
-        if not unfinished(found):
+        if not np.isfinite(found.misfit) or not unfinished(found):
             break
         found = fit(problem, found.theta, near=True, passes=passes)
         iterations += found.iterations

@@ -66,6 +66,8 @@ def omitted_parameter(
 ) -> OmittedParameter | None:
     """Estimate the change of a parameter that the residuals ask for (Rao 1948, doi:10.1017/S0305004100023987).
 
+    The residuals are those of phasors: gaps hold the coordinates, but what they would say of the parameter itself is left out.
+
     Args:
         problem: The problem, with the noise and the outliers of the fit's end.
         theta: Fit coordinates θ (n,) there [-].
