@@ -110,8 +110,7 @@ def best_fit(
         else:
             start = chosen_start(problem, rng, first=start_number == 1, begin=begin)
             found = fit(problem, start, give_up_from=give_up_from, passes=passes)
-        if not twice:
-            found = _continued(problem, found, unfinished, passes)
+        found = found if twice else _continued(problem, found, unfinished, passes)
         iterations += found.iterations
         if not twice and np.isfinite(found.misfit) and good(found):
             best = found
