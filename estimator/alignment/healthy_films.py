@@ -126,7 +126,7 @@ def coordinate_scales(coordinates: Coordinates, values: Floats) -> CoordinateSca
         raise ValueError("only coordinates of a train on oil films vary so")
     films = found[1].own
     size = {one.name: form.discrepancy for one, form in zip(films.train.bearings, films.forms, strict=True)}
-    size |= {f"static_load.{one.id}": _stated_force(one) for one in films.loads}
+    size |= {f"static_load.{one.id}.{name}": force for one in films.loads for name, force in _stated_forces(one).items()}
     excited = dict(zip(coordinates.names, values, strict=True))
     described = [describe(name) for name in coordinates.names]
     ways = [_way(said, float(unit), size, excited) for said, unit in zip(described, coordinates.unit, strict=True)]
@@ -198,7 +198,7 @@ def _way(
     if said.quantity.startswith("elevation"):
         return "elevation", 1.0 / unit
     if said.element_kind == "static_load":
-        return "process_force", size[said.element] / unit
+        return "process_force", size[said.whole] / unit
     if said.quantity == "unbalance":
         parts = [excited[f"{said.whole}.{part}"] for part in ("real", "imaginary")]
         return "unbalance", math.hypot(*parts) / unit
@@ -211,9 +211,12 @@ def _way(
     return None, 0.0
 
 
-def _stated_force(load: StaticLoad) -> float:
-    """Return what the document states of a static force: its size, or how far it may be off where that is more [N]."""
-    return max(math.hypot(load.force_x, load.force_y), load.force_x_spread, load.force_y_spread)
+def _stated_forces(load: StaticLoad) -> dict[str, float]:
+    """Return what the document states of each component of a static force: its size, or its spread where that is more [N]."""
+    return {
+        "force_x": max(abs(load.force_x), load.force_x_spread),
+        "force_y": max(abs(load.force_y), load.force_y_spread),
+    }
 
 
 def _slow_way(said: ParameterDescription, unit: float) -> tuple[str | None, float]:

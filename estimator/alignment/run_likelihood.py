@@ -12,6 +12,11 @@ from estimator.arrays import Floats
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.updated_model.model import UpdatedModel
 
+WIDENED_ALONE = 0.1
+"""Most directions that are widened by themselves, as a part of all [-]: one for each omitted force or kind of deviation."""
+ROUNDING = 1e-6
+"""Part by which a direction may seem wider than the prior [-]."""
+
 
 @dataclass(frozen=True)
 class RunLikelihood:
@@ -42,8 +47,7 @@ class RunLikelihood:
 def run_likelihood(model: UpdatedModel) -> RunLikelihood:
     """Compute the likelihood of a run from its fit (derived here: a posterior over its prior).
 
-    A fit whose covariance was widened, because neighbouring residuals are alike, has had its prior widened with it: the factor
-    is the largest of the covariance over the prior, as data never widen a prior.
+    A fit whose covariance was widened has had its prior widened with it (`taken_off`).
 
     Args:
         model: The model that the fit led to.
@@ -55,22 +59,34 @@ def run_likelihood(model: UpdatedModel) -> RunLikelihood:
     covariance = model.covariance / np.outer(coordinates.unit, coordinates.unit)
     posterior = scaled_inverse(covariance)
     away = coordinates.theta(model.values) - coordinates.centre
-    return RunLikelihood(posterior - taken_off(covariance, coordinates.prior.precision), np.asarray(posterior @ away))
+    precision, pulling = taken_off(covariance, coordinates.prior.precision)
+    information = posterior - precision
+    return RunLikelihood(information, np.asarray((information + pulling) @ away))
 
 
-def taken_off(covariance: Floats, precision: Floats) -> Floats:
+def taken_off(covariance: Floats, precision: Floats) -> tuple[Floats, Floats]:
     """Compute the precision of the prior that a fit's covariance contains, widened as this was (derived here).
+
+    Data never widen a prior, so a covariance beyond it was widened. Residuals that are alike widen all directions by one
+    factor, which is seen where the prior alone holds; an omitted force or a sharp deviation widens a few directions. So the
+    factor is what more than WIDENED_ALONE of the directions reach, and a direction beyond it was widened by itself: of that
+    one the fit says nothing, not even its own estimate.
 
     Args:
         covariance: Covariance (n, n) of the fit [unit²].
         precision: Precision (n, n) of the prior [1/unit²].
 
     Returns:
-        Precision (n, n) [1/unit²].
+        Precision (n, n), and the part (n, n) of it by which the prior pulls the fit's estimate: without the directions that
+        were widened beyond it [1/unit²].
     """
     root = np.linalg.cholesky(precision)
-    widened = float(np.linalg.eigvalsh(root.T @ covariance @ root)[-1])
-    return np.asarray(precision / max(1.0, widened))
+    size, directions = np.linalg.eigh(root.T @ covariance @ root)
+    factor = max(1.0, float(size[-1 - int(WIDENED_ALONE * size.size)]))
+    alone = size > (1.0 + ROUNDING) * factor
+    size, columns = size[alone], (root @ directions)[:, alone]
+    pulling = precision / factor - columns / factor @ columns.T
+    return np.asarray(pulling + columns / size @ columns.T), np.asarray(pulling)
 
 
 def scaled_inverse(covariance: Floats) -> Floats:

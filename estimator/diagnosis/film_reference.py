@@ -63,10 +63,10 @@ def film_observation(fit: ObservedFit, machine: Machine, conditions: Mapping[str
     own = _coordinates(under_conditions(machine, conditions))
     known = np.array([said.names.index(name) for name in own.names])
     among = np.ix_(known, known)
-    precision = taken_off(fit.covariance[among], own.prior.precision / np.outer(own.unit, own.unit))
+    precision, pulling = taken_off(fit.covariance[among], own.prior.precision / np.outer(own.unit, own.unit))
     theta = own.theta(said.reference[known])
     reference, gradient, information = said.reference.copy(), said.gradient.copy(), said.information.copy()
-    gradient[known] += precision @ (own.unit * (theta - own.centre))
+    gradient[known] += pulling @ (own.unit * (theta - own.centre))
     information[among] -= precision
     believed = np.zeros(len(said.names))
     believed[known] = np.diag(precision)

@@ -9,6 +9,7 @@ import numpy as np
 from estimator.arrays import Floats
 from estimator.fit.maximum_likelihood import STAGE_MISFITS, descend
 from estimator.fit.multistart import chosen_start
+from estimator.fit.nuisance_parameters import counted_by_effect
 from estimator.fit.problem.fit_problem import FitProblem, best_excitations
 from estimator.fit.problem_setup import fit_problem
 from estimator.fit.reweighting import without_outliers
@@ -73,11 +74,11 @@ def coarse_misfit(problem: FitProblem, *, starts: int = 1, seed: int = 0) -> flo
 
 def _descended(problem: FitProblem, theta: Floats) -> float:
     """Return the misfit in which a start ends; infinite where it has no slope to follow."""
-    reduced = np.inf
+    reduced, told = np.inf, theta.size - int(np.count_nonzero(counted_by_effect(problem.coordinates)))
     for misfit, steps in zip(STAGE_MISFITS, STEPS, strict=False):
         weight = problem.weight(problem.first_amplitude, misfit)
         theta, _, _ = descend(problem, theta, weight, steps)
-        freedom = max(1, 2 * int(np.count_nonzero(problem.used)) - theta.size)
+        freedom = max(1, 2 * int(np.count_nonzero(problem.used)) - told)
         reduced = problem.chi_square(theta, weight) / freedom
         problem = without_outliers(problem, theta, misfit)
     return reduced if np.isfinite(reduced) else np.inf

@@ -5,7 +5,7 @@ doi:10.1111/1467-9868.00294), reckoned with to first order at the fit's end. τ 
 (Harville, J. Am. Stat. Assoc. 72 (1977) 320, doi:10.1080/01621459.1977.10480998).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -63,6 +63,28 @@ class CoefficientDeviations:
         gradient -= problem.coordinates.prior.pull(found.theta)
         answer = -covariance @ mixed
         return cls(own + mixed.T @ answer, slope + answer.T @ gradient, answer, at)
+
+    def inflated(self, inflation: float) -> "CoefficientDeviations":
+        """Return the deviations where neighbouring residuals are alike and say less.
+
+        Args:
+            inflation: Factor on the variances of the fit [-].
+
+        Returns:
+            The deviations.
+        """
+        return replace(self, curvature=self.curvature / inflation, slope=self.slope / inflation)
+
+    def ratio(self, size: float) -> float:
+        """Compute twice the logarithm of the likelihood ratio of a size against none.
+
+        Args:
+            size: The size [-].
+
+        Returns:
+            Ratio [-].
+        """
+        return self._ratio(float(np.log(size)))
 
     def likeliest(self) -> tuple[float, float]:
         """Return the most likely size [-] and twice the logarithm of its likelihood ratio against none [-].

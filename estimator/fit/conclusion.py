@@ -1,6 +1,7 @@
 """Conclusions from a fit: whether it may be believed, its estimates with intervals, or why there are none."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -55,18 +56,18 @@ def conclude(
     beside, of_form = VerdictRemark(), ""
     doubtful, form_alone = frozenset[int](), frozenset[int]()
     if verdict.accepted:
-        found_form = _form_verdict(problem, found, covariance, condition)
-        found, verdict = _possible(problem, found, found_form.applied(verdict), limits)
-        form_alone = _determined(coordinates, covariance) - _determined(coordinates, found_form.covariance)
-        covariance, of_form = found_form.covariance, found_form.remark
         beside = remark(problem, found)
-        covariance = covariance * beside.inflation
+        found_form = _form_verdict(problem, found, covariance, condition, beside.inflation)
+        found, verdict = _possible(problem, found, found_form.applied(verdict), limits)
+        if not found_form.words and not found_form.remark:
+            form_alone = _determined(coordinates, covariance) - _determined(coordinates, found_form.covariance)
+        covariance, of_form = found_form.covariance, found_form.remark
         if verdict.accepted and condition > LARGEST_CONDITION and not coordinates.models:
             doubtful = flat_coordinates(problem, found, covariance, sorted(_determined(coordinates, covariance)))
     speed = problem.measurement.speed
     error = np.sqrt(np.diag(covariance))
     why = None if reasons is None else reasons(problem, found, covariance)
-    if why is not None and form_alone and not of_form:
+    if why is not None and form_alone:
         why = _with_form_alone(why, frozenset(coordinates.names[place] for place in form_alone))
     return Identification(
         estimates=estimates(problem.train, coordinates, found.theta, error, why, doubtful),
@@ -103,21 +104,29 @@ def outliers_by_channel(problem: FitProblem, outlier: NDArray[np.bool_]) -> dict
     return {channel: int(count) for channel, count in zip(problem.train.channels, counts, strict=True) if count}
 
 
-def _form_verdict(problem: FitProblem, found: FitResult, covariance: Floats, condition: float) -> FormVerdict:
-    """Return the verdict on how coefficients follow the speed: by assumed forms, and by films with their deviations."""
-    excess = excessive_deviations(problem, found, covariance) or warming_words(viscosity_trend(problem, found, covariance))
+def _form_verdict(
+    problem: FitProblem, found: FitResult, covariance: Floats, condition: float, inflation: float
+) -> FormVerdict:
+    """Return the verdict on how coefficients follow the speed: by assumed forms, and by films with their deviations.
+
+    Its covariance is as wide as neighbouring residuals that are alike and all deviations ask for, refused or not.
+    """
+    trend = viscosity_trend(problem, found, covariance, inflation=inflation)
+    excess = excessive_deviations(problem, found, covariance) or warming_words(trend)
+    whole, words, remarks = inflation * covariance, "", ""
     if excess:
-        return FormVerdict(covariance, excess)
-    whole, remarks = covariance, ""
-    judged = [judge_exact_forces(problem, found, covariance), judge_sharp_deviations(problem, found, covariance)]
+        return FormVerdict(whole, excess)
+    judged = [
+        judge_exact_forces(problem, found, covariance, inflation=inflation),
+        judge_sharp_deviations(problem, found, covariance, inflation=inflation),
+    ]
     if needs_form(problem):
-        judged.append(judge_form(problem, found, covariance, condition))
+        of_form = judge_form(problem, found, covariance, condition)
+        judged.append(replace(of_form, covariance=covariance + inflation * (of_form.covariance - covariance)))
     for one in judged:
-        if one.words:
-            return one
         # Each is what one deviation alone leaves open.
-        whole, remarks = whole + (one.covariance - covariance), remarks + one.remark
-    return FormVerdict(whole, remark=remarks)
+        whole, words, remarks = whole + (one.covariance - covariance), words or one.words, remarks + one.remark
+    return FormVerdict(whole, words, remarks)
 
 
 def _determined(coordinates: Coordinates, covariance: Floats) -> frozenset[int]:

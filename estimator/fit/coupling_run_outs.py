@@ -70,7 +70,8 @@ def fit_with_run_outs(problem: FitProblem, start: Floats, *, near: bool) -> RunO
     theta = best_excitations(whole, theta, whole.weight(whole.first_amplitude, STAGE_MISFITS[0]))
     hopeless = np.inf if whole.noise.estimated else HOPELESS_MISFIT
     found = fit(whole, theta, near=near, give_up_from=hopeless)
-    if not judge(whole, found).accepted or deviates_too_far(whole, found):
+    # One given up has neither its last weights nor its outliers: its χ² says nothing.
+    if not np.isfinite(found.misfit) or not judge(whole, found).accepted or deviates_too_far(whole, found):
         return None
     return _run_out_fit(whole, found, own)
 

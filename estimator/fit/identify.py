@@ -119,11 +119,11 @@ def identify_train(
 
     best = _best_first(problem, begin, options)
     other, finished = None, not is_unfinished(problem, best.fit)
-    misfits = finished and not judge(problem, best.fit).accepted
-    if misfits or (finished and deviates_too_far(problem, best.fit)):
+    fits = judge(problem, best.fit).accepted
+    if finished and (not fits or deviates_too_far(problem, best.fit)):
         other = fit_with_run_outs(problem, best.fit.theta if begin is None else begin, near=begin is not None)
-        if misfits and other is None and begin is not None and options.starts > 1:
-            best = _best_of(problem, begin, options, starts=options.starts)
+    if not fits and other is None and begin is not None and options.starts > 1:
+        best = _best_of(problem, begin, options, starts=options.starts)
     joined = with_gaps(problem, best.fit)
     found = conclude(joined.problem, replace(best, fit=joined.found), joined.remarks, reasons, limits)
     return found if other is None or found.accepted else _explained_by_run_outs(problem, found, other)

@@ -17,6 +17,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from estimator.arrays import Floats
+from estimator.fit.nuisance_parameters import counted_by_effect
 from estimator.fit.problem.fit_problem import FitProblem, FitResult, best_excitations
 from estimator.fit.problem.gap_rows import gap_cost
 from estimator.fit.reweighting import is_unchanged, with_estimated_noise, without_outliers
@@ -81,13 +82,13 @@ def fit(
     theta, iterations, converged = start, 0, False
     problem, measured, stages = _near(problem, start) if near else (problem, problem.first_amplitude, STAGES)
     settled = PASSING_DECREASE if near and passes else CONVERGED_DECREASE
-    coarse_misfit = math.nan
+    coarse_misfit, told = math.nan, theta.size - int(np.count_nonzero(counted_by_effect(problem.coordinates)))
     for misfit, limit in stages:
         weight = problem.weight(measured, misfit)
         theta, converged, steps = descend(problem, theta, weight, limit, settled=settled)
         iterations += steps
         if misfit == STAGE_MISFITS[-2]:
-            coarse_misfit = problem.chi_square(theta, weight) / max(1, 2 * int(np.count_nonzero(problem.used)) - theta.size)
+            coarse_misfit = problem.chi_square(theta, weight) / max(1, 2 * int(np.count_nonzero(problem.used)) - told)
             if coarse_misfit >= give_up_from:
                 break
         problem = without_outliers(problem, theta, misfit)

@@ -88,7 +88,7 @@ def best_fit(
         starts: Most starts.
         seed: Seed of the random starts.
         good: Function that accepts a fit.
-        unfinished: Function that returns whether a fit would be good had it converged: it goes on, no other starts follow.
+        unfinished: Function that returns whether a fit would be good had it converged: it goes on from where it is.
         beginning: Fit coordinates θ (n,) of the first start, in place of the nominal values [-].
         twice: Whether to go on until the best misfit has been reached twice.
         passes: Most repetitions of each fit's last stage.
@@ -110,10 +110,10 @@ def best_fit(
         else:
             start = chosen_start(problem, rng, first=start_number == 1, begin=begin)
             found = fit(problem, start, give_up_from=give_up_from, passes=passes)
+        found = found if twice else _continued(problem, found, unfinished, passes)
         iterations += found.iterations
-        if not twice and np.isfinite(found.misfit) and (good(found) or unfinished(found)):
-            best = _continued(problem, found, unfinished, passes)
-            iterations += best.iterations - found.iterations
+        if not twice and np.isfinite(found.misfit) and good(found):
+            best = found
             break
         if np.isfinite(found.misfit) and (best is None or found.misfit < best.misfit):
             best = found
@@ -133,7 +133,7 @@ def _continued(problem: FitProblem, found: FitResult, unfinished: Callable[[FitR
     """Return where a fit ends that goes on while it is unfinished, with the iterations of all."""
     iterations = found.iterations
     for _ in range(MOST_CONTINUED):
-        if not unfinished(found):
+        if not np.isfinite(found.misfit) or not unfinished(found):
             break
         found = fit(problem, found.theta, near=True, passes=passes)
         iterations += found.iterations

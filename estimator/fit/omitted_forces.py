@@ -8,17 +8,19 @@ a smaller one widens its intervals.
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import scipy
+
 from estimator.arrays import Floats
 from estimator.fit.form_discrepancy import FormVerdict
 from estimator.fit.omitted_parameter import OmittedParameter, omitted_parameter
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.reweighting import with_fitted_noise
 
-LARGEST_SCORE = 2.6
-"""Score in standard deviations from which on a fit is refused [-]: 1 of 100 is larger where the force is as stated, and to
-state how far it may be off mends that."""
-DOUBTFUL_SCORE = 1.6
-"""Score from which on intervals are widened [-]: 1 of 10 is larger."""
+REFUSED_CHANCE = 0.01
+"""Chance of scores so large where all forces are as stated beneath which a fit is refused [-]: 2.6 standard deviations for one
+component; to state how far it may be off mends that."""
+DOUBTFUL_CHANCE = 0.1
+"""Chance beneath which intervals are widened [-]: 1.6 standard deviations for one component."""
 
 
 @dataclass(frozen=True)
@@ -38,28 +40,49 @@ class _WantedForce:
         )
 
 
-def judge_exact_forces(problem: FitProblem, found: FitResult, covariance: Floats) -> FormVerdict:
+def judge_exact_forces(problem: FitProblem, found: FitResult, covariance: Floats, *, inflation: float = 1.0) -> FormVerdict:
     """Judge the components of static loads that the document calls exact (Rao 1948, see `omitted_parameter`).
+
+    The chance of a large score is shared among the components that are looked at (Bonferroni).
 
     Args:
         problem: The fit's problem.
         found: The fit.
-        covariance: Covariance (n, n) of the fit coordinates with these forces [-].
+        covariance: Covariance (n, n) of the fit coordinates with these forces, as independent residuals have it [-].
+        inflation: Factor on variances, as neighbouring residuals are alike [-].
 
     Returns:
-        The verdict, on the one that the residuals contradict most.
+        The verdict, in words on the component that the residuals contradict most; the covariance grows by what each doubtful
+        one leaves open.
     """
     if not problem.coordinates.models:
         return FormVerdict(covariance)
-    worst = max(_wanted(problem, found, covariance), key=lambda one: abs(one.change.score), default=None)
-    if worst is None or abs(worst.change.score) <= DOUBTFUL_SCORE:
+    wanted = sorted(_wanted(problem, found, covariance, inflation), key=lambda one: -abs(one.change.score))
+    doubtful = [one for one in wanted if abs(one.change.score) > largest_score(DOUBTFUL_CHANCE, len(wanted))]
+    if not doubtful:
         return FormVerdict(covariance)
-    if abs(worst.change.score) > LARGEST_SCORE:
-        return FormVerdict(covariance, worst.words)
-    return FormVerdict(worst.change.widened(covariance), remark=f"; {worst.words}; intervals are widened")
+    whole = covariance
+    for one in doubtful:
+        whole = one.change.widened(whole)
+    if abs(doubtful[0].change.score) > largest_score(REFUSED_CHANCE, len(wanted)):
+        return FormVerdict(whole, doubtful[0].words)
+    return FormVerdict(whole, remark=f"; {'; '.join(one.words for one in doubtful)}; intervals are widened")
 
 
-def _wanted(problem: FitProblem, found: FitResult, covariance: Floats) -> Iterator[_WantedForce]:
+def largest_score(chance: float, count: int) -> float:
+    """Return the size that the largest of some scores exceeds by a chance at most (Bonferroni's inequality).
+
+    Args:
+        chance: The chance [-].
+        count: Number of the scores.
+
+    Returns:
+        The size, in standard deviations [-].
+    """
+    return -float(scipy.special.ndtri(chance / 2.0 / count))
+
+
+def _wanted(problem: FitProblem, found: FitResult, covariance: Floats, inflation: float) -> Iterator[_WantedForce]:
     """Yield what the residuals ask of each component that is called exact."""
     from estimator.statics.film_curves import FilmCurves  # films are loaded where coefficients follow the speed
     from estimator.statics.film_model import FilmModel
@@ -72,6 +95,6 @@ def _wanted(problem: FitProblem, found: FitResult, covariance: Floats) -> Iterat
             continue
         final, by_load = with_fitted_noise(problem, found), placed.curves.by_load(placed.own(found.theta))
         for name, stated, place in exact:
-            change = omitted_parameter(final, found.theta, covariance, placed, by_load[..., place])
+            change = omitted_parameter(final, found.theta, covariance, placed, by_load[..., place], inflation=inflation)
             if change is not None:
                 yield _WantedForce(name, stated, change)

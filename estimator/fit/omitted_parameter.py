@@ -11,6 +11,7 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.fit.problem.fit_problem import FitProblem
+from estimator.fit.problem.gap_rows import linearised_gaps
 from estimator.fit.problem.placed_models import PlacedModel
 
 SEEN = 1e-9
@@ -55,22 +56,32 @@ class OmittedParameter:
 
 
 def omitted_parameter(
-    problem: FitProblem, theta: Floats, covariance: Floats, placed: PlacedModel, by_parameter: Floats
+    problem: FitProblem,
+    theta: Floats,
+    covariance: Floats,
+    placed: PlacedModel,
+    by_parameter: Floats,
+    *,
+    inflation: float = 1.0,
 ) -> OmittedParameter | None:
     """Estimate the change of a parameter that the residuals ask for (Rao 1948, doi:10.1017/S0305004100023987).
+
+    The residuals are those of phasors: gaps hold the coordinates, but what they would say of the parameter itself is left out.
 
     Args:
         problem: The problem, with the noise and the outliers of the fit's end.
         theta: Fit coordinates θ (n,) there [-].
-        covariance: Covariance (n, n) of the fit coordinates [-].
+        covariance: Covariance (n, n) of the fit coordinates, as independent residuals have it [-].
         placed: The model whose c coefficients depend on the parameter.
         by_parameter: Derivatives (S, c) of its coefficients by the parameter [SI per its unit].
+        inflation: Factor on variances, as neighbouring residuals are alike [-].
 
     Returns:
         The change; None where the data say nothing of it.
     """
     weight = np.where(problem.used, problem.weight(np.abs(problem.model(theta)), 0.0), 0.0)
     own, mixed, slope = 0.0, np.zeros(theta.size), 0.0
+    gradient = linearised_gaps(problem.gaps, theta)[1] - problem.coordinates.prior.pull(theta)  # what the fit's end has left
     for found in problem.linear_phasors(theta):
         rows, residual = found.weighted(problem.measurement.phasor, weight)
         by_coefficient = found.sensitivity.by_coefficient[list(placed.coefficients)]
@@ -80,6 +91,9 @@ def omitted_parameter(
         own += float(parts @ parts)
         mixed += rows @ parts
         slope += float(parts @ residual)
+        gradient += rows @ residual
     answer = -covariance @ mixed
     left = own + float(mixed @ answer)
-    return None if left <= SEEN * own else OmittedParameter(slope / left, 1.0 / math.sqrt(left), answer)
+    if left <= SEEN * own:
+        return None
+    return OmittedParameter((slope + float(answer @ gradient)) / left, math.sqrt(inflation / left), answer)

@@ -13,13 +13,16 @@ LARGEST_SCORE = 3.3
 """Largest score in standard deviations [-]: 1 of 1000 is larger where viscosity is the same at every speed."""
 
 
-def viscosity_trend(problem: FitProblem, found: FitResult, covariance: Floats) -> OmittedParameter | None:
+def viscosity_trend(
+    problem: FitProblem, found: FitResult, covariance: Floats, *, inflation: float = 1.0
+) -> OmittedParameter | None:
     """Estimate the exponent t of a viscosity in proportion to (speed)⁻ᵗ that the residuals of a fit without it ask for.
 
     Args:
         problem: The fit's problem.
         found: The fit.
-        covariance: Covariance (n, n) of the fit coordinates [-].
+        covariance: Covariance (n, n) of the fit coordinates, as independent residuals have it [-].
+        inflation: Factor on variances, as neighbouring residuals are alike [-].
 
     Returns:
         The exponent [-]; None where no coefficients follow from films, or the data say nothing of it.
@@ -31,7 +34,8 @@ def viscosity_trend(problem: FitProblem, found: FitResult, covariance: Floats) -
     for placed in problem.coordinates.models:
         if isinstance(placed.curves, FilmCurves):
             by_exponent = placed.curves.viscosity_trend(placed.own(found.theta))
-            return omitted_parameter(with_fitted_noise(problem, found), found.theta, covariance, placed, by_exponent)
+            final = with_fitted_noise(problem, found)
+            return omitted_parameter(final, found.theta, covariance, placed, by_exponent, inflation=inflation)
     return None
 
 

@@ -26,13 +26,18 @@ MARGIN = 2.0
 """Factor on the likeliest size by which intervals widen [-]: films off by one table deviate alike, those looked for do not."""
 
 
-def judge_sharp_deviations(problem: FitProblem, found: FitResult, covariance: Floats) -> FormVerdict:
+def judge_sharp_deviations(
+    problem: FitProblem, found: FitResult, covariance: Floats, *, inflation: float = 1.0
+) -> FormVerdict:
     """Judge whether films deviate sharply over speed (Kennedy and O'Hagan 2001; module's docstring).
+
+    They are refused where the likeliest size is more than the document says, and far likelier than what it says.
 
     Args:
         problem: The fit's problem.
         found: The fit.
-        covariance: Covariance (n, n) of the fit coordinates without such deviations [-].
+        covariance: Covariance (n, n) of the fit coordinates without such deviations, as independent residuals have it [-].
+        inflation: Factor on variances, as neighbouring residuals are alike [-].
 
     Returns:
         The verdict, with the covariance as it is where there are none, or no films.
@@ -49,26 +54,28 @@ def judge_sharp_deviations(problem: FitProblem, found: FitResult, covariance: Fl
         return FormVerdict(covariance)
     final, owners = with_fitted_noise(problem, found), _owners(problem, placed, stated)
     size, evidence, length, deviations = max(
-        (_sought(final, found, covariance, owners, length) for length in LENGTHS), key=lambda one: one[1]
+        (_sought(final, found, covariance, owners, length, inflation) for length in LENGTHS), key=lambda one: one[1]
     )
     if evidence <= SIGNIFICANT:
         return FormVerdict(covariance)
     told = f"by about {100 * size:.2g} % from one {100 * length:.0f} % of the speed range to the next"
-    if size > max(stated):
+    whole = deviations.widened(covariance, MARGIN * size)
+    if size > max(stated) and evidence - deviations.ratio(max(stated)) > SIGNIFICANT:
         words = f"oil films deviate from their model {told}: more than the document says (discrepancy)"
-        return FormVerdict(covariance, words)
+        return FormVerdict(whole, words)
     remark = f"; oil films deviate from their model more sharply over speed than it allows for, {told}: intervals are widened"
-    return FormVerdict(deviations.widened(covariance, MARGIN * size), remark=remark)
+    return FormVerdict(whole, remark=remark)
 
 
 def _sought(
-    problem: FitProblem, found: FitResult, covariance: Floats, owners: Owners, length: float
+    problem: FitProblem, found: FitResult, covariance: Floats, owners: Owners, length: float, inflation: float
 ) -> tuple[float, float, float, CoefficientDeviations]:
     """Return the likeliest size of deviations that stay alike over a length, its evidence, that length, and they."""
     speed = problem.measurement.speed
     shapes = DeviationShapes(float(speed.min()), float(speed.max()), length=length)
     nothing = np.zeros((found.theta.size, (int(owners.max()) + 1) * shapes.count))
     deviations = CoefficientDeviations.of(problem, found, covariance, shapes=shapes, owners=owners, at=nothing)
+    deviations = deviations.inflated(inflation)
     return (*deviations.likeliest(), length, deviations)
 
 

@@ -4,7 +4,8 @@ A document that is stored already is read whatever its size, so that nothing is 
 
 The cost model. A fit of S samples keeps the shafts' dynamic stiffness at the r plane degrees of freedom at which parts sit,
 for either sense of whirl: 2 · 16 S r² bytes; and of a block of 256 samples the derivatives of m probes by n real unknowns and
-K coefficients: 48 · 256 m (n + K), and the system over both planes: 64 · 256 (2r)². One evaluation takes some S (4 n² m + 16/3
+K coefficients: 48 · 256 m (n + K), and the system over both planes: 64 · 256 (2r)²; where there are films,
+the derivatives by their sharp deviations, up to 2.1 for each unknown: 33 · 256 m n. One evaluation takes some S (4 n² m + 16/3
 (2r)³ + 32 r m K) operations, and a fit some tens of them. A document is taken while both stay within the bounds below for 500
 samples; of a large one, samples are thinned out to as many as do. How many of them a fit takes depends on the data: a worker's
 own limits of time and memory hold beside these bounds.
@@ -81,6 +82,7 @@ class DocumentSize:
         """Return the most samples of one fit; fewer than FEWEST_SAMPLES where the document is too large."""
         n, m, k, r = self.unknowns, self.probes, self.coefficients, self.places
         held = 48 * BLOCK * m * (n + k) + 64 * BLOCK * (2 * r) ** 2
+        held += 33 * BLOCK * m * n if self.pads else 0
         by_memory = (MEMORY - held) / (32 * r**2)
         by_time = OPERATIONS / (4 * n**2 * m + 16 / 3 * (2 * r) ** 3 + 32 * r * m * k)
         return max(0, int(min(by_memory, by_time)))

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estimator.alignment.run_likelihood import run_likelihood
+from estimator.alignment.run_likelihood import run_likelihood, taken_off
 from tests.estimator.alignment.drawn_runs import COORDINATES, drawn_machine, fitted
 
 FEW = 60
@@ -30,6 +30,30 @@ def test_a_widened_fit_has_its_prior_widened_with_it() -> None:
     plain, widened = run_likelihood(one), run_likelihood(replace(one, covariance=2.0 * one.covariance))
     size = np.sqrt(np.diag(plain.information))
     assert widened.information / np.outer(size, size) == pytest.approx(plain.information / np.outer(size, size) / 2, abs=1e-6)
+
+
+@pytest.mark.parametrize("factor", [1.0, 2.0])
+def test_a_fit_widened_in_one_direction_beyond_its_prior_has_its_prior_taken_off_in_the_others(factor: float) -> None:
+    """Ten runs and the prior: of what it alone holds they say nothing, and the direction widened is where it was before."""
+    rng = np.random.default_rng(3)
+    size, seen = 40, 10
+    spread = np.exp(rng.standard_normal(size))
+    precision = np.diag(spread**-2)
+    root = np.linalg.cholesky(precision)
+    basis = np.linalg.qr(rng.standard_normal((size, size)))[0]
+    known = np.where(np.arange(size) < seen, 0.01, 1.0)  # variance over the prior's
+    ways = np.linalg.inv(root.T) @ basis
+    covariance = factor * (ways * known @ ways.T)
+    widened = covariance + 5.0 * np.outer(ways[:, 0], ways[:, 0])
+    taken, pulling = taken_off(widened, precision)
+    information = np.linalg.inv(widened) - taken
+    among = np.linalg.inv(precision + 10 * information)
+    said = ways.T @ precision @ among @ precision @ ways  # in the prior's units
+    expected = np.where(np.arange(size) < seen, 1.0 / (1.0 + 10 * (99.0 / factor)), 1.0)
+    expected[0] = 1.0
+    assert np.diag(said) == pytest.approx(expected, rel=1e-6)
+    assert (information + pulling) @ ways[:, 0] == pytest.approx(np.zeros(size), abs=1e-6)
+    assert pulling @ ways[:, 1] == pytest.approx(precision @ ways[:, 1] / factor)
 
 
 def test_what_varies_from_run_to_run_is_seen_less_sharply() -> None:

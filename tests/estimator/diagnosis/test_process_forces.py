@@ -73,6 +73,19 @@ def test_a_force_varies_from_run_to_run_by_a_part_of_what_is_stated_of_it() -> N
         assert spread == pytest.approx(variation.process_force * SPREAD)  # more than the force of 500 N itself
 
 
+def test_each_component_varies_by_what_is_stated_of_itself() -> None:
+    """A heavy load that is known does not make the small one across it vary as much."""
+    said = motor_compressor_document("flexible")
+    for bearing in said["bearings"]:
+        bearing["speed_dependence"] = {"form": "journal"}
+    known = {"force_x": 30.0, "force_x_spread": 50.0, "force_y": -4000.0, "force_y_spread": 100.0}
+    coordinates = expected_model(parse_machine(with_force(said, **known))).coordinates_at(np.ones(1))
+    spread = coordinate_scales(coordinates, coordinates.point(coordinates.centre)).own(HealthyVariation(process_force=0.1))
+    for name, size in (("static_load.gear.force_x", 50.0), (FORCE_Y, 4000.0)):
+        place = coordinates.names.index(name)
+        assert spread[place] * coordinates.unit[place] == pytest.approx(0.1 * size)
+
+
 def test_runs_whose_force_varies_as_stated_are_no_finding_and_more_stated_variation_hides_more() -> None:
     rng = np.random.default_rng(8)
     stated = HealthyVariation(process_force=0.15)

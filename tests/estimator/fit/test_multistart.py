@@ -6,9 +6,13 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from estimator.fit import maximum_likelihood
 from estimator.fit.identification import Options
 from estimator.fit.identify import identify
+from estimator.fit.multistart import best_fit
 from estimator.fit.problem import fit_problem as fit_module
+from estimator.fit.problem.fit_problem import FitResult
+from estimator.fit.problem_setup import fit_problem
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.elimination import SingularCondensation
@@ -70,3 +74,28 @@ def test_an_optimum_that_was_reached_once_is_said_to_be_open(train: Machine, mea
     found = identify(train, few, Options(starts=1))
     assert found.accepted
     assert "the best of 1 starts was reached once only: whether there is a better one is open" in found.verdict
+
+
+def test_a_fit_that_stays_unfinished_does_not_stop_the_other_starts(train: Machine, measured: Measurement) -> None:
+    problem = fit_problem(train, measured, robust=True)
+    judged: list[FitResult] = []
+
+    def second(found: FitResult) -> bool:
+        judged.append(found)
+        return len(judged) == 2
+
+    found = best_fit(problem, starts=3, seed=0, good=second, unfinished=lambda _: not judged)
+    assert found.starts == 2
+    assert found.fit is judged[1]
+    assert best_fit(problem, starts=2, seed=0, good=lambda _: False, unfinished=lambda _: True).starts == 2
+
+
+def test_a_beginning_that_leads_to_no_end_is_followed_by_other_starts(
+    train: Machine, measured: Measurement, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    once = identify(train, measured)
+    monkeypatch.setattr(maximum_likelihood, "STAGE_ITERATIONS", (40, 40, 0))
+    monkeypatch.setattr(maximum_likelihood, "STAGES", ((0.5, 40), (0.05, 40), (0.0, 0)))
+    found = identify(train, measured, Options(starts=2), beginning=once.point)
+    assert found.verdict.startswith("not converged")
+    assert found.starts == 2

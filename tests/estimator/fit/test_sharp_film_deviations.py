@@ -8,6 +8,7 @@ import pytest
 from estimator.bearings.deviation_shapes import DeviationShapes
 from estimator.fit import conclusion
 from estimator.fit.form_discrepancy import FormVerdict
+from estimator.fit.goodness_of_fit import VerdictRemark
 from estimator.fit.identification import Identification, Options
 from estimator.fit.identify import identify
 from estimator.machine.document import parse_machine
@@ -20,6 +21,8 @@ from tests.film_plant.scores import film_truths, score
 
 OFTEN = 0.1
 """Correlation length of sharp deviations as a part of the speed range [-]."""
+STATED = 0.0102
+"""Discrepancy that a document states, a little less than the likeliest [-]."""
 WORDS = "more sharply over speed than it allows for"
 
 
@@ -59,7 +62,7 @@ def test_films_of_any_bore_that_are_off_here_and_there_are_refused_or_have_inter
 def test_they_are_wider_than_without_that_judgement(monkeypatch: pytest.MonkeyPatch) -> None:
     plant = plant_of("plain", 101, 0.01)
     found = identified(plant, 101)
-    monkeypatch.setattr(conclusion, "judge_sharp_deviations", lambda problem, fit, covariance: FormVerdict(covariance))  # noqa: ARG005
+    monkeypatch.setattr(conclusion, "judge_sharp_deviations", lambda problem, fit, covariance, **_: FormVerdict(covariance))  # noqa: ARG005
     before = identified(plant, 101)
     assert WORDS not in before.verdict
     ratio = np.sqrt(np.diag(found.covariance) / np.diag(before.covariance))
@@ -73,10 +76,32 @@ def test_films_that_are_off_by_more_than_the_document_says_are_refused(monkeypat
     plant = plant_of("plain", 101, 0.01)
     machine = parse_machine(film_document(plant, discrepancy=0.005))
     monkeypatch.setattr(conclusion, "excessive_deviations", lambda *_: "")
-    monkeypatch.setattr(conclusion, "viscosity_trend", lambda *_: None)
+    monkeypatch.setattr(conclusion, "viscosity_trend", lambda *_, **__: None)
     found = identify(machine, measured(plant, seed=101), Options(starts=3))
     assert not found.accepted
     assert "more than the document says (discrepancy)" in found.verdict
+    monkeypatch.setattr(conclusion, "judge_sharp_deviations", lambda problem, fit, covariance, **_: FormVerdict(covariance))  # noqa: ARG005
+    before = identify(machine, measured(plant, seed=101), Options(starts=3))
+    ratio = np.sqrt(np.diag(found.covariance) / np.diag(before.covariance))
+    assert ratio.min() > 1.0 - 1e-9
+    assert np.median(ratio[["unbalance" in name for name in found.coordinates]]) > 1.1  # a diagnosis still counts it
+
+
+def test_films_that_the_data_hardly_tell_from_what_the_document_says_are_not_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The likeliest size is above the stated one, which is nearly as likely."""
+    plant = plant_of("plain", 101, 0.01)
+    monkeypatch.setattr(conclusion, "excessive_deviations", lambda *_: "")
+    monkeypatch.setattr(conclusion, "viscosity_trend", lambda *_, **__: None)
+    found = identify(parse_machine(film_document(plant, discrepancy=STATED)), measured(plant, seed=101), Options(starts=3))
+    assert found.accepted, found.verdict
+    size = float(found.verdict.split("than it allows for, by about ")[1].split(" %")[0]) / 100
+    assert size > STATED
+
+
+def test_residuals_that_are_alike_show_deviations_less(monkeypatch: pytest.MonkeyPatch) -> None:
+    plant = plant_of("plain", 101, 0.01)
+    monkeypatch.setattr(conclusion, "remark", lambda *_: VerdictRemark("", 30.0))
+    assert WORDS not in identified(plant, 101).verdict
 
 
 @pytest.mark.parametrize("seed", [1, 5])

@@ -1,5 +1,6 @@
 """Tests how large a machine document may be where it enters, and that one that is stored already is read all the same."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +15,7 @@ from estimator.machine.document_size import (
     LARGEST_ELEMENTS,
     LARGEST_PADS,
     LARGEST_SECTIONS,
+    DocumentSize,
     accepted,
     accepted_machine,
     document_size,
@@ -201,3 +203,9 @@ def test_films_that_no_coefficients_follow_from_are_not_counted() -> None:
     for bearing in document["bearings"]:
         bearing["speed_dependence"] = None
     assert document_size(accepted_machine(document)).pads == 0
+
+
+def test_sharp_deviations_of_films_take_memory() -> None:
+    known = DocumentSize(sections=10, elements=20, modes=5, coefficients=64, unknowns=480, probes=172, places=60, pads=0)
+    assert known.samples > FEWEST_SAMPLES
+    assert replace(known, pads=4).samples < FEWEST_SAMPLES
