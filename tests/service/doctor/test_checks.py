@@ -21,7 +21,7 @@ from storage.database.engine import Database
 from storage.machines import machines
 from tests.conftest import Stores
 from tests.databases import Databases
-from tests.end_to_end.processes import ROOT, Service, rundown, until
+from tests.end_to_end.processes import ROOT, START_TIMEOUT_S, Service, rundown, until
 from tests.plant import document, machine, sqlite_url
 from tests.ports import free_port
 
@@ -212,7 +212,7 @@ def test_a_service_over_tls_is_found_to_answer(tmp_path: Path, made: Callable[[P
             assert started.poll() is None, service.log.read_text()
             return "ready: https" in service.log.read_text()
 
-        until(ready, within_s=30, what="the service is ready")
+        until(ready, within_s=START_TIMEOUT_S, what="the service is ready")
         chosen = settings(service, tls_certificate=str(certificate), tls_key=str(key))
         until(lambda: "does not answer: [Errno" not in found(chosen)["API"][1], within_s=20, what="it listens")
         told = found(chosen)
