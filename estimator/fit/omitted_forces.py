@@ -2,8 +2,8 @@
 
 A process force that is stated wrongly loads the films otherwise than they are; a fit bends clearances, elevations and
 viscosities until the data are met. The score of each component shows it (Rao, Proc. Camb. Phil. Soc. 44 (1948) 50,
-doi:10.1017/S0305004100023987; `omitted_parameter`): a large one refuses the fit, a smaller one widens its intervals. The limits
-follow the number of components, so that their chances are those of all together.
+doi:10.1017/S0305004100023987; `omitted_parameter`): a large one refuses the fit, a smaller one widens its intervals.
+The limits follow the number of components, so that their chances are those of all together.
 """
 
 from collections.abc import Iterator
