@@ -10,7 +10,7 @@ depends_on = None
 
 
 def upgrade() -> None:
-    op.add_column("identifications", sa.Column("load_balance", sa.Integer(), nullable=True))
+    op.add_column("identifications", sa.Column("load_balance", sa.BigInteger(), nullable=True))
 
 
 def downgrade() -> None:
