@@ -233,6 +233,7 @@ def _routes() -> list[BaseRoute]:
     router = APIRouter()
     # The most frequent first: a request is matched against the routes in this order.
     for part in (
+        health,
         machines,
         fleet,
         trends,
@@ -266,7 +267,6 @@ def _routes() -> list[BaseRoute]:
         limits,
         filed,
         subscriptions,
-        health,
         replicas,
         stages,
         audit,

@@ -1,9 +1,14 @@
 """Classifies host names and URLs by who can reach them and who can eavesdrop."""
 
+import functools
 import ipaddress
 from urllib.parse import urlsplit
 
+KEPT_HOSTS = 256
+"""Hosts whose class is kept: each request names one."""
 
+
+@functools.lru_cache(KEPT_HOSTS)
 def is_loopback(host: str) -> bool:
     """Check whether an address is reachable from this machine only."""
     try:
@@ -12,6 +17,7 @@ def is_loopback(host: str) -> bool:
         return host == "localhost"
 
 
+@functools.lru_cache(KEPT_HOSTS)
 def is_address(host: str) -> bool:
     """Check whether a host is an IP address, not a name."""
     try:

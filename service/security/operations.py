@@ -37,14 +37,16 @@ class Operations:
     ) -> None:
         """Collect the operations. scoped, free: path parameters with and without a plant. Raises Undeclared."""
         self._all = tuple(_operations(app, public, scoped, free))
+        methods = {method for one in self._all for method in one.methods}
+        self._by_method = {method: [one for one in self._all if method in one.methods] for method in methods}
 
     def __iter__(self) -> Iterator[ApiOperation]:
         return iter(self._all)
 
     def find(self, method: str, path: str) -> tuple[ApiOperation, Mapping[str, str]] | None:
         """Return the operation of a request with its path's parameters; the first that matches, as in routing."""
-        for one in self._all:
-            if method in one.methods and (match := one.pattern.match(path)):
+        for one in self._by_method.get(method, ()):
+            if match := one.pattern.match(path):
                 return one, match.groupdict()
         return None
 

@@ -82,7 +82,8 @@ class ResponseCache:
         besides the address, the Accept header and the plants of the client. Raises what `make` raises.
         """
         zipped = takes_gzip(request.headers.get("accept-encoding", ""))
-        asked = (request.url.path, request.url.query, request.headers.get("accept"), zipped, apart, principal(request).plants)
+        path, query = request.scope["path"], request.scope["query_string"]
+        asked = (path, query, request.headers.get("accept"), zipped, apart, principal(request).plants)
         mark = await self._mark(tables)
         kept = self._entries.get(asked)
         if kept is not None and mark is not None and kept.mark == mark and await self._is_late_enough(kept, lately):

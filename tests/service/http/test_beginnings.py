@@ -1,13 +1,14 @@
-"""Requests that come at once begin one by one, clients in turn; who asks whether the service is alive waits for none."""
+"""Slow requests that come at once begin one by one, clients in turn; who asks whether the service is alive waits for none."""
 
 import asyncio
 import concurrent.futures
+import time
 from collections.abc import Callable, Coroutine
 from typing import Any
 
 from starlette.types import Message, Receive, Scope, Send
 
-from service.http.beginnings import Beginnings
+from service.http.beginnings import AT_ONCE_S, Beginnings
 
 Ask = Callable[[Scope], Coroutine[Any, Any, None]]
 
@@ -24,12 +25,13 @@ async def send(_message: Message) -> None:
     raise AssertionError
 
 
-def begun(attack: Callable[[Ask], Coroutine[Any, Any, None]]) -> list[Scope]:
-    """The requests of an attack in the order in which they began."""
+def begun(attack: Callable[[Ask], Coroutine[Any, Any, None]], *, holding_s: float = 2 * AT_ONCE_S) -> list[Scope]:
+    """The requests of an attack in the order in which they began; each holds the event loop for so long."""
     order: list[Scope] = []
 
     async def app(scope: Scope, _receive: Receive, _send: Send) -> None:
         order.append(scope)
+        time.sleep(holding_s)
 
     one = Beginnings(app, at_once={"/alive"})
     asyncio.run(_run(attack(lambda scope: one(scope, receive, send))))
@@ -40,7 +42,8 @@ async def _run(one: Coroutine[Any, Any, None]) -> None:
     await asyncio.wait_for(one, 20)
 
 
-def test_others_are_served_between_two_of_many_that_came_at_once() -> None:
+def most_between(*, holding_s: float) -> int:
+    """Return how many of 40 requests began at most before others were served."""
     between = list[int]()
 
     async def attack(ask: Ask) -> None:
@@ -60,8 +63,16 @@ def test_others_are_served_between_two_of_many_that_came_at_once() -> None:
                 between.append(began - before)
                 before = began
 
-    assert len(begun(attack)) == 40
-    assert max(between) == 1
+    assert len(begun(attack, holding_s=holding_s)) == 40
+    return max(between)
+
+
+def test_others_are_served_between_two_of_many_that_came_at_once() -> None:
+    assert most_between(holding_s=2 * AT_ONCE_S) == 1
+
+
+def test_quick_ones_begin_together() -> None:
+    assert max(most_between(holding_s=0.0) for _ in range(5)) > 1
 
 
 def test_clients_take_turns_and_life_is_told_at_once() -> None:
