@@ -18,25 +18,28 @@ estimator/phasors: estimator estimator/machine estimator/modes estimator/rotor
 estimator/statics: estimator estimator/bearings estimator/films estimator/machine estimator/modes estimator/rotor
 estimator/fit/problem: estimator estimator/bearings estimator/machine estimator/phasors estimator/rotor
     estimator/statics
-estimator/fit: estimator estimator/bearings estimator/fit/problem estimator/machine estimator/modes estimator/phasors
-    estimator/rotor estimator/statics
+estimator/fit/optimisation: estimator estimator/fit/problem estimator/machine estimator/phasors estimator/rotor
+estimator/fit/validation: estimator estimator/bearings estimator/fit/optimisation estimator/fit/problem
+    estimator/machine estimator/modes estimator/rotor estimator/statics
+estimator/fit: estimator estimator/bearings estimator/fit/optimisation estimator/fit/problem estimator/fit/validation
+    estimator/machine estimator/phasors estimator/rotor estimator/statics
 estimator/runs: estimator estimator/machine estimator/phasors
 estimator/thesis: estimator estimator/bearings estimator/machine estimator/modes estimator/phasors estimator/rotor
 estimator/simulation: estimator estimator/bearings estimator/machine estimator/phasors estimator/rotor estimator/runs
     estimator/statics estimator/trends
 estimator/updated_model: estimator estimator/bearings estimator/fit estimator/fit/problem estimator/machine
     estimator/modes estimator/phasors estimator/rotor estimator/statics
-estimator/calibration: estimator estimator/fit estimator/fit/problem estimator/machine estimator/phasors estimator/rotor
-    estimator/updated_model
-estimator/alignment: estimator estimator/bearings estimator/fit estimator/fit/problem estimator/machine
-    estimator/statics estimator/updated_model
-estimator/diagnosis: estimator estimator/alignment estimator/fit estimator/fit/problem estimator/machine estimator/rotor
-    estimator/statics estimator/trends estimator/updated_model
-estimator/identification: estimator estimator/fit estimator/fit/problem estimator/machine estimator/modes
-    estimator/phasors estimator/rotor estimator/updated_model
+estimator/calibration: estimator estimator/fit estimator/fit/optimisation estimator/fit/problem estimator/fit/validation
+    estimator/machine estimator/phasors estimator/rotor estimator/updated_model
+estimator/alignment: estimator estimator/bearings estimator/fit estimator/fit/problem estimator/fit/validation
+    estimator/machine estimator/statics estimator/updated_model
+estimator/diagnosis: estimator estimator/alignment estimator/fit estimator/fit/problem estimator/fit/validation
+    estimator/machine estimator/rotor estimator/statics estimator/trends estimator/updated_model
+estimator/identification: estimator estimator/fit estimator/fit/optimisation estimator/fit/problem estimator/machine
+    estimator/modes estimator/phasors estimator/rotor estimator/updated_model
 storage:
 storage/tables:
-storage/encoding: estimator estimator/fit estimator/phasors
+storage/encoding: estimator estimator/fit/validation estimator/phasors
 storage/database: estimator storage storage/encoding storage/tables
 storage/machines: estimator estimator/machine estimator/phasors storage storage/database storage/tables
 storage/measurements: estimator estimator/phasors estimator/runs storage storage/encoding storage/tables

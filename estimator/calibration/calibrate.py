@@ -16,10 +16,10 @@ from estimator.calibration.undetermined import distinct_speeds, freed
 from estimator.calibration.variance_components import ScatterModel, ScatterSizes
 from estimator.calibration.weights_in_step import doubt_of_weights
 from estimator.calibration.wrong_senses import explaining_senses
-from estimator.fit.goodness_of_fit import LARGEST_ESTIMATED_NOISE
-from estimator.fit.maximum_likelihood import descend
-from estimator.fit.multistart import FitFailed, best_fit
+from estimator.fit.optimisation.maximum_likelihood import descend
+from estimator.fit.optimisation.multistart import FitFailed, best_fit
 from estimator.fit.problem.coordinates import Coordinates
+from estimator.fit.validation.goodness_of_fit import LARGEST_ESTIMATED_NOISE
 from estimator.machine.calibration import Calibration, CalibrationRunRecord, ChannelScatter, MountingSpread
 from estimator.machine.document import Machine
 from estimator.machine.rules import Noise

@@ -8,7 +8,7 @@ import numpy as np
 
 from estimator.alignment.film_loads import HIGHEST_PRESSURE, FilmLoad
 from estimator.diagnosis.observation import Observation
-from estimator.fit.goodness_of_fit import LARGEST_OUTLIER_PART, accepted
+from estimator.fit.validation.goodness_of_fit import LARGEST_OUTLIER_PART, accepted
 from estimator.machine.parameter_description import describe
 
 LOST = 0.1

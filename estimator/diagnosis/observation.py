@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.fit.channel_sensitivity import ChannelEffects
+from estimator.fit.validation.channel_sensitivity import ChannelEffects
 from estimator.trends.parameter_vector import Point
 
 if TYPE_CHECKING:

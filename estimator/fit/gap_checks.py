@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.fit.goodness_of_fit import accepted, judge
-from estimator.fit.maximum_likelihood import fit
+from estimator.fit.optimisation.maximum_likelihood import fit
+from estimator.fit.optimisation.reweighting import with_fitted_noise
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.problem.gap_rows import ChannelGaps, GapRows, gap_rows, seen_noise
-from estimator.fit.reweighting import with_fitted_noise
+from estimator.fit.validation.goodness_of_fit import accepted, judge
 from estimator.units import METRES, rad_per_s_to_rpm
 
 LARGEST_JUMP = 1e-5

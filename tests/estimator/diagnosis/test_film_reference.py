@@ -16,7 +16,7 @@ from estimator.diagnosis.finding_kind import BaselineValues, Cause
 from estimator.diagnosis.finding_kinds import finding_kind
 from estimator.diagnosis.observation import Observation, ObservedFit
 from estimator.diagnosis.run_windows import RunWindows
-from estimator.fit.channel_sensitivity import ChannelEffects
+from estimator.fit.validation.channel_sensitivity import ChannelEffects
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.document import Machine, parse_machine
 from estimator.machine.under_conditions import under_conditions

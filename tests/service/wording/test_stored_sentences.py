@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from estimator.fit.goodness_of_fit import Verdict
+from estimator.fit.validation.goodness_of_fit import Verdict
 from estimator.phasors.quality import Flag
 from service.alerts import transitions
 from service.wording.english import ENGLISH_SENTENCES

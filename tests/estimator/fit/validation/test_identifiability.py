@@ -2,10 +2,10 @@
 
 import numpy as np
 
-from estimator.fit.identifiability import reasons_for
 from estimator.fit.identify import identify
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
+from estimator.fit.validation.identifiability import reasons_for
 from estimator.machine.document import Machine, parse_machine
 from estimator.machine.rules import Noise
 from estimator.phasors.measurement import Measurement

@@ -17,10 +17,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.fit.nuisance_parameters import counted_by_effect
+from estimator.fit.optimisation.nuisance_parameters import counted_by_effect
+from estimator.fit.optimisation.reweighting import is_unchanged, with_estimated_noise, without_outliers
 from estimator.fit.problem.fit_problem import FitProblem, FitResult, best_excitations
 from estimator.fit.problem.gap_rows import gap_cost
-from estimator.fit.reweighting import is_unchanged, with_estimated_noise, without_outliers
 from estimator.phasors.noise import outlier_limit
 from estimator.rotor.elimination import SingularCondensation
 

@@ -13,10 +13,10 @@ import scipy
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
-from estimator.fit.maximum_likelihood import CURVED, bent, descend
+from estimator.fit.optimisation.maximum_likelihood import CURVED, bent, descend
+from estimator.fit.optimisation.reweighting import with_fitted_noise
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
-from estimator.fit.reweighting import with_fitted_noise
 from estimator.machine.document import Machine
 from estimator.machine.scaled_materials import with_scaled_materials
 from estimator.modes.eigenmodes import Modes, damping_ratio, eigenvalue_slopes, log_decrement

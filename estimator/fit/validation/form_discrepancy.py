@@ -14,10 +14,10 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.bearings.deviation_shapes import DeviationShapes
-from estimator.fit.coefficient_deviations import CoefficientDeviations, Owners, direct_sizes
-from estimator.fit.goodness_of_fit import Verdict
+from estimator.fit.optimisation.reweighting import with_fitted_noise
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
-from estimator.fit.reweighting import with_fitted_noise
+from estimator.fit.validation.coefficient_deviations import CoefficientDeviations, Owners, direct_sizes
+from estimator.fit.validation.goodness_of_fit import Verdict
 
 SIGNIFICANT = 4.0
 """Twice the logarithm of the likelihood ratio from which on a deviation is believed [-]: 1 in 44 where there is none."""

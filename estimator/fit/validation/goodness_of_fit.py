@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
-from estimator.fit.nuisance_parameters import counted_by_effect, effective_count
+from estimator.fit.optimisation.nuisance_parameters import counted_by_effect, effective_count
+from estimator.fit.optimisation.reweighting import with_fitted_noise
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
-from estimator.fit.reweighting import with_fitted_noise
 
 CHI_SQUARE_LIMIT = 5.0
 """Standard deviations √(2/dof) by which χ²/dof may exceed 1 for a fit with stated noise to be accepted [-]."""

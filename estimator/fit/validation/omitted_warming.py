@@ -5,9 +5,9 @@ exponent t, of a viscosity in proportion to (speed)⁻ᵗ in all films alike, sh
 """
 
 from estimator.arrays import Floats
-from estimator.fit.omitted_parameter import OmittedParameter, omitted_parameter
+from estimator.fit.optimisation.reweighting import with_fitted_noise
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
-from estimator.fit.reweighting import with_fitted_noise
+from estimator.fit.validation.omitted_parameter import OmittedParameter, omitted_parameter
 
 LARGEST_SCORE = 3.3
 """Largest score in standard deviations [-]: 1 of 1000 is larger where viscosity is the same at every speed."""

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import scipy
 
 from estimator.arrays import Floats
-from estimator.fit.form_discrepancy import FormVerdict
-from estimator.fit.omitted_parameter import OmittedParameter, omitted_parameter
+from estimator.fit.optimisation.reweighting import with_fitted_noise
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
-from estimator.fit.reweighting import with_fitted_noise
+from estimator.fit.validation.form_discrepancy import FormVerdict
+from estimator.fit.validation.omitted_parameter import OmittedParameter, omitted_parameter
 
 REFUSED_CHANCE = 0.01
 """Chance of scores so large where all forces are as stated beneath which a fit is refused [-]: 2.6 standard deviations for one

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.fit.maximum_likelihood import FINAL_PASSES, STAGE_MISFITS, fit
+from estimator.fit.optimisation.maximum_likelihood import FINAL_PASSES, STAGE_MISFITS, fit
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem, FitResult, best_excitations
 

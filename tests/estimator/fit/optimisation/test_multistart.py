@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from estimator.fit import maximum_likelihood
 from estimator.fit.identification import Options
 from estimator.fit.identify import identify
-from estimator.fit.multistart import best_fit
+from estimator.fit.optimisation import maximum_likelihood
+from estimator.fit.optimisation.multistart import best_fit
 from estimator.fit.problem import fit_problem as fit_module
 from estimator.fit.problem.fit_problem import FitResult
 from estimator.fit.problem_setup import fit_problem

@@ -7,10 +7,10 @@ import pytest
 
 from estimator.bearings.deviation_shapes import DeviationShapes
 from estimator.fit import conclusion
-from estimator.fit.form_discrepancy import FormVerdict
-from estimator.fit.goodness_of_fit import VerdictRemark
 from estimator.fit.identification import Identification, Options
 from estimator.fit.identify import identify
+from estimator.fit.validation.form_discrepancy import FormVerdict
+from estimator.fit.validation.goodness_of_fit import VerdictRemark
 from estimator.machine.document import parse_machine
 from tests.film_plant.discrepancy import DiscrepancySize
 from tests.film_plant.documents import film_document, measured

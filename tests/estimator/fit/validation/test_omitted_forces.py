@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 
 from estimator.arrays import Floats
-from estimator.fit import omitted_forces
-from estimator.fit.maximum_likelihood import fit
-from estimator.fit.omitted_forces import DOUBTFUL_CHANCE, REFUSED_CHANCE, judge_exact_forces, largest_score
-from estimator.fit.omitted_parameter import OmittedParameter
+from estimator.fit.optimisation.maximum_likelihood import fit
 from estimator.fit.problem.fit_problem import FitProblem, FitResult, best_excitations
 from estimator.fit.problem_setup import fit_problem
+from estimator.fit.validation import omitted_forces
+from estimator.fit.validation.omitted_forces import DOUBTFUL_CHANCE, REFUSED_CHANCE, judge_exact_forces, largest_score
+from estimator.fit.validation.omitted_parameter import OmittedParameter
 from estimator.machine.document import parse_machine
 from tests.estimator.statics.test_process_forces import FORCE_Y, with_force
 from tests.film_plant.discrepancy import DiscrepancySize

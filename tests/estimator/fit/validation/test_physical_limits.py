@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from estimator.fit.identify import identify
-from estimator.fit.physical_limits import LeastDampedMode, PhysicalLimits
 from estimator.fit.problem.coordinates import Coordinates
+from estimator.fit.validation.physical_limits import LeastDampedMode, PhysicalLimits
 from estimator.machine.document import Machine, parse_machine
 from estimator.modes.eigenmodes import eigenvalues
 from estimator.phasors.measurement import Measurement

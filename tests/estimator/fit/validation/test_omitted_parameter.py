@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from estimator.arrays import Floats
-from estimator.fit.maximum_likelihood import fit
-from estimator.fit.omitted_parameter import OmittedParameter, omitted_parameter
+from estimator.fit.optimisation.maximum_likelihood import fit
+from estimator.fit.optimisation.reweighting import with_fitted_noise
 from estimator.fit.problem.fit_problem import best_excitations
 from estimator.fit.problem_setup import fit_problem
-from estimator.fit.reweighting import with_fitted_noise
+from estimator.fit.validation.omitted_parameter import OmittedParameter, omitted_parameter
 from estimator.machine.document import parse_machine
 from estimator.statics.film_curves import FilmCurves
 from tests.estimator.statics.test_process_forces import with_force

@@ -13,11 +13,11 @@ from estimator.arrays import Floats
 from estimator.bearings.deviation_shapes import DeviationShapes
 from estimator.bearings.journal import DEVIATING
 from estimator.bearings.terms import LATERAL
-from estimator.fit.coefficient_deviations import CoefficientDeviations, Owners
-from estimator.fit.form_discrepancy import SIGNIFICANT, FormVerdict
+from estimator.fit.optimisation.reweighting import with_fitted_noise
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.problem.placed_models import PlacedModel
-from estimator.fit.reweighting import with_fitted_noise
+from estimator.fit.validation.coefficient_deviations import CoefficientDeviations, Owners
+from estimator.fit.validation.form_discrepancy import SIGNIFICANT, FormVerdict
 
 LENGTHS = (0.2, 0.1)
 """Distances over which a sharp deviation stays alike, as parts of the speed range [-]: a half and a quarter of smooth."""

@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
+from estimator.fit.optimisation.reweighting import with_fitted_noise
 from estimator.fit.problem.channel_coordinates import ChannelCoordinates
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
-from estimator.fit.reweighting import with_fitted_noise
 from estimator.machine.document import Machine
 from estimator.machine.parameter_description import COMPONENTS, ROTATING_ERRORS, describe
 from estimator.machine.parts import RotatingError

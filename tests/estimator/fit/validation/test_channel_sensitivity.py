@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from estimator.fit.channel_sensitivity import ChannelEffects
 from estimator.fit.identify import identify
+from estimator.fit.validation.channel_sensitivity import ChannelEffects
 from estimator.machine.document import Machine
 from tests.estimator.diagnosis import watched_machine as plant
 

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from estimator.arrays import Floats
+from estimator.fit.optimisation.reweighting import with_fitted_noise
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
-from estimator.fit.reweighting import with_fitted_noise
 from estimator.rotor.elimination import SingularCondensation
 
 ENDS = 2.0
