@@ -77,15 +77,18 @@ service/balancing: estimator estimator/calibration estimator/fit estimator/machi
 service/workers: rotorundown/environment service/configuration service/resilience
 service/edge: estimator estimator/machine estimator/phasors estimator/signal formats/files formats/recordings
     formats/wire service/configuration service/sources storage
-service/monitoring: estimator estimator/alignment estimator/diagnosis estimator/fit estimator/machine estimator/rotor
-    estimator/trends estimator/updated_model service/alerts service/configuration service/replication service/resilience
-    service/wording service/workers storage storage/alerts storage/database storage/findings storage/machines
+service/monitoring/rules: estimator estimator/diagnosis estimator/machine service/alerts service/wording
+service/monitoring/assessment: estimator/alignment estimator/diagnosis estimator/fit estimator/machine estimator/rotor
+    estimator/trends estimator/updated_model service/alerts service/monitoring/rules
+service/monitoring: estimator estimator/diagnosis estimator/fit estimator/machine estimator/rotor estimator/trends
+    service/alerts service/configuration service/monitoring/assessment service/monitoring/rules service/replication
+    service/resilience service/workers storage storage/alerts storage/database storage/findings storage/machines
     storage/measurements storage/tables
-service/advice: estimator estimator/diagnosis formats/files service/alerts service/monitoring service/wording storage
-    storage/alerts storage/tables
-service/delivery: estimator service/advice service/alerts service/configuration service/monitoring service/replication
-    service/resilience service/secrets service/wording storage storage/alerts storage/backup storage/database
-    storage/encoding storage/machines storage/operation storage/tables
+service/advice: estimator estimator/diagnosis formats/files service/alerts service/monitoring/rules service/wording
+    storage storage/alerts storage/tables
+service/delivery: estimator service/advice service/alerts service/configuration service/monitoring/rules
+    service/replication service/resilience service/secrets service/wording storage storage/alerts storage/backup
+    storage/database storage/encoding storage/machines storage/operation storage/tables
 service/runs: estimator estimator/machine estimator/runs service/replication service/resilience storage storage/database
     storage/encoding storage/findings storage/machines storage/measurements storage/tables
 service/security: estimator service/configuration service/http service/resilience service/wording storage
@@ -99,8 +102,9 @@ service/identification: estimator estimator/calibration estimator/fit estimator/
     storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
 service/reports: estimator estimator/alignment estimator/machine estimator/phasors estimator/statics
     estimator/updated_model service/advice service/alerts service/balancing service/configuration service/delivery
-    service/identification service/monitoring service/replication service/resilience service/wording service/workers
-    storage storage/alerts storage/database storage/findings storage/machines storage/measurements storage/tables
+    service/identification service/monitoring service/monitoring/rules service/replication service/resilience
+    service/wording service/workers storage storage/alerts storage/database storage/findings storage/machines
+    storage/measurements storage/tables
 service/journal: estimator estimator/machine formats/wire service/replication service/resilience service/runs
     storage/database storage/encoding storage/machines storage/measurements storage/tables
 service/mqtt: estimator/machine formats/wire service/advice service/alerts service/configuration service/journal
@@ -123,12 +127,13 @@ service/ingest: formats/wire service/journal service/recovery service/replicatio
 service/api/findings: estimator estimator/alignment estimator/calibration estimator/diagnosis estimator/fit
     estimator/machine estimator/modes estimator/phasors estimator/rotor estimator/trends estimator/updated_model
     service/advice service/alerts service/api/cache service/api/conventions service/http service/identification
-    service/monitoring service/security service/wording service/workers storage storage/alerts storage/findings
-    storage/machines storage/tables
+    service/monitoring service/monitoring/assessment service/monitoring/rules service/security service/wording
+    service/workers storage storage/alerts storage/findings storage/machines storage/tables
 service/api/machines: estimator estimator/calibration estimator/machine estimator/phasors estimator/runs
     estimator/updated_model service/alerts service/api/cache service/api/conventions service/balancing service/http
-    service/identification service/monitoring service/reports service/runs service/security service/wording storage
-    storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
+    service/identification service/monitoring service/monitoring/rules service/reports service/runs service/security
+    service/wording storage storage/database storage/encoding storage/findings storage/machines storage/measurements
+    storage/tables
 service/api/trends: estimator estimator/trends estimator/updated_model service/api/cache service/api/conventions
     service/export service/monitoring service/security storage storage/database storage/findings storage/machines
     storage/tables
@@ -148,8 +153,8 @@ service/commands: estimator estimator/calibration estimator/fit estimator/identi
     formats/wire rotorundown rotorundown/environment service/advice service/api service/api/operation service/balancing
     service/commands/results service/configuration service/delivery service/doctor service/edge service/export
     service/http service/identification service/ingest service/journal service/maintenance service/messaging
-    service/monitoring service/mqtt service/opcua service/replication service/reports service/resilience service/runs
-    service/secrets service/security service/sources service/wording service/workers storage storage/backup
+    service/monitoring/rules service/mqtt service/opcua service/replication service/reports service/resilience
+    service/runs service/secrets service/security service/sources service/wording service/workers storage storage/backup
     storage/database storage/encoding storage/machines storage/operation storage/tables
 service: estimator/machine service/alerts service/api/alerts service/api/findings service/api/machines
     service/api/measurements service/api/trends service/commands service/http

@@ -11,8 +11,8 @@ from service.advice.site_texts import SiteTexts
 from service.advice.urgency import urgency
 from service.alerts.advice_message import Action, Advice, Certainty, Figure
 from service.alerts.lifecycle import Severity
-from service.monitoring.finding_catalogue import finding_name, is_finding, told_rule
-from service.monitoring.finding_rules import RATE_RULE
+from service.monitoring.rules.finding_catalogue import finding_name, is_finding, told_rule
+from service.monitoring.rules.finding_rules import RATE_RULE
 from service.wording.finding_texts import FindingTexts
 from service.wording.finding_words import UNITS, compared_words, part_words, rounded, second_order_words, told_parts
 from service.wording.language import ENGLISH, Language

@@ -16,8 +16,8 @@ from typing import Any
 
 from estimator.close_matches import did_you_mean
 from formats.files.document_files import UnreadableFile, read_yaml
-from service.monitoring.finding_catalogue import told_rule
-from service.monitoring.finding_rules import FINDING_RULES, RATE_RULE
+from service.monitoring.rules.finding_catalogue import told_rule
+from service.monitoring.rules.finding_rules import FINDING_RULES, RATE_RULE
 from service.wording.finding_texts import LISTS, MOST_TEXTS, FindingTexts, TextsWrong
 from service.wording.language import ENGLISH, LANGUAGES, Language, Locale
 

@@ -13,7 +13,7 @@ from service.delivery.channel import DeliveryOutcome, EventMessage
 from service.delivery.channel_kind import ChannelKind, Connections
 from service.delivery.cloud_event import event_id
 from service.delivery.daemon_threads import DaemonThreads
-from service.monitoring.finding_catalogue import finding_name
+from service.monitoring.rules.finding_catalogue import finding_name
 from service.wording.language import ENGLISH, Language
 from storage.tables.alerting import SubscriptionRow
 

@@ -1,7 +1,7 @@
 """The assessment as a task of a worker process."""
 
-from service.monitoring.assess import assess
-from service.monitoring.assessment import Assessment, AssessmentContext
+from service.monitoring.assessment.assess import assess
+from service.monitoring.assessment.context import Assessment, AssessmentContext
 from service.workers.time_limit import limited
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from service.alerts.event_message import AlertEvent
-from service.monitoring.finding_catalogue import finding_name
+from service.monitoring.rules.finding_catalogue import finding_name
 from service.reports.contents import ReportContents, ReportedAlert
 from service.reports.page_parts import muted, section, shown_time, table
 from service.wording.language import Language

@@ -10,7 +10,7 @@ from service.alerts.event_message import AlertEvent
 from service.balancing.open_causes import SomethingElseWrong, require_nothing_else
 from service.identification.stored_model import NoModel, identified, used_runs
 from service.monitoring.comparison import compared
-from service.monitoring.finding_catalogue import finding_name
+from service.monitoring.rules.finding_catalogue import finding_name
 from service.reports.contents import (
     PeriodCounts,
     ReportContents,

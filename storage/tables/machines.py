@@ -162,7 +162,7 @@ class LimitsRow(Base):
     machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"), primary_key=True)
     version: Mapped[int] = mapped_column(primary_key=True)
     document: Mapped[dict[str, Any]]
-    """Limits as in `service.monitoring.limits`, complete: later defaults change nothing that was set."""
+    """Limits as in `service.monitoring.rules.limits`, complete: later defaults change nothing that was set."""
     at: Mapped[int]
     by: Mapped[str] = mapped_column(Name(120))
     comment: Mapped[str] = mapped_column(Text)

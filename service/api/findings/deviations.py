@@ -21,12 +21,12 @@ from service.api.conventions.problems import RESPONSES, Unsuitable
 from service.api.conventions.values import time_or_none
 from service.api.findings import deviation_schemas as schemas
 from service.api.findings.evidence import MeanSizeOut
-from service.monitoring.assessment import WEEK
+from service.monitoring.assessment.context import WEEK
 from service.monitoring.comparison import Compared, compared
 from service.monitoring.condition_adjustment import condition_adjustment, points, readings
-from service.monitoring.limit_rule import Level
-from service.monitoring.limits import Limits, deviation_rule, severity_of
 from service.monitoring.limits_in_force import limits_in_force
+from service.monitoring.rules.limit_rule import Level
+from service.monitoring.rules.limits import Limits, deviation_rule, severity_of
 from service.security.requirement import VIEWER
 from service.wording.told_finding import ToldFinding
 from storage.clock import to_datetime

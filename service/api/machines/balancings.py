@@ -36,7 +36,7 @@ from service.balancing.open_causes import require_nothing_else
 from service.balancing.rendering import check_fields, correction_fields, on_scale
 from service.balancing.stored_runs import StoredWeight, balancing_run, read_weights
 from service.identification.stored_model import identified
-from service.monitoring.finding_catalogue import finding_name
+from service.monitoring.rules.finding_catalogue import finding_name
 from service.security.requirement import ANALYST, VIEWER
 from storage.clock import now, to_datetime
 from storage.machines import balancings, machines

@@ -5,7 +5,7 @@ from collections.abc import Iterable
 
 import pytest
 
-from service.monitoring.finding_rules import FINDING_RULES, RATE_RULE
+from service.monitoring.rules.finding_rules import FINDING_RULES, RATE_RULE
 from service.wording.english import ENGLISH_SENTENCES
 from service.wording.finding_texts import LISTS, FindingTexts
 from service.wording.german import GERMAN_SENTENCES

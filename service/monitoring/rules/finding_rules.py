@@ -4,9 +4,9 @@
 `FINDING_KINDS`, which `finding_catalogue.py` requires and looks up.
 """
 
-from service.monitoring.finding_rule import AlertRule, FindingRule
-from service.monitoring.limit_rule import Level, Rule
-from service.monitoring.rotor_findings import ROTOR_FINDINGS
+from service.monitoring.rules.finding_rule import AlertRule, FindingRule
+from service.monitoring.rules.limit_rule import Level, Rule
+from service.monitoring.rules.rotor_findings import ROTOR_FINDINGS
 from service.wording.finding_texts import FindingTexts
 from service.wording.finding_words import (
     alignment_questions,
@@ -90,7 +90,7 @@ RATE_OF_CHANGE = AlertRule(
     quantities=("rate_per_cent_per_week",),
     elements=("bearing", "seal", "pedestal", "coupling", "disc"),
 )
-"""Rule for parameters that drift too fast, whatever the diagnosis: see `service.monitoring.rate_of_change`."""
+"""Rule for parameters that drift too fast, whatever the diagnosis: see `service.monitoring.assessment.rate_of_change`."""
 
 STATED_FILMS = "Whether it is {id} itself or the load on it, where the document does not describe its film by geometry and oil"
 STATED_FILMS_DE = (

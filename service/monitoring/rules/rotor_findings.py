@@ -1,7 +1,7 @@
 """Findings of rotors, probes and the data themselves: alert rules with the sources of their limits, names and texts."""
 
-from service.monitoring.finding_rule import AlertRule, FindingRule
-from service.monitoring.limit_rule import Level, Rule
+from service.monitoring.rules.finding_rule import AlertRule, FindingRule
+from service.monitoring.rules.limit_rule import Level, Rule
 from service.wording.finding_texts import FindingTexts
 from service.wording.finding_words import coupling_run_out_words, run_out_words, sensor_words, size_words, unbalance_words
 from service.wording.repeated_texts import (

@@ -16,7 +16,7 @@ from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe
 from estimator.machine.under_conditions import under_conditions
 from estimator.updated_model.model import UpdatedModel, model_at
-from service.monitoring.assessment import AssessedRun
+from service.monitoring.assessment.context import AssessedRun
 
 UNITS = {"m": ("um", 1e6), "rad": ("urad", 1e6)}
 """Units that people reckon in: their ending of a quantity's name, and how many of them make the SI unit."""

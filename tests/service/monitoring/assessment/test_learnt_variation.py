@@ -5,9 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from service.monitoring import alignment_size
-from service.monitoring.alignment_size import learnt
-from service.monitoring.assessment import WEEK, AssessedRun
+from service.monitoring.assessment.alignment_size import learnt
+from service.monitoring.assessment.context import WEEK, AssessedRun, alignment_size
 from tests.estimator.alignment.drawn_runs import MODEL, drawn_machine, drawn_run, fitted
 from tests.estimator.diagnosis.test_film_reference import VARIATION, observed
 

@@ -13,8 +13,8 @@ from estimator.machine.document import Machine
 from estimator.machine.parameter_description import describe
 from estimator.strict_model import StrictModel
 from service.alerts.lifecycle import Severity
-from service.monitoring.finding_catalogue import LIMITED_RULES, concerned_elements
-from service.monitoring.limit_rule import Rule
+from service.monitoring.rules.finding_catalogue import LIMITED_RULES, concerned_elements
+from service.monitoring.rules.limit_rule import Rule
 
 RULES = tuple(LIMITED_RULES)
 if TYPE_CHECKING:

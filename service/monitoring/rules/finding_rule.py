@@ -4,7 +4,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from service.monitoring.limit_rule import LimitQuantity, Rule
+from service.monitoring.rules.limit_rule import LimitQuantity, Rule
 from service.wording.finding_texts import LISTS, FindingTexts
 from service.wording.finding_words import no_questions, size_words
 from service.wording.language import ENGLISH, LANGUAGES, Language, Locale, require_every_language

@@ -12,7 +12,7 @@ from estimator.machine.parameter_description import describe, is_direct
 from estimator.trends.covariates import Adjustment, adjustment
 from estimator.trends.deviations import ParameterDeviation, deviations
 from estimator.trends.parameter_vector import Point
-from service.monitoring.assessment import AssessmentContext, MovedParameter
+from service.monitoring.assessment.context import AssessmentContext, MovedParameter
 
 
 def moved_parameters(context: AssessmentContext, units: Mapping[str, str]) -> tuple[MovedParameter, ...]:

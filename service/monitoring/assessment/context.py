@@ -9,12 +9,12 @@ from estimator.machine.document import Machine
 from estimator.machine.rules import Condition
 from estimator.trends.parameter_vector import Point
 from service.alerts.lifecycle import Severity
-from service.monitoring.limits import Limits
+from service.monitoring.rules.limits import Limits
 
 if TYPE_CHECKING:
     from estimator.diagnosis.change_progress import ChangeProgress
     from estimator.diagnosis.finding_kind import Cause, ChangeSize
-    from service.monitoring.rate_of_change import RateFinding
+    from service.monitoring.assessment.rate_of_change import RateFinding
 
 WEEK = 7 * 86_400 * 1_000_000_000
 """One week [ns]."""

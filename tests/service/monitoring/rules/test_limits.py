@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from estimator.diagnosis.finding_kind import ElementKind
 from service.alerts.lifecycle import Severity
-from service.monitoring.limits import DEFAULTS, Limits, LimitsRefused, RuleName, require_suited, severity_of
+from service.monitoring.rules.limits import DEFAULTS, Limits, LimitsRefused, RuleName, require_suited, severity_of
 from tests.plant import document, few_examples, machine
 
 PATIENT = {"alert": {"sigma": 4, "per_cent": 10}, "danger": {"per_cent": 30}, "hysteresis": 0.2}
@@ -100,7 +100,7 @@ def test_what_was_reached_before_is_held_at_least(sigma: float | None, per_cent:
 @pytest.mark.parametrize("kind", get_args(ElementKind))
 def test_limits_may_be_of_a_finding_at_any_kind_of_element(kind: ElementKind, monkeypatch: pytest.MonkeyPatch) -> None:
     """The machine as a whole has no part that could have limits of its own."""
-    monkeypatch.setattr("service.monitoring.limits.concerned_elements", lambda _: (kind,))
+    monkeypatch.setattr("service.monitoring.rules.limits.concerned_elements", lambda _: (kind,))
     require_suited(Limits(), machine())
     if parts := [] if kind == "machine" else getattr(machine(), f"{kind}s"):
         own = {f"{kind}.{parts[0].id}": {"bearing": {"alert": {"per_cent": 5}, "danger": {"per_cent": 50}}}}

@@ -10,8 +10,8 @@ from estimator.trends.parameter_vector import Point
 from estimator.trends.rate_of_change import ParameterRate, rates_of_change
 from estimator.trends.trend_tests import DatedPoint, time_to_change, trend_tests
 from service.alerts.lifecycle import Severity
-from service.monitoring.finding_rules import RATE_OF_CHANGE
-from service.monitoring.limits import Limits, deviation_rule, severity_of
+from service.monitoring.rules.finding_rules import RATE_OF_CHANGE
+from service.monitoring.rules.limits import Limits, deviation_rule, severity_of
 
 FILM_NUMBERS = frozenset(
     {"clearance", "viscosity", "viscosity_factor", "viscosity_ratio", "viscosity_slope", "elevation_x", "elevation_y"}

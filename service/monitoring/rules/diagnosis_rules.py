@@ -3,8 +3,8 @@
 from typing import TYPE_CHECKING
 
 from service.alerts.lifecycle import Severity
-from service.monitoring.finding_catalogue import finding_rule
-from service.monitoring.limits import Limits, severity_of
+from service.monitoring.rules.finding_catalogue import finding_rule
+from service.monitoring.rules.limits import Limits, severity_of
 
 if TYPE_CHECKING:
     from estimator.diagnosis.finding_kind import ChangeSize

@@ -6,10 +6,10 @@ from collections.abc import Mapping
 import pytest
 
 from estimator.diagnosis.finding_kinds import FINDING_KINDS
-from service.monitoring.finding_catalogue import LIMITED_RULES, finding_name, require_complete
-from service.monitoring.finding_rule import AlertRule, FindingRule
-from service.monitoring.finding_rules import FINDING_RULES
-from service.monitoring.limit_rule import Level, Rule
+from service.monitoring.rules.finding_catalogue import LIMITED_RULES, finding_name, require_complete
+from service.monitoring.rules.finding_rule import AlertRule, FindingRule
+from service.monitoring.rules.finding_rules import FINDING_RULES
+from service.monitoring.rules.limit_rule import Level, Rule
 from service.wording.finding_texts import FindingTexts
 from service.wording.language import ENGLISH, GERMAN, Locale
 from tests.paths import ROOT

@@ -11,11 +11,11 @@ from estimator.diagnosis.bayes_factors import Diagnosis
 from estimator.diagnosis.finding_kind import Cause
 from estimator.diagnosis.observation import observed_fit
 from estimator.updated_model.derived_quantities import Derived
-from service.monitoring.assess import assess
-from service.monitoring.assessment import WEEK, AssessedRun, AssessmentBasis, AssessmentContext, ComparedValue
-from service.monitoring.assessment_context import load_context
-from service.monitoring.limits import Limits
-from service.monitoring.second_order import Explanation, explained
+from service.monitoring.assessment.assess import assess
+from service.monitoring.assessment.context import WEEK, AssessedRun, AssessmentBasis, AssessmentContext, ComparedValue
+from service.monitoring.assessment.second_order import Explanation, explained
+from service.monitoring.context_loading import load_context
+from service.monitoring.rules.limits import Limits
 from service.wording.finding_words import second_order_words
 from service.wording.told_finding import ToldFinding
 from storage.database.engine import Database

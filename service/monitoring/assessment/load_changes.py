@@ -7,7 +7,7 @@ import numpy as np
 from estimator.diagnosis.finding_kind import SizePart
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.trends.baseline_band import baseline_band
-from service.monitoring.assessment import AssessmentContext, ComparedValue
+from service.monitoring.assessment.context import AssessmentContext, ComparedValue
 
 
 def load_changes(context: AssessmentContext, element: str) -> Iterator[SizePart]:

@@ -21,8 +21,8 @@ from estimator.machine.film_speeds import follows_films
 from estimator.rotor.parameter_names import parameter_units
 from estimator.trends.covariates import Adjustment, adjustment
 from estimator.trends.trend_tests import DatedPoint
-from service.monitoring.alignment_size import alignment_size, learnt
-from service.monitoring.assessment import (
+from service.monitoring.assessment.alignment_size import alignment_size, learnt
+from service.monitoring.assessment.context import (
     WEEK,
     AssessedRun,
     Assessment,
@@ -32,12 +32,12 @@ from service.monitoring.assessment import (
     MachineDiagnosis,
     RateAssessment,
 )
-from service.monitoring.diagnosis_rules import UNLIMITED_DELAY, cause_severity, danger_limit, delays
-from service.monitoring.finding_rules import MISALIGNMENT, RATE_OF_CHANGE
-from service.monitoring.load_changes import load_changes
-from service.monitoring.moved_parameters import adjusted_baseline, moved_parameters
-from service.monitoring.rate_of_change import RateFinding, rate_findings, with_limits_ahead
-from service.monitoring.second_order import Explanation, explained
+from service.monitoring.assessment.load_changes import load_changes
+from service.monitoring.assessment.moved_parameters import adjusted_baseline, moved_parameters
+from service.monitoring.assessment.rate_of_change import RateFinding, rate_findings, with_limits_ahead
+from service.monitoring.assessment.second_order import Explanation, explained
+from service.monitoring.rules.diagnosis_rules import UNLIMITED_DELAY, cause_severity, danger_limit, delays
+from service.monitoring.rules.finding_rules import MISALIGNMENT, RATE_OF_CHANGE
 
 
 def assess(context: AssessmentContext) -> Assessment:

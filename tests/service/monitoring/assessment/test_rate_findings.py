@@ -9,8 +9,8 @@ import pytest
 from estimator.trends.parameter_vector import Point
 from estimator.trends.trend_tests import DatedPoint
 from service.alerts.lifecycle import Severity
-from service.monitoring.limits import Limits
-from service.monitoring.rate_of_change import RateFinding, rate_findings, with_limits_ahead
+from service.monitoring.assessment.rate_of_change import RateFinding, rate_findings, with_limits_ahead
+from service.monitoring.rules.limits import Limits
 
 NAMES = ("bearing.B2.kxx", "bearing.B2.kyy", "coupling.C1.kxx", "probe.B2X.gain.real")
 

@@ -8,7 +8,7 @@ from sqlalchemy.orm import Session
 from estimator.machine.document import Machine
 from estimator.trends.parameter_vector import Point
 from service.alerts.lifecycle import Severity
-from service.monitoring.assessment import (
+from service.monitoring.assessment.context import (
     WEEK,
     AssessedRun,
     AssessmentBasis,
@@ -19,9 +19,9 @@ from service.monitoring.assessment import (
     MeanConditions,
 )
 from service.monitoring.comparison import ComparisonTerms, baseline_of, compared_with, terms_of
-from service.monitoring.finding_catalogue import DIAGNOSIS_RULES, is_finding
-from service.monitoring.finding_rules import RATE_OF_CHANGE
 from service.monitoring.limits_in_force import limits_of
+from service.monitoring.rules.finding_catalogue import DIAGNOSIS_RULES, is_finding
+from service.monitoring.rules.finding_rules import RATE_OF_CHANGE
 from storage.alerts import alerts
 from storage.findings import derived, identifications, jobs
 from storage.machines import limits, machines

@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING
 
 from estimator.machine.coupling_neighbours import neighbouring_bearings
 from estimator.machine.parameter_description import describe
-from service.monitoring.assessment import AssessmentContext, SecondOrderGrowth
-from service.monitoring.diagnosis_rules import delays
-from service.monitoring.finding_rules import MISALIGNMENT
-from service.monitoring.load_changes import left_band
+from service.monitoring.assessment.context import AssessmentContext, SecondOrderGrowth
+from service.monitoring.assessment.load_changes import left_band
+from service.monitoring.rules.diagnosis_rules import delays
+from service.monitoring.rules.finding_rules import MISALIGNMENT
 
 if TYPE_CHECKING:
     from estimator.diagnosis.bayes_factors import Diagnosis
