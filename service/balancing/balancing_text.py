@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from estimator.calibration.balancing_check import BalancingCheck
-from estimator.calibration.field_balancing import FieldBalancing
+from estimator.balancing.balancing_check import BalancingCheck
+from estimator.balancing.field_balancing import FieldBalancing
 from estimator.units import rad_per_s_to_rpm
 from estimator.updated_model.balance_quality import GRAM_MILLIMETRE, PlaneBalance, RotorBalance
 from service.balancing.correction_rows import channel_effects, limit_verdicts, plane_weights, trim_weights

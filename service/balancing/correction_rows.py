@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.calibration.balancing_check import BalancingCheck, LimitVerdict, limit_verdict
-from estimator.calibration.field_balancing import FieldBalancing
-from estimator.calibration.measured_influence import circular_band
-from estimator.calibration.weight_places import SplitWeight
+from estimator.balancing.balancing_check import BalancingCheck, LimitVerdict, limit_verdict
+from estimator.balancing.field_balancing import FieldBalancing
+from estimator.balancing.measured_influence import circular_band
+from estimator.balancing.weight_places import SplitWeight
 from estimator.units import METRES, PEAK
 from estimator.updated_model.balance_quality import GRAM_MILLIMETRE
 from estimator.updated_model.uncertainty import PhasorBand

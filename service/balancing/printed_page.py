@@ -5,8 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from estimator.calibration.balancing_check import BalancingCheck
-from estimator.calibration.field_balancing import FieldBalancing
+from estimator.balancing.balancing_check import BalancingCheck
+from estimator.balancing.field_balancing import FieldBalancing
 from estimator.fit.estimates import CONFIDENCE_95
 from service.balancing.balancing_text import balancing_text
 from service.balancing.correction_rows import MICROMETRES

@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from estimator.calibration.criterion import Criterion
+from estimator.balancing.criterion import Criterion
 from service.commands.exit import fail
 from service.commands.find_language import find_language
 from service.commands.json_output import JsonWanted, say_json
 from service.commands.terminal import say, say_lines, working
 
 if TYPE_CHECKING:
-    from estimator.calibration.balancing_check import BalancingCheck
-    from estimator.calibration.field_balancing import BalancingOptions, BalancingRun, FieldBalancing, ModelInfluence
+    from estimator.balancing.balancing_check import BalancingCheck
+    from estimator.balancing.field_balancing import BalancingOptions, BalancingRun, FieldBalancing, ModelInfluence
     from estimator.machine.document import Machine
 
 GRAM = 1e-3
@@ -52,8 +52,8 @@ def balance_machine(
     """
     import threadpoolctl
 
-    from estimator.calibration.balancing_check import check_balancing
-    from estimator.calibration.field_balancing import balance_from_trials
+    from estimator.balancing.balancing_check import check_balancing
+    from estimator.balancing.field_balancing import balance_from_trials
     from formats.files.document_files import UnreadableFile, read_machine
     from formats.wire import Rejected
     from service.balancing.correction_rows import channel_effects
@@ -112,7 +112,7 @@ def _balancing_runs(machine: "Machine", file: Path, *, required: bool) -> "list[
 
     required: whether the file must state its weights. A run that states none is taken to have had none.
     """
-    from estimator.calibration.field_balancing import BalancingRun
+    from estimator.balancing.field_balancing import BalancingRun
     from formats.files.document_files import UnreadableFile
     from formats.recordings.recorded_runs import read_runs
     from formats.recordings.recording import read_circumstances
@@ -145,7 +145,7 @@ def _balancing_runs(machine: "Machine", file: Path, *, required: bool) -> "list[
 
 def _check_run(machine: "Machine", file: Path) -> "BalancingRun":
     """Return a check run; where it states no weights, those of the correction are taken to be on."""
-    from estimator.calibration.field_balancing import BalancingRun
+    from estimator.balancing.field_balancing import BalancingRun
     from formats.files.document_files import UnreadableFile
     from formats.recordings.recorded_runs import read_runs
 
@@ -165,8 +165,8 @@ def _options(
     grade: float,
     service_rpm: float | None,
 ) -> "BalancingOptions":
-    from estimator.calibration.field_balancing import BalancingOptions
-    from estimator.calibration.weight_places import WeightPlaces
+    from estimator.balancing.field_balancing import BalancingOptions
+    from estimator.balancing.weight_places import WeightPlaces
     from estimator.units import rpm_to_rad_per_s
     from estimator.updated_model.balance_quality import GRAM_MILLIMETRE
 

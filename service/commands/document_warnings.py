@@ -1,7 +1,7 @@
 """Prints what is probably a mistake in a machine document that is taken."""
 
+from estimator.machine.checks.document_warnings import document_warnings
 from estimator.machine.document import Machine
-from estimator.machine.document_warnings import document_warnings
 from service.commands.terminal import say
 
 

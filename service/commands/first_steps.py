@@ -42,7 +42,7 @@ def check(
 
     Ends with status 1 where something is wrong; a warning is none.
     """
-    from estimator.machine.document_warnings import document_warnings
+    from estimator.machine.checks.document_warnings import document_warnings
     from rotorundown.machine_files import WrongMachine, read_machine
     from rotorundown.runs import WrongRun, read_run
     from service.commands.document_warnings import say_warnings

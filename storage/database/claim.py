@@ -12,8 +12,8 @@ from sqlalchemy import Connection, Engine, func, select
 from sqlalchemy.exc import DBAPIError, PendingRollbackError
 
 from estimator.errors import Unavailable
-from storage.database import file_lock
-from storage.database.private_files import PRIVATE
+from storage.files import file_lock
+from storage.files.private_files import PRIVATE
 
 CLAIM_KEY = 0x52554E444F574E
 """Key of the advisory lock that is held on a PostgreSQL database."""

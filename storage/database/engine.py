@@ -16,7 +16,7 @@ from sqlalchemy import URL, Engine, create_engine, event, make_url, select
 from sqlalchemy.exc import ArgumentError, DatabaseError, DBAPIError, NoSuchModuleError, OperationalError
 from sqlalchemy.orm import Session, sessionmaker
 
-from storage.database import file_lock, private_files, versions, writer_turn
+from storage.database import versions, writer_turn
 from storage.database.claim import CLAIM_KEY, Claim, DatabaseUnusable, file_of, require_logs, require_own_name
 from storage.database.damage import MALFORMED_JSON, Damage, marker_of
 from storage.database.file_inspection import damages
@@ -24,6 +24,7 @@ from storage.database.schema_upgrade import bring_up_to_date
 from storage.database.sqlite_files import SqliteFiles
 from storage.database.writer_turn import WriterTurn
 from storage.encoding.text import json_text
+from storage.files import file_lock, private_files
 from storage.recent_maximum import RecentMaximum
 
 LARGEST_LOG = 64 * 2**20

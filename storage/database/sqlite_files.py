@@ -15,8 +15,8 @@ from pathlib import Path
 from sqlalchemy.exc import OperationalError
 
 from storage.database.claim import DatabaseUnusable, logs_of
-from storage.database.main_file import MainFile
-from storage.database.write_ahead_log import WriteAheadLog
+from storage.files.main_file import MainFile
+from storage.files.write_ahead_log import WriteAheadLog
 
 logger = logging.getLogger(__name__)
 

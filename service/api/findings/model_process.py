@@ -11,8 +11,8 @@ from concurrent.futures.process import BrokenProcessPool
 from typing import ParamSpec, TypeVar
 
 from estimator.errors import Unavailable
+from estimator.machine.checks.document_size import document_size
 from estimator.machine.document import Machine
-from estimator.machine.document_size import document_size
 from estimator.machine.film_speeds import follows_films
 from service.workers.process_pool import Interrupted, ProcessPool, WorkerStuck
 from service.workers.time_limit import OutOfTime, limited

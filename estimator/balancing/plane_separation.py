@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.calibration.measured_influence import MeasuredInfluence
+from estimator.balancing.measured_influence import MeasuredInfluence
 
 LEAST_OWN = 0.15
 """Part of a plane's column [-] that no other plane explains, below which it does nearly what they do."""

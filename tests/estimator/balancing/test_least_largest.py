@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from estimator.arrays import Complexes
-from estimator.calibration.least_largest import least_largest
+from estimator.balancing.least_largest import least_largest
 from tests.estimator.trains import few_examples
 
 

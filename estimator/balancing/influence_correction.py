@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.calibration.criterion import Criterion
-from estimator.calibration.least_largest import least_largest
-from estimator.calibration.measured_influence import MeasuredInfluence
+from estimator.balancing.criterion import Criterion
+from estimator.balancing.least_largest import least_largest
+from estimator.balancing.measured_influence import MeasuredInfluence
 from estimator.errors import Invalid
 from estimator.updated_model.balancing import least_squares_within
 from estimator.updated_model.uncertainty import PhasorBand

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from estimator.arrays import Complexes, Floats
-from estimator.calibration.equivalent_unbalance import equivalent_unbalance
-from estimator.calibration.influence_correction import correct
-from estimator.calibration.measured_influence import measure_influence
-from estimator.calibration.trial_runs import TrialRuns, TrialsUnusable, total_weights
-from tests.estimator.calibration.printed_cases import trial_runs
+from estimator.balancing.equivalent_unbalance import equivalent_unbalance
+from estimator.balancing.influence_correction import correct
+from estimator.balancing.measured_influence import measure_influence
+from estimator.balancing.trial_runs import TrialRuns, TrialsUnusable, total_weights
+from tests.estimator.balancing.printed_cases import trial_runs
 
 RNG = np.random.default_rng(11)
 INFLUENCE: Complexes = np.asarray(RNG.standard_normal((6, 2)) + 1j * RNG.standard_normal((6, 2)))

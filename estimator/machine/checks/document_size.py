@@ -17,12 +17,12 @@ from typing import Any
 
 from estimator.bearings.registry import CONSTANT
 from estimator.machine.bearings_on_films import bearings_on_films
+from estimator.machine.checks.plausibility import implausible_values
 from estimator.machine.document import DocumentError, Machine, parse_machine
 from estimator.machine.films import JournalFilm
 from estimator.machine.mesh import element_count
 from estimator.machine.part_coefficients import ELEMENTS, coefficient_names
 from estimator.machine.parts import Bearing, Probe, Seal
-from estimator.machine.plausibility import implausible_values
 from estimator.units import rpm_to_rad_per_s
 
 LARGEST_SECTIONS = 400

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from estimator.calibration.influence_choice import choose_influence, fit_influence
-from estimator.calibration.trial_runs import TrialRuns, TrialsUnusable
-from tests.estimator.calibration.test_measured_influence import CLASSICAL, INFLUENCE, seen
+from estimator.balancing.influence_choice import choose_influence, fit_influence
+from estimator.balancing.trial_runs import TrialRuns, TrialsUnusable
+from tests.estimator.balancing.test_measured_influence import CLASSICAL, INFLUENCE, seen
 
 MANY = np.concatenate([CLASSICAL, -CLASSICAL[1:], 1j * CLASSICAL[1:], 0.5 * CLASSICAL[1:]])
 RNG = np.random.default_rng(5)

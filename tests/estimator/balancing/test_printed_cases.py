@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from estimator.calibration.influence_correction import correct
-from estimator.calibration.plane_separation import separate_planes
-from tests.estimator.calibration.printed_cases import CASES, printed_influence, vectors
+from estimator.balancing.influence_correction import correct
+from estimator.balancing.plane_separation import separate_planes
+from tests.estimator.balancing.printed_cases import CASES, printed_influence, vectors
 
 WITHIN_2_PERCENT = ("two-plane-pump", "goodman-1964", "feese-grazier-2004", "darlow-1982-1")
 

@@ -12,11 +12,11 @@ import os
 import struct
 from pathlib import Path
 
-from storage.database import file_lock
-from storage.database.log_checksums import FRAME_HEADER
-from storage.database.log_frames import CountedFrames, LogFrames
-from storage.database.main_file import Checkpoints
-from storage.database.private_files import PRIVATE
+from storage.files import file_lock
+from storage.files.log_checksums import FRAME_HEADER
+from storage.files.log_frames import CountedFrames, LogFrames
+from storage.files.main_file import Checkpoints
+from storage.files.private_files import PRIVATE
 
 logger = logging.getLogger(__name__)
 

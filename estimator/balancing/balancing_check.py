@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes
-from estimator.calibration.equivalent_unbalance import equivalent_unbalance
-from estimator.calibration.field_balancing import BalancingRun, FieldBalancing, residual_balance, vectors_of
-from estimator.calibration.influence_correction import correct
-from estimator.calibration.trial_runs import TrialsUnusable, turning
+from estimator.balancing.equivalent_unbalance import equivalent_unbalance
+from estimator.balancing.field_balancing import BalancingRun, FieldBalancing, residual_balance, vectors_of
+from estimator.balancing.influence_correction import correct
+from estimator.balancing.trial_runs import TrialsUnusable, turning
 from estimator.updated_model.balance_quality import RotorBalance
 from estimator.updated_model.uncertainty import PhasorBand
 

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from estimator.arrays import Complexes
-from estimator.calibration.measured_influence import MeasuredInfluence, measure_influence
-from estimator.calibration.trial_runs import TrialRuns, total_weights
+from estimator.balancing.measured_influence import MeasuredInfluence, measure_influence
+from estimator.balancing.trial_runs import TrialRuns, total_weights
 from tests.paths import ROOT
 
 CASES: dict[str, dict[str, Any]] = {

@@ -4,8 +4,8 @@ from typing import Any
 
 import pytest
 
+from estimator.machine.checks.document_size import accepted_machine
 from estimator.machine.document import DocumentError, parse_machine
-from estimator.machine.document_size import accepted_machine
 from tests.estimator.statics.films import motor_compressor_document
 from tests.estimator.trains import chapter_3_document
 

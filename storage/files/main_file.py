@@ -12,7 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from storage.database import file_lock
+from storage.files import file_lock
 
 LOOKS = 3
 """Number of looks before a file counts as overwritten: a checkpoint may be writing it."""

@@ -4,8 +4,8 @@ from typing import Any
 
 import pytest
 
+from estimator.machine.checks.document_warnings import document_warnings
 from estimator.machine.document import parse_machine
-from estimator.machine.document_warnings import document_warnings
 from tests.estimator.statics.films import motor_compressor_document
 
 

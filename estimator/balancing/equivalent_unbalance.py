@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
-from estimator.calibration.measured_influence import MeasuredInfluence
+from estimator.balancing.measured_influence import MeasuredInfluence
 
 LEAST_ALONE = 0.02
 """Least variance of a point that no other shares, as a part of its own [-]: no points err in perfect unison."""

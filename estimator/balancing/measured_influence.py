@@ -15,7 +15,7 @@ import numpy as np
 import scipy.special
 
 from estimator.arrays import Complexes, Floats
-from estimator.calibration.trial_runs import TrialRuns, TrialsUnusable, require_usable
+from estimator.balancing.trial_runs import TrialRuns, TrialsUnusable, require_usable
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.updated_model.uncertainty import PhasorBand, phasor_band
 

@@ -11,14 +11,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.calibration.criterion import Criterion
-from estimator.calibration.influence_choice import ChosenInfluence, InfluenceMethod, choose_influence
-from estimator.calibration.influence_correction import InfluenceCorrection, correct
-from estimator.calibration.measured_influence import MeasuredInfluence
-from estimator.calibration.plane_separation import PlaneSeparation, separate_planes
-from estimator.calibration.trial_runs import TrialRuns, TrialsUnusable, require_plausible_weights, turning, weak_trials
-from estimator.calibration.vectors_at_speeds import common_speeds, vectors_at
-from estimator.calibration.weight_places import SplitWeight, WeightPlaces, split_weight
+from estimator.balancing.criterion import Criterion
+from estimator.balancing.influence_choice import ChosenInfluence, InfluenceMethod, choose_influence
+from estimator.balancing.influence_correction import InfluenceCorrection, correct
+from estimator.balancing.measured_influence import MeasuredInfluence
+from estimator.balancing.plane_separation import PlaneSeparation, separate_planes
+from estimator.balancing.trial_runs import TrialRuns, TrialsUnusable, require_plausible_weights, turning, weak_trials
+from estimator.balancing.vectors_at_speeds import common_speeds, vectors_at
+from estimator.balancing.weight_places import SplitWeight, WeightPlaces, split_weight
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.assembly import assemble_rotor

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from estimator.calibration.weight_places import PlacesUnusable, WeightPlaces, combine_weights, split_weight
+from estimator.balancing.weight_places import PlacesUnusable, WeightPlaces, combine_weights, split_weight
 from tests.estimator.trains import few_examples
 
 

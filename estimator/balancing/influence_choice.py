@@ -13,8 +13,8 @@ from typing import Literal
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.calibration.measured_influence import MeasuredInfluence, estimate_scatter, expected_variance, measure_influence
-from estimator.calibration.trial_runs import TrialRuns, TrialsUnusable
+from estimator.balancing.measured_influence import MeasuredInfluence, estimate_scatter, expected_variance, measure_influence
+from estimator.balancing.trial_runs import TrialRuns, TrialsUnusable
 
 InfluenceMethod = Literal["influence coefficients", "model", "scaled model", "corrected model"]
 METHODS: tuple[InfluenceMethod, ...] = ("influence coefficients", "model", "scaled model", "corrected model")

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from estimator.arrays import Complexes, Floats
-from estimator.calibration.balancing_check import check_balancing, limit_verdict
-from estimator.calibration.field_balancing import BalancingOptions, BalancingRun, balance_from_trials
-from estimator.calibration.trial_runs import TrialsUnusable
-from estimator.calibration.vectors_at_speeds import NoCommonSpeed
-from estimator.calibration.weight_places import WeightPlaces
+from estimator.balancing.balancing_check import check_balancing, limit_verdict
+from estimator.balancing.field_balancing import BalancingOptions, BalancingRun, balance_from_trials
+from estimator.balancing.trial_runs import TrialsUnusable
+from estimator.balancing.vectors_at_speeds import NoCommonSpeed
+from estimator.balancing.weight_places import WeightPlaces
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.measurement import Measurement
 from tests.estimator.trains import chapter_3_document, dense_response, mirrored, noisy

@@ -9,8 +9,8 @@ import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from storage.database import log_checksums
-from storage.database.log_checksums import FRAME_HEADER
+from storage.files import log_checksums
+from storage.files.log_checksums import FRAME_HEADER
 
 _LOG_HEADER = 32
 """Size of the header of the log [B]."""

@@ -9,8 +9,7 @@ import pytest
 
 from benchmarks.estimator.large_trains import large_train
 from estimator.fit.fit_samples import LARGEST_SAMPLE_COUNT, most_samples
-from estimator.machine.document import DocumentError, parse_machine
-from estimator.machine.document_size import (
+from estimator.machine.checks.document_size import (
     FEWEST_SAMPLES,
     LARGEST_ELEMENTS,
     LARGEST_PADS,
@@ -20,6 +19,7 @@ from estimator.machine.document_size import (
     accepted_machine,
     document_size,
 )
+from estimator.machine.document import DocumentError, parse_machine
 from estimator.rotor.assembly import assemble_rotor
 from estimator.rotor.condensation import condense
 from estimator.rotor.parameters import unknowns
