@@ -13,10 +13,10 @@ from service.alerts.advice_message import Action, Advice, Certainty, Figure
 from service.alerts.lifecycle import Severity
 from service.monitoring.rules.finding_catalogue import finding_name, is_finding, told_rule
 from service.monitoring.rules.finding_rules import RATE_RULE
+from service.wording.described_finding import ToldFinding
 from service.wording.finding_texts import FindingTexts
 from service.wording.finding_words import UNITS, compared_words, part_words, rounded, second_order_words, told_parts
 from service.wording.language import ENGLISH, Language
-from service.wording.told_finding import ToldFinding
 
 logger = logging.getLogger(__name__)
 

@@ -7,8 +7,8 @@ from typing import Any
 
 from service.alerts.advice_message import Urgency
 from service.alerts.lifecycle import Severity
+from service.wording.described_finding import ToldFinding
 from service.wording.language import Language
-from service.wording.told_finding import ToldFinding
 
 FEWEST_RUNS = 4
 """Runs since a change began from which on its rate is told."""

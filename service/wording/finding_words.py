@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from estimator.diagnosis.finding_kind import SizePart
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.parameter_description import describe
+from service.wording.described_finding import ToldFinding
 from service.wording.film_words import (
     alignment_judgement,
     alignment_words,
@@ -15,7 +16,6 @@ from service.wording.film_words import (
     wear_words,
 )
 from service.wording.language import ENGLISH, Language
-from service.wording.told_finding import ToldFinding
 
 SIGNIFICANT = 2.0
 """Standard errors from which on a figure beside the first is named [-]."""

@@ -28,7 +28,7 @@ from service.monitoring.limits_in_force import limits_in_force
 from service.monitoring.rules.limit_rule import Level
 from service.monitoring.rules.limits import Limits, deviation_rule, severity_of
 from service.security.requirement import VIEWER
-from service.wording.told_finding import ToldFinding
+from service.wording.described_finding import ToldFinding
 from storage.clock import to_datetime
 from storage.findings import diagnoses, identifications
 from storage.findings.identifications import IdentificationUnknown

@@ -5,10 +5,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from service.monitoring.rules.limit_rule import LimitQuantity, Rule
+from service.wording.described_finding import ToldFinding
 from service.wording.finding_texts import LISTS, FindingTexts
 from service.wording.finding_words import no_questions, size_words
 from service.wording.language import ENGLISH, LANGUAGES, Language, Locale, require_every_language
-from service.wording.told_finding import ToldFinding
 
 if TYPE_CHECKING:
     from estimator.diagnosis.finding_kind import ElementKind

@@ -16,8 +16,8 @@ from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.document import Machine, parse_machine
 from estimator.machine.under_conditions import under_conditions
 from estimator.updated_model.model import expected_model
+from service.wording.described_finding import ToldFinding
 from service.wording.finding_words import process_force_words
-from service.wording.told_finding import ToldFinding
 from tests.estimator.diagnosis.test_film_findings import TWO_SHAFTS, columns_of
 from tests.estimator.diagnosis.test_film_reference import BASELINE, observed
 from tests.estimator.statics.films import motor_compressor_document

@@ -3,8 +3,8 @@
 import pytest
 
 from estimator.diagnosis.finding_kind import SizePart
+from service.wording.described_finding import ToldFinding
 from service.wording.finding_words import element_words, interval, misalignment_words, part_words, rounded
-from service.wording.told_finding import ToldFinding
 
 
 @pytest.mark.parametrize(

@@ -16,8 +16,8 @@ from service.monitoring.assessment.context import WEEK, AssessedRun, AssessmentB
 from service.monitoring.assessment.second_order import Explanation, explained
 from service.monitoring.context_loading import load_context
 from service.monitoring.rules.limits import Limits
+from service.wording.described_finding import ToldFinding
 from service.wording.finding_words import second_order_words
-from service.wording.told_finding import ToldFinding
 from storage.database.engine import Database
 from storage.findings import derived
 from storage.machines import machines
