@@ -83,7 +83,7 @@ def diagnose(baseline: Sequence[Result], later: Sequence[Result], *, runs_that_a
         raise NotDiagnosable(f"a result of the baseline is not accepted: {refused.verdict}")
     channels = machine.channels
     try:
-        windows = RunWindows.over(machine, [observation_of(one.identification, channels) for one in baseline])
+        windows = RunWindows.from_baseline(machine, [observation_of(one.identification, channels) for one in baseline])
     except ValueError as error:
         raise NotDiagnosable(str(error)) from None
     observations = [observation_of(one.identification, channels) for one in later]

@@ -91,7 +91,7 @@ def service_rule(history: History, weeks: Sequence[Identification]) -> Standing:
     channels = tuple(probe.id for probe in machine.probes)
     observations = [observation_of(one, channels) for one in weeks]
     baseline = [week for week, one in enumerate(observations) if one.accepted][: history.baseline]
-    watch = RunWindows.over(machine, [observations[week] for week in baseline])
+    watch = RunWindows.from_baseline(machine, [observations[week] for week in baseline])
     amplitude = {channel: typical_amplitude(channel, watch.baseline) for channel in channels}
     standing: dict[tuple[str, str], Severity] = {}
     found: list[frozenset[Named]] = []

@@ -14,7 +14,7 @@ from estimator.arrays import Complexes
 from estimator.balancing.equivalent_unbalance import equivalent_unbalance
 from estimator.balancing.field_balancing import BalancingRun, FieldBalancing, residual_balance, vectors_of
 from estimator.balancing.influence_correction import correct
-from estimator.balancing.trial_runs import TrialsUnusable, turning
+from estimator.balancing.trial_runs import TrialsUnusable, in_sense_of_rotation
 from estimator.updated_model.balance_quality import RotorBalance
 from estimator.updated_model.uncertainty import PhasorBand
 
@@ -63,7 +63,7 @@ def check_balancing(found: FieldBalancing, run: BalancingRun) -> BalancingCheck:
     machine, planes = found.machine, found.separation.planes
     vector = _vectors(found, run)
     installed = _installed(found, run)
-    weight = turning(installed, machine.direction)
+    weight = in_sense_of_rotation(installed, machine.direction)
     predicted = found.correction.installed(weight).after
     amplitude = np.abs(vector)
     shown = np.isfinite(vector)
@@ -79,7 +79,7 @@ def check_balancing(found: FieldBalancing, run: BalancingRun) -> BalancingCheck:
         predicted=predicted,
         held=held,
         residual=residual_balance(found, residual, widened),
-        trim=turning(further.weight - weight, machine.direction),
+        trim=in_sense_of_rotation(further.weight - weight, machine.direction),
         after_trim=further.after,
     )
 

@@ -16,7 +16,13 @@ from estimator.balancing.influence_choice import ChosenInfluence, InfluenceMetho
 from estimator.balancing.influence_correction import InfluenceCorrection, correct
 from estimator.balancing.measured_influence import MeasuredInfluence
 from estimator.balancing.plane_separation import PlaneSeparation, separate_planes
-from estimator.balancing.trial_runs import TrialRuns, TrialsUnusable, require_plausible_weights, turning, weak_trials
+from estimator.balancing.trial_runs import (
+    TrialRuns,
+    TrialsUnusable,
+    in_sense_of_rotation,
+    require_plausible_weights,
+    weak_trials,
+)
 from estimator.balancing.vectors_at_speeds import common_speeds, vectors_at
 from estimator.balancing.weight_places import SplitWeight, WeightPlaces, split_weight
 from estimator.machine.document import Machine
@@ -107,7 +113,7 @@ class FieldBalancing:
     @property
     def unbalance(self) -> Complexes:
         """Return the correction (Q,), angles from +x to +y [kg m]."""
-        return turning(self.correction.weight, self.machine.direction)
+        return in_sense_of_rotation(self.correction.weight, self.machine.direction)
 
     @property
     def service_speed(self) -> float:
@@ -202,7 +208,7 @@ def _proposal(
     """Compute the correction, and put it on the places that planes have; the prediction is of what these really give."""
     limit = np.array([asked.limit.get(plane, np.inf) for plane in influence.planes])
     best = correct(influence, criterion=asked.criterion, limit=limit)
-    unbalances = turning(best.weight, machine.direction)
+    unbalances = in_sense_of_rotation(best.weight, machine.direction)
     splits = {
         plane: split_weight(complex(one), asked.places[plane])
         for plane, one in zip(influence.planes, unbalances, strict=True)
@@ -211,7 +217,7 @@ def _proposal(
     given = [
         splits[plane].unbalance if plane in splits else one for plane, one in zip(influence.planes, unbalances, strict=True)
     ]
-    return best.installed(turning(np.array(given, dtype=complex), machine.direction)), splits
+    return best.installed(in_sense_of_rotation(np.array(given, dtype=complex), machine.direction)), splits
 
 
 def _with_residuals(found: FieldBalancing) -> FieldBalancing:
@@ -252,7 +258,7 @@ def vectors_of(machine: Machine, runs: Sequence[BalancingRun], speed: Floats) ->
         planes=tuple(discs),
         points=tuple(f"{channel} at {rad_per_s_to_rpm(one):.0f} r/min" for one in speed for channel in machine.channels),
         vector=np.array([vector.reshape(-1) for vector, _ in found]),
-        added=turning(added, machine.direction),
+        added=in_sense_of_rotation(added, machine.direction),
         error=np.array([error.reshape(-1) for _, error in found]),
     )
     loaded = [disc for disc, column in zip(discs, added.T, strict=True) if np.any(column != 0.0)]
@@ -273,8 +279,8 @@ def residual_balance(found: FieldBalancing, weight: Complexes, covariance: Compl
     discs = [disc.id for disc in found.machine.discs]
     rows = [discs.index(plane) for plane in found.known.planes]
     unbalance = np.zeros(len(discs), dtype=complex)
-    unbalance[rows] = turning(weight, found.machine.direction)
-    turned = turning(covariance, found.machine.direction) / 2.0
+    unbalance[rows] = in_sense_of_rotation(weight, found.machine.direction)
+    turned = in_sense_of_rotation(covariance, found.machine.direction) / 2.0
     whole = np.zeros((len(discs), 2, len(discs), 2))
     for row, disc in enumerate(rows):
         for column, other in enumerate(rows):

@@ -1,7 +1,8 @@
 """Runs of one machine with known unbalances added, as vectors at measuring points, and what is wrong with them.
 
 A measuring point is a channel at a speed. The vibration is V = V0 + A w, with the influence coefficients A and the
-unbalances w that were added. For rotation from +x to +y, w is the unbalance; against it, w is the conjugate (`turning`).
+unbalances w that were added. For rotation from +x to +y, w is the unbalance; against it, w is its conjugate
+(`in_sense_of_rotation`).
 """
 
 from collections.abc import Sequence
@@ -105,7 +106,7 @@ class TrialRuns:
         return kept, tuple(np.array(self.points)[~enough].tolist())
 
 
-def turning(unbalance: Complexes, direction: float) -> Complexes:
+def in_sense_of_rotation(unbalance: Complexes, direction: float) -> Complexes:
     """Convert unbalances to the weights that act linearly on the vibration, and back.
 
     Args:

@@ -9,8 +9,8 @@ import typer
 from estimator.balancing.criterion import Criterion
 from service.commands.exit import fail
 from service.commands.find_language import find_language
-from service.commands.json_output import JsonWanted, say_json
-from service.commands.terminal import say, say_lines, working
+from service.commands.json_output import JsonWanted, print_json
+from service.commands.terminal import print_line, print_text, working
 
 if TYPE_CHECKING:
     from estimator.balancing.balancing_check import BalancingCheck
@@ -58,12 +58,12 @@ def balance_machine(
     from formats.wire import Rejected
     from service.balancing.correction_rows import channel_effects
     from service.balancing.printed_page import printed_page
-    from service.commands.document_warnings import say_warnings
+    from service.commands.document_warnings import print_warnings
 
     language = find_language(locale)
     try:
         described = read_machine(machine)
-        say_warnings(described)
+        print_warnings(described)
         options = _options(plane, criterion, limit or [], holes or [], rpm, grade, service_rpm)
         groups = [run for file in (initial, *trials) for run in _balancing_runs(described, file, required=file != initial)]
         unloaded = [run for run in groups if run.added is not None and not np.any(run.added)]
@@ -89,10 +89,10 @@ def _print(found: "FieldBalancing", checked: "BalancingCheck | None", *, as_json
     from service.balancing.correction_rows import channel_effects, plane_weights
 
     if not as_json:
-        say_lines(balancing_text(found, checked))
+        print_text(balancing_text(found, checked))
         return
     effects = channel_effects(found, checked)
-    say_json(
+    print_json(
         {
             "machine": found.machine.id,
             "speeds_rpm": [rad_per_s_to_rpm(one) for one in found.speed],
@@ -119,7 +119,7 @@ def _balancing_runs(machine: "Machine", file: Path, *, required: bool) -> "list[
 
     ((_, measurement),), left_out = read_runs(machine, [file])
     for line in left_out:
-        say(line, err=True)
+        print_line(line, err=True)
     circumstances = read_circumstances(file)
     if required and not circumstances.stated:
         raise UnreadableFile(
@@ -208,6 +208,6 @@ def _model(machine: Path, files: list[Path]) -> "ModelInfluence":
 
     described, _, result = identified(machine, files, None)
     if not result.accepted:
-        say(f"the model is only used where it predicts runs left out better: {result.verdict}", err=True)
+        print_line(f"the model is only used where it predicts runs left out better: {result.verdict}", err=True)
     model = updated_model(described, result)
     return lambda planes, speed: influence_coefficients(model, planes=planes, speed=speed)

@@ -2,10 +2,10 @@
 
 from estimator.machine.checks.document_warnings import document_warnings
 from estimator.machine.document import Machine
-from service.commands.terminal import say
+from service.commands.terminal import print_line
 
 
-def say_warnings(machine: Machine) -> None:
+def print_warnings(machine: Machine) -> None:
     """Print the warnings of a document on the standard error output, one a line."""
     for one in document_warnings(machine):
-        say(f"warning: {one}", err=True)
+        print_line(f"warning: {one}", err=True)

@@ -60,9 +60,9 @@ def _channels() -> str:
 
 def _address_forms(language: Language) -> str:
     forms = dict.fromkeys(one.address[language.code] for one in CHANNEL_KINDS if one.address is not None)
-    said = language.say("or").join(forms)
+    said = language.translate("or").join(forms)
     without = ", ".join(one.kind for one in CHANNEL_KINDS if one.address is None)
-    return language.say("addresses", forms=said, without=without) if without else said
+    return language.translate("addresses", forms=said, without=without) if without else said
 
 
 def _stored_sentences() -> str:

@@ -85,7 +85,7 @@ class JobScheduler(SupervisedThread):
         """Return figures for monitoring, by the name of the metric."""
         return {"rundown_stuck_identifications": self._filing.stuck_count}
 
-    def turn(self) -> float:
+    def run_once(self) -> float:
         """Wait for news, for POLL_S at most, then schedule jobs."""
         self._news.wait(POLL_S)
         self._news.clear()

@@ -84,7 +84,7 @@ class Inbox(SupervisedThread):
         self._taken_bytes -= len(message.payload)
         self._waiting.appendleft(message)
 
-    def turn(self) -> float:
+    def run_once(self) -> float:
         """Copy the messages that have come."""
         self._copy()
         return LOOK_S

@@ -57,7 +57,7 @@ class SingleWrites:
         """Begin a pass through these batches."""
         self._waiting.extend(held)
 
-    def turn(self, *, ends: float) -> set[SourceKey]:
+    def store_until(self, *, ends: float) -> set[SourceKey]:
         """Store batches until the time is over; return the sources that are paused, once the pass has ended.
 
         ends: by the monotonic clock [s]; at least one batch is tried. Raises errors that affect all batches; then `abandon`

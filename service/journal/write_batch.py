@@ -138,7 +138,7 @@ class WriteBatch:
         ends = time.monotonic() + LONGEST_TURN_S
         try:
             self.refusals.store_one_by_one(ends=ends)
-            paused = self._single_writes.turn(ends=ends)
+            paused = self._single_writes.store_until(ends=ends)
             if paused:
                 self._drop_paused(paused)
             self.refusals.store_one_by_one(ends=ends)

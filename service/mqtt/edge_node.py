@@ -68,7 +68,7 @@ class EdgeNode:
             return False
         if kind != NODE_BIRTH:
             if self.last is None:
-                self.ask_soon()  # what it said at its birth was not heard
+                self.want_rebirth()  # what it said at its birth was not heard
             elif gap := (payload.sequence - self.last - 1) % COUNT:
                 self._note_gap(gap)
         self.last = payload.sequence
@@ -92,11 +92,11 @@ class EdgeNode:
             self.last = None
             self.forget(None)
 
-    def ask_soon(self) -> None:
+    def want_rebirth(self) -> None:
         """Note that the node is to be asked for its names, for a reason that is new: earlier requests in vain do not count."""
         self.wants_rebirth, self.rebirth_pause = True, REBIRTH_S
 
-    def asks_now(self, moment: float) -> bool:
+    def claim_rebirth_request(self, moment: float) -> bool:
         """Return whether the node is to be asked for its names now, and note that it was. moment: by a monotonic clock [s]."""
         if not self.wants_rebirth or moment < self.asked_at + self.rebirth_pause:
             return False
@@ -113,7 +113,7 @@ class EdgeNode:
 
     def _note_gap(self, gap: int) -> None:
         self.missing += gap
-        self.ask_soon()
+        self.want_rebirth()
         for feed in self.feeds:
             feed.sequence += gap
         self.forget(None)

@@ -75,17 +75,17 @@ class AlertConditions:
                 await self._tree.write(place, ua.DataValue(value, SourceTimestamp=to_datetime(alert.at)))
         if tell:
             for subscription in list(self._server.subscription_service.subscriptions.values()):
-                await self._tell(subscription, alert, fields)
+                await self._send_event(subscription, alert, fields)
 
     async def refresh(self, subscription: InternalSubscription, item: int | None) -> None:
         """Tell a subscription, or one item of it, of every open alert that it may know of."""
         await self._mark(subscription, ua.ObjectIds.RefreshStartEventType, item)
         for alert in list(self._conditions.values()):
             if alert.is_open:
-                await self._tell(subscription, alert, self._fields(alert), item)
+                await self._send_event(subscription, alert, self._fields(alert), item)
         await self._mark(subscription, ua.ObjectIds.RefreshEndEventType, item)
 
-    async def _tell(
+    async def _send_event(
         self, subscription: InternalSubscription, alert: AlertReading, fields: Fields, item: int | None = None
     ) -> None:
         session = self._sessions(subscription.session_id)

@@ -46,7 +46,7 @@ class Collector:
         self._silent.clear()
         self.late.forget()
 
-    def note_heard(self, machine_id: str) -> None:
+    def note_activity(self, machine_id: str) -> None:
         """Note that a machine sends, though nothing is accepted now."""
         self._heard_at[machine_id] = time.monotonic()
 

@@ -49,7 +49,7 @@ class AuditWatch(SupervisedThread):
             logger.info("audit trail: the newest entry is %d:%s", *newest)
             self._logged_at = self._clock()
 
-    def turn(self) -> float:
+    def run_once(self) -> float:
         """Check once; the first successful check logs the newest entry."""
         self.check()
         return LOOK_S

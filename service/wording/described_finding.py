@@ -10,7 +10,7 @@ from service.wording.language import ENGLISH, Language
 
 
 @dataclass(frozen=True)
-class ToldFinding:
+class DescribedFinding:
     """A finding, its numbers, and the language that it is told in.
 
     evidence: as `Statement.evidence` returns it, or as an older release has stored it.

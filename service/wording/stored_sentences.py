@@ -29,12 +29,12 @@ def in_language(sentence: str, language: Language) -> str:
     return "; ".join(_part(one, language) for one in sentence.split("; "))
 
 
-def told_comment(comment: str, language: Language) -> str:
+def comment_in_language(comment: str, language: Language) -> str:
     """Return a comment that the service wrote in a language; a reason that a person gave stays as it was written."""
     for key in _COMMENTS:
         found = _form(SENTENCES["en"][key]).fullmatch(comment)
         if found:
-            return language.say(key, **found.groupdict())
+            return language.translate(key, **found.groupdict())
     return comment
 
 

@@ -22,7 +22,7 @@ class OutOfTime(RuntimeError):
 
 
 @contextmanager
-def limited(seconds: float) -> Iterator[None]:
+def limit_time(seconds: float) -> Iterator[None]:
     """Limit the time of the block [s]. Raises OutOfTime; a process that hangs in native code is ended some seconds later."""
     if threading.current_thread() is not threading.main_thread():
         raise RuntimeError("a task needs a process of its own to keep to its time")
@@ -39,8 +39,8 @@ def limited(seconds: float) -> Iterator[None]:
 
 
 @contextmanager
-def leaving(seconds: float) -> Iterator[None]:
-    """Limit a block within `limited` so that at least so much of its time is left afterwards [s]. Raises OutOfTime."""
+def reserve_time(seconds: float) -> Iterator[None]:
+    """Limit a block within `limit_time` so that at least so much of its time is left afterwards [s]. Raises OutOfTime."""
     left, repeat = signal.getitimer(signal.ITIMER_REAL)
     began = time.monotonic()
     signal.setitimer(signal.ITIMER_REAL, max(left - seconds, SOON_S), repeat)

@@ -69,7 +69,7 @@ class Database:
         self._files = _kept_files(self.engine)
         self._turn = WriterTurn(self._files, alone=self.kind == "sqlite")
         path = file_of(self.engine)
-        self._place = None if path is None else file_lock.use(path)
+        self._place = None if path is None else file_lock.register(path)
         self.damage = Damage(None if path is None else marker_of(path))
         """Damage of the store, as far as it has been met."""
         event.listen(self.engine, "handle_error", self.damage.watch)
@@ -123,14 +123,14 @@ class Database:
 
         SQLite files cannot be shared. Raises DatabaseUnusable when another service has the claim.
         """
-        self._claim.take(shared=shared)
+        self._claim.acquire(shared=shared)
 
-    def hold(self, number: int, second: int) -> bool:
+    def hold_lock(self, number: int, second: int) -> bool:
         """Hold a PostgreSQL advisory lock as long as the claim; return False while another connection holds it.
 
         Always True on SQLite, where there is no other process.
         """
-        return self._claim.hold(number, second)
+        return self._claim.hold_lock(number, second)
 
     @property
     def needs_restart(self) -> bool:
@@ -184,7 +184,7 @@ class Database:
         try:
             with self.reading() as session:
                 session.execute(select(1))
-            self._claim.keep()
+            self._claim.reacquire()
         except DBAPIError as error:
             raise DatabaseUnusable(f"the database does not answer: {error.orig}") from error
 
@@ -201,7 +201,7 @@ class Database:
         if self._files is not None:
             self._files.close()
         if self._place is not None:
-            file_lock.leave(self._place)
+            file_lock.unregister(self._place)
             self._place = None
 
     def turn(self) -> AbstractContextManager[None]:
@@ -284,7 +284,7 @@ def temporary_engine(url: str | URL) -> Iterator[Engine]:
     """
     engine = engine_of(url)
     path = file_of(engine)
-    place = file_lock.use(path) if path is not None and path.is_file() else None
+    place = file_lock.register(path) if path is not None and path.is_file() else None
     try:
         yield engine
     except DBAPIError as error:
@@ -292,7 +292,7 @@ def temporary_engine(url: str | URL) -> Iterator[Engine]:
     finally:
         engine.dispose()
         if place is not None:
-            file_lock.leave(place)
+            file_lock.unregister(place)
 
 
 def _engine(url: str | URL) -> Engine:

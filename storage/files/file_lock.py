@@ -29,15 +29,15 @@ _taken: dict[FileIdentity, Path] = {}
 _users: Counter[FileIdentity] = Counter()
 
 
-def use(path: Path) -> FileIdentity:
-    """Register that SQLite has a file open in this process, until `leave`. Raises OSError."""
+def register(path: Path) -> FileIdentity:
+    """Register that SQLite has a file open in this process, until `unregister`. Raises OSError."""
     with _guard:
         place = _place(os.stat(path))
         _users[place] += 1
         return place
 
 
-def leave(place: FileIdentity) -> None:
+def unregister(place: FileIdentity) -> None:
     """Register that one user of a file has closed it; close our descriptor behind the last one."""
     with _guard:
         _users[place] -= 1
@@ -53,7 +53,7 @@ def descriptor(path: Path) -> int:
         return _open_descriptor(path)[1]
 
 
-def take(path: Path) -> FileIdentity | None:
+def acquire(path: Path) -> FileIdentity | None:
     """Lock an existing file; return the handle to release, None when the system or the file system has no such locks.
 
     Raises BlockingIOError when the file is locked, OSError.

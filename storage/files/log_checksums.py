@@ -17,7 +17,7 @@ _BIG_ENDIAN = 0x377F0683
 """Magic number of a log whose words are read as big-endian ones."""
 
 
-def hold(log_header: bytes, before: bytes, frames: bytes, page_size: int) -> npt.NDArray[np.bool_]:
+def valid_frames(log_header: bytes, before: bytes, frames: bytes, page_size: int) -> npt.NDArray[np.bool_]:
     """Return of frames in a row whether each one's checksum holds.
 
     log_header: that of the log, 32 bytes. before: header of the frame before the first one; empty where that is the log's own.

@@ -71,7 +71,7 @@ class LogFrames:
             count = min(_FRAMES_AT_ONCE, numbers.stop - first)
             before = b"" if first == 1 else self._read(counted.place(first - 1), FRAME_HEADER)
             read = self._read(counted.place(first), count * counted.size)
-            whole = log_checksums.hold(log_header, before, read, counted.page_size)
+            whole = log_checksums.valid_frames(log_header, before, read, counted.page_size)
             for number in range(count):
                 page, size, salt = struct.unpack_from(">II8s", read, number * counted.size)
                 own = int.from_bytes(salt, sys.byteorder) == counted.salt

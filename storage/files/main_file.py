@@ -49,12 +49,12 @@ class MainFile:
 
     def __init__(self, path: Path) -> None:
         """Open it; SQLite must have it open. Raises OSError."""
-        self._place = file_lock.use(path)
+        self._place = file_lock.register(path)
         try:
             self.descriptor = file_lock.descriptor(path)
             self._seen = self._read()
         except OSError:
-            file_lock.leave(self._place)
+            file_lock.unregister(self._place)
             raise
         self._checkpoints: Checkpoints | None = None
         self._lock = threading.Lock()
@@ -86,7 +86,7 @@ class MainFile:
 
     def close(self) -> None:
         """Close it. SQLite must have closed it before."""
-        file_lock.leave(self._place)
+        file_lock.unregister(self._place)
 
     def _read(self) -> _Seen:
         return _Seen(os.pread(self.descriptor, _HEADER, 0), os.fstat(self.descriptor).st_size)

@@ -35,12 +35,12 @@ class WriteAheadLog:
 
     def __init__(self, log: Path, index: Path) -> None:
         """Open both. Raises OSError."""
-        self._index_place = file_lock.use(index)
+        self._index_place = file_lock.register(index)
         try:
             self._log = os.open(log, os.O_RDWR)
             self._index = file_lock.descriptor(index)
         except OSError:
-            file_lock.leave(self._index_place)
+            file_lock.unregister(self._index_place)
             raise
         self._frames = LogFrames(self._log)
         self._seen = CountedFrames(0, 0, 0)
@@ -140,7 +140,7 @@ class WriteAheadLog:
     def close(self) -> None:
         """Close both. SQLite must have closed them before: a file's descriptor takes SQLite's locks along."""
         os.close(self._log)
-        file_lock.leave(self._index_place)
+        file_lock.unregister(self._index_place)
 
     def _counted(self) -> CountedFrames | None:
         """Return what the index says; None while it is being written."""

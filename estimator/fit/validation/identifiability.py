@@ -119,7 +119,7 @@ class OpenParameters:
         whole = assemble_rotor(self.machine)
         rotor = basis.reduced(whole)
         coefficients = self.problem.train.unknowns.coefficients
-        vectors = [[basis.onto(dense(list(side), whole.size)) for side in zip(*c.pairs, strict=True)] for c in coefficients]
+        vectors = [[basis.project(dense(list(side), whole.size)) for side in zip(*c.pairs, strict=True)] for c in coefficients]
         matrices = [np.zeros((rotor.size, rotor.size)) for _ in range(3)]
         for c, value, (left, right) in zip(coefficients, values, vectors, strict=True):
             matrices[c.order] += value * left @ right.T

@@ -9,7 +9,7 @@ import numpy as np
 
 from estimator.diagnosis.bayes_factors import Diagnosis
 from estimator.diagnosis.change_progress import ChangeProgress, change_progress
-from estimator.diagnosis.data_faults import says_nothing
+from estimator.diagnosis.data_faults import is_uninformative
 from estimator.diagnosis.film_reference import film_observation, is_of_films
 from estimator.diagnosis.finding_kind import Cause, ChangeSize
 from estimator.diagnosis.healthy_variation import typical_amplitude
@@ -34,7 +34,7 @@ from service.monitoring.assessment.context import (
 )
 from service.monitoring.assessment.load_changes import load_changes
 from service.monitoring.assessment.moved_parameters import adjusted_baseline, moved_parameters
-from service.monitoring.assessment.rate_of_change import RateFinding, rate_findings, with_limits_ahead
+from service.monitoring.assessment.rate_of_change import RateFinding, rate_findings, with_times_to_limits
 from service.monitoring.assessment.second_order import Explanation, explained
 from service.monitoring.rules.diagnosis_rules import UNLIMITED_DELAY, cause_severity, danger_limit, delays
 from service.monitoring.rules.finding_rules import MISALIGNMENT, RATE_OF_CHANGE
@@ -87,7 +87,7 @@ def compare(context: AssessmentContext) -> BaselineComparison | None:
     follows = adjustment(
         [said.point for _, said in baseline], [run.conditions for run, _ in baseline], context.machine.conditions
     )
-    watch = RunWindows.over(context.machine, [_adjusted(said, run, follows) for run, said in baseline])
+    watch = RunWindows.from_baseline(context.machine, [_adjusted(said, run, follows) for run, said in baseline])
     return BaselineComparison(
         watch, tuple(run for run, _ in after), tuple(_adjusted(said, run, follows) for run, said in after)
     )
@@ -103,7 +103,7 @@ def _compare_films(context: AssessmentContext) -> BaselineComparison | None:
     if newest is None or not is_of_films(newest.fit, machine) or any(one.names != baseline[0].names for one in baseline):
         return None
     variation = learnt(machine, context.baseline)
-    watch = RunWindows.over(machine, baseline, variation=variation)
+    watch = RunWindows.from_baseline(machine, baseline, variation=variation)
     limits = context.limits
     enough = max(watch.longest(lambda *of: delays(limits, *of)[0]), *(delays(limits, *of)[1] for of in context.open_causes), 0)
 
@@ -118,11 +118,12 @@ def _compare_films(context: AssessmentContext) -> BaselineComparison | None:
             run = context.after[number]
             if heard < count and is_of_films(run.fit, machine) and observed(number).names == baseline[0].names:
                 after.insert(0, (run, observed(number)))
-                heard += not says_nothing(observed(number))
+                heard += not is_uninformative(observed(number))
         if not _comparable(context, [run for run, _ in after], baseline):
             return None
-        if any(not says_nothing(said) for _, said in after[-UNLIMITED_DELAY:]):
-            after = [pair for pair in after if not says_nothing(pair[1])]  # else the newest are told as what no fit explains
+        if any(not is_uninformative(said) for _, said in after[-UNLIMITED_DELAY:]):
+            # Where all newest runs are uninformative, they are kept and reported as what no fit explains.
+            after = [pair for pair in after if not is_uninformative(pair[1])]
         runs, said = tuple(run for run, _ in after), tuple(one for _, one in after)
         return BaselineComparison(watch, runs, said, variation, whole=lambda: with_newest(math.inf))
 
@@ -278,4 +279,4 @@ def _rates(context: AssessmentContext, history: BaselineHistory) -> RateAssessme
 
     findings = tuple(one for element, one in newest.items() if element in drifting or lasts(element))
     baseline = adjusted_baseline(context)
-    return RateAssessment(with_limits_ahead(findings, limits, baseline, adjusted), frozenset(filter(is_gone, drifting)))
+    return RateAssessment(with_times_to_limits(findings, limits, baseline, adjusted), frozenset(filter(is_gone, drifting)))

@@ -12,11 +12,11 @@ from service.monitoring.assessment.context import AssessmentContext, ComparedVal
 
 def load_changes(context: AssessmentContext, element: str) -> Iterator[SizePart]:
     """Yield the changes of the loads in a coupling that have left the band of the baseline, the larger in the band first."""
-    told = [(one, part) for one in context.loads if one.element == element and (part := left_band(one)) is not None]
+    told = [(one, part) for one in context.loads if one.element == element and (part := change_beyond_band(one)) is not None]
     yield from sorted((part for _, part in told), key=lambda part: -abs(part.value) / max(part.upper - part.value, 1e-300))
 
 
-def left_band(one: ComparedValue) -> SizePart | None:
+def change_beyond_band(one: ComparedValue) -> SizePart | None:
     """Return the change of a value; None where it lies in the band of the baseline."""
     values = np.array([value for value, _ in one.baseline])
     errors = np.array([(half or 0.0) / CONFIDENCE_95 for _, half in one.baseline])

@@ -59,17 +59,17 @@ def rate_findings(
     return tuple(found)
 
 
-def with_limits_ahead(
+def with_times_to_limits(
     found: Sequence[RateFinding], limits: Limits, baseline: Sequence[Point], readings: Sequence[DatedPoint]
 ) -> tuple[RateFinding, ...]:
     """Return drifts with the change so far and the time to the danger limit of its size, as trend tests tell them.
 
     baseline: its runs' points, comparable with the readings; none where they are not known.
     """
-    return tuple(_with_limit_ahead(one, limits, baseline, readings) for one in found) if baseline else tuple(found)
+    return tuple(_with_time_to_limit(one, limits, baseline, readings) for one in found) if baseline else tuple(found)
 
 
-def _with_limit_ahead(
+def _with_time_to_limit(
     one: RateFinding, limits: Limits, baseline: Sequence[Point], readings: Sequence[DatedPoint]
 ) -> RateFinding:
     tests = trend_tests(baseline, readings, [one.rate.name])

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from estimator.machine.coupling_neighbours import neighbouring_bearings
 from estimator.machine.parameter_description import describe
 from service.monitoring.assessment.context import AssessmentContext, SecondOrderGrowth
-from service.monitoring.assessment.load_changes import left_band
+from service.monitoring.assessment.load_changes import change_beyond_band
 from service.monitoring.rules.diagnosis_rules import delays
 from service.monitoring.rules.finding_rules import MISALIGNMENT
 
@@ -49,10 +49,10 @@ def explained(context: AssessmentContext, diagnosis: "Diagnosis", place: int) ->
     found = Explanation(cause, others)
     if not others or cause.evidence - others[0].evidence > CLOSE:
         return found
-    for_cause, second = growth_beside(context, cause), others[0]
+    for_cause, second = second_order_growth(context, cause), others[0]
     if for_cause is not None:
         return replace(found, second_order=for_cause)
-    for_second = growth_beside(context, second)
+    for_second = second_order_growth(context, second)
     alone = sum(bool(one.names) for one in diagnosis.causes) == 1
     needed, _ = delays(context.limits, second.kind, second.element)
     agreed = needed <= len(second.agreement) and min(second.agreement[-needed:]) > 0.0
@@ -64,7 +64,7 @@ def explained(context: AssessmentContext, diagnosis: "Diagnosis", place: int) ->
     return Explanation(second, (cause, *others[1:]), replace(for_second, decided=True))
 
 
-def growth_beside(context: AssessmentContext, cause: "Cause") -> SecondOrderGrowth | None:
+def second_order_growth(context: AssessmentContext, cause: "Cause") -> SecondOrderGrowth | None:
     """Return the largest growth of the 2× beside a misaligned coupling; None where there is none, or another one elsewhere."""
     if cause.kind != MISALIGNMENT.name:
         return None
@@ -78,7 +78,7 @@ def growth_beside(context: AssessmentContext, cause: "Cause") -> SecondOrderGrow
 def _grown(context: AssessmentContext) -> Iterator[SecondOrderGrowth]:
     """Yield the probes whose 2× is larger than the band of their baseline allows."""
     for one in context.second_orders:
-        change = left_band(one)
+        change = change_beyond_band(one)
         if change is not None and change.before is not None and change.value > LEAST_GROWTH * change.before > 0.0:
             yield SecondOrderGrowth(describe(one.element).element_id, change.before, one.newest)
 

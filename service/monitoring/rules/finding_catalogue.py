@@ -36,14 +36,14 @@ def finding_rule(kind: str) -> FindingRule:
     return _BY_KIND[kind]
 
 
-def told_rule(kind: str) -> FindingRule:
+def rule_of_kind(kind: str) -> FindingRule:
     """Return the declaration of a kind of finding, or of `rate_of_change`. Raises KeyError when there is none."""
     return RATE_RULE if kind == RATE_RULE.kind else _BY_KIND[kind]
 
 
 def finding_name(kind: str, language: Language) -> str:
     """Return the name of a finding or alert rule; the identifier in words of one that only another release declares."""
-    return told_rule(kind).name_in(language) if is_finding(kind) or kind == RATE_RULE.kind else language.named(kind)
+    return rule_of_kind(kind).name_in(language) if is_finding(kind) or kind == RATE_RULE.kind else language.named(kind)
 
 
 def is_finding(kind: str) -> bool:

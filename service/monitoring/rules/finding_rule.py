@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from service.monitoring.rules.limit_rule import LimitQuantity, Rule
-from service.wording.described_finding import ToldFinding
+from service.wording.described_finding import DescribedFinding
 from service.wording.finding_texts import LISTS, FindingTexts
 from service.wording.finding_words import no_questions, size_words
 from service.wording.language import ENGLISH, LANGUAGES, Language, Locale, require_every_language
@@ -45,7 +45,7 @@ class AlertRule:
                     )
 
 
-Words = Callable[[ToldFinding], Mapping[str, str]]
+Words = Callable[[DescribedFinding], Mapping[str, str]]
 """Function that returns what stands in the places of a finding's own texts, by name; `size` is one of them."""
 
 
@@ -66,7 +66,7 @@ class FindingRule:
     words: Words = size_words
     places: tuple[str, ...] = ()
     force: str | None = None
-    open_questions: Callable[[ToldFinding], Sequence[str]] = no_questions
+    open_questions: Callable[[DescribedFinding], Sequence[str]] = no_questions
 
     def __post_init__(self) -> None:
         if "force" in self.rule.quantities and self.force is None:
@@ -74,7 +74,7 @@ class FindingRule:
         require_every_language(f"name of finding '{self.kind}'", {"en": self.kind, **self.names})
         require_every_language(f"texts of finding '{self.kind}'", self.texts)
         for language in LANGUAGES:
-            self._require_told(self.texts_in(language), "" if language == ENGLISH else f" ({language.code})")
+            self._require_texts(self.texts_in(language), "" if language == ENGLISH else f" ({language.code})")
 
     def texts_in(self, language: Language) -> FindingTexts:
         """Return the texts in a language."""
@@ -94,7 +94,7 @@ class FindingRule:
         needed = [one for one in ("id", "size", *self.places) if f"{{{one}}}" in self.texts["en"].what]
         return list(texts.problems(self.places, needed))
 
-    def _require_told(self, texts: FindingTexts, where: str) -> None:
+    def _require_texts(self, texts: FindingTexts, where: str) -> None:
         for field, message in self.problems(texts):
             raise ValueError(f"finding '{self.kind}'{where}: {field} {message}")
         missing = [name for name in LISTS if not getattr(texts, name) and (name != "if_danger" or self.can_be_danger)]

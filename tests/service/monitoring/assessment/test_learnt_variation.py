@@ -5,8 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from service.monitoring.assessment import alignment_size
 from service.monitoring.assessment.alignment_size import learnt
-from service.monitoring.assessment.context import WEEK, AssessedRun, alignment_size
+from service.monitoring.assessment.context import WEEK, AssessedRun
 from tests.estimator.alignment.drawn_runs import MODEL, drawn_machine, drawn_run, fitted
 from tests.estimator.diagnosis.test_film_reference import VARIATION, observed
 

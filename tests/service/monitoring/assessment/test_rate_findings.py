@@ -9,7 +9,7 @@ import pytest
 from estimator.trends.parameter_vector import Point
 from estimator.trends.trend_tests import DatedPoint
 from service.alerts.lifecycle import Severity
-from service.monitoring.assessment.rate_of_change import RateFinding, rate_findings, with_limits_ahead
+from service.monitoring.assessment.rate_of_change import RateFinding, rate_findings, with_times_to_limits
 from service.monitoring.rules.limits import Limits
 
 NAMES = ("bearing.B2.kxx", "bearing.B2.kyy", "coupling.C1.kxx", "probe.B2X.gain.real")
@@ -72,7 +72,7 @@ def test_a_season_of_oil_drifts_and_is_no_rate() -> None:
 def test_a_drift_is_told_with_the_time_to_the_limit_of_its_size() -> None:
     runs = drifting((0.006, 0.0, 0.0, 0.0))
     healthy = [Point(NAMES, 0.002 * np.random.default_rng(3).standard_normal(4), 1e-6 * np.eye(4)) for _ in range(5)]
-    (told,) = with_limits_ahead(rate_findings(Limits(), runs), Limits(), healthy, runs)
+    (told,) = with_times_to_limits(rate_findings(Limits(), runs), Limits(), healthy, runs)
     assert told.change_per_cent == pytest.approx(100 * math.expm1(0.006 * 15), abs=1.0)
     assert told.ahead is not None
     assert told.ahead.limit == 25.0
@@ -81,5 +81,5 @@ def test_a_drift_is_told_with_the_time_to_the_limit_of_its_size() -> None:
     assert told.ahead.expected is not None
     assert told.ahead.latest is not None
     assert told.ahead.earliest <= told.ahead.expected <= told.ahead.latest
-    (unknown,) = with_limits_ahead(rate_findings(Limits(), runs), Limits(), [], runs)
+    (unknown,) = with_times_to_limits(rate_findings(Limits(), runs), Limits(), [], runs)
     assert (unknown.change_per_cent, unknown.ahead) == (None, None)

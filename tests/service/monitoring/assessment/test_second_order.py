@@ -16,7 +16,7 @@ from service.monitoring.assessment.context import WEEK, AssessedRun, AssessmentB
 from service.monitoring.assessment.second_order import Explanation, explained
 from service.monitoring.context_loading import load_context
 from service.monitoring.rules.limits import Limits
-from service.wording.described_finding import ToldFinding
+from service.wording.described_finding import DescribedFinding
 from service.wording.finding_words import second_order_words
 from storage.database.engine import Database
 from storage.findings import derived
@@ -105,11 +105,11 @@ def test_it_speaks_for_a_misalignment_that_another_explanation_comes_close_to() 
 
 def test_words_say_what_it_rests_on() -> None:
     said = {"probe": "B2L", "before_um": 2.0, "now_um": 5.0, "decided": True}
-    told = ToldFinding(*MISALIGNMENT, {"second_order": said})
+    told = DescribedFinding(*MISALIGNMENT, {"second_order": said})
     words = second_order_words(told, "bearing B2 itself")
     assert "by 1× alone bearing B2 itself explains it about as well" in words
     assert "the 2× at probe B2L has grown from 2.0 to 5.0 µm" in words
-    assert second_order_words(ToldFinding(*MISALIGNMENT, {}), "") == ""
+    assert second_order_words(DescribedFinding(*MISALIGNMENT, {}), "") == ""
 
 
 def test_a_2x_that_grows_at_a_healthy_machine_raises_nothing() -> None:
