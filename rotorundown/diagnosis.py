@@ -56,7 +56,7 @@ def diagnose(baseline: Sequence[Result], later: Sequence[Result], *, runs_that_a
     """Find what changed since a baseline.
 
     Args:
-        baseline: Results of the healthy machine, at least two; more tell better what varies from run to run.
+        baseline: Results of the healthy machine, at least two; more show the variation from run to run better.
         later: Later results of the same machine, oldest first.
         runs_that_agree: Number of newest runs that must agree on a cause.
 

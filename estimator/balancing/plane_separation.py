@@ -14,11 +14,11 @@ from estimator.arrays import Complexes, Floats
 from estimator.balancing.measured_influence import MeasuredInfluence
 
 LEAST_OWN = 0.15
-"""Part of a plane's column [-] that no other plane explains, below which it does nearly what they do."""
+"""Least part of a plane's column that no other plane explains [-]; a plane with less is left out."""
 CLEAR_OF_ERROR = 2.0
 """Own part of a column over the rms error of the column [-] that must be seen, where that error is known."""
 ALIKE = 0.95
-"""Correlation between two columns [-] from which on one plane alone does what the other does."""
+"""Correlation between two columns [-] above which the two planes count as equivalent."""
 
 
 @dataclass(frozen=True)

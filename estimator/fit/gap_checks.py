@@ -25,7 +25,7 @@ JUMP = 15.0
 LARGEST_ERROR = 5.0
 """Standard errors by which the ratio of a gap's motion to that expected may differ from one [-]."""
 SAME = 0.25
-"""Part of that ratio by which it may differ from one in any case [-]: what films deviate by."""
+"""Least tolerance of that ratio about one [-]: films deviate from their model by as much."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Storing the batches of a failed transaction one by one, so that one that cannot be stored does not block the others.
+"""Storing the batches of a failed transaction one by one, so that a faulty batch does not block the others.
 
 Each batch takes a transaction, all of them a second or more: they are stored in short turns, between which the ingest goes on
 taking messages.

@@ -66,7 +66,7 @@ class WriteBatch:
         self._held.append(HeldBatch(arrived, promise))
 
     def store(self) -> None:
-        """Store held batches in one short transaction or, when that fails, one by one in a short turn.
+        """Store held batches in one short transaction; if that fails, one by one for a limited time.
 
         The rest stays held. Raises errors that affect all batches, as `Journal.store` does; then nothing is lost.
         """

@@ -47,7 +47,7 @@ class MachineFeed:
 
 @dataclass
 class EdgeNode:
-    """A node: the machines that it feeds, names by device and alias, its last counts, and what it was asked."""
+    """A Sparkplug edge node: its machines, metric names by device and alias, last sequence numbers, requested rebirths."""
 
     feeds: list[MachineFeed]
     names: dict[tuple[str, int], str] = field(default_factory=dict)
@@ -76,7 +76,7 @@ class EdgeNode:
         return True
 
     def is_born(self, payload: SparkplugPayload, device: str, kind: str) -> None:
-        """Note the names of a birth; all values of what was born are told anew in it."""
+        """Note the names of a birth; a birth states all values of its node or device again."""
         if kind == NODE_BIRTH:
             self.names.clear()
             self.birth_number = birth_number(payload.metrics)
@@ -93,7 +93,7 @@ class EdgeNode:
             self.forget(None)
 
     def want_rebirth(self) -> None:
-        """Note that the node is to be asked for its names, for a reason that is new: earlier requests in vain do not count."""
+        """Note that the node must be asked for its names for a new reason: earlier unanswered requests do not count."""
         self.wants_rebirth, self.rebirth_pause = True, REBIRTH_S
 
     def claim_rebirth_request(self, moment: float) -> bool:
@@ -120,5 +120,5 @@ class EdgeNode:
 
 
 def birth_number(metrics: Sequence[SparkplugMetric]) -> float | None:
-    """Return the number of a birth that metrics tell; None where they tell none."""
+    """Return the birth's number among metrics; None without one."""
     return next((one.value for one in metrics if one.name == BIRTH_NUMBER), None)

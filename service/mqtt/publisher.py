@@ -41,7 +41,7 @@ LOOK_S = 0.5
 AT_ONCE = 50
 """Identifications that are read at once, and messages that are on their way at once."""
 LARGEST_LAST_STATES = 10_000
-"""Most alerts whose last state is told at a connection, the newest first."""
+"""Most alerts whose last state is published at a connection, the newest first."""
 OVERLAP = 50
 """Identifications before the last one that are looked at again: several replicas file at once."""
 
@@ -81,7 +81,7 @@ class MqttAlerts(MqttThread):
         return {"rundown_mqtt_alerts_connected": int(self.is_connected), "rundown_mqtt_published": self._published}
 
     def new_client(self) -> aiomqtt.Client:
-        """Return a client whose end the broker tells."""
+        """Return a client with a last will, by which the broker announces its end."""
         will = aiomqtt.Will(self._topics.status(self._settings.mqtt_client_id), b"offline", qos=1, retain=True)
         return new_client(self._settings, "alerts", lasting=False, will=will)
 
@@ -148,7 +148,7 @@ class MqttAlerts(MqttThread):
         return RetainedMessage(topic, event.model_dump_json().encode(), retain=event.id > 0, number=event.id)
 
     def _last_states(self) -> list[RetainedMessage]:
-        """Return the last event of each alert and the newest identification of each machine, of the plants that are told."""
+        """Return the last event of each alert and the newest identification of each machine, of plants with subscriptions."""
         with self._database.reading() as session:
             told = [row for row in deliveries.list_subscriptions(session) if _is_active(row)]
             if not told:

@@ -44,7 +44,7 @@ class SparkplugNodes:
 
     @property
     def missing(self) -> int:
-        """Return how many messages never came, as far as the nodes' counts tell."""
+        """Return how many messages were lost, by the nodes' sequence numbers."""
         return self._missing_before + sum(one.missing for one in self._nodes.values())
 
     def follow(self, machines: Sequence[Machine]) -> None:

@@ -1,4 +1,4 @@
-"""An alert as it is told over OPC UA: its standing, and the event that led to it."""
+"""An alert as OPC UA clients see it: its state, and the event that led to it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

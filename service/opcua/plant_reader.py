@@ -43,7 +43,7 @@ class PlantNews:
 
 
 class PlantReader:
-    """The state of all plants as last told. Its methods block, and are called one at a time."""
+    """The state of all plants as last read. Its methods block, and are called one at a time."""
 
     def __init__(self, database: Database, texts: SiteTexts | None = None) -> None:
         self._alert_texts = texts or SiteTexts()
@@ -64,7 +64,7 @@ class PlantReader:
             return open_readings(session, self._alert_texts)
 
     def read_changes(self) -> PlantNews:
-        """Read what has changed since the last call. Raises DBAPIError; what was not told then is told by a later call."""
+        """Read what has changed since the last call. Raises DBAPIError; a later call then returns what this one has missed."""
         try:
             return self._read_all()
         except Exception:

@@ -164,7 +164,7 @@ class PlantServer:
 
     @property
     def trouble(self) -> str | None:
-        """Return what ails it while it serves; None where nothing does."""
+        """Return what is wrong while it serves; None where nothing does."""
         return None if self._trust is None else self._trust.trouble
 
     async def start(self) -> None:

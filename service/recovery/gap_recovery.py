@@ -123,7 +123,7 @@ class GapRecovery:
         self._recall.drop_source(source)
 
     def place(self, key: Key, arrived: ArrivedBatch) -> None:
-        """Accept a published batch, let it wait for missing ones before it, or leave it in its source's log."""
+        """Accept a published batch, hold it until missing batches before it have come, or leave it in its source's log."""
         source = arrived.source
         self._recall.note_live(key, source)
         self.live.note_activity(source)

@@ -8,7 +8,7 @@ from service.reports.train_figure import train_figure
 from service.wording.language import Language
 
 MOST_DETAILED = 3
-"""Open alerts that are told with all that is to be done; others with one sentence."""
+"""Open alerts that are printed with all recommended actions; others with one sentence."""
 
 
 def first_page(contents: ReportContents) -> str:
@@ -29,7 +29,7 @@ def first_page(contents: ReportContents) -> str:
 
 
 def no_alert_text(contents: ReportContents) -> str:
-    """Return what is told without an open alert: only of a machine that was measured can it be said that there is none."""
+    """Return the text for a machine without an open alert; it says so where nothing was measured."""
     fit, turned, translate = contents.fit, contents.counts.turned_until, contents.language.translate
     if fit is None:
         if turned is None:

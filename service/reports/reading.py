@@ -1,4 +1,4 @@
-"""Reads what a report tells of a machine and a period."""
+"""Reads the contents of a report on a machine over a period."""
 
 from collections.abc import Iterator, Sequence
 
@@ -30,7 +30,7 @@ from storage.measurements import runs
 from storage.tables.findings import IdentificationRow
 
 MOST_ALERTS, MOST_EVENTS, MOST_NOTES, MOST_BALANCINGS, MOST_COUNTED = 500, 200, 200, 50, 20_000
-"""Most that a report tells of each kind; more is said to be left out."""
+"""Most entries of each kind in a report; more is said to be left out."""
 MOST_OPEN = 10_000
 """Open alerts that are read; there is one of each rule and element at most."""
 MOST_RUNS = 4

@@ -27,7 +27,7 @@ MOST_TRENDS = 16
 
 
 def reported_names(session: Session, newest: IdentificationRow, alerted: Sequence[str]) -> tuple[str, ...]:
-    """Return the names whose trends are told, by what the newest identification has: of alerts, of couplings, then others.
+    """Return the newest identification's parameters whose trends are printed: of alerts, of couplings, then others.
 
     alerted: elements with an open alert.
     """

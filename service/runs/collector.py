@@ -41,7 +41,7 @@ class Collector:
         self._silent: set[str] = set()
 
     def forget(self) -> None:
-        """Forget when machines were last heard, as after a start."""
+        """Forget when machines were last active, as after a start."""
         self._heard_at.clear()
         self._silent.clear()
         self.late.forget()

@@ -75,7 +75,7 @@ class LateSamplesPlan:
 
 
 def by_run(session: Session, machine_id: str, windows: Sequence[Window]) -> list[Window]:
-    """Return the windows, ascending, merging those that lie in one run, so that it is rebuilt once."""
+    """Return the windows, ascending; all windows within one run are merged, so that the run is rebuilt only once."""
     merged: list[Window] = []
     inside: set[int] = set()
     for window in windows:
@@ -102,8 +102,8 @@ def remove_window(windows: Sequence[Window], window: Window) -> list[Window] | N
 def plan(session: Session, machine_id: str, window: Window, *, patience_s: float) -> LateSamplesPlan | None:
     """Return the changes for the samples of a window; None when they must wait.
 
-    They wait for a run beside them that is not closed yet, and for one that was rebuilt recently: the first time for
-    `patience_s`, then twice as long each time.
+    They wait until a neighbouring run is closed, and for some time after a run was rebuilt: `patience_s` after the first
+    time, then twice as long each time.
     """
     revision, first, last, _ = window
     machine = machines.document(session, machine_id, revision)

@@ -1,4 +1,4 @@
-"""A finding as it is told: its kind, element and numbers, read from the evidence that is stored of it."""
+"""A finding as texts describe it: its kind, element and numbers, read from its stored evidence."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ from service.wording.language import ENGLISH, Language
 
 @dataclass(frozen=True)
 class DescribedFinding:
-    """A finding, its numbers, and the language that it is told in.
+    """A finding, its numbers, and the language in which it is described.
 
     evidence: as `Statement.evidence` returns it, or as an older release has stored it.
     """

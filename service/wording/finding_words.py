@@ -26,7 +26,7 @@ DIGITS = 3
 
 
 def size_words(finding: DescribedFinding) -> Mapping[str, str]:
-    """Return the size by its figures, as any finding can be told."""
+    """Return the size by its figures, as for any finding."""
     return {"size": "; ".join(_figures(finding)) or finding.language.translate("size.unknown")}
 
 
@@ -181,7 +181,7 @@ def compared_words(finding: DescribedFinding) -> str:
 
 
 def second_order_words(finding: DescribedFinding, next_best: str) -> str:
-    """Return how the 2× speaks for a finding, and whether it has decided for it; empty where it says nothing."""
+    """Return how the 2× supports a finding, and whether it was the tie-breaker; empty where it does not."""
     said, language = finding.evidence.get("second_order"), finding.language
     if not said:
         return ""
@@ -229,7 +229,7 @@ def rounded(value: float, digits: int, language: Language = ENGLISH) -> str:
 
 
 def described_parts(finding: DescribedFinding) -> Iterator[SizePart]:
-    """Yield the figures that are told: the first, and the others that are certain."""
+    """Yield the figures that are stated: the first, and all others that are certain."""
     for number, one in enumerate(finding.parts()):
         if number == 0 or one.sigma is None or abs(one.sigma) >= SIGNIFICANT:
             yield one

@@ -1,4 +1,4 @@
-"""Languages in which people are told of findings: their sentences, names and numbers. What one lacks is said in English."""
+"""Languages in which findings are described: their sentences, names and numbers. What one lacks is said in English."""
 
 import string
 from collections.abc import Mapping
@@ -65,7 +65,7 @@ LANGUAGES = tuple(Language(code) for code in SENTENCES)
 
 
 def require_every_language(what: str, said: Mapping[Locale, object]) -> None:
-    """Raise ValueError for something said that a language lacks, or that is said in one that there is not."""
+    """Raise ValueError if a text is missing in a language, or is given in an unknown language."""
     missing = [code for code in SENTENCES if not said.get(code)]
     unknown = sorted(set(said) - set(SENTENCES))
     if missing:

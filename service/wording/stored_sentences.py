@@ -15,7 +15,7 @@ _PLACE = re.compile(r"\{(\w+)\}")
 _LIST = re.compile(r"\{\w+\}(?:,| and| or| or with) \{\w+\}")
 """Form of a list, which any sentence may have by chance: it is one only of parts that are known, or names."""
 _ONE_WORD = frozenset({"id", "meant", "sent"})
-"""Places that one word fills, so that no list of sentences is taken for one sentence."""
+"""Placeholders filled by a single word, so that a list of sentences is not mistaken for one sentence."""
 _WORD = r"\S+"
 _NAME = re.compile(rf"{_WORD}(?: %)?")
 """Part of a list that every language says alike: a name or a number."""

@@ -118,7 +118,7 @@ class ProcessPool:
             return None
 
     def _check_slots(self) -> None:
-        """Look at every process, whatever befalls the others; raise the first error after that."""
+        """Check every process, even if another one's check fails; raise the first error after that."""
         errors = []
         for number, slot in enumerate(self._slots):
             try:

@@ -11,7 +11,7 @@ from types import FrameType
 GRACE_S = 10.0
 """Time after the limit within which a process must notice that its time is over."""
 REPEAT_S = 1.0
-"""Time after which it is told once more: what is raised within a destructor or a callback of native code gets lost."""
+"""Time after which the error is raised again: an error within a destructor or a callback of native code is lost."""
 
 SOON_S = 1e-3
 """Time after which a limit that is over already takes effect: zero would switch it off."""

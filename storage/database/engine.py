@@ -32,9 +32,9 @@ LARGEST_LOG = 64 * 2**20
 FRAMES_AT_A_LOOK, EVERY_FRAME = 300, 2**31
 """Numbers of the log's frames that a regular look, and the one before the last checkpoint, take in."""
 MENDED = "pages of its log were overwritten, and newer ones or the file itself have all they held"
-"""Finding that is told until a check has found all pages whole."""
+"""Finding that is reported until a check has found all pages whole."""
 CLOSING_S, LOOK_S = 4.0, 0.1
-"""Time for which closing waits until all that can be saved is, and interval at which it tries [s]."""
+"""Longest time for which closing tries to save what can be saved, and the interval between attempts [s]."""
 WRITER_KEY = CLAIM_KEY + 1
 """Key of the PostgreSQL advisory lock that each writing transaction holds."""
 _CONNECTION = {

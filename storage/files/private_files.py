@@ -1,4 +1,4 @@
-"""Private files: those that hold data, or secrets that give access to them, are readable by their owner only."""
+"""Private files: files with data, or with secrets that give access to data, are readable by their owner only."""
 
 import contextlib
 import os
@@ -25,7 +25,7 @@ def prepare(path: Path) -> None:
 
 
 def readable_by_others(path: Path) -> list[Path]:
-    """Return those of a database's files whose mode lets others than owner and group read or write them."""
+    """Return the files of a database that users other than owner and group may read or write."""
     return [one for one in (path.with_name(path.name + end) for end in BESIDE) if _open_to_others(one)]
 
 

@@ -1,4 +1,4 @@
-"""SQLite's write-ahead log as its index counts it: whether all of it is there, and what is left when it is not.
+"""SQLite's write-ahead log, compared with its index: whether frames are missing, and which ones are left.
 
 SQLite does not notice that its log was cut off or overwritten by somebody else: it reads the missing part as zeros,
 continues to write after it, and copies the zeros into the main file at the next checkpoint. It compares checksums only after
@@ -164,6 +164,6 @@ class WriteAheadLog:
         return all(one.whole for numbers in ranges for one in self._frames.read(counted, numbers))
 
     def _committed(self, counted: CountedFrames) -> int:
-        """Return the last frame that ends a transaction, of those before the first one that is missing or damaged."""
+        """Return the last frame that ends a transaction before the first missing or damaged frame."""
         whole = itertools.takewhile(lambda one: one.whole, self._frames.read(counted))
         return max((one.number for one in whole if one.database_size), default=0)

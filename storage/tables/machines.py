@@ -89,7 +89,7 @@ class CalibrationRow(Base):
 
 
 class BalancingRow(Base):
-    """A field balancing, from its initial runs to its check run; each step stays as it was told and computed."""
+    """A field balancing, from its initial runs to its check run; each step stays as it was entered and computed."""
 
     __tablename__ = "balancings"
     __table_args__ = (Index(None, "machine_id", "id"),)

@@ -191,11 +191,11 @@ def _rotating_errors(problem: FitProblem, theta: Floats) -> _RotatingErrors:
 
 
 def with_run_outs(machine: Machine, *, keep: bool) -> Machine | None:
-    """Return a machine whose document asks for the run-outs of those couplings of which it did not.
+    """Return a machine that also fits the run-outs of the couplings whose run-outs its document does not ask for.
 
     Args:
         machine: The machine.
-        keep: Whether it asks for those for which it did, too.
+        keep: Whether the run-outs that the document asks for are fitted as well.
 
     Returns:
         The machine; None where there is no such coupling.
@@ -212,7 +212,7 @@ def with_run_outs(machine: Machine, *, keep: bool) -> Machine | None:
 
 
 def with_every_channel(coordinates: Coordinates, channels: Sequence[str]) -> Coordinates:
-    """Return coordinates with those of each channel's gain and run-out that is not among them behind them.
+    """Return coordinates with the gains and run-outs of all channels; those that were missing are appended.
 
     Args:
         coordinates: The coordinates.

@@ -93,8 +93,8 @@ def judge_form(problem: FitProblem, found: FitResult, covariance: Floats, condit
 def _form_alone_decides(problem: FitProblem) -> bool:
     """Return whether more coefficients follow the speed than m channels give real numbers at one speed, 2m.
 
-    Then others can make up for any deviation of one of them, and the form alone tells them apart. A model with parameters of
-    another kind than values at speeds, such as factors on a table, does not leave its coefficients that freedom.
+    Then a deviation of one coefficient can be compensated by others, and only the form tells them apart. A model with
+    parameters of another kind than values at speeds, such as factors on a table, does not leave its coefficients that freedom.
     """
     following = {
         k

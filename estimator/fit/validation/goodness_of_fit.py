@@ -14,11 +14,11 @@ from estimator.fit.problem.fit_problem import FitProblem, FitResult
 CHI_SQUARE_LIMIT = 5.0
 """Standard deviations √(2/dof) by which χ²/dof may exceed 1 for a fit with stated noise to be accepted [-]."""
 LARGEST_OUTLIER_PART = 0.1
-"""Part of the phasors above which a fit that leaves them out explains the wrong ones [-]."""
+"""Largest part of the phasors that a fit may leave out [-]; beyond it the outliers may be the right ones."""
 FEW_OUTLIERS = 5
-"""Number of outliers below which they say nothing about a channel."""
+"""Fewest outliers from which a single channel may be named."""
 LARGEST_ESTIMATED_NOISE = 0.2
-"""Relative noise above which an estimate is no noise but a model that does not fit [-]."""
+"""Relative noise [-]; an estimate above it means that the model does not fit."""
 SMALLEST_ESTIMATED_NOISE = 1e-5
 """Relative noise below which an estimate is rounding: the data were computed [-]."""
 LARGEST_SERIAL_CORRELATION = 0.1

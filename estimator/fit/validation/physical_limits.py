@@ -1,4 +1,4 @@
-"""Exclusion of models that no machine can have: those with modes that grow at speeds at which it ran.
+"""Exclusion of impossible models: those with growing modes at a speed at which the machine has run.
 
 A fit may end there all the same, where data are few or the model is wrong; balancing masses computed from such a model are
 worthless. Where the data allow a model without growing modes nearly as well, that is the fit's end; else the fit is refused.

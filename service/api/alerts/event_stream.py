@@ -167,7 +167,7 @@ class Broadcaster:
 
 
 def _stream_event(row: AlertEventRow, texts: SiteTexts) -> StreamEvent:
-    """Return an event with its text; one that cannot be rendered must not stop those behind it."""
+    """Return an event with its text; an event that cannot be rendered has none, so that later ones still get through."""
     try:
         event = alert_event(row, texts)
         return StreamEvent(row.id, event, _text(event))

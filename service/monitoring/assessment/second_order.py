@@ -1,5 +1,5 @@
-"""The 2× beside other evidence: it decides between explanations that are about as good as each other, and never says anything
-by itself, as two-pole generators and asymmetric rotors have a 2× of their own.
+"""The 2× as a tie-breaker: it decides between explanations that are about equally good. It is no evidence by itself, since
+two-pole generators and asymmetric rotors have a 2× of their own.
 
 A misalignment makes a 2× at the probes beside its coupling (J. Piotrowski, Shaft Alignment Handbook, 3rd ed., CRC Press 2006,
 ch. 2), that of a generator or of an asymmetric rotor does not grow: so it counts where it has left its baseline's band there,
@@ -28,12 +28,12 @@ CLOSE = 3.0
 TIE = 1.0
 """Lead in evidence up to which two explanations are about as good as each other [-]: a factor of 2.7."""
 LEAST_GROWTH = 0.25
-"""Growth of a 2× from which on it counts, as a part of what it was [-]."""
+"""Least growth of a 2×, relative to its value before, that counts [-]."""
 
 
 @dataclass(frozen=True)
 class Explanation:
-    """An explanation, those that it was preferred to, and the growth of the 2× that speaks for it."""
+    """The explanation that was chosen, its runners-up, and the growth of the 2× that supports it."""
 
     cause: "Cause"
     runners_up: tuple["Cause", ...]
