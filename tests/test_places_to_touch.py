@@ -85,8 +85,8 @@ def finding(copy: Copy) -> str:
         '\n    FindingKind("rub", ("shaft",), "machine", changes=_bows, size=_run_out_size),',
     )
     copy.insert(
-        "service/monitoring/rules/finding_rules.py",
-        "FINDING_RULES: tuple[FindingRule, ...] = (",
+        "service/monitoring/rules/rotor_findings.py",
+        "ROTOR_FINDINGS: tuple[FindingRule, ...] = (",
         '\n    FindingRule("rub", AlertRule("rub", Rule(alert=Level(sigma=3.0)), ("sigma",)), {"de": "Anstreifen"}, '
         '{"en": FindingTexts("Shaft {id} rubs: {size}", ("a",), ("b",), ("c",), (), ("e",), ("f",)), '
         '"de": FindingTexts("Welle {id} streift an: {size}", ("g",), ("h",), ("i",), (), ("k",), ("l",))}),',
@@ -410,7 +410,7 @@ def test_one_more_takes_few_files_and_works(copy: Copy, what: str, add: Callable
     [
         (
             finding,
-            "service/monitoring/rules/finding_rules.py",
+            "service/monitoring/rules/rotor_findings.py",
             '{"de": "Anstreifen"}',
             "name of finding 'rub' is missing in: de",
         ),

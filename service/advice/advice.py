@@ -11,8 +11,8 @@ from service.advice.site_texts import SiteTexts
 from service.advice.urgency import urgency
 from service.alerts.advice_message import Action, Advice, Certainty, Figure
 from service.alerts.lifecycle import Severity
+from service.monitoring.rules.drift_rule import RATE_RULE
 from service.monitoring.rules.finding_catalogue import finding_name, is_finding, rule_of_kind
-from service.monitoring.rules.finding_rules import RATE_RULE
 from service.wording.described_finding import DescribedFinding
 from service.wording.finding_texts import FindingTexts
 from service.wording.finding_words import UNITS, compared_words, described_parts, part_words, rounded, second_order_words

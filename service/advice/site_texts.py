@@ -16,8 +16,9 @@ from typing import Any
 
 from estimator.close_matches import did_you_mean
 from formats.files.document_files import UnreadableFile, read_yaml
+from service.monitoring.rules.drift_rule import RATE_RULE
 from service.monitoring.rules.finding_catalogue import rule_of_kind
-from service.monitoring.rules.finding_rules import FINDING_RULES, RATE_RULE
+from service.monitoring.rules.finding_rules import FINDING_RULES
 from service.wording.finding_texts import LISTS, MOST_TEXTS, FindingTexts, TextsWrong
 from service.wording.language import ENGLISH, LANGUAGES, Language, Locale
 

@@ -9,8 +9,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from service.delivery.channels import CHANNEL_KINDS
+from service.monitoring.rules.drift_rule import RATE_RULE
 from service.monitoring.rules.finding_catalogue import LIMITED_RULES
-from service.monitoring.rules.finding_rules import FINDING_RULES, RATE_RULE
+from service.monitoring.rules.finding_rules import FINDING_RULES
 from service.wording.language import LANGUAGES, Language
 from service.wording.stored_sentences import STORED_SENTENCES
 

@@ -23,9 +23,10 @@ from service.monitoring.assessment.context import (
 )
 from service.monitoring.context_loading import MonitoringState, diagnosed_kind
 from service.monitoring.finding_text import Statement
+from service.monitoring.rules.coupling_and_bearing_findings import MISALIGNMENT
 from service.monitoring.rules.diagnosis_rules import cause_severity
+from service.monitoring.rules.drift_rule import RATE_OF_CHANGE
 from service.monitoring.rules.finding_catalogue import DIAGNOSIS_RULES, finding_rule
-from service.monitoring.rules.finding_rules import MISALIGNMENT, RATE_OF_CHANGE
 from service.monitoring.rules.limits import Limits
 from storage.clock import from_datetime, to_datetime
 from storage.findings import derived, diagnoses, identifications

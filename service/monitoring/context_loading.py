@@ -20,8 +20,8 @@ from service.monitoring.assessment.context import (
 )
 from service.monitoring.comparison import ComparisonTerms, baseline_of, compared_with, terms_of
 from service.monitoring.limits_in_force import limits_of
+from service.monitoring.rules.drift_rule import RATE_OF_CHANGE
 from service.monitoring.rules.finding_catalogue import DIAGNOSIS_RULES, is_finding
-from service.monitoring.rules.finding_rules import RATE_OF_CHANGE
 from storage.alerts import alerts
 from storage.findings import derived, identifications, jobs
 from storage.machines import limits, machines

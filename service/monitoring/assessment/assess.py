@@ -36,8 +36,9 @@ from service.monitoring.assessment.load_changes import load_changes
 from service.monitoring.assessment.moved_parameters import adjusted_baseline, moved_parameters
 from service.monitoring.assessment.rate_of_change import RateFinding, rate_findings, with_times_to_limits
 from service.monitoring.assessment.second_order import Explanation, explained
+from service.monitoring.rules.coupling_and_bearing_findings import MISALIGNMENT
 from service.monitoring.rules.diagnosis_rules import UNLIMITED_DELAY, cause_severity, danger_limit, delays
-from service.monitoring.rules.finding_rules import MISALIGNMENT, RATE_OF_CHANGE
+from service.monitoring.rules.drift_rule import RATE_OF_CHANGE
 
 
 def assess(context: AssessmentContext) -> Assessment:

@@ -10,7 +10,7 @@ from estimator.trends.parameter_vector import Point
 from estimator.trends.rate_of_change import ParameterRate, rates_of_change
 from estimator.trends.trend_tests import DatedPoint, time_to_change, trend_tests
 from service.alerts.lifecycle import Severity
-from service.monitoring.rules.finding_rules import RATE_OF_CHANGE
+from service.monitoring.rules.drift_rule import RATE_OF_CHANGE
 from service.monitoring.rules.limits import Limits, deviation_rule, severity_of
 
 FILM_NUMBERS = frozenset(

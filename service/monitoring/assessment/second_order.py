@@ -14,8 +14,8 @@ from estimator.machine.coupling_neighbours import neighbouring_bearings
 from estimator.machine.parameter_description import describe
 from service.monitoring.assessment.context import AssessmentContext, SecondOrderGrowth
 from service.monitoring.assessment.load_changes import change_beyond_band
+from service.monitoring.rules.coupling_and_bearing_findings import MISALIGNMENT
 from service.monitoring.rules.diagnosis_rules import delays
-from service.monitoring.rules.finding_rules import MISALIGNMENT
 
 if TYPE_CHECKING:
     from estimator.diagnosis.bayes_factors import Diagnosis

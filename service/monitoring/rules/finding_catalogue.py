@@ -7,8 +7,9 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from estimator.diagnosis.finding_kinds import FINDING_KINDS, finding_kind
+from service.monitoring.rules.drift_rule import RATE_OF_CHANGE, RATE_RULE
 from service.monitoring.rules.finding_rule import AlertRule, FindingRule
-from service.monitoring.rules.finding_rules import FINDING_RULES, RATE_OF_CHANGE, RATE_RULE
+from service.monitoring.rules.finding_rules import FINDING_RULES
 from service.wording.language import Language
 
 if TYPE_CHECKING:

@@ -1,6 +1,6 @@
 """Limits that a person sets for a machine: when a finding is an alert, when it is a danger, and the delays of both.
 
-Fields that a document leaves out are taken from the defaults, which `finding_rules.py` declares; they are starting points.
+Fields that a document leaves out are taken from the defaults in the findings' declarations; they are starting points.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

@@ -5,7 +5,8 @@ from collections.abc import Iterable
 
 import pytest
 
-from service.monitoring.rules.finding_rules import FINDING_RULES, RATE_RULE
+from service.monitoring.rules.drift_rule import RATE_RULE
+from service.monitoring.rules.finding_rules import FINDING_RULES
 from service.wording.english import ENGLISH_SENTENCES
 from service.wording.finding_texts import LISTS, FindingTexts
 from service.wording.german import GERMAN_SENTENCES
