@@ -5,9 +5,10 @@ from collections.abc import Iterator
 from docs_site.cli_reference import table_cell
 from estimator.diagnosis.finding_kind import FindingPlace
 from estimator.diagnosis.finding_kinds import finding_kind
-from service.monitoring.finding_rule import FindingRule
-from service.monitoring.finding_rules import FINDING_RULES, RATE_RULE
-from service.monitoring.limit_rule import Level, LimitQuantity
+from service.monitoring.rules.drift_rule import RATE_RULE
+from service.monitoring.rules.finding_rule import FindingRule
+from service.monitoring.rules.finding_rules import FINDING_RULES
+from service.monitoring.rules.limit_rule import Level, LimitQuantity
 from service.wording.finding_texts import PLACES
 from service.wording.language import ENGLISH
 

@@ -1,4 +1,4 @@
-"""Categories of errors: each base class is one, and every error that is reported to a caller derives from one of them.
+"""Categories of errors: each base class is a category, and every error reported to a caller derives from one.
 
 How a category is reported, such as by a status of HTTP, is decided where the answer is made.
 """

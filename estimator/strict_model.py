@@ -61,7 +61,7 @@ def _contains_boolean(value: Any) -> bool:
 
 
 def fields_beside(model: type[BaseModel], location: Sequence[int | str]) -> list[str]:
-    """Return the fields that there are where an error's location within a model says that one is unknown.
+    """Return the known fields of the (nested) model in which an error has found an unknown field.
 
     Args:
         model: The model.

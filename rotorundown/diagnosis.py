@@ -56,7 +56,7 @@ def diagnose(baseline: Sequence[Result], later: Sequence[Result], *, runs_that_a
     """Find what changed since a baseline.
 
     Args:
-        baseline: Results of the healthy machine, at least two; more tell better what varies from run to run.
+        baseline: Results of the healthy machine, at least two; more show the variation from run to run better.
         later: Later results of the same machine, oldest first.
         runs_that_agree: Number of newest runs that must agree on a cause.
 
@@ -83,7 +83,7 @@ def diagnose(baseline: Sequence[Result], later: Sequence[Result], *, runs_that_a
         raise NotDiagnosable(f"a result of the baseline is not accepted: {refused.verdict}")
     channels = machine.channels
     try:
-        windows = RunWindows.over(machine, [observation_of(one.identification, channels) for one in baseline])
+        windows = RunWindows.from_baseline(machine, [observation_of(one.identification, channels) for one in baseline])
     except ValueError as error:
         raise NotDiagnosable(str(error)) from None
     observations = [observation_of(one.identification, channels) for one in later]

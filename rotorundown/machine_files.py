@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any
 
 from estimator.errors import Invalid
+from estimator.machine.checks.document_size import accepted_machine
 from estimator.machine.document import DocumentError, Machine
-from estimator.machine.document_size import accepted_machine
 from formats.files.document_files import UnreadableFile
 from formats.files.document_files import read_machine as read_machine_file
 

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from estimator.errors import Invalid
+from estimator.machine.checks.document_size import accepted_machine
 from estimator.machine.document import DocumentError, Machine
-from estimator.machine.document_size import accepted_machine
 from estimator.machine.parts import Probe
 from estimator.units import RAD_PER_S
 from rotorundown.ross_shafts import one_shaft

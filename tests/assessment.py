@@ -3,8 +3,8 @@
 from sqlalchemy.orm import Session
 
 from service.monitoring import conclusions
-from service.monitoring.assess import assess
-from service.monitoring.assessment_context import load_context, load_state
+from service.monitoring.assessment.assess import assess
+from service.monitoring.context_loading import load_context, load_state
 from storage.tables.findings import IdentificationRow
 
 

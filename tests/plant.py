@@ -12,9 +12,9 @@ import zenoh
 from hypothesis import HealthCheck, settings
 from sqlalchemy.orm import Session
 
-from estimator.fit.channel_sensitivity import ChannelEffects
 from estimator.fit.estimates import Estimate
 from estimator.fit.identification import Identification
+from estimator.fit.validation.channel_sensitivity import ChannelEffects
 from estimator.machine.document import Machine, parse_machine
 from estimator.machine.film_parameter_names import load_balance
 from estimator.machine.parameter_description import is_direct

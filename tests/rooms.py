@@ -18,45 +18,51 @@ estimator/phasors: estimator estimator/machine estimator/modes estimator/rotor
 estimator/statics: estimator estimator/bearings estimator/films estimator/machine estimator/modes estimator/rotor
 estimator/fit/problem: estimator estimator/bearings estimator/machine estimator/phasors estimator/rotor
     estimator/statics
-estimator/fit: estimator estimator/bearings estimator/fit/problem estimator/machine estimator/modes estimator/phasors
-    estimator/rotor estimator/statics
+estimator/fit/optimisation: estimator estimator/fit/problem estimator/machine estimator/phasors estimator/rotor
+estimator/fit/validation: estimator estimator/bearings estimator/fit/optimisation estimator/fit/problem
+    estimator/machine estimator/modes estimator/rotor estimator/statics
+estimator/machine/checks: estimator estimator/bearings estimator/machine
+estimator/fit: estimator estimator/bearings estimator/fit/optimisation estimator/fit/problem estimator/fit/validation
+    estimator/machine estimator/machine/checks estimator/phasors estimator/rotor estimator/statics
 estimator/runs: estimator estimator/machine estimator/phasors
 estimator/thesis: estimator estimator/bearings estimator/machine estimator/modes estimator/phasors estimator/rotor
 estimator/simulation: estimator estimator/bearings estimator/machine estimator/phasors estimator/rotor estimator/runs
     estimator/statics estimator/trends
 estimator/updated_model: estimator estimator/bearings estimator/fit estimator/fit/problem estimator/machine
     estimator/modes estimator/phasors estimator/rotor estimator/statics
-estimator/calibration: estimator estimator/fit estimator/fit/problem estimator/machine estimator/phasors estimator/rotor
-    estimator/updated_model
-estimator/alignment: estimator estimator/bearings estimator/fit estimator/fit/problem estimator/machine
-    estimator/statics estimator/updated_model
-estimator/diagnosis: estimator estimator/alignment estimator/fit estimator/fit/problem estimator/machine estimator/rotor
-    estimator/statics estimator/trends estimator/updated_model
-estimator/identification: estimator estimator/fit estimator/fit/problem estimator/machine estimator/modes
-    estimator/phasors estimator/rotor estimator/updated_model
+estimator/balancing: estimator estimator/fit estimator/machine estimator/phasors estimator/rotor estimator/updated_model
+estimator/calibration: estimator estimator/fit estimator/fit/optimisation estimator/fit/problem estimator/fit/validation
+    estimator/machine estimator/phasors estimator/rotor
+estimator/alignment: estimator estimator/bearings estimator/fit estimator/fit/problem estimator/fit/validation
+    estimator/machine estimator/statics estimator/updated_model
+estimator/diagnosis: estimator estimator/alignment estimator/fit estimator/fit/problem estimator/fit/validation
+    estimator/machine estimator/rotor estimator/statics estimator/trends estimator/updated_model
+estimator/identification: estimator estimator/fit estimator/fit/optimisation estimator/fit/problem estimator/machine
+    estimator/modes estimator/phasors estimator/rotor estimator/updated_model
 storage:
 storage/tables:
-storage/encoding: estimator estimator/fit estimator/phasors
-storage/database: estimator storage storage/encoding storage/tables
+storage/encoding: estimator estimator/fit/validation estimator/phasors
+storage/files:
+storage/database: estimator storage storage/encoding storage/files storage/tables
 storage/machines: estimator estimator/machine estimator/phasors storage storage/database storage/tables
 storage/measurements: estimator estimator/phasors estimator/runs storage storage/encoding storage/tables
 storage/alerts: estimator storage storage/database storage/tables
-storage/backup: storage storage/database storage/encoding storage/tables
+storage/backup: storage storage/database storage/encoding storage/files storage/tables
 storage/findings: estimator estimator/diagnosis estimator/fit estimator/machine estimator/trends estimator/updated_model
     storage storage/database storage/encoding storage/machines storage/measurements storage/tables
 storage/operation: estimator storage storage/alerts storage/database storage/encoding storage/findings storage/machines
     storage/tables
 formats:
-formats/files: estimator/bearings estimator/machine
+formats/files: estimator/bearings estimator/machine estimator/machine/checks
 formats/wire: estimator estimator/machine estimator/phasors storage storage/encoding
 formats/recordings: estimator estimator/calibration estimator/machine estimator/phasors formats/files formats/wire
-    storage storage/database
+    storage storage/files
 service/wording: estimator/diagnosis estimator/fit estimator/machine
 service/export: estimator/machine estimator/phasors formats/files storage storage/database storage/encoding
-    storage/machines storage/measurements storage/tables
+    storage/files storage/machines storage/measurements storage/tables
 service/alerts: estimator storage storage/alerts storage/tables
 service/resilience: formats/wire storage storage/database storage/measurements
-service/secrets: storage/backup storage/database
+service/secrets: storage/backup storage/files
 service/configuration: estimator service/secrets storage/encoding
 service/http: estimator service/configuration service/resilience service/secrets storage/database storage/operation
 service/messaging: formats/wire service/configuration
@@ -67,22 +73,26 @@ rotorundown/environment:
 rotorundown/plots: estimator estimator/fit estimator/machine estimator/modes estimator/phasors estimator/statics
     estimator/updated_model rotorundown/environment
 rotorundown: estimator estimator/calibration estimator/diagnosis estimator/fit estimator/identification
-    estimator/machine estimator/modes estimator/phasors estimator/simulation estimator/updated_model formats/files
-    formats/recordings formats/wire rotorundown/environment rotorundown/plots storage storage/encoding
-service/balancing: estimator estimator/calibration estimator/fit estimator/machine estimator/phasors
+    estimator/machine estimator/machine/checks estimator/modes estimator/phasors estimator/simulation
+    estimator/updated_model formats/files formats/recordings formats/wire rotorundown/environment rotorundown/plots
+    storage storage/encoding
+service/balancing: estimator estimator/balancing estimator/fit estimator/machine estimator/phasors
     estimator/updated_model service/wording storage/alerts storage/machines storage/measurements
 service/workers: rotorundown/environment service/configuration service/resilience
 service/edge: estimator estimator/machine estimator/phasors estimator/signal formats/files formats/recordings
     formats/wire service/configuration service/sources storage
-service/monitoring: estimator estimator/alignment estimator/diagnosis estimator/fit estimator/machine estimator/rotor
-    estimator/trends estimator/updated_model service/alerts service/configuration service/replication service/resilience
-    service/wording service/workers storage storage/alerts storage/database storage/findings storage/machines
+service/monitoring/rules: estimator estimator/diagnosis estimator/machine service/alerts service/wording
+service/monitoring/assessment: estimator/alignment estimator/diagnosis estimator/fit estimator/machine estimator/rotor
+    estimator/trends estimator/updated_model service/alerts service/monitoring/rules
+service/monitoring: estimator estimator/diagnosis estimator/fit estimator/machine estimator/rotor estimator/trends
+    service/alerts service/configuration service/monitoring/assessment service/monitoring/rules service/replication
+    service/resilience service/workers storage storage/alerts storage/database storage/findings storage/machines
     storage/measurements storage/tables
-service/advice: estimator estimator/diagnosis formats/files service/alerts service/monitoring service/wording storage
-    storage/alerts storage/tables
-service/delivery: estimator service/advice service/alerts service/configuration service/monitoring service/replication
-    service/resilience service/secrets service/wording storage storage/alerts storage/backup storage/database
-    storage/encoding storage/machines storage/operation storage/tables
+service/advice: estimator estimator/diagnosis formats/files service/alerts service/monitoring/rules service/wording
+    storage storage/alerts storage/tables
+service/delivery: estimator service/advice service/alerts service/configuration service/monitoring/rules
+    service/replication service/resilience service/secrets service/wording storage storage/alerts storage/backup
+    storage/database storage/encoding storage/machines storage/operation storage/tables
 service/runs: estimator estimator/machine estimator/runs service/replication service/resilience storage storage/database
     storage/encoding storage/findings storage/machines storage/measurements storage/tables
 service/security: estimator service/configuration service/http service/resilience service/wording storage
@@ -96,8 +106,9 @@ service/identification: estimator estimator/calibration estimator/fit estimator/
     storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
 service/reports: estimator estimator/alignment estimator/machine estimator/phasors estimator/statics
     estimator/updated_model service/advice service/alerts service/balancing service/configuration service/delivery
-    service/identification service/monitoring service/replication service/resilience service/wording service/workers
-    storage storage/alerts storage/database storage/findings storage/machines storage/measurements storage/tables
+    service/identification service/monitoring service/monitoring/rules service/replication service/resilience
+    service/wording service/workers storage storage/alerts storage/database storage/findings storage/machines
+    storage/measurements storage/tables
 service/journal: estimator estimator/machine formats/wire service/replication service/resilience service/runs
     storage/database storage/encoding storage/machines storage/measurements storage/tables
 service/mqtt: estimator/machine formats/wire service/advice service/alerts service/configuration service/journal
@@ -118,14 +129,15 @@ service/api/operation: formats/wire rotorundown/environment service/api/conventi
 service/ingest: formats/wire service/journal service/recovery service/replication service/resilience storage
     storage/database storage/machines storage/measurements
 service/api/findings: estimator estimator/alignment estimator/calibration estimator/diagnosis estimator/fit
-    estimator/machine estimator/modes estimator/phasors estimator/rotor estimator/trends estimator/updated_model
-    service/advice service/alerts service/api/cache service/api/conventions service/http service/identification
-    service/monitoring service/security service/wording service/workers storage storage/alerts storage/findings
-    storage/machines storage/tables
-service/api/machines: estimator estimator/calibration estimator/machine estimator/phasors estimator/runs
-    estimator/updated_model service/alerts service/api/cache service/api/conventions service/balancing service/http
-    service/identification service/monitoring service/reports service/runs service/security service/wording storage
-    storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
+    estimator/machine estimator/machine/checks estimator/modes estimator/phasors estimator/rotor estimator/trends
+    estimator/updated_model service/advice service/alerts service/api/cache service/api/conventions service/http
+    service/identification service/monitoring service/monitoring/assessment service/monitoring/rules service/security
+    service/wording service/workers storage storage/alerts storage/findings storage/machines storage/tables
+service/api/machines: estimator estimator/balancing estimator/machine estimator/machine/checks estimator/phasors
+    estimator/runs estimator/updated_model service/alerts service/api/cache service/api/conventions service/balancing
+    service/http service/identification service/monitoring service/monitoring/rules service/reports service/runs
+    service/security service/wording storage storage/database storage/encoding storage/findings storage/machines
+    storage/measurements storage/tables
 service/api/trends: estimator estimator/trends estimator/updated_model service/api/cache service/api/conventions
     service/export service/monitoring service/security storage storage/database storage/findings storage/machines
     storage/tables
@@ -137,17 +149,18 @@ service/api: rotorundown/environment service/advice service/api/alerts service/a
     service/configuration service/delivery service/http service/identification service/journal service/reports
     service/resilience service/security storage/database storage/tables
 service/doctor: formats/wire service/api service/configuration service/delivery service/maintenance service/messaging
-    service/mqtt service/security storage/alerts storage/backup storage/database storage/operation
+    service/mqtt service/security storage/alerts storage/backup storage/database storage/files storage/operation
 service/commands/results: estimator estimator/calibration estimator/fit estimator/identification estimator/machine
     estimator/modes estimator/phasors estimator/statics estimator/thesis estimator/updated_model rotorundown
-service/commands: estimator estimator/calibration estimator/fit estimator/identification estimator/machine
-    estimator/phasors estimator/simulation estimator/thesis estimator/updated_model formats/files formats/recordings
-    formats/wire rotorundown rotorundown/environment service/advice service/api service/api/operation service/balancing
-    service/commands/results service/configuration service/delivery service/doctor service/edge service/export
-    service/http service/identification service/ingest service/journal service/maintenance service/messaging
-    service/monitoring service/mqtt service/opcua service/replication service/reports service/resilience service/runs
-    service/secrets service/security service/sources service/wording service/workers storage storage/backup
-    storage/database storage/encoding storage/machines storage/operation storage/tables
+service/commands: estimator estimator/balancing estimator/calibration estimator/fit estimator/identification
+    estimator/machine estimator/machine/checks estimator/phasors estimator/simulation estimator/thesis
+    estimator/updated_model formats/files formats/recordings formats/wire rotorundown rotorundown/environment
+    service/advice service/api service/api/operation service/balancing service/commands/results service/configuration
+    service/delivery service/doctor service/edge service/export service/http service/identification service/ingest
+    service/journal service/maintenance service/messaging service/monitoring/rules service/mqtt service/opcua
+    service/replication service/reports service/resilience service/runs service/secrets service/security service/sources
+    service/wording service/workers storage storage/backup storage/database storage/encoding storage/machines
+    storage/operation storage/tables
 service: estimator/machine service/alerts service/api/alerts service/api/findings service/api/machines
     service/api/measurements service/api/trends service/commands service/http
 """

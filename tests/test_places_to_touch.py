@@ -85,8 +85,8 @@ def finding(copy: Copy) -> str:
         '\n    FindingKind("rub", ("shaft",), "machine", changes=_bows, size=_run_out_size),',
     )
     copy.insert(
-        "service/monitoring/finding_rules.py",
-        "FINDING_RULES: tuple[FindingRule, ...] = (",
+        "service/monitoring/rules/rotor_findings.py",
+        "ROTOR_FINDINGS: tuple[FindingRule, ...] = (",
         '\n    FindingRule("rub", AlertRule("rub", Rule(alert=Level(sigma=3.0)), ("sigma",)), {"de": "Anstreifen"}, '
         '{"en": FindingTexts("Shaft {id} rubs: {size}", ("a",), ("b",), ("c",), (), ("e",), ("f",)), '
         '"de": FindingTexts("Welle {id} streift an: {size}", ("g",), ("h",), ("i",), (), ("k",), ("l",))}),',
@@ -95,8 +95,8 @@ def finding(copy: Copy) -> str:
 from estimator.diagnosis.finding_kinds import finding_kind
 from service.commands.openapi import text
 from service.commands.page_declarations import documents
-from service.monitoring.finding_catalogue import finding_rule, concerned_elements
-from service.monitoring.limits import Limits
+from service.monitoring.rules.finding_catalogue import finding_rule, concerned_elements
+from service.monitoring.rules.limits import Limits
 assert concerned_elements(finding_rule("rub").rule) == ("shaft",)
 assert Limits().rule("rub", "shaft.S1").alert.sigma == 3.0
 assert '"rub"' in documents()["findings.ts"]
@@ -408,7 +408,12 @@ def test_one_more_takes_few_files_and_works(copy: Copy, what: str, add: Callable
 @pytest.mark.parametrize(
     ("add", "file", "said", "missing"),
     [
-        (finding, "service/monitoring/finding_rules.py", '{"de": "Anstreifen"}', "name of finding 'rub' is missing in: de"),
+        (
+            finding,
+            "service/monitoring/rules/rotor_findings.py",
+            '{"de": "Anstreifen"}',
+            "name of finding 'rub' is missing in: de",
+        ),
         (
             channel,
             "service/delivery/logbook.py",

@@ -17,11 +17,11 @@ from estimator.phasors.channel_status import ChannelStatus
 from estimator.phasors.measurement import Measurement
 from estimator.phasors.recorded_run import RecordedRun
 from service.alerts.lifecycle import Severity
-from service.monitoring.assess import assess
-from service.monitoring.assessment import AssessedRun, AssessmentBasis, AssessmentContext, DiagnosedCause
-from service.monitoring.diagnosis_rules import cause_severity
-from service.monitoring.finding_catalogue import finding_rule
-from service.monitoring.limits import Limits
+from service.monitoring.assessment.assess import assess
+from service.monitoring.assessment.context import AssessedRun, AssessmentBasis, AssessmentContext, DiagnosedCause
+from service.monitoring.rules.diagnosis_rules import cause_severity
+from service.monitoring.rules.finding_catalogue import finding_rule
+from service.monitoring.rules.limits import Limits
 from tests.film_plant.plant import noisy
 from tests.film_plant.scatter import run_of
 from tests.film_plant.statics import NoEquilibrium

@@ -11,7 +11,7 @@ from benchmarks.calibration.measured_kit import HeldOutUnbalances, held_out, run
 from benchmarks.calibration.printed_balancing import PrintedCase, printed_cases
 from benchmarks.fluid_film.report_line import ReportLine
 from estimator.arrays import Complexes, Floats
-from estimator.calibration.plane_separation import separate_planes
+from estimator.balancing.plane_separation import separate_planes
 
 SIMULATED_SPLITS, SEEDS = 3, 8
 NOISES = (0.1, 0.5, 1.0)

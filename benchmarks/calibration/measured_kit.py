@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.calibration.equivalent_unbalance import equivalent_unbalance
-from estimator.calibration.measured_influence import measure_influence
-from estimator.calibration.trial_runs import TrialRuns
+from estimator.balancing.equivalent_unbalance import equivalent_unbalance
+from estimator.balancing.measured_influence import measure_influence
+from estimator.balancing.trial_runs import TrialRuns
 from estimator.fit.estimates import CONFIDENCE_95
 
 DATA = Path(__file__).resolve().parents[2] / "tests" / "data" / "rk4_unbalance_1x.csv"

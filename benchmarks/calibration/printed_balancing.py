@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 
 from estimator.arrays import Complexes, Floats
-from estimator.calibration.criterion import Criterion
-from estimator.calibration.influence_correction import correct
-from estimator.calibration.measured_influence import MeasuredInfluence, measure_influence
-from estimator.calibration.trial_runs import TrialRuns, total_weights
+from estimator.balancing.criterion import Criterion
+from estimator.balancing.influence_correction import correct
+from estimator.balancing.measured_influence import MeasuredInfluence, measure_influence
+from estimator.balancing.trial_runs import TrialRuns, total_weights
 
 CASES = Path(__file__).resolve().parents[2] / "tests" / "data" / "field-balancing.json"
 

@@ -21,8 +21,8 @@ from benchmarks.documents import Document
 from estimator.bearings.terms import TERMS
 from estimator.fit.identification import Identification
 from estimator.fit.identify import identify
+from estimator.machine.checks.document_size import accepted_machine, document_size
 from estimator.machine.document import Machine
-from estimator.machine.document_size import accepted_machine, document_size
 from estimator.modes.campbell import campbell
 from estimator.modes.nominal_critical_speeds import nominal_critical_speeds
 from estimator.phasors.measurement import Measurement

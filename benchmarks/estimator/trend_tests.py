@@ -18,8 +18,8 @@ from estimator.trends.parameter_vector import Point
 from estimator.trends.rate_of_change import WINDOW
 from estimator.trends.trend_tests import CUSUM_REFERENCE, EWMA_WEIGHT, RUN_LENGTH, DatedPoint, creep_limit, step_limit
 from service.alerts.lifecycle import Severity
-from service.monitoring.limits import Limits
-from service.monitoring.rate_of_change import rate_findings
+from service.monitoring.assessment.rate_of_change import rate_findings
+from service.monitoring.rules.limits import Limits
 
 TERMS = ("kxx", "kxy", "kyx", "kyy", "cxx", "cyy")
 NAMES = tuple(f"bearing.B{number}.{term}" for number in range(1, 5) for term in TERMS)

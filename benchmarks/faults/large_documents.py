@@ -3,8 +3,8 @@
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from estimator.machine.checks.document_size import accepted_machine
 from estimator.machine.document import DocumentError
-from estimator.machine.document_size import accepted_machine
 
 LENGTH = 3.0
 """Length of each shaft [m]."""

@@ -10,10 +10,10 @@ from estimator.diagnosis.run_windows import RunWindows
 from estimator.diagnosis.severity_measures import change_size
 from estimator.fit.identification import Identification
 from service.alerts.lifecycle import Severity
-from service.monitoring.assessment_context import LOOKED_BACK
-from service.monitoring.diagnosis_rules import cause_severity, delays
-from service.monitoring.finding_catalogue import finding_rule
-from service.monitoring.limits import Limits
+from service.monitoring.context_loading import LOOKED_BACK
+from service.monitoring.rules.diagnosis_rules import cause_severity, delays
+from service.monitoring.rules.finding_catalogue import finding_rule
+from service.monitoring.rules.limits import Limits
 
 Named = tuple[str, str]
 """A kind of cause and the element it is at, as in ("misalignment", "coupling.C1")."""
@@ -91,7 +91,7 @@ def service_rule(history: History, weeks: Sequence[Identification]) -> Standing:
     channels = tuple(probe.id for probe in machine.probes)
     observations = [observation_of(one, channels) for one in weeks]
     baseline = [week for week, one in enumerate(observations) if one.accepted][: history.baseline]
-    watch = RunWindows.over(machine, [observations[week] for week in baseline])
+    watch = RunWindows.from_baseline(machine, [observations[week] for week in baseline])
     amplitude = {channel: typical_amplitude(channel, watch.baseline) for channel in channels}
     standing: dict[tuple[str, str], Severity] = {}
     found: list[frozenset[Named]] = []

@@ -65,7 +65,7 @@ def _statics_deviations(kind: CouplingKind, case: str, speed: Floats, said: dict
     """Return the largest deviation of each quantity in one case, as a part of what it is compared with."""
     machine = parse_machine(motor_compressor_document(kind, case))
     train = film_train(machine)
-    found = [one for one in train.over(speed) if one is not None]
+    found = [one for one in train.follow(speed) if one is not None]
     if len(found) < speed.size:
         return dict.fromkeys(said, float("inf"))
     true = motor_compressor(kind, case)

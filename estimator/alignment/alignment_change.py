@@ -71,8 +71,8 @@ def alignment_changes(
     scales = coordinate_scales(coordinates, later.values)
     varying, season = scales.between_runs(chosen), scales.over_seasons(chosen)
     season[moving], season[:, moving] = 0.0, 0.0  # what elevations do over the seasons is a change of alignment
-    before = [run_likelihood(one).seen_through(varying) for one in baseline]
-    own = run_likelihood(later).seen_through(varying + season)
+    before = [run_likelihood(one).marginalised(varying) for one in baseline]
+    own = run_likelihood(later).marginalised(varying + season)
     size, believed = coordinates.size, coordinates.spread[moving]
     information = np.zeros((size + len(moving), size + len(moving)))
     information[:size, :size] = sum((one.information for one in before), own.information) + coordinates.prior.precision

@@ -158,7 +158,7 @@ def learnt_variation(baseline: Sequence[UpdatedModel]) -> HealthyVariation:
     sizes = np.append(scales.scales, 1.0)
     for _ in range(STEPS):
         spread = np.append(scales.own(variation), variation.oil)
-        seen = [one.seen_through(ways * spread**2 @ ways.T) for one in runs]
+        seen = [one.marginalised(ways * spread**2 @ ways.T) for one in runs]
         common = np.linalg.inv(sum((one.information for one in seen), coordinates.prior.precision))
         machine = common @ sum((one.vector for one in seen), np.zeros(coordinates.size))
         squares = np.zeros(spread.size)

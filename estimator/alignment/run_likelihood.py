@@ -30,7 +30,7 @@ class RunLikelihood:
     information: Floats
     vector: Floats
 
-    def seen_through(self, varying: Floats) -> "RunLikelihood":
+    def marginalised(self, varying: Floats) -> "RunLikelihood":
         """Return the remaining likelihood of coordinates about which the run's own lie with some covariance.
 
         Args:
@@ -47,7 +47,7 @@ class RunLikelihood:
 def run_likelihood(model: UpdatedModel) -> RunLikelihood:
     """Compute the likelihood of a run from its fit (derived here: a posterior over its prior).
 
-    A fit whose covariance was widened has had its prior widened with it (`taken_off`).
+    A fit whose covariance was widened has had its prior widened with it (`contained_prior`).
 
     Args:
         model: The model that the fit led to.
@@ -59,12 +59,12 @@ def run_likelihood(model: UpdatedModel) -> RunLikelihood:
     covariance = model.covariance / np.outer(coordinates.unit, coordinates.unit)
     posterior = scaled_inverse(covariance)
     away = coordinates.theta(model.values) - coordinates.centre
-    precision, pulling = taken_off(covariance, coordinates.prior.precision)
+    precision, pulling = contained_prior(covariance, coordinates.prior.precision)
     information = posterior - precision
     return RunLikelihood(information, np.asarray((information + pulling) @ away))
 
 
-def taken_off(covariance: Floats, precision: Floats) -> tuple[Floats, Floats]:
+def contained_prior(covariance: Floats, precision: Floats) -> tuple[Floats, Floats]:
     """Compute the precision of the prior that a fit's covariance contains, widened as this was (derived here).
 
     Data never widen a prior, so a covariance beyond it was widened. Residuals that are alike widen all directions by one

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimator.fit.physical_limits import PhysicalLimits
+from estimator.fit.validation.physical_limits import PhysicalLimits
 from estimator.machine.film_speeds import follows_films, reported_rpm
 from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model.model import UpdatedModel

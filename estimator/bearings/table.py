@@ -214,7 +214,7 @@ class Table(FormDefaults, TableColumns):
         return tables
 
     @model_validator(mode="after")
-    def _some_column(self) -> Self:
+    def _require_column(self) -> Self:
         if not self.coefficients:
             raise ValueError(f"a table gives at least one of {', '.join(COLUMNS)}")
         for one in self.over_load or (self,):

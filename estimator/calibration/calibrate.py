@@ -12,14 +12,14 @@ from estimator.calibration.calibration_runs import CalibrationRun, check_runs
 from estimator.calibration.chain_start import best_chains
 from estimator.calibration.likely_gains import unlikely_gains
 from estimator.calibration.mounted_problem import MountedProblem
-from estimator.calibration.undetermined import distinct_speeds, freed
+from estimator.calibration.undetermined import distinct_speeds, with_free_parameters
 from estimator.calibration.variance_components import ScatterModel, ScatterSizes
-from estimator.calibration.weights_in_step import doubt_of_weights
+from estimator.calibration.weights_in_step import judge_weights
 from estimator.calibration.wrong_senses import explaining_senses
-from estimator.fit.goodness_of_fit import LARGEST_ESTIMATED_NOISE
-from estimator.fit.maximum_likelihood import descend
-from estimator.fit.multistart import FitFailed, best_fit
+from estimator.fit.optimisation.maximum_likelihood import descend
+from estimator.fit.optimisation.multistart import FitFailed, best_fit
 from estimator.fit.problem.coordinates import Coordinates
+from estimator.fit.validation.goodness_of_fit import LARGEST_ESTIMATED_NOISE
 from estimator.machine.calibration import Calibration, CalibrationRunRecord, ChannelScatter, MountingSpread
 from estimator.machine.document import Machine
 from estimator.machine.rules import Noise
@@ -135,7 +135,7 @@ def _calibrated(
 ) -> Calibrated:
     """Return the calibration of runs that were checked, with the remarks on them. of_sweeps: as `MOST_OF_SWEEPS`."""
     few, most = (_gathered(runs, most) for most in of_sweeps)
-    fitted, held = freed(machine, most.measurement)
+    fitted, held = with_free_parameters(machine, most.measurement)
     problem, scatter, speeds = _problem(fitted, few)
     sizes = scatter.stated
     problem = scatter.applied(problem, sizes)
@@ -257,7 +257,7 @@ def _verdict(problem: MountedProblem, theta: Floats, converged: bool) -> tuple[b
     moved = problem.unexplained_part(theta)
     if moved > LARGE_MOUNTING_PART:
         words += f"; mountings differ by {100 * moved:.0f} % of what the trial weights do"
-        doubt = doubt_of_weights(problem, theta, part=moved)
+        doubt = judge_weights(problem, theta, part=moved)
         if doubt:
             words += f", {doubt}"
             return False, f"the model does not fit the runs: {words}; are weights, angles, their sense and the phase's right?"

@@ -49,7 +49,7 @@ def _within(cluster: Floats) -> Floats:
     return np.array([one.mean() for one in np.array_split(cluster, min(count, cluster.size))])
 
 
-def freed(machine: Machine, measurement: Measurement) -> tuple[Machine, tuple[str, ...]]:
+def with_free_parameters(machine: Machine, measurement: Measurement) -> tuple[Machine, tuple[str, ...]]:
     """Return the document that a calibration fits, and say what it holds.
 
     Args:

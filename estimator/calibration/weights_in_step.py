@@ -27,7 +27,7 @@ NOT_SEEN = "which chance would do as well without any"
 TOO_FEW = "and there are too few mountings to tell them from these"
 
 
-def doubt_of_weights(problem: MountedProblem, theta: Floats, *, part: float) -> str:
+def judge_weights(problem: MountedProblem, theta: Floats, *, part: float) -> str:
     """Judge whether chance explains large differences between mountings (Scheffé 1959, sec. 2.5).
 
     Args:
@@ -46,10 +46,10 @@ def doubt_of_weights(problem: MountedProblem, theta: Floats, *, part: float) -> 
     # In units of what each disc usually differs by, so that all discs count alike.
     weights = np.array([added[problem.mounting == one].mean(axis=0) for one in range(len(parts))])
     difference: Complexes = np.asarray(parts[:, ::2] + 1j * parts[:, 1::2])
-    return doubt(difference, np.asarray(weights / problem.spread[: problem.planes], dtype=complex), part=part)
+    return judge_differences(difference, np.asarray(weights / problem.spread[: problem.planes], dtype=complex), part=part)
 
 
-def doubt(difference: Complexes, weight: Complexes, *, part: float) -> str:
+def judge_differences(difference: Complexes, weight: Complexes, *, part: float) -> str:
     """Judge whether chance explains differences between mountings (Scheffé 1959, sec. 2.5).
 
     Args:

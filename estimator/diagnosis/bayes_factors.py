@@ -195,7 +195,7 @@ def diagnose(baseline: Reference, window: Sequence[Observation]) -> Diagnosis:
 
 
 def _chosen(deviation: "Deviation") -> list[Hypothesis]:
-    """Choose the hypotheses that explain a deviation, one by one while there is strong evidence for one more."""
+    """Choose the hypotheses that explain a deviation: one after another, as long as the evidence for the next is strong."""
     chosen: list[Hypothesis] = []
     least = STRONG
     for _ in range(LARGEST_STEPS):

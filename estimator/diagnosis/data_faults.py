@@ -8,7 +8,7 @@ import numpy as np
 
 from estimator.alignment.film_loads import HIGHEST_PRESSURE, FilmLoad
 from estimator.diagnosis.observation import Observation
-from estimator.fit.goodness_of_fit import LARGEST_OUTLIER_PART, accepted
+from estimator.fit.validation.goodness_of_fit import LARGEST_OUTLIER_PART, accepted
 from estimator.machine.parameter_description import describe
 
 LOST = 0.1
@@ -162,13 +162,13 @@ def fits(one: Observation, channels: frozenset[str]) -> bool:
         return False
     if accepted(one.chi_square, one.degrees_of_freedom):  # it was refused for what it left out, or else for no channel's fault
         # A train's films explain it then with large deviations, which are a cause by themselves unless they are absurd.
-        return (one.believed is not None and not says_nothing(one)) or sum(
+        return (one.believed is not None and not is_uninformative(one)) or sum(
             one.outliers.values()
         ) > LARGEST_OUTLIER_PART * usable
     return accepted(one.chi_square - _explained(one, channels), one.degrees_of_freedom)
 
 
-def says_nothing(one: Observation) -> bool:
+def is_uninformative(one: Observation) -> bool:
     """Check whether a refused fit of a train on oil films ended where films deviate absurdly: elsewhere than the machine is.
 
     Args:

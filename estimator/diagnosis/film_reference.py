@@ -13,7 +13,7 @@ import numpy as np
 
 from estimator.alignment.film_loads import film_loads
 from estimator.alignment.healthy_films import coordinate_scales
-from estimator.alignment.run_likelihood import taken_off
+from estimator.alignment.run_likelihood import contained_prior
 from estimator.arrays import Floats
 from estimator.diagnosis.bayes_factors import UNKNOWN_PRECISION, Reference, channel_precision, through_variation
 from estimator.diagnosis.healthy_variation import SCALE_FACTOR, channel_variation, slow_variation, typical_amplitude
@@ -63,7 +63,7 @@ def film_observation(fit: ObservedFit, machine: Machine, conditions: Mapping[str
     own = _coordinates(under_conditions(machine, conditions))
     known = np.array([said.names.index(name) for name in own.names])
     among = np.ix_(known, known)
-    precision, pulling = taken_off(fit.covariance[among], own.prior.precision / np.outer(own.unit, own.unit))
+    precision, pulling = contained_prior(fit.covariance[among], own.prior.precision / np.outer(own.unit, own.unit))
     theta = own.theta(said.reference[known])
     reference, gradient, information = said.reference.copy(), said.gradient.copy(), said.information.copy()
     gradient[known] += pulling @ (own.unit * (theta - own.centre))

@@ -1,7 +1,7 @@
 """Kinds of findings of a diagnosis, each declared once: `FINDING_KINDS`.
 
-To add one, write its changes (or its fault of the data) and its size here and declare it;
-`service/monitoring/finding_rules.py` has its sentence and limits.
+To add one, write its changes (or its fault of the data) and its size here and declare it; the module of its group in
+`service/monitoring/rules/` has its texts and limits.
 
 The signs of misalignment are the thesis's (§5.7-5.8): direct and cross-coupled coefficients of the coupling and of the
 bearings beside it grow together. A bearing or a coupling that changes alone is no misalignment; an unbalance moves no

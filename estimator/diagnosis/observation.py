@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.fit.channel_sensitivity import ChannelEffects
+from estimator.fit.validation.channel_sensitivity import ChannelEffects
 from estimator.trends.parameter_vector import Point
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ class Observation:
         own = slice(self.coordinates)
         return Point(self.names[own], self.reference[own], inverse(self.fitted[own, own]))
 
-    def limited(self, names: "Sequence[str]") -> "Observation":
+    def with_errors_of(self, names: "Sequence[str]") -> "Observation":
         """Return the observation without the errors that others do not have: an older release's fits state fewer of them.
 
         Args:
@@ -222,7 +222,7 @@ def fit_observation(fit: ObservedFit, channels: tuple[str, ...]) -> Observation:
     )
 
 
-def limited_alike(observations: "Sequence[Observation]") -> "tuple[Observation, ...]":
+def with_common_errors(observations: "Sequence[Observation]") -> "tuple[Observation, ...]":
     """Return observations with the errors that all of them have: an older release's fits state fewer of them.
 
     Args:
@@ -232,7 +232,7 @@ def limited_alike(observations: "Sequence[Observation]") -> "tuple[Observation, 
         The same, limited.
     """
     fewest = min((one.names for one in observations), key=len, default=())
-    return tuple(one.limited(fewest) for one in observations)
+    return tuple(one.with_errors_of(fewest) for one in observations)
 
 
 def names_in_common(baseline: "Sequence[Observation]") -> tuple[str, ...]:

@@ -17,7 +17,7 @@ from estimator.diagnosis.data_faults import DataFault, fits
 from estimator.diagnosis.film_reference import film_reference
 from estimator.diagnosis.finding_kind import Cause, FindingKind
 from estimator.diagnosis.finding_kinds import FINDING_KINDS, finding_kind
-from estimator.diagnosis.observation import Observation, limited_alike
+from estimator.diagnosis.observation import Observation, with_common_errors
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.document import Machine
 from estimator.machine.film_speeds import follows_films
@@ -45,7 +45,7 @@ class RunWindows:
     _explained: dict[tuple[Observation, ...], Diagnosis] = field(default_factory=dict, repr=False)
 
     @classmethod
-    def over(
+    def from_baseline(
         cls, machine: Machine, baseline: Sequence[Observation], *, variation: HealthyVariation | None = None
     ) -> "RunWindows":
         """Build the watch from the observations of a healthy machine.
@@ -61,7 +61,7 @@ class RunWindows:
         Raises:
             ValueError: The baseline does not make a reference, see `reference`.
         """
-        alike = limited_alike(baseline)
+        alike = with_common_errors(baseline)
         if not follows_films(machine):
             return cls(alike, reference(machine, alike))
         return cls(alike, film_reference(machine, alike, variation or stated_variation(machine)))
@@ -76,7 +76,7 @@ class RunWindows:
         Returns:
             The diagnosis.
         """
-        after = [one.limited(self.reference.names) for one in after]
+        after = [one.with_errors_of(self.reference.names) for one in after]
         causes: dict[tuple[str, str], tuple[Cause, tuple[Cause, ...]]] = {}
         for length in self._window_lengths(on_delay):
             if length > len(after):
@@ -118,7 +118,7 @@ class RunWindows:
         """
         if len(after) < off_delay:
             return False
-        window = [one.limited(self.reference.names) for one in after[-off_delay:]]
+        window = [one.with_errors_of(self.reference.names) for one in after[-off_delay:]]
         if any(self._shows_fault(one, kind, element) for one in window):
             return False
         whole = self._diagnosis(window)
@@ -142,7 +142,7 @@ class RunWindows:
         """
         if not cause.names:
             return len(after) - len(cause.agreement)
-        spoken = [agreement(self.reference, cause, one.limited(self.reference.names)) for one in after]
+        spoken = [agreement(self.reference, cause, one.with_errors_of(self.reference.names)) for one in after]
         sums = np.cumsum(spoken[::-1])[::-1]
         return int(np.argmax(sums))
 

@@ -1,4 +1,4 @@
-"""One maximum-likelihood fit: optimiser, multistart, goodness of fit, estimates. It imports its `problem`, `rotor`, `machine`,
-`bearings`, `phasors`, `modes` for limits of damping and `statics` for oil films; its result, an `Identification`, is what
-everything above works on.
+"""One identification by maximum likelihood: samples that are used, the problem set up, fit, conclusion, estimates. It imports
+`problem`, `optimisation` and `validation`, `rotor`, `machine` and its `checks`, `bearings`, `phasors`, and `statics` for oil
+films; its result, an `Identification`, is what everything above works on.
 """

@@ -7,12 +7,12 @@ per cent of misfit beside the noise: a right model leaves less than 1, and what 
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.fit.maximum_likelihood import STAGE_MISFITS, descend
-from estimator.fit.multistart import chosen_start
-from estimator.fit.nuisance_parameters import counted_by_effect
+from estimator.fit.optimisation.maximum_likelihood import STAGE_MISFITS, descend
+from estimator.fit.optimisation.multistart import chosen_start
+from estimator.fit.optimisation.nuisance_parameters import counted_by_effect
+from estimator.fit.optimisation.reweighting import without_outliers
 from estimator.fit.problem.fit_problem import FitProblem, best_excitations
 from estimator.fit.problem_setup import fit_problem
-from estimator.fit.reweighting import without_outliers
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
 

@@ -7,21 +7,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
-from estimator.fit.channel_sensitivity import channel_effects
 from estimator.fit.estimates import determined, estimates
-from estimator.fit.form_discrepancy import FormVerdict, judge_form, needs_form
-from estimator.fit.goodness_of_fit import Verdict, VerdictRemark, judge, remark
-from estimator.fit.identifiability import Reasons
 from estimator.fit.identification import Identification
-from estimator.fit.multistart import BestFit
-from estimator.fit.nuisance_parameters import excessive_deviations
-from estimator.fit.omitted_forces import judge_exact_forces
-from estimator.fit.omitted_warming import viscosity_trend, warming_words
-from estimator.fit.physical_limits import LimitsFunction, without_growing_modes
+from estimator.fit.optimisation.multistart import BestFit
+from estimator.fit.optimisation.nuisance_parameters import excessive_deviations
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
-from estimator.fit.profile_likelihood import flat_coordinates
-from estimator.fit.sharp_film_deviations import judge_sharp_deviations
+from estimator.fit.validation.channel_sensitivity import channel_effects
+from estimator.fit.validation.form_discrepancy import FormVerdict, judge_form, needs_form
+from estimator.fit.validation.goodness_of_fit import Verdict, VerdictRemark, judge, remark
+from estimator.fit.validation.identifiability import Reasons
+from estimator.fit.validation.omitted_forces import judge_exact_forces
+from estimator.fit.validation.omitted_warming import viscosity_trend, warming_words
+from estimator.fit.validation.physical_limits import LimitsFunction, without_growing_modes
+from estimator.fit.validation.profile_likelihood import flat_coordinates
+from estimator.fit.validation.sharp_film_deviations import judge_sharp_deviations
 
 LARGEST_CONDITION = 1e5
 """Condition number above which intervals are checked against the likelihood's profile [-]; full run-downs have some

@@ -13,13 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
-from estimator.fit.channel_sensitivity import ChannelEffects, channel_effects, with_run_outs
-from estimator.fit.goodness_of_fit import judge
-from estimator.fit.maximum_likelihood import STAGE_MISFITS, fit
-from estimator.fit.multistart import HOPELESS_MISFIT
-from estimator.fit.nuisance_parameters import deviates_too_far
+from estimator.fit.optimisation.maximum_likelihood import STAGE_MISFITS, fit
+from estimator.fit.optimisation.multistart import HOPELESS_MISFIT
+from estimator.fit.optimisation.nuisance_parameters import deviates_too_far
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem, FitResult, best_excitations
+from estimator.fit.validation.channel_sensitivity import ChannelEffects, channel_effects, with_run_outs
+from estimator.fit.validation.goodness_of_fit import judge
 from estimator.machine.parameter_description import COMPONENTS, ROTATING_ERRORS, describe
 from estimator.rotor.condensation import condense
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 from estimator.machine.bearings_on_films import bearings_on_films
+from estimator.machine.checks.document_size import FEWEST_SAMPLES, document_size
 from estimator.machine.document import Machine
-from estimator.machine.document_size import FEWEST_SAMPLES, document_size
 from estimator.phasors.measurement import Measurement
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 

@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.fit.goodness_of_fit import accepted, judge
-from estimator.fit.maximum_likelihood import fit
+from estimator.fit.optimisation.maximum_likelihood import fit
+from estimator.fit.optimisation.reweighting import with_fitted_noise
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.problem.gap_rows import ChannelGaps, GapRows, gap_rows, seen_noise
-from estimator.fit.reweighting import with_fitted_noise
+from estimator.fit.validation.goodness_of_fit import accepted, judge
 from estimator.units import METRES, rad_per_s_to_rpm
 
 LARGEST_JUMP = 1e-5
@@ -25,7 +25,7 @@ JUMP = 15.0
 LARGEST_ERROR = 5.0
 """Standard errors by which the ratio of a gap's motion to that expected may differ from one [-]."""
 SAME = 0.25
-"""Part of that ratio by which it may differ from one in any case [-]: what films deviate by."""
+"""Least tolerance of that ratio about one [-]: films deviate from their model by as much."""
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.fit.channel_sensitivity import ChannelEffects
 from estimator.fit.estimates import Estimate
+from estimator.fit.validation.channel_sensitivity import ChannelEffects
 from estimator.machine.rules import Noise
 
 

@@ -17,15 +17,15 @@ from estimator.fit.fit_samples import (
     without_empty_samples,
 )
 from estimator.fit.gap_checks import with_gaps
-from estimator.fit.goodness_of_fit import is_unfinished, judge
-from estimator.fit.identifiability import Reasons, reasons_for
 from estimator.fit.identification import Identification, Options
-from estimator.fit.multistart import BestFit, FitFailed, best_fit
-from estimator.fit.nuisance_parameters import counted_by_effect, deviates_too_far
-from estimator.fit.physical_limits import LimitsFunction, limits_for
+from estimator.fit.optimisation.multistart import BestFit, FitFailed, best_fit
+from estimator.fit.optimisation.nuisance_parameters import counted_by_effect, deviates_too_far
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem
 from estimator.fit.problem_setup import condensed_problem
+from estimator.fit.validation.goodness_of_fit import is_unfinished, judge
+from estimator.fit.validation.identifiability import Reasons, reasons_for
+from estimator.fit.validation.physical_limits import LimitsFunction, limits_for
 from estimator.machine.document import Machine
 from estimator.machine.rules import Noise
 from estimator.phasors.measurement import Measurement

@@ -6,7 +6,7 @@ import numpy as np
 
 from estimator.arrays import Complexes, Floats
 from estimator.fit.fit_samples import NotEnoughData, most_samples, require_usable, thinned, without_empty_samples
-from estimator.fit.maximum_likelihood import STAGE_MISFITS
+from estimator.fit.optimisation.maximum_likelihood import STAGE_MISFITS
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem, best_excitations
 from estimator.machine.document import Machine

@@ -87,7 +87,7 @@ def sweep_transient(model: UpdatedModel, *, time: Floats, speed: Floats, added: 
         coefficients=lambda: model.coefficients(float(np.median(speed))),
         direction=machine.direction,
     )
-    modal = [force.onto(basis.expanded(one.left).conj().T) for one in tracks.modes]
+    modal = [force.project(basis.expanded(one.left).conj().T) for one in tracks.modes]
     over = _Interpolation(tracks.speed, sweep.speed)
     eigenvalue = over(tracks.eigenvalue)
     if tracks.speed.size == 1:

@@ -27,7 +27,7 @@ from estimator.machine.rules import (
     SpeedRange,
 )
 from estimator.machine.sparkplug import Sparkplug
-from estimator.machine.unfinished_document import further_problems, retold
+from estimator.machine.unfinished_document import further_problems, repeatable
 from estimator.strict_model import fields_beside
 
 TINY = 1e-20
@@ -96,7 +96,7 @@ class Machine(Part):
             more = further_problems(value, LISTS, SINGLE, {"materials": Material})
             if not more:
                 raise
-            raise ValidationError.from_exception_data(cls.__name__, [*retold(error.errors()), *more]) from None
+            raise ValidationError.from_exception_data(cls.__name__, [*repeatable(error.errors()), *more]) from None
 
     @model_validator(mode="after")
     def _references(self) -> Self:

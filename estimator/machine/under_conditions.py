@@ -11,10 +11,10 @@ from estimator.machine.parts import Bearing
 FAR = 40.0
 """Largest difference of an oil's temperature from the stated one that a run may well have [K]: seasons bring 10."""
 NEAR = 12.0
-"""Difference from the stated temperature up to which one that was read as °F explains the other [K]."""
+"""Largest difference [K] between the stated temperature and a reading converted from °F at which °F is assumed."""
 
 LEAST_FACTOR = 1e-3
-"""Least part of a force's spread that is left at conditions at which the force itself is zero [-]."""
+"""Least spread of a force, relative to its full spread [-]: it holds where the force itself is zero."""
 
 
 class ConditionImpossible(ValueError):

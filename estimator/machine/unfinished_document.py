@@ -83,7 +83,7 @@ def further_problems(
     ]
 
 
-def retold(errors: Sequence[Any]) -> list[InitErrorDetails]:
+def repeatable(errors: Sequence[Any]) -> list[InitErrorDetails]:
     """Return pydantic's errors as they can be raised once more.
 
     Args:

@@ -111,7 +111,7 @@ def eigenvalue_slopes(machine: Machine, found: Modes, basis: Basis = EVERYTHING)
     rotor = assemble_rotor(machine)
     unknown = unknowns(machine, rotor).coefficients
     pairs = [pair for one in unknown for pair in one.pairs]
-    left, right = (basis.onto(dense(list(side), rotor.size)) for side in zip(*pairs, strict=True))
+    left, right = (basis.project(dense(list(side), rotor.size)) for side in zip(*pairs, strict=True))
     acting = (np.conj(found.left).T @ left) * (found.shape.T @ right)
     first = np.concatenate([[0], np.cumsum([len(one.pairs) for one in unknown])[:-1]])
     order = np.array([one.order for one in unknown])

@@ -117,7 +117,7 @@ class _ModeFollower:
         return Modes(found.eigenvalue, found.shape, left)
 
     def _follow(self, before: Modes, speed: float, other: float, depth: int) -> tuple[Modes, NDArray[np.bool_]]:
-        """Follow modes to another speed. Returns those found there, and which of those before they are."""
+        """Follow modes to another speed. Returns the modes found there, and to which earlier mode each belongs."""
         there = self._candidates(other)
         overlap = self._overlap(before, there, speed)
         own, place = scipy.optimize.linear_sum_assignment(np.abs(overlap), maximize=True)

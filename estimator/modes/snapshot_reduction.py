@@ -67,7 +67,7 @@ def projected_matrices(matrices: Callable[[float], SystemMatrices], basis: Basis
 
     @cached_by_identity
     def over(here: SystemMatrices) -> SystemMatrices:
-        return here.over(shapes)
+        return here.project(shapes)
 
     return lambda speed: over(matrices(speed))
 

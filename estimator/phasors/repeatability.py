@@ -15,7 +15,7 @@ NOT_REPEATED = 6.0
 """Median distance in noises from which on a channel has not repeated itself [-]: run-to-run scatter of a machine stays
 below."""
 STANDS_OUT = 3.0
-"""Distance of a channel over that of the other channels from which on it is named alone [-]."""
+"""Ratio of a channel's distance to that of the other channels [-] above which this channel alone is named."""
 
 
 @dataclass(frozen=True)

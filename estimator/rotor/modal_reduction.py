@@ -62,7 +62,7 @@ class Basis:
             raise ValueError("every degree of freedom is a coordinate of its own")
         return self.expanded(np.eye(2 * self.plane.shape[1]))
 
-    def onto(self, vectors: Entries) -> Entries:
+    def project(self, vectors: Entries) -> Entries:
         """Project forces on the coordinates.
 
         Args:
@@ -115,10 +115,12 @@ class Basis:
         if plane is None:
             return rotor
 
-        def onto(part: PlaneMatrices) -> PlaneMatrices:
+        def project(part: PlaneMatrices) -> PlaneMatrices:
             return PlaneMatrices(*(plane.T @ matrix @ plane for matrix in (part.mass, part.gyroscopic, part.stiffness)))
 
-        return replace(rotor, discs=onto(rotor.discs), materials={name: onto(one) for name, one in rotor.materials.items()})
+        return replace(
+            rotor, discs=project(rotor.discs), materials={name: project(one) for name, one in rotor.materials.items()}
+        )
 
 
 EVERYTHING = Basis(None)

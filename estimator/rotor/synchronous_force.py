@@ -38,7 +38,7 @@ class SynchronousForce:
         square = speed**2 if acceleration is None else speed**2 - 1j * acceleration
         return np.asarray(square[:, None] * self.squared + self.constant)
 
-    def onto(self, vectors: Complexes) -> "SynchronousForce":
+    def project(self, vectors: Complexes) -> "SynchronousForce":
         """Project the force on vectors.
 
         Args:

@@ -53,7 +53,7 @@ class SystemMatrices:
         elastic = self.stiffness + spin * self.circulatory
         return np.asarray(elastic + eigenvalue * (self.damping + spin * self.gyroscopic) + eigenvalue**2 * self.mass)
 
-    def over(self, shapes: Floats) -> "SystemMatrices":
+    def project(self, shapes: Floats) -> "SystemMatrices":
         """Project the matrices on motions that are combinations of some shapes.
 
         Args:
@@ -140,8 +140,8 @@ def _expected_over_speed(machine: Machine) -> CoefficientsOverSpeed:
 def _builder(machine: Machine, basis: Basis) -> Callable[[Floats | None], SystemMatrices]:
     whole = assemble_rotor(machine)
     unknown = unknowns(machine, whole).coefficients
-    left = basis.onto(dense([left for one in unknown for left, _ in one.pairs], whole.size))
-    right = basis.onto(dense([right for one in unknown for _, right in one.pairs], whole.size))
+    left = basis.project(dense([left for one in unknown for left, _ in one.pairs], whole.size))
+    right = basis.project(dense([right for one in unknown for _, right in one.pairs], whole.size))
     owner = np.repeat(np.arange(len(unknown)), [len(one.pairs) for one in unknown])
     order = np.array([one.order for one in unknown])[owner]
     expected = np.array([one.expected for one in unknown])

@@ -61,7 +61,7 @@ NO_READINGS = SpeedReadings()
 def add_reading(readings: SpeedReadings, *, time: int, speed: float) -> tuple[SpeedReadings, tuple[int, float] | None]:
     """Take a reading, later than all before it.
 
-    The first reading is believed at once; after that each new one makes the one before it believed.
+    The first reading counts at once; each later reading confirms the one before it.
 
     Args:
         readings: State so far.

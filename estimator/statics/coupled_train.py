@@ -1,10 +1,10 @@
 """The train at rest with couplings and pedestals of any stiffness, without condensing it anew.
 
-A coupling's stiffness k adds k a aᵀ to that of the shafts. So other values Δ of q of them change what is condensed to the
-journals by q terms only, S = S₀ + L Δ (1 + F Δ)⁻¹ Lᵀ, w = w₀ - L Δ (1 + F Δ)⁻¹ s, with L what a unit of each journal's motion
-strains them by, s what they are strained by under the weight with all journals held, and F the compliance of the train that
-they act on (Woodbury's identity: Hager, SIAM Rev. 31 (1989) 221, doi:10.1137/1031049; applied here). Pedestals follow as in
-`train_statics`. Only direct terms vary: cross-coupled ones act in the statics as the document gives them.
+A coupling's stiffness k adds k a aᵀ to that of the shafts. If q stiffnesses change by Δ, the stiffness S and the weight w that
+are condensed to the journals change by q terms only: S = S₀ + L Δ (1 + F Δ)⁻¹ Lᵀ, w = w₀ - L Δ (1 + F Δ)⁻¹ s. L holds the
+strains of the q stiffnesses per unit motion of each journal, s their strains under the weight with all journals held, F the
+train's compliance at them (Woodbury's identity: Hager, SIAM Rev. 31 (1989) 221, doi:10.1137/1031049; applied here). Pedestals
+follow as in `train_statics`. Only direct terms vary: cross-coupled ones act in the statics as the document gives them.
 """
 
 from dataclasses import dataclass
@@ -65,7 +65,7 @@ class CoupledTrain:
 
     Attributes:
         bearings: Ids of the n bearings.
-        parameters: The C stiffnesses that are identified; those tied to one of them act with it.
+        parameters: The C stiffnesses that are identified; each moves the stiffnesses tied to it.
         moved: Motion of all N degrees of freedom per unit of each journal's x and y (N, 2n) [-, 1/m]; pedestals stay.
         stiffness: Stiffness (2n, 2n) of shafts and couplings as expected [N/m].
         weight: Weight (2n,) carried there [N].

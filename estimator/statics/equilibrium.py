@@ -113,7 +113,7 @@ class FilmTrain:
                 found.append(one)
         return tuple(found)
 
-    def over(self, speeds: Floats) -> tuple[FilmEquilibrium | None, ...]:
+    def follow(self, speeds: Floats) -> tuple[FilmEquilibrium | None, ...]:
         """Follow the equilibrium over speeds, from the highest down.
 
         Args:

@@ -72,4 +72,4 @@ def _axes(machine: Machine, equilibrium: FilmEquilibrium, basis: Basis) -> Float
                 below = NODE_DOFS * rotor.pedestal_node[pedestal.id]
                 part[below : below + 2] = -film.pads.axis.T
             columns.append(part)
-    return np.asarray(basis.onto(np.concatenate(columns, axis=1)))
+    return np.asarray(basis.project(np.concatenate(columns, axis=1)))

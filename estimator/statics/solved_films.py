@@ -77,13 +77,13 @@ class NominalFilms:
     def _followed(self) -> Sequence[FilmEquilibrium | None]:
         """Return the equilibria followed from the highest speed down, those between a few speeds all at once."""
         few = np.linspace(0, SPEEDS - 1, FOLLOWED).round().astype(int)
-        met = [one for one in self.train.over(self.speed[few]) if one is not None]
+        met = [one for one in self.train.follow(self.speed[few]) if one is not None]
         if len(met) == few.size:
             path = scipy.interpolate.PchipInterpolator(np.log(self.speed[few]), np.stack([one.position for one in met]))
             found = equilibria_near(self.train, self.speed, path(np.log(self.speed)))
             if found is not None:
                 return found
-        return self.train.over(self.speed)
+        return self.train.follow(self.speed)
 
 
 def _most_loaded(train: FilmTrain) -> str:
@@ -111,7 +111,7 @@ class _Solution:
     found: tuple[FilmEquilibrium, ...]
     slopes: Floats | None = None
 
-    def led_to(self, own: Floats, train: FilmTrain, speed: Floats) -> tuple[FilmEquilibrium, ...] | None:
+    def continued_to(self, own: Floats, train: FilmTrain, speed: Floats) -> tuple[FilmEquilibrium, ...] | None:
         """Return the equilibria of other films near these; None where there are none."""
         for start in self.starts(own, train):
             found = equilibria_near(train, speed, start)
@@ -229,7 +229,7 @@ class SolvedFilms:
 
     def _solve(self, fitted: Floats) -> tuple[FilmEquilibrium, ...] | None:
         train = self._own.changed(fitted)
-        found = self._last.led_to(self._own.of(fitted), train, self.nominal.speed)
+        found = self._last.continued_to(self._own.of(fitted), train, self.nominal.speed)
         if found is None:
             found = self._from_nominal(fitted)
         if found is not None:
@@ -243,7 +243,7 @@ class SolvedFilms:
         for part in np.linspace(0.0, 1.0, WAYPOINTS + 1)[1:]:
             between = centre + part * (own - centre)
             train = self._own.changed(between)
-            found = solution.led_to(between, train, self.nominal.speed)
+            found = solution.continued_to(between, train, self.nominal.speed)
             if found is None:
                 return None
             solution = _Solution(between, train, found)

@@ -179,7 +179,7 @@ def _nominal(document: str) -> NominalCrossings:
 
     @cache
     def condensed(speed: float) -> SystemMatrices:
-        return model.matrices(speed).over(basis)
+        return model.matrices(speed).project(basis)
 
     found: list[Modes] = []
     mass = model.matrices(highest).mass

@@ -3,8 +3,8 @@
 from pathlib import Path
 from typing import Any
 
+from estimator.machine.checks.document_size import accepted_machine
 from estimator.machine.document import DocumentError, Machine
-from estimator.machine.document_size import accepted_machine
 from formats.files.table_files import WrongTableFile, with_table_columns
 
 

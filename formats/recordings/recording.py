@@ -26,7 +26,7 @@ from formats.recordings.sidecar_place import sidecar_of
 from formats.recordings.trial_weights import TrialWeight
 from formats.wire import TABLES, WIRE_SCHEMA, SampleBatch
 from storage.clock import from_datetime
-from storage.database.private_files import prepare
+from storage.files.private_files import prepare
 
 LONGEST_S = 1e9
 """Longest recording: thirty years [s]."""

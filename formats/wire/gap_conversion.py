@@ -1,8 +1,8 @@
 """Conversion of a batch's gaps from their unit and sign to the place of the shaft along each probe's axis.
 
 A probe looks at the shaft along its axis. Its gap is stored as the mean place of the shaft on that axis, towards the probe, as
-vibration is. The zero is the probe's own, so that only changes have a meaning. A gap that cannot be told is left out by name,
-and the vibration beside it stays.
+vibration is. The zero is the probe's own, so that only changes have a meaning. A gap that cannot be converted is left out by
+name, and the vibration beside it stays.
 """
 
 import numpy as np
@@ -62,7 +62,7 @@ def _metres(unit: str, sensitivity: float | None) -> float:
 
 
 def _undescribed(batch: SampleBatch, signs: Floats, factors: Floats) -> list[Fault]:
-    """Return what the document lacks to tell the gaps of a batch, once for all of its samples."""
+    """Return what the document lacks for the conversion of a batch's gaps, once for all of its samples."""
     faults = []
     told = np.isfinite(np.array(batch.gap, dtype=float)).any(axis=0)
     unsigned = [channel for channel, sign, gap in zip(batch.channels, signs, told, strict=True) if gap and np.isnan(sign)]

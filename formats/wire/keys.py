@@ -51,7 +51,7 @@ class Key:
 
     @property
     def submit(self) -> str:
-        """Return the key on which a replica of the service passes samples that came over HTTP to the one that stores them."""
+        """Return the key on which a replica forwards samples received over HTTP to the replica that stores them."""
         return f"rundown/v1/{self.plant}/{self.machine}/submit"
 
     @property

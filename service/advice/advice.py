@@ -1,4 +1,4 @@
-"""Advice on a finding: its texts with its numbers in them, the same wherever it is told."""
+"""Advice on a finding: its texts with its numbers in them, the same in every channel."""
 
 import logging
 from collections.abc import Iterator, Mapping
@@ -11,12 +11,12 @@ from service.advice.site_texts import SiteTexts
 from service.advice.urgency import urgency
 from service.alerts.advice_message import Action, Advice, Certainty, Figure
 from service.alerts.lifecycle import Severity
-from service.monitoring.finding_catalogue import finding_name, is_finding, told_rule
-from service.monitoring.finding_rules import RATE_RULE
+from service.monitoring.rules.drift_rule import RATE_RULE
+from service.monitoring.rules.finding_catalogue import finding_name, is_finding, rule_of_kind
+from service.wording.described_finding import DescribedFinding
 from service.wording.finding_texts import FindingTexts
-from service.wording.finding_words import UNITS, compared_words, part_words, rounded, second_order_words, told_parts
+from service.wording.finding_words import UNITS, compared_words, described_parts, part_words, rounded, second_order_words
 from service.wording.language import ENGLISH, Language
-from service.wording.told_finding import ToldFinding
 
 logger = logging.getLogger(__name__)
 
@@ -28,7 +28,7 @@ LARGEST_EXPONENT = 13.8
 
 @dataclass(frozen=True)
 class FindingFacts:
-    """A finding with what is known of it where it is told.
+    """A finding with its facts, as texts need them.
 
     severity: severity of its alert, None of a diagnosis by itself. measured_at: when the run was measured that shows it last.
     """
@@ -43,12 +43,12 @@ class FindingFacts:
 
 def advice_of(facts: FindingFacts, texts: SiteTexts) -> Advice | None:
     """Return the advice on a finding; None where its kind is unknown or an older release has stored too few numbers."""
-    told = ToldFinding(facts.kind, facts.element, facts.evidence, texts.language)
+    finding = DescribedFinding(facts.kind, facts.element, facts.evidence, texts.language)
     of_rate = facts.kind == RATE_RULE.kind and "per_week_per_cent" in facts.evidence
-    if not of_rate and not (is_finding(facts.kind) and told.is_tellable()):
+    if not of_rate and not (is_finding(facts.kind) and finding.is_tellable()):
         return None
     try:
-        return _advice(told, facts, texts.of(facts.kind))
+        return _advice(finding, facts, texts.of(facts.kind))
     except (KeyError, TypeError, ValueError, OverflowError):
         # Of evidence that another release has stored; whoever reads it still gets its kind and element.
         logger.exception("%s of %s at %s cannot be put into words", facts.kind, facts.element, facts.machine)
@@ -59,74 +59,78 @@ def plain_message(kind: str, element: str, language: Language = ENGLISH) -> str:
     """Return the message on a finding of which only kind and element are known."""
     name = language.element(element)
     words = (
-        language.say("itself", element=name)
+        language.translate("itself", element=name)
         if element.startswith(f"{kind}.")
-        else language.say("finding_of", finding=finding_name(kind, language), element=name)
+        else language.translate("finding_of", finding=finding_name(kind, language), element=name)
     )
     return words[:1].upper() + words[1:]
 
 
-def _advice(told: ToldFinding, facts: FindingFacts, texts: FindingTexts) -> Advice:
-    rule = told_rule(told.kind)
+def _advice(finding: DescribedFinding, facts: FindingFacts, texts: FindingTexts) -> Advice:
+    rule = rule_of_kind(finding.kind)
     filled = texts.filled(
         {
-            "id": told.id,
-            "element": told.language.element(told.element) if told.id != told.element else told.language.say("the_machine"),
+            "id": finding.id,
+            "element": finding.language.element(finding.element)
+            if finding.id != finding.element
+            else finding.language.translate("the_machine"),
             "machine": facts.machine,
-            "since": str(told.evidence.get("since", ""))[:10],
-            "sigma": f"{told.evidence.get('sigma') or 0.0:.0f} σ",
-            "runs": str(told.evidence.get("runs", "")),
-            "compared": compared_words(told),
-            **rule.words(told),
+            "since": str(finding.evidence.get("since", ""))[:10],
+            "sigma": f"{finding.evidence.get('sigma') or 0.0:.0f} σ",
+            "runs": str(finding.evidence.get("runs", "")),
+            "compared": compared_words(finding),
+            **rule.words(finding),
         }
     )
     return Advice(
         what=filled.what,
-        how_far=[_figure(one, told) for one in told_parts(told)],
-        how_sure=_certainty(told),
-        how_urgent=urgency(told, facts.severity, facts.measured_at),
+        how_far=[_figure(one, finding) for one in described_parts(finding)],
+        how_sure=_certainty(finding),
+        how_urgent=urgency(finding, facts.severity, facts.measured_at),
         check=list(filled.check),
         actions=list(_actions(filled, facts.severity)),
         confirm=list(filled.confirm),
-        not_determined=[*rule.open_questions(told), *filled.not_determined],
+        not_determined=[*rule.open_questions(finding), *filled.not_determined],
     )
 
 
-def _figure(one: SizePart, told: ToldFinding) -> Figure:
+def _figure(one: SizePart, finding: DescribedFinding) -> Figure:
     factor = MILLIRADIANS if one.unit == "urad" else 1.0
     scaled = {name: None if (value := getattr(one, name)) is None else factor * value for name in ("allowed", "before")}
     return Figure(
         of=one.name,
-        words=part_words(one, told.language),
+        words=part_words(one, finding.language),
         unit="mrad" if one.unit == "urad" else UNITS.get(one.unit, one.unit),
         value=factor * one.value,
         lower=factor * one.lower,
         upper=factor * one.upper,
         sigma=one.sigma,
-        runs=told.runs_of(one),
+        runs=finding.runs_of(one),
         parameters=list(one.members),
         **scaled,
     )
 
 
-def _certainty(told: ToldFinding) -> Certainty:
-    said, language = told.evidence, told.language
-    if told.kind == RATE_RULE.kind:
-        words = language.say("sure.drift", runs=said["runs"])
+def _certainty(finding: DescribedFinding) -> Certainty:
+    said, language = finding.evidence, finding.language
+    if finding.kind == RATE_RULE.kind:
+        words = language.translate("sure.drift", runs=said["runs"])
         return Certainty(words=words, sigma=None, runs=said["runs"], evidence=None, next_best=None)
     runs, sigma, evidence = said.get("runs"), said.get("sigma"), said.get("evidence")
     others = said.get("runners_up") or []
     next_best = plain_message(others[0]["kind"], others[0]["element"], language) if others else None
-    words = language.say("sure.beyond_chance")
-    if sigma is not None and list(told.parts()):
-        words = language.say("sure.sigma", sigma=float(sigma))
-    words += "" if runs is None else language.say("sure.runs", runs=runs) if runs != 1 else language.say("sure.run")
+    words = language.translate("sure.beyond_chance")
+    if sigma is not None and list(finding.parts()):
+        words = language.translate("sure.sigma", sigma=float(sigma))
+    words += (
+        "" if runs is None else language.translate("sure.runs", runs=runs) if runs != 1 else language.translate("sure.run")
+    )
     if next_best is not None and evidence is not None and evidence >= others[0]["evidence"]:
         lead = evidence - others[0]["evidence"]
         many = lead > LARGEST_EXPONENT
-        factor = language.say("sure.million") if many else rounded(2.718281828**lead, 2, language)
-        words += language.say("sure.lead", factor=factor, next=_within(next_best, language))
-    words += second_order_words(told, "" if next_best is None else _within(next_best, language))
+        factor = language.translate("sure.million") if many else rounded(2.718281828**lead, 2, language)
+        words += language.translate("sure.lead", factor=factor, next=_within(next_best, language))
+    words += second_order_words(finding, "" if next_best is None else _within(next_best, language))
     return Certainty(words=words, sigma=sigma, runs=runs, evidence=evidence, next_best=next_best)
 
 

@@ -1,4 +1,4 @@
-"""Alerts and their events as they are told: the message and the advice, made of the numbers that are stored."""
+"""Alerts and their events as they are sent out: message and advice, made from the stored numbers."""
 
 from datetime import datetime
 from typing import Any
@@ -9,7 +9,7 @@ from service.alerts.advice_message import Advice
 from service.alerts.event_message import AlertEvent
 from service.alerts.lifecycle import Severity
 from service.alerts.transitions import SERVICE
-from service.wording.stored_sentences import told_comment
+from service.wording.stored_sentences import comment_in_language
 from storage.alerts.alerts import ListedAlert
 from storage.clock import to_datetime
 from storage.tables.alerting import AlertEventRow, AlertRow
@@ -46,7 +46,7 @@ def alert_event(row: AlertEventRow, texts: SiteTexts) -> AlertEvent:
         message=alert_message(row, advice, texts),
         advice=advice,
         by=row.by,
-        comment=told_comment(row.comment, texts.language) if row.by == SERVICE else row.comment,
+        comment=comment_in_language(row.comment, texts.language) if row.by == SERVICE else row.comment,
         opened_at=to_datetime(row.opened_at),
         identification=row.identification_id,
     )

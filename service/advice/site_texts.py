@@ -16,8 +16,9 @@ from typing import Any
 
 from estimator.close_matches import did_you_mean
 from formats.files.document_files import UnreadableFile, read_yaml
-from service.monitoring.finding_catalogue import told_rule
-from service.monitoring.finding_rules import FINDING_RULES, RATE_RULE
+from service.monitoring.rules.drift_rule import RATE_RULE
+from service.monitoring.rules.finding_catalogue import rule_of_kind
+from service.monitoring.rules.finding_rules import FINDING_RULES
 from service.wording.finding_texts import LISTS, MOST_TEXTS, FindingTexts, TextsWrong
 from service.wording.language import ENGLISH, LANGUAGES, Language, Locale
 
@@ -46,7 +47,7 @@ class SiteTexts:
 
     def of(self, kind: str) -> FindingTexts:
         """Return the texts of a kind of finding. Raises KeyError when there is no such kind."""
-        texts = told_rule(kind).texts_in(self.language)
+        texts = rule_of_kind(kind).texts_in(self.language)
         for code in ("", self.language.code):
             own = self.written.get(code, {}).get(kind)
             texts = texts if own is None else replace(texts, **own)
@@ -97,7 +98,7 @@ def _parsed(content: Mapping[Any, Any]) -> tuple[Written, list[str]]:
         wrong = list(_wrong_fields(said))
         problems += [f"{kind}.{where}: {message}" if where else f"{kind}: {message}" for where, message in wrong]
         if not wrong:
-            rule = told_rule(kind)
+            rule = rule_of_kind(kind)
             found[kind] = {name: one if name == "what" else tuple(one) for name, one in said.items()}
             problems += [
                 f"{kind}.{where}: {message}"

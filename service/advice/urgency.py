@@ -7,31 +7,31 @@ from typing import Any
 
 from service.alerts.advice_message import Urgency
 from service.alerts.lifecycle import Severity
+from service.wording.described_finding import DescribedFinding
 from service.wording.language import Language
-from service.wording.told_finding import ToldFinding
 
 FEWEST_RUNS = 4
-"""Runs since a change began from which on its rate is told."""
+"""Fewest runs since a change began for which its rate is stated."""
 LONGEST_WEEKS = 520.0
-"""Weeks, ten years, beyond which no time is told."""
+"""Weeks (ten years) beyond which no time is stated."""
 
 
-def urgency(told: ToldFinding, severity: Severity | None, measured_at: datetime) -> Urgency:
+def urgency(finding: DescribedFinding, severity: Severity | None, measured_at: datetime) -> Urgency:
     """Return how urgent a finding is. severity: severity of its alert, None without one. measured_at: when the newest run
     was."""
-    if told.kind == "rate_of_change":
-        return _of_rate(told, severity, measured_at)
-    language = told.language
-    progress: Mapping[str, Any] = told.evidence.get("progress") or {}
-    unit = "%" if told.evidence.get("tolerance_per_cent") is None else language.say("unit.allowed")
+    if finding.kind == "rate_of_change":
+        return _of_rate(finding, severity, measured_at)
+    language = finding.language
+    progress: Mapping[str, Any] = finding.evidence.get("progress") or {}
+    unit = "%" if finding.evidence.get("tolerance_per_cent") is None else language.translate("unit.allowed")
     rate = tuple(progress.get(name) for name in ("per_week", "lower", "upper"))
     said = _rate_words(progress, unit, language)
     ahead = progress.get("ahead")
     if severity is Severity.DANGER:
-        return _answer(language.say("urgent.reached", said=said), unit, rate, reached=True)
+        return _answer(language.translate("urgent.reached", said=said), unit, rate, reached=True)
     if ahead is None:
         key = "urgent.no_limit" if rate[0] is not None else "urgent.no_time"
-        return _answer(language.say(key, said=said), unit, rate)
+        return _answer(language.translate(key, said=said), unit, rate)
     return _until(ahead, _Rate(unit, rate, said), measured_at, language)
 
 
@@ -44,43 +44,45 @@ class _Rate:
     said: str
 
 
-def _of_rate(told: ToldFinding, severity: Severity | None, measured_at: datetime) -> Urgency:
-    evidence, language = told.evidence, told.language
+def _of_rate(finding: DescribedFinding, severity: Severity | None, measured_at: datetime) -> Urgency:
+    evidence, language = finding.evidence, finding.language
     rate = tuple(float(evidence[f"{name}_per_cent"]) for name in ("per_week", "lower", "upper"))
     far = evidence.get("change_per_cent")
-    so_far = "" if far is None else language.say("urgent.so_far", far=float(far))
-    said = so_far + language.say("urgent.drifts", rate=rate[0], lower=rate[1], upper=rate[2])
+    so_far = "" if far is None else language.translate("urgent.so_far", far=float(far))
+    said = so_far + language.translate("urgent.drifts", rate=rate[0], lower=rate[1], upper=rate[2])
     ahead = evidence.get("ahead")
     if ahead is not None:
         return _until(ahead, _Rate("%", rate, said), measured_at, language)
     danger = severity is Severity.DANGER
-    words = language.say("urgent.drift_fast" if danger else "urgent.drift_no_time", said=said)
+    words = language.translate("urgent.drift_fast" if danger else "urgent.drift_no_time", said=said)
     return _answer(words, "%", rate, reached=danger)
 
 
 def _rate_words(progress: Mapping[str, Any], unit: str, language: Language) -> str:
     runs, newest = progress.get("runs", 0), progress.get("newest")
-    size = "" if newest is None else language.say("urgent.newest", newest=float(newest), unit=unit)
+    size = "" if newest is None else language.translate("urgent.newest", newest=float(newest), unit=unit)
     if progress.get("per_week") is None:
-        return size + language.say("urgent.run_needed" if runs == 1 else "urgent.runs_needed", runs=runs, needed=FEWEST_RUNS)
+        return size + language.translate(
+            "urgent.run_needed" if runs == 1 else "urgent.runs_needed", runs=runs, needed=FEWEST_RUNS
+        )
     rate, low, high = (float(progress[name]) for name in ("per_week", "lower", "upper"))
-    told = language.say("urgent.rate", rate=rate, unit=unit, lower=low, upper=high, runs=runs)
+    finding = language.translate("urgent.rate", rate=rate, unit=unit, lower=low, upper=high, runs=runs)
     key = "grows" if low > 0.0 else "falls" if high < 0.0 else "no_growth"
-    return size + language.say(f"urgent.{key}", rate=told)
+    return size + language.translate(f"urgent.{key}", rate=finding)
 
 
 def _until(ahead: Mapping[str, Any], rate: _Rate, measured_at: datetime, language: Language) -> Urgency:
     weeks, earliest, latest = (ahead[name] for name in ("expected", "earliest", "latest"))
     limit = float(ahead["limit"])
     if weeks is None or weeks > LONGEST_WEEKS:
-        words = language.say("urgent.not_approached", limit=limit, unit=rate.unit, said=rate.said)
+        words = language.translate("urgent.not_approached", limit=limit, unit=rate.unit, said=rate.said)
         return _answer(words, rate.unit, rate.numbers, limit=ahead["limit"])
     never = latest is None or latest > LONGEST_WEEKS
-    end = language.say("urgent.never") if never else language.say("urgent.latest", weeks=_weeks(latest, language))
+    end = language.translate("urgent.never") if never else language.translate("urgent.latest", weeks=_weeks(latest, language))
     interval = end
     if earliest is not None:
-        interval = language.say("urgent.earliest", weeks=_weeks(earliest, language), end=end)
-    words = language.say(
+        interval = language.translate("urgent.earliest", weeks=_weeks(earliest, language), end=end)
+    words = language.translate(
         "urgent.until", limit=limit, unit=rate.unit, weeks=_weeks(weeks, language), interval=interval, said=rate.said
     )
     found = _answer(words, rate.unit, rate.numbers, limit=ahead["limit"])
@@ -93,8 +95,8 @@ def _until(ahead: Mapping[str, Any], rate: _Rate, measured_at: datetime, languag
 def _weeks(weeks: float, language: Language) -> str:
     if weeks < 2.0:
         days = round(7.0 * weeks)
-        return language.say("day" if days == 1 else "days", count=days)
-    return language.say("weeks", weeks=float(weeks))
+        return language.translate("day" if days == 1 else "days", count=days)
+    return language.translate("weeks", weeks=float(weeks))
 
 
 def _answer(

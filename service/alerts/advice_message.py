@@ -1,4 +1,4 @@
-"""The form of what is told of a finding, for everybody: in the API, in streams and in deliveries."""
+"""The form in which findings are reported everywhere: in the API, in streams and in deliveries."""
 
 from datetime import datetime
 

@@ -15,7 +15,7 @@ from service.api.alerts.event_stream import Broadcaster
 from service.api.alerts.event_stream import router as event_stream
 from service.api.alerts.routes import lists as alert_lists
 from service.api.alerts.routes import router as alerts
-from service.api.alerts.subscriptions import TryOut
+from service.api.alerts.subscriptions import SendTest
 from service.api.alerts.subscriptions import router as subscriptions
 from service.api.alerts.suppressions import router as suppressions
 from service.api.cache.computed_cache import ComputedCache
@@ -139,7 +139,7 @@ def application(
     database: Database,
     parts: Parts,
     *,
-    try_out: TryOut | None = None,
+    send_test: SendTest | None = None,
     submissions: SubmissionSink | None = None,
     baseline_runs: int = DEFAULT_BASELINE_RUNS,
     security: Security | None = None,
@@ -152,7 +152,7 @@ def application(
 ) -> FastAPI:
     """Build the application over a database.
 
-    parts: returns the state of each part of the service. try_out: sends a test message to a subscription, where this process
+    parts: returns the state of each part of the service. send_test: sends a test message to a subscription, where this process
     delivers. submissions: takes samples. baseline_runs: as in the settings. security: access rules; by default open until
     there is an API key. job_quota: limit of waiting identifications asked for by people. secrets: signing secrets of webhooks;
     by default none can be stored. warnings: returns the service's warnings. gauges: returns figures of its parts for a
@@ -164,7 +164,7 @@ def application(
     app.state.database = database
     app.state.parts = parts
     app.state.database_check = DatabaseCheck(database)
-    app.state.try_out = try_out
+    app.state.send_test = send_test
     app.state.submissions = submissions
     app.state.secrets = secrets or SigningSecrets()
     app.state.warnings = warnings

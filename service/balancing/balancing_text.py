@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from estimator.calibration.balancing_check import BalancingCheck
-from estimator.calibration.field_balancing import FieldBalancing
+from estimator.balancing.balancing_check import BalancingCheck
+from estimator.balancing.field_balancing import FieldBalancing
 from estimator.units import rad_per_s_to_rpm
 from estimator.updated_model.balance_quality import GRAM_MILLIMETRE, PlaneBalance, RotorBalance
 from service.balancing.correction_rows import channel_effects, limit_verdicts, plane_weights, trim_weights
@@ -27,51 +27,53 @@ def balancing_text(found: FieldBalancing, check: BalancingCheck | None = None, l
 
 
 def _head(found: FieldBalancing, language: Language) -> Iterator[str]:
-    say = language.say
+    translate = language.translate
     speeds = [f"{rad_per_s_to_rpm(one):.0f}" for one in found.speed]
     shown = ", ".join(speeds)
     if len(speeds) > 6:
-        shown = say("balancing.speeds", count=len(speeds), first=speeds[0], last=speeds[-1])
-    yield say("balancing.title", name=found.machine.name, id=found.machine.id, speeds=shown)
-    yield say("balancing.runs", names=", ".join(found.runs.names))
-    yield say("balancing.influence", words=in_language(found.choice.words, language))
-    yield from (say("balancing.note", words=in_language(one, language)) for one in found.notes)
+        shown = translate("balancing.speeds", count=len(speeds), first=speeds[0], last=speeds[-1])
+    yield translate("balancing.title", name=found.machine.name, id=found.machine.id, speeds=shown)
+    yield translate("balancing.runs", names=", ".join(found.runs.names))
+    yield translate("balancing.influence", words=in_language(found.choice.words, language))
+    yield from (translate("balancing.note", words=in_language(one, language)) for one in found.notes)
 
 
 def _correction(found: FieldBalancing, language: Language) -> Iterator[str]:
-    digits, say = language.digits, language.say
-    yield say("balancing.correction", criterion=say(f"balancing.{found.correction.criterion}"))
+    digits, translate = language.digits, language.translate
+    yield translate("balancing.correction", criterion=translate(f"balancing.{found.correction.criterion}"))
     for one in plane_weights(found):
         angle = digits(f"{one.angle_deg:6.1f} ± {one.half_width_deg:.0f}")
-        interval = say("balancing.interval", lower=digits(f"{one.lower_g_mm:.3g}"), upper=digits(f"{one.upper_g_mm:.3g}"))
-        at = say("balancing.any_angle") if one.half_width_deg >= 180.0 else angle
-        yield f"  {one.plane:<12} {digits(f'{one.g_mm:10.4g}')} {say('balancing.at', interval=interval, angle=at)}"
+        interval = translate(
+            "balancing.interval", lower=digits(f"{one.lower_g_mm:.3g}"), upper=digits(f"{one.upper_g_mm:.3g}")
+        )
+        at = translate("balancing.any_angle") if one.half_width_deg >= 180.0 else angle
+        yield f"  {one.plane:<12} {digits(f'{one.g_mm:10.4g}')} {translate('balancing.at', interval=interval, angle=at)}"
         for place, grams in one.masses:
-            yield "      " + say("balancing.mass", grams=digits(f"{grams:8.4g}"), angle=place)
+            yield "      " + translate("balancing.mass", grams=digits(f"{grams:8.4g}"), angle=place)
         if one.missed is not None and one.missed > 0.01:
-            yield "      " + say("balancing.missed", part=100 * one.missed)
-    yield say("balancing.counted")
+            yield "      " + translate("balancing.missed", part=100 * one.missed)
+    yield translate("balancing.counted")
 
 
 def _effects(found: FieldBalancing, check: BalancingCheck | None, language: Language) -> Iterator[str]:
-    digits, say = language.digits, language.say
-    yield say("balancing.effects") + (say("balancing.with_check") if check else "")
+    digits, translate = language.digits, language.translate
+    yield translate("balancing.effects") + (translate("balancing.with_check") if check else "")
     for one in channel_effects(found, check):
-        kept = say("balancing.as_promised" if one.held else "balancing.more_than_promised")
+        kept = translate("balancing.as_promised" if one.held else "balancing.more_than_promised")
         shown = "" if one.check is None else f" {digits(f'{one.check:9.3g}')}  {kept}"
         yield f"  {one.channel:<12} {digits(f'{one.before:9.3g} {one.after:9.3g} {one.upper:9.3g}')}{shown}"
     limit = limit_verdicts(found)
     if limit is not None:
-        yield "  " + say("balancing.limit", limit=digits(f"{limit[0]:.3g}"), verdict=_verdict_text(limit[1], language))
+        yield "  " + translate("balancing.limit", limit=digits(f"{limit[0]:.3g}"), verdict=_verdict_text(limit[1], language))
 
 
 def _residual(found: FieldBalancing, check: BalancingCheck | None, language: Language) -> Iterator[str]:
-    yield language.say(
+    yield language.translate(
         "balancing.residual",
         grade=language.digits(f"{found.options.grade:g}"),
         rpm=rad_per_s_to_rpm(found.service_speed),
         planes=", ".join(found.known.planes),
-    ) + (language.say("balancing.with_check") if check else "")
+    ) + (language.translate("balancing.with_check") if check else "")
     states = [found.before, found.after, *([check.residual] if check else [])]
     for rotors in zip(*states, strict=True):
         yield from _planes(rotors, language)
@@ -82,12 +84,12 @@ def _planes(rotors: tuple[RotorBalance, ...], language: Language) -> Iterator[st
         shown = "; ".join(_plane(one, language) for one in planes)
         first = planes[0]
         permissible = language.digits(f"{first.iso_permissible / GRAM_MILLIMETRE:.3g}")
-        told = language.say("balancing.permissible", amount=permissible, planes=shown)
+        told = language.translate("balancing.permissible", amount=permissible, planes=shown)
         yield f"  {rotors[0].shaft:<10} {first.bearing:<8} {told}"
 
 
 def _plane(one: PlaneBalance, language: Language) -> str:
-    return language.say(
+    return language.translate(
         "balancing.plane",
         amount=language.digits(_g_mm(one.unbalance, one.iso_permissible)),
         upper=language.digits(f"{one.upper / GRAM_MILLIMETRE:.3g}"),
@@ -104,13 +106,13 @@ def _g_mm(unbalance: complex, permissible: float) -> str:
 def _check(found: FieldBalancing, check: BalancingCheck, language: Language) -> Iterator[str]:
     shown = np.isfinite(check.vector)
     kept, points = int(np.count_nonzero(check.held)), int(np.count_nonzero(shown))
-    yield language.say("balancing.check", name=check.name, kept=kept, points=points)
+    yield language.translate("balancing.check", name=check.name, kept=kept, points=points)
     limit = found.machine.operation.vibration_limit
     if limit is not None:
         kept_limit = bool(np.nanmax(np.abs(check.vector)) <= limit)
         verdict = _verdict_text("met" if kept_limit else "not met", language)
-        yield "  " + language.say("balancing.limit_by_check", verdict=verdict)
-    yield "  " + language.say("balancing.trim")
+        yield "  " + language.translate("balancing.limit_by_check", verdict=verdict)
+    yield "  " + language.translate("balancing.trim")
     for plane, size, angle in trim_weights(found, check):
         yield f"  {plane:<12} {language.digits(f'{size:10.4g} {angle:7.1f}')}"
 

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.calibration.balancing_check import BalancingCheck, LimitVerdict, limit_verdict
-from estimator.calibration.field_balancing import FieldBalancing
-from estimator.calibration.measured_influence import circular_band
-from estimator.calibration.weight_places import SplitWeight
+from estimator.balancing.balancing_check import BalancingCheck, LimitVerdict, limit_verdict
+from estimator.balancing.field_balancing import FieldBalancing
+from estimator.balancing.measured_influence import circular_band
+from estimator.balancing.weight_places import SplitWeight
 from estimator.units import METRES, PEAK
 from estimator.updated_model.balance_quality import GRAM_MILLIMETRE
 from estimator.updated_model.uncertainty import PhasorBand
@@ -80,13 +80,13 @@ def channel_effects(found: FieldBalancing, check: BalancingCheck | None = None) 
                     after=_largest(found.correction.after, own),
                     upper=float(np.max(found.correction.after.upper[own])) / MICROMETRES,
                     check=None if measured is None else float(np.nanmax(np.abs(measured.vector[own]))) / MICROMETRES,
-                    held=None if measured is None else kept_promise(measured, own),
+                    held=None if measured is None else meets_prediction(measured, own),
                 )
             )
     return rows
 
 
-def kept_promise(check: BalancingCheck, points: list[int]) -> bool:
+def meets_prediction(check: BalancingCheck, points: list[int]) -> bool:
     """Return whether the largest vibration at some points is below what was promised for the weights that were on."""
     return bool(np.nanmax(np.abs(check.vector[points])) <= np.max(check.predicted.upper[points]))
 

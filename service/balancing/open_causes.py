@@ -39,12 +39,14 @@ def _is_of_unbalance(alert: ListedAlert) -> bool:
 
 
 def _words(other: Sequence[ListedAlert], finding_name: FindingNames, language: Language) -> str:
-    names = dict.fromkeys(alert.element.rpartition(".")[2] or language.say("balance.what_is_wrong") for alert in other)
+    names = dict.fromkeys(alert.element.rpartition(".")[2] or language.translate("balance.what_is_wrong") for alert in other)
     told = "; ".join(_told(alert, finding_name, language) for alert in other[:3])
-    more = language.say("balance.more", count=len(other) - 3) if len(other) > 3 else ""
-    return language.say("balance.first", names=", ".join(names), alerts=told + more)
+    more = language.translate("balance.more", count=len(other) - 3) if len(other) > 3 else ""
+    return language.translate("balance.first", names=", ".join(names), alerts=told + more)
 
 
 def _told(alert: ListedAlert, finding_name: FindingNames, language: Language) -> str:
     name, element = finding_name(alert.rule, language), language.element(alert.element)
-    return language.say("balance.alert", id=alert.id, finding=language.say("finding_of", finding=name, element=element))
+    return language.translate(
+        "balance.alert", id=alert.id, finding=language.translate("finding_of", finding=name, element=element)
+    )

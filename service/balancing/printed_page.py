@@ -5,8 +5,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from estimator.calibration.balancing_check import BalancingCheck
-from estimator.calibration.field_balancing import FieldBalancing
+from estimator.balancing.balancing_check import BalancingCheck
+from estimator.balancing.field_balancing import FieldBalancing
 from estimator.fit.estimates import CONFIDENCE_95
 from service.balancing.balancing_text import balancing_text
 from service.balancing.correction_rows import MICROMETRES
@@ -24,7 +24,7 @@ STYLE = (
 def printed_page(found: FieldBalancing, check: BalancingCheck | None = None, language: Language = ENGLISH) -> str:
     """Return the page in a language, as HTML that needs nothing beside it."""
     plots = "".join(channel_plots(found, check, language))
-    title = html.escape(language.say("balancing.page", name=found.machine.name))
+    title = html.escape(language.translate("balancing.page", name=found.machine.name))
     return (
         f'<!doctype html><html lang="{language.code}"><head><meta charset="utf-8"/>'
         f"<title>{title}</title><style>{STYLE}</style></head>"
@@ -54,7 +54,7 @@ def _vectors(found: FieldBalancing, check: BalancingCheck | None, at: int, langu
     ][:MOST_RUNS]
     after = found.correction.after
     size = found.correction.influence.widening * CONFIDENCE_95 * float(np.sqrt(np.trace(after.covariance[at]) / 2.0))
-    predicted = language.say("balancing.predicted")
+    predicted = language.translate("balancing.predicted")
     shown.append(PlottedVector(predicted, complex(after.value[at]) / MICROMETRES, uncertain=size / MICROMETRES))
     if check is not None and np.isfinite(check.vector[at]):
         shown.append(PlottedVector(check.name, complex(check.vector[at]) / MICROMETRES))

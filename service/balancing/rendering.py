@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from estimator.calibration.balancing_check import BalancingCheck
-from estimator.calibration.field_balancing import FieldBalancing
+from estimator.balancing.balancing_check import BalancingCheck
+from estimator.balancing.field_balancing import FieldBalancing
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.disc_scale import DiscScale
 from estimator.units import rad_per_s_to_rpm

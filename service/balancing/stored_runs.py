@@ -9,7 +9,7 @@ import numpy as np
 from sqlalchemy.orm import Session
 
 from estimator.arrays import Complexes
-from estimator.calibration.field_balancing import BalancingRun
+from estimator.balancing.field_balancing import BalancingRun
 from estimator.errors import Invalid
 from estimator.machine.document import Machine
 from estimator.phasors.slow_roll import corrected

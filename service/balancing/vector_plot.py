@@ -33,7 +33,7 @@ def vector_plot(title: str, vectors: Sequence[PlottedVector], *, unit: str, lang
     parts += [_degrees(angle) for angle in (0, 90, 180, 270)]
     for number, one in enumerate(vectors):
         parts.append(_arrow(one, scale, COLOURS[number % len(COLOURS)]))
-    head = html.escape(language.say("balancing.rings", title=title, step=language.digits(f"{step:.3g}"), unit=unit))
+    head = html.escape(language.translate("balancing.rings", title=title, step=language.digits(f"{step:.3g}"), unit=unit))
     return (
         f'<figure><svg viewBox="{-SIZE // 2} {-SIZE // 2} {SIZE} {SIZE}" width="{SIZE}" height="{SIZE}" role="img" '
         f'aria-label="{head}">{"".join(parts)}</svg><figcaption>{head}<br/>{_key(vectors, language)}</figcaption></figure>'
@@ -62,7 +62,7 @@ def _key(vectors: Sequence[PlottedVector], language: Language) -> str:
 
 def _read_out(one: PlottedVector, language: Language) -> str:
     lag = -math.degrees(math.atan2(one.value.imag, one.value.real)) % 360
-    return language.say("balancing.lag", name=one.name, size=language.digits(f"{abs(one.value):.3g}"), angle=lag)
+    return language.translate("balancing.lag", name=one.name, size=language.digits(f"{abs(one.value):.3g}"), angle=lag)
 
 
 def _degrees(angle: int) -> str:

@@ -12,8 +12,8 @@ import typer
 from estimator.errors import Invalid
 from estimator.thesis.parameter_rules import RegularisationRule
 from service.commands.exit import fail
-from service.commands.json_output import JsonWanted, say_json
-from service.commands.terminal import say, say_lines, working
+from service.commands.json_output import JsonWanted, print_json
+from service.commands.terminal import print_line, print_text, working
 
 if TYPE_CHECKING:
     from estimator.fit.identification import Identification
@@ -75,11 +75,11 @@ def identify_offline(
     else:
         _print(described, result, files[0], sidecar)
         if text:
-            say_lines(f"\n{text}")
+            print_text(f"\n{text}")
     if advice:
         with working("looking for what would help"):
             helpful = advice_text(described, result, measurement)
-        say_lines(helpful, err=as_json)
+        print_text(helpful, err=as_json)
     if not result.accepted:
         raise typer.Exit(1)
 
@@ -93,14 +93,14 @@ def _print(machine: "Machine", result: "Identification", file: Path, sidecar: Pa
     from service.commands.results.alignment_report import alignment_text
     from service.commands.results.identification_report import identification_text, since_text
 
-    say_lines(identification_text(result))
+    print_text(identification_text(result))
     since = unbalance_since(machine, result)
     if since is not None:
         told = read_circumstances(file, sidecar)
-        say_lines(since_text(since, told.scale, direction=told.direction))
+        print_text(since_text(since, told.scale, direction=told.direction))
     alignment = alignment_text(alignment_quantities(updated_model(machine, result))) if result.accepted else ""
     if alignment:
-        say_lines(alignment)
+        print_text(alignment)
 
 
 def _print_json(machine: "Machine", result: "Identification", names: list[str], qualities: "Sequence[Quality]") -> None:
@@ -113,7 +113,7 @@ def _print_json(machine: "Machine", result: "Identification", names: list[str], 
     alignment = alignment_quantities(updated_model(machine, result)) if result.accepted else ()
     gained = {} if since is None else {"unbalance_since_calibration": since_content(since)}
     rest = {"alignment": alignment, "runs": quality_content(names, qualities)}
-    say_json(identification_content(machine, result) | gained | rest)
+    print_json(identification_content(machine, result) | gained | rest)
 
 
 def model(
@@ -147,7 +147,7 @@ def model(
     if not files:
         return
     described, _, result = identified(machine, files, sidecar)
-    say(result.verdict, err=as_json)
+    print_line(result.verdict, err=as_json)
     if not result.accepted:
         raise typer.Exit(1)
     try:
@@ -161,9 +161,9 @@ def model(
     except ValueError as error:
         fail(str(error))
     if as_json:
-        say_json(content)
+        print_json(content)
     else:
-        say_lines(text)
+        print_text(text)
 
 
 def _print_films(machine: Path, service_rpm: float | None, *, needed: bool, as_json: bool) -> None:
@@ -176,9 +176,9 @@ def _print_films(machine: Path, service_rpm: float | None, *, needed: bool, as_j
         if has_films(described):
             speed = described.speed_range.maximum_rpm if service_rpm is None else service_rpm
             if as_json:
-                say_json(film_content(described, service_rpm=speed))
+                print_json(film_content(described, service_rpm=speed))
             else:
-                say_lines(film_text(described, service_rpm=speed))
+                print_text(film_text(described, service_rpm=speed))
         elif needed:
             fail(f"{machine}: no run is given, and a bearing says nothing of its film: there is nothing to compute")
     except (UnreadableFile, Invalid) as error:
@@ -214,9 +214,9 @@ def compare(
     except (UnreadableFile, Rejected, ValueError) as error:
         fail(str(error))
     if as_json:
-        say_json(comparison_content(found))
+        print_json(comparison_content(found))
     else:
-        say_lines(comparison_text(found))
+        print_text(comparison_text(found))
 
 
 def show_slow_roll(
@@ -240,9 +240,9 @@ def show_slow_roll(
     except (UnreadableFile, Rejected, ValueError) as error:
         fail(str(error))
     if as_json:
-        say_json(slow_roll_content(described, found))
+        print_json(slow_roll_content(described, found))
     else:
-        say_lines(slow_roll_text(described, found))
+        print_text(slow_roll_text(described, found))
 
 
 def _regress(
@@ -270,9 +270,9 @@ def _regress(
             found = regress(described, measurement, tikhonov=tikhonov)
         accepted = not (found.reduced_chi_square > EXPLAINED or found.impossible)
         if as_json:
-            say_json(regression_content(described, found, accepted=accepted))
+            print_json(regression_content(described, found, accepted=accepted))
         else:
-            say_lines(regression_text(found))
+            print_text(regression_text(found))
         if not accepted:
             raise typer.Exit(1)
     except (UnreadableFile, Rejected, ValueError) as error:
@@ -290,11 +290,11 @@ def _runs(
     from formats.recordings.recorded_runs import read_runs, without_slow_roll
     from formats.recordings.sidecar_place import sidecar_of
     from rotorundown.runs import read_run
-    from service.commands.document_warnings import say_warnings
+    from service.commands.document_warnings import print_warnings
     from service.commands.results.identification_report import slow_roll_text
 
     described = read_machine(machine)
-    say_warnings(described)
+    print_warnings(described)
     plain = (one.suffix == ".csv" and one.is_file() and not sidecar_of(one).exists() for one in files)
     if sidecar is None and any(plain):
         read = [read_run(file, machine=described) for file in files]
@@ -303,11 +303,11 @@ def _runs(
     else:
         runs, left_out = read_runs(described, files, sidecar)
     for line in left_out:
-        say(line, err=True)
+        print_line(line, err=True)
     if slow_roll is None:
         return described, runs
     corrected, rest, found = without_slow_roll(described, runs, slow_roll)
-    say_lines(slow_roll_text(described, found), err=True)
+    print_text(slow_roll_text(described, found), err=True)
     return corrected, rest
 
 

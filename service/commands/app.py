@@ -23,12 +23,12 @@ from service.commands.calibration import calibrate
 from service.commands.exit import fail
 from service.commands.first_steps import check, init
 from service.commands.help_panels import PanelledGroup
-from service.commands.json_output import JsonWanted, say_json
+from service.commands.json_output import JsonWanted, print_json
 from service.commands.keys import audit_app, key_app
 from service.commands.report import report
 from service.commands.retention import retention_app
 from service.commands.storage import backup, export, move, restore
-from service.commands.terminal import say, say_lines, working
+from service.commands.terminal import print_line, print_text, working
 from service.configuration.log_format import log_to_terminal
 from service.configuration.settings import DEFAULT_ZENOH_ENDPOINT, ProcessRole, Settings, SettingsWrong, settings_of
 from service.configuration.settings_file import VARIABLE as CONFIG_VARIABLE
@@ -51,7 +51,7 @@ LINGER_S = 5.0
 
 def _print_version(asked: bool) -> None:
     if asked:
-        say(f"rundown {VERSION}")
+        print_line(f"rundown {VERSION}")
         raise typer.Exit
 
 
@@ -143,9 +143,9 @@ def doctor(
     for finding in examine(settings, url=url, api_key=key):
         found.append(finding)
         if not as_json:
-            say(f"{finding.level:8s} {finding.what}: {finding.words}")
+            print_line(f"{finding.level:8s} {finding.what}: {finding.words}")
     if as_json:
-        say_json([{"level": one.level, "what": one.what, "words": one.words} for one in found])
+        print_json([{"level": one.level, "what": one.what, "words": one.words} for one in found])
     wrong = sum(one.level == "wrong" for one in found)
     if wrong:
         fail(f"{wrong} wrong; docs/runbook.md says what to do")
@@ -292,12 +292,12 @@ def edge(
 def document(machine: Annotated[Path, typer.Argument(help="machine document, YAML or JSON")]) -> None:
     """Check a machine document and print it as JSON, as the REST API takes it."""
     from formats.files.document_files import UnreadableFile, read_machine
-    from service.commands.document_warnings import say_warnings
+    from service.commands.document_warnings import print_warnings
 
     try:
         described = read_machine(machine)
-        say_warnings(described)
-        say_lines(json.dumps(described.model_dump(mode="json"), indent=1))
+        print_warnings(described)
+        print_text(json.dumps(described.model_dump(mode="json"), indent=1))
     except UnreadableFile as error:
         fail(str(error))
 
@@ -333,9 +333,9 @@ def sample(
     except (UnreadableFile, ValueError, OSError) as error:
         fail(str(error))
     if as_json:
-        say_json({"machine": described.id, "story": story, "file": file, "samples": len(run), "truth": run.truth})
+        print_json({"machine": described.id, "story": story, "file": file, "samples": len(run), "truth": run.truth})
     else:
-        say(f"{file} is written with {len(run)} samples of '{described.id}', {story}, and its sidecar beside it")
+        print_line(f"{file} is written with {len(run)} samples of '{described.id}', {story}, and its sidecar beside it")
 
 
 app.command()(init)

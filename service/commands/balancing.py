@@ -6,15 +6,15 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
-from estimator.calibration.criterion import Criterion
+from estimator.balancing.criterion import Criterion
 from service.commands.exit import fail
 from service.commands.find_language import find_language
-from service.commands.json_output import JsonWanted, say_json
-from service.commands.terminal import say, say_lines, working
+from service.commands.json_output import JsonWanted, print_json
+from service.commands.terminal import print_line, print_text, working
 
 if TYPE_CHECKING:
-    from estimator.calibration.balancing_check import BalancingCheck
-    from estimator.calibration.field_balancing import BalancingOptions, BalancingRun, FieldBalancing, ModelInfluence
+    from estimator.balancing.balancing_check import BalancingCheck
+    from estimator.balancing.field_balancing import BalancingOptions, BalancingRun, FieldBalancing, ModelInfluence
     from estimator.machine.document import Machine
 
 GRAM = 1e-3
@@ -52,18 +52,18 @@ def balance_machine(
     """
     import threadpoolctl
 
-    from estimator.calibration.balancing_check import check_balancing
-    from estimator.calibration.field_balancing import balance_from_trials
+    from estimator.balancing.balancing_check import check_balancing
+    from estimator.balancing.field_balancing import balance_from_trials
     from formats.files.document_files import UnreadableFile, read_machine
     from formats.wire import Rejected
     from service.balancing.correction_rows import channel_effects
     from service.balancing.printed_page import printed_page
-    from service.commands.document_warnings import say_warnings
+    from service.commands.document_warnings import print_warnings
 
     language = find_language(locale)
     try:
         described = read_machine(machine)
-        say_warnings(described)
+        print_warnings(described)
         options = _options(plane, criterion, limit or [], holes or [], rpm, grade, service_rpm)
         groups = [run for file in (initial, *trials) for run in _balancing_runs(described, file, required=file != initial)]
         unloaded = [run for run in groups if run.added is not None and not np.any(run.added)]
@@ -89,10 +89,10 @@ def _print(found: "FieldBalancing", checked: "BalancingCheck | None", *, as_json
     from service.balancing.correction_rows import channel_effects, plane_weights
 
     if not as_json:
-        say_lines(balancing_text(found, checked))
+        print_text(balancing_text(found, checked))
         return
     effects = channel_effects(found, checked)
-    say_json(
+    print_json(
         {
             "machine": found.machine.id,
             "speeds_rpm": [rad_per_s_to_rpm(one) for one in found.speed],
@@ -112,14 +112,14 @@ def _balancing_runs(machine: "Machine", file: Path, *, required: bool) -> "list[
 
     required: whether the file must state its weights. A run that states none is taken to have had none.
     """
-    from estimator.calibration.field_balancing import BalancingRun
+    from estimator.balancing.field_balancing import BalancingRun
     from formats.files.document_files import UnreadableFile
     from formats.recordings.recorded_runs import read_runs
     from formats.recordings.recording import read_circumstances
 
     ((_, measurement),), left_out = read_runs(machine, [file])
     for line in left_out:
-        say(line, err=True)
+        print_line(line, err=True)
     circumstances = read_circumstances(file)
     if required and not circumstances.stated:
         raise UnreadableFile(
@@ -145,7 +145,7 @@ def _balancing_runs(machine: "Machine", file: Path, *, required: bool) -> "list[
 
 def _check_run(machine: "Machine", file: Path) -> "BalancingRun":
     """Return a check run; where it states no weights, those of the correction are taken to be on."""
-    from estimator.calibration.field_balancing import BalancingRun
+    from estimator.balancing.field_balancing import BalancingRun
     from formats.files.document_files import UnreadableFile
     from formats.recordings.recorded_runs import read_runs
 
@@ -165,8 +165,8 @@ def _options(
     grade: float,
     service_rpm: float | None,
 ) -> "BalancingOptions":
-    from estimator.calibration.field_balancing import BalancingOptions
-    from estimator.calibration.weight_places import WeightPlaces
+    from estimator.balancing.field_balancing import BalancingOptions
+    from estimator.balancing.weight_places import WeightPlaces
     from estimator.units import rpm_to_rad_per_s
     from estimator.updated_model.balance_quality import GRAM_MILLIMETRE
 
@@ -208,6 +208,6 @@ def _model(machine: Path, files: list[Path]) -> "ModelInfluence":
 
     described, _, result = identified(machine, files, None)
     if not result.accepted:
-        say(f"the model is only used where it predicts runs left out better: {result.verdict}", err=True)
+        print_line(f"the model is only used where it predicts runs left out better: {result.verdict}", err=True)
     model = updated_model(described, result)
     return lambda planes, speed: influence_coefficients(model, planes=planes, speed=speed)

@@ -6,8 +6,8 @@ from typing import Annotated
 import typer
 
 from service.commands.exit import fail
-from service.commands.json_output import JsonWanted, say_json
-from service.commands.terminal import say, say_lines, working
+from service.commands.json_output import JsonWanted, print_json
+from service.commands.terminal import print_line, print_text, working
 
 
 def calibrate(
@@ -28,23 +28,23 @@ def calibrate(
     from formats.files.document_files import UnreadableFile, read_machine
     from rotorundown.calibration import NotCalibrated
     from rotorundown.calibration import calibrate as calibrated
-    from service.commands.document_warnings import say_warnings
+    from service.commands.document_warnings import print_warnings
 
     try:
         described = read_machine(machine)
-        say_warnings(described)
+        print_warnings(described)
         with working("calibrating"):
             found = calibrated(described, files, seed=seed)
     except (UnreadableFile, NotCalibrated) as error:
         fail(str(error))
     for line in found.left_out:
-        say(line, err=True)
+        print_line(line, err=True)
     if as_json:
         said = found.found
         told = {"machine": described.id, "accepted": found.accepted, "verdict": found.verdict, "remarks": said.remarks}
-        say_json(told | {"starts": said.starts, "calibration": found.machine.calibration})
+        print_json(told | {"starts": said.starts, "calibration": found.machine.calibration})
     else:
-        say_lines(str(found))
+        print_text(str(found))
     if not found.accepted:
         raise typer.Exit(1)
     target = output or machine.with_name(f"{machine.stem}-calibrated.yaml")
@@ -52,7 +52,7 @@ def calibrate(
         found.write(target)
     except OSError as error:
         fail(f"{target}: {error.strerror}")
-    say(
+    print_line(
         f"Written: {target}; `rundown identify {target} RUN` starts from it, and states the unbalance gained since",
         err=as_json,
     )

@@ -24,7 +24,7 @@ import numpy as np
 from estimator.machine.parameter_description import describe
 from formats.files.document_files import UnreadableFile, read_yaml
 from rotorundown.environment.example_machines import examples_folder
-from service.commands.json_output import say_json
+from service.commands.json_output import print_json
 from storage.clock import from_datetime
 
 EXAMPLES = examples_folder()
@@ -88,11 +88,11 @@ def run(*, leave: bool, port: int, as_json: bool = False) -> bool:
     try:
         with _interrupted_by_signals(), _service(folder, port, course) as (client, endpoint):
             began = time.monotonic()
-            outcomes = _tell(folder, client, endpoint, course)
+            outcomes = _run_story(folder, client, endpoint, course)
             right = all(outcome.right for outcome in outcomes)
             seconds = time.monotonic() - began
             if as_json:
-                say_json(
+                print_json(
                     {"right": right, "seconds": seconds, "machines": [{"right": one.right, **asdict(one)} for one in outcomes]}
                 )
             else:
@@ -107,7 +107,7 @@ def run(*, leave: bool, port: int, as_json: bool = False) -> bool:
     return right
 
 
-def _tell(folder: Path, client: httpx.Client, endpoint: str, course: TextIO) -> list[StoryOutcome]:
+def _run_story(folder: Path, client: httpx.Client, endpoint: str, course: TextIO) -> list[StoryOutcome]:
     began = time.monotonic()
     _create_machines(client)
     truth = folder / "truth.jsonl"

@@ -1,11 +1,11 @@
 """Prints what is probably a mistake in a machine document that is taken."""
 
+from estimator.machine.checks.document_warnings import document_warnings
 from estimator.machine.document import Machine
-from estimator.machine.document_warnings import document_warnings
-from service.commands.terminal import say
+from service.commands.terminal import print_line
 
 
-def say_warnings(machine: Machine) -> None:
+def print_warnings(machine: Machine) -> None:
     """Print the warnings of a document on the standard error output, one a line."""
     for one in document_warnings(machine):
-        say(f"warning: {one}", err=True)
+        print_line(f"warning: {one}", err=True)

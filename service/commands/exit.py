@@ -4,10 +4,10 @@ from typing import NoReturn
 
 import typer
 
-from service.commands.terminal import say_lines
+from service.commands.terminal import print_text
 
 
 def fail(message: str) -> NoReturn:
     """Print the reason, and exit with status 1."""
-    say_lines(f"rundown: {message}", err=True)
+    print_text(f"rundown: {message}", err=True)
     raise typer.Exit(1)

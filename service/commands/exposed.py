@@ -1,8 +1,8 @@
 """`rundown doctor --exposed`: the endpoints that somebody on the network could reach, with the reasons."""
 
 from service.commands.exit import fail
-from service.commands.json_output import say_json
-from service.commands.terminal import say, say_lines
+from service.commands.json_output import print_json
+from service.commands.terminal import print_line, print_text
 from service.configuration.settings import Settings
 from service.doctor.endpoint_probes import probe_endpoints
 from service.doctor.exposed_endpoints import credentials_asked, endpoint_lines, exposed_endpoints
@@ -18,12 +18,12 @@ def report(settings: Settings, *, url: str | None = None, as_json: bool = False)
         fail(str(error))
     if not as_json:
         for door in found:
-            say_lines(endpoint_lines(door))
+            print_text(endpoint_lines(door))
     looks = list(probe_endpoints(settings, asked=asked, url=url))
     if as_json:
-        say_json({"endpoints": found, "tried": looks})
+        print_json({"endpoints": found, "tried": looks})
     for look in looks if not as_json else ():
-        say(f"{look.level:9s} tried: {look.what}: {look.words}")
+        print_line(f"{look.level:9s} tried: {look.what}: {look.words}")
     open_doors = sum(door.level == "open" for door in found) + sum(look.level == "open" for look in looks)
     if open_doors:
         fail(f"{open_doors} open to everybody on the network: docs/security.md says how to close them")

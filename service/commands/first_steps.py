@@ -8,8 +8,8 @@ from typing import Annotated, Any
 import typer
 
 from service.commands.exit import fail
-from service.commands.json_output import JsonWanted, say_json
-from service.commands.terminal import say, say_lines
+from service.commands.json_output import JsonWanted, print_json
+from service.commands.terminal import print_line, print_text
 
 TEMPLATE = "first_machine.yaml"
 PLACEHOLDER = "MACHINE"
@@ -30,7 +30,7 @@ def init(
         fail(f"{file} is there already: name another file, or delete it first")
     except OSError as error:
         fail(f"{file}: {error.strerror}")
-    say(f"{file} is written; edit it, then: rundown check {file}")
+    print_line(f"{file} is written; edit it, then: rundown check {file}")
 
 
 def check(
@@ -42,16 +42,16 @@ def check(
 
     Ends with status 1 where something is wrong; a warning is none.
     """
-    from estimator.machine.document_warnings import document_warnings
+    from estimator.machine.checks.document_warnings import document_warnings
     from rotorundown.machine_files import WrongMachine, read_machine
     from rotorundown.runs import WrongRun, read_run
-    from service.commands.document_warnings import say_warnings
+    from service.commands.document_warnings import print_warnings
 
     try:
         described = read_machine(machine)
     except WrongMachine as error:
         fail(str(error))
-    say_warnings(described)
+    print_warnings(described)
     parts = (
         (described.shafts, "shaft"),
         (described.discs, "disc"),
@@ -63,20 +63,20 @@ def check(
     limits = described.speed_range
     if not as_json:
         counted = ", ".join(f"{count} {name}{'' if count == 1 else 's'}" for name, count in counts.items())
-        say(f"{described.id}: {counted}; {limits.minimum_rpm:g} to {limits.maximum_rpm:g} r/min")
+        print_line(f"{described.id}: {counted}; {limits.minimum_rpm:g} to {limits.maximum_rpm:g} r/min")
     read: list[dict[str, Any]] = []
     for file in runs or ():
         try:
             run = read_run(file, machine=described)
         except WrongRun as error:
             read.append({"file": file, "wrong": str(error)})
-            say_lines(str(error), err=True)
+            print_text(str(error), err=True)
             continue
         read.append({"file": file, "samples": len(run), "units": run.units, "left_out": run.left_out})
         if not as_json:
-            say_lines(str(run))
+            print_text(str(run))
     wrong = sum("wrong" in one for one in read)
     if as_json:
-        say_json({"machine": described.id, **counts, "warnings": document_warnings(described), "runs": read})
+        print_json({"machine": described.id, **counts, "warnings": document_warnings(described), "runs": read})
     if wrong:
         fail(f"{wrong} of {len(read)} runs cannot be read")

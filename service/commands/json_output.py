@@ -12,14 +12,14 @@ from typing import Annotated, Any
 import typer
 from pydantic import BaseModel
 
-from service.commands.terminal import say_lines
+from service.commands.terminal import print_text
 
 JsonWanted = Annotated[bool, typer.Option("--json", help="print the result as JSON, for a program")]
 
 
-def say_json(content: Any) -> None:
+def print_json(content: Any) -> None:
     """Print a result as JSON on the standard output; letters beyond ASCII are escaped."""
-    say_lines(json.dumps(plain(content), indent=1, allow_nan=False))
+    print_text(json.dumps(plain(content), indent=1, allow_nan=False))
 
 
 def plain(value: Any) -> Any:

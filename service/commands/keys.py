@@ -11,8 +11,8 @@ from pydantic import TypeAdapter, ValidationError
 
 from estimator.field_types import Identifier
 from service.commands.exit import fail
-from service.commands.json_output import JsonWanted, say_json
-from service.commands.terminal import say
+from service.commands.json_output import JsonWanted, print_json
+from service.commands.terminal import print_line
 from service.security.role import Role
 
 if TYPE_CHECKING:
@@ -59,10 +59,12 @@ def create_key(
         row, text = api_keys.create(session, name=name, role=chosen, plants=plant or None, days=days)
         made = _plain_key(row, at=now())
     if as_json:
-        say_json({"key": text, **made})
+        print_json({"key": text, **made})
         return
-    say(text)
-    say(f"{made['prefix']}: {name}, {chosen.label}, until {made['expires_at']}; this is the only time it is shown", err=True)
+    print_line(text)
+    print_line(
+        f"{made['prefix']}: {name}, {chosen.label}, until {made['expires_at']}; this is the only time it is shown", err=True
+    )
 
 
 @key_app.command("list")
@@ -74,13 +76,15 @@ def list_keys(database: DatabaseOption = None, as_json: JsonWanted = False) -> N
     with _open_store(database) as opened, opened.reading() as session:
         moment = now()
         if as_json:
-            say_json([_plain_key(row, at=moment) for row in keys.list_all(session)])
+            print_json([_plain_key(row, at=moment) for row in keys.list_all(session)])
             return
         for row in keys.list_all(session):
             state = _state(row, at=moment)
             plants = "all plants" if row.plants is None else ",".join(row.plants)
             used = "never used" if row.last_used_at is None else f"last used {_time(row.last_used_at)}"
-            say(f"{row.prefix}  {state:8} {row.role:9} {plants}  until {_time(abs(row.expires_at))}  {used}  {row.name}")
+            print_line(
+                f"{row.prefix}  {state:8} {row.role:9} {plants}  until {_time(abs(row.expires_at))}  {used}  {row.name}"
+            )
 
 
 @key_app.command("rotate")
@@ -106,10 +110,10 @@ def rotate_key(
         except (KeyUnknown, ValueError) as error:
             fail(error.detail if isinstance(error, KeyUnknown) else str(error))
     if as_json:
-        say_json({"key": text, **made, "replaces": prefix, "overlap_days": overlap_days})
+        print_json({"key": text, **made, "replaces": prefix, "overlap_days": overlap_days})
         return
-    say(text)
-    say(f"{made['prefix']} takes the place of {prefix}, which is good for {overlap_days:g} days more", err=True)
+    print_line(text)
+    print_line(f"{made['prefix']} takes the place of {prefix}, which is good for {overlap_days:g} days more", err=True)
 
 
 @key_app.command("confirm")
@@ -139,9 +143,9 @@ def confirm_key(
         except (KeyUnknown, ValueError) as error:
             fail(error.detail if isinstance(error, KeyUnknown) else str(error))
     if as_json:
-        say_json({"confirmed": chosen})
+        print_json({"confirmed": chosen})
         return
-    say(f"{', '.join(chosen)} confirmed" if chosen else "no key waits for a confirmation")
+    print_line(f"{', '.join(chosen)} confirmed" if chosen else "no key waits for a confirmation")
 
 
 @key_app.command("revoke")
@@ -157,9 +161,9 @@ def revoke_key(prefix: Prefix, database: DatabaseOption = None, as_json: JsonWan
         except KeyUnknown as error:
             fail(error.detail)
     if as_json:
-        say_json({"revoked": prefix})
+        print_json({"revoked": prefix})
         return
-    say(f"{prefix} is revoked")
+    print_line(f"{prefix} is revoked")
 
 
 @audit_app.command("verify")
@@ -193,13 +197,13 @@ def verify_audit(
         number, digest = audit.head(session)
     if as_json:
         wrong = [{"entry": one.number, "reason": one.reason} for one in found]
-        say_json({"entries": number, "newest": f"{number}:{digest}", "wrong": wrong})
+        print_json({"entries": number, "newest": f"{number}:{digest}", "wrong": wrong})
     for one in found:
-        say(f"entry {one.number}: {one.reason}", err=True)
+        print_line(f"entry {one.number}: {one.reason}", err=True)
     if found:
         fail(f"the audit trail does not hold, in {len(found)} places")
     if not as_json:
-        say(f"{number} entries hold: {number}:{digest}")
+        print_line(f"{number} entries hold: {number}:{digest}")
 
 
 def _parse_entry(text: str) -> tuple[int, str]:

@@ -9,8 +9,9 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 
 from service.delivery.channels import CHANNEL_KINDS
-from service.monitoring.finding_catalogue import LIMITED_RULES
-from service.monitoring.finding_rules import FINDING_RULES, RATE_RULE
+from service.monitoring.rules.drift_rule import RATE_RULE
+from service.monitoring.rules.finding_catalogue import LIMITED_RULES
+from service.monitoring.rules.finding_rules import FINDING_RULES
 from service.wording.language import LANGUAGES, Language
 from service.wording.stored_sentences import STORED_SENTENCES
 
@@ -34,7 +35,7 @@ def _findings() -> str:
     quantities = "".join(f"  {name}: {_written(rule.quantities)},\n" for name, rule in LIMITED_RULES.items())
     declared = (*FINDING_RULES, RATE_RULE)
     return (
-        HEAD.format(source="service/monitoring/finding_rules.py")
+        HEAD.format(source="service/monitoring/rules/finding_rules.py")
         + "/** Kinds of findings that have limits of their own. */\n"
         + f"export const RULES = [{names}] as const;\n\n"
         + "export type RuleName = (typeof RULES)[number];\n\n"
@@ -60,9 +61,9 @@ def _channels() -> str:
 
 def _address_forms(language: Language) -> str:
     forms = dict.fromkeys(one.address[language.code] for one in CHANNEL_KINDS if one.address is not None)
-    said = language.say("or").join(forms)
+    said = language.translate("or").join(forms)
     without = ", ".join(one.kind for one in CHANNEL_KINDS if one.address is None)
-    return language.say("addresses", forms=said, without=without) if without else said
+    return language.translate("addresses", forms=said, without=without) if without else said
 
 
 def _stored_sentences() -> str:

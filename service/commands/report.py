@@ -8,9 +8,9 @@ import typer
 
 from service.commands.exit import fail
 from service.commands.find_language import find_language
-from service.commands.json_output import JsonWanted, say_json
+from service.commands.json_output import JsonWanted, print_json
 from service.commands.storage import DatabaseUrl, database_url
-from service.commands.terminal import say
+from service.commands.terminal import print_line
 
 
 def report(
@@ -58,6 +58,6 @@ def report(
         opened.close()
     size = output.stat().st_size
     if as_json:
-        say_json({"machine": machine, "file": output, "bytes": size, "open_alerts": len(contents.open_alerts)})
+        print_json({"machine": machine, "file": output, "bytes": size, "open_alerts": len(contents.open_alerts)})
         return
-    say(f"{output}: {len(contents.open_alerts)} open alerts, {size / 1e3:.0f} kB")
+    print_line(f"{output}: {len(contents.open_alerts)} open alerts, {size / 1e3:.0f} kB")

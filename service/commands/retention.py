@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from service.commands.exit import fail
-from service.commands.json_output import JsonWanted, say_json
-from service.commands.terminal import say
+from service.commands.json_output import JsonWanted, print_json
+from service.commands.terminal import print_line
 
 if TYPE_CHECKING:
     from service.maintenance.retention_tiers import Tier
@@ -69,20 +69,20 @@ def confirm(
     finally:
         opened.close()
     if as_json:
-        say_json({"confirmed_at": _time(moment), "tiers": [_plain_tier(tier, due[tier.name]) for tier in tiers]})
+        print_json({"confirmed_at": _time(moment), "tiers": [_plain_tier(tier, due[tier.name]) for tier in tiers]})
         return
-    say("confirmed: the service's next round, within ten minutes, deletes it")
+    print_line("confirmed: the service's next round, within ten minutes, deletes it")
 
 
 def _print_old_samples(tiers: "list[Tier]", due: "dict[str, dict[str, Extent]]", moment: int) -> None:
     from service.maintenance.retention_cut_offs import DAY_NS
 
-    say(f"by this machine's clock it is {_time(moment)}")
+    print_line(f"by this machine's clock it is {_time(moment)}")
     for tier in tiers:
         found = due[tier.name]
-        say(f"{tier.name}, kept for {tier.kept / DAY_NS:g} days: {_total(found)}")
+        print_line(f"{tier.name}, kept for {tier.kept / DAY_NS:g} days: {_total(found)}")
         for machine_id, extent in found.items():
-            say(f"  {machine_id:24s} {extent.count:8d}  from {_time(extent.first)} to {_time(extent.last)}")
+            print_line(f"  {machine_id:24s} {extent.count:8d}  from {_time(extent.first)} to {_time(extent.last)}")
 
 
 def _plain_tier(tier: "Tier", due: "dict[str, Extent]") -> dict[str, Any]:

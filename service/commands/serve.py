@@ -106,7 +106,7 @@ def _application(
     return application(
         database,
         states,
-        try_out=threads.dispatcher.try_out,
+        send_test=threads.dispatcher.send_test,
         submissions=forwarding,
         baseline_runs=settings.baseline_runs,
         security=Security.of(settings),

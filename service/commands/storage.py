@@ -6,8 +6,8 @@ from typing import Annotated
 import typer
 
 from service.commands.exit import fail
-from service.commands.json_output import JsonWanted, say_json
-from service.commands.terminal import say, working
+from service.commands.json_output import JsonWanted, print_json
+from service.commands.terminal import print_line, working
 from service.configuration.settings import SettingsWrong, settings_of
 
 DatabaseUrl = Annotated[str | None, typer.Option(help="SQLAlchemy URL; by default the setting `database`")]
@@ -29,9 +29,9 @@ def backup(
     except (BackupUnusable, DatabaseUnusable) as error:
         fail(str(error))
     if as_json:
-        say_json({"file": file, "made_at": made.made_at, "rows": made.rows, "bytes": made.size, "sha256": made.sha256})
+        print_json({"file": file, "made_at": made.made_at, "rows": made.rows, "bytes": made.size, "sha256": made.sha256})
         return
-    say(f"{file}: {sum(made.rows.values())} rows of {made.made_at}, {made.size / 1e6:.1f} MB, SHA-256 {made.sha256}")
+    print_line(f"{file}: {sum(made.rows.values())} rows of {made.made_at}, {made.size / 1e6:.1f} MB, SHA-256 {made.sha256}")
 
 
 def restore(
@@ -55,19 +55,19 @@ def restore(
         fail(str(error))
     found, access = restored.backup, restored.access
     if as_json:
-        say_json({"made_at": found.made_at, "rows": found.rows, "access": access})
+        print_json({"made_at": found.made_at, "rows": found.rows, "access": access})
         return
-    say(f"{sum(found.rows.values())} rows of {found.made_at} restored")
+    print_line(f"{sum(found.rows.values())} rows of {found.made_at} restored")
     if access.sessions:
-        say(f"{access.sessions} browser sessions of the backup are over: people log in again")
+        print_line(f"{access.sessions} browser sessions of the backup are over: people log in again")
     if access.revoked:
-        say(f"keys revoked since the backup stay revoked: {', '.join(access.revoked)}")
+        print_line(f"keys revoked since the backup stay revoked: {', '.join(access.revoked)}")
     if access.waiting:
         waiting = ", ".join(access.waiting)
-        say(f"keys that open nothing before they are confirmed, as they may have been revoked since: {waiting}")
-        say("rundown key list shows whose they are; rundown key confirm PREFIX, or --all, lets them be good again")
+        print_line(f"keys that open nothing before they are confirmed, as they may have been revoked since: {waiting}")
+        print_line("rundown key list shows whose they are; rundown key confirm PREFIX, or --all, lets them be good again")
     if access.keyless:
-        say(
+        print_line(
             "the backup is older than the first API key: without one nobody is asked who they are. Before the start, "
             "rundown key create makes one, or set authentication=required",
             err=True,
@@ -94,13 +94,15 @@ def move(
     except DBAPIError as error:
         fail(f"the data were not taken over, the new database is empty: {error.orig}")
     if as_json:
-        say_json({"rows": moved.rows, "texts_with_escaped_nul": moved.escaped})
+        print_json({"rows": moved.rows, "texts_with_escaped_nul": moved.escaped})
         return
     for name, count in moved.rows.items():
-        say(f"{name:24s} {count:12d}")
+        print_line(f"{name:24s} {count:12d}")
     for name, count in moved.escaped.items():
-        say(f"{name}: NUL in {count} texts, which PostgreSQL cannot hold, is \\x00 there, and their backslashes are doubled")
-    say("all of them compared: the same on both sides")
+        print_line(
+            f"{name}: NUL in {count} texts, which PostgreSQL cannot hold, is \\x00 there, and their backslashes are doubled"
+        )
+    print_line("all of them compared: the same on both sides")
 
 
 def export(
@@ -130,10 +132,10 @@ def export(
         with working("writing the history") as report:
             written = export_history(opened, machine, folder, report)
         if as_json:
-            say_json({"machine": machine, "folder": folder, "rows": written})
+            print_json({"machine": machine, "folder": folder, "rows": written})
         else:
             for name, count in written.items():
-                say(f"{name:24s} {count:12d}")
+                print_line(f"{name:24s} {count:12d}")
     except MachineUnknown:
         fail(f"no machine '{machine}' is known")
     except (ParquetMissing, OSError) as error:

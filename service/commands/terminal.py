@@ -12,12 +12,12 @@ import typer
 from storage.encoding.text import plain_lines, plain_text
 
 
-def say(line: str, *, err: bool = False) -> None:
+def print_line(line: str, *, err: bool = False) -> None:
     """Print one line on the standard output or the standard error output, with everything else escaped."""
     typer.echo(plain_text(line), err=err)
 
 
-def say_lines(text: str, *, err: bool = False) -> None:
+def print_text(text: str, *, err: bool = False) -> None:
     """Print a text that keeps its line breaks."""
     typer.echo(plain_lines(text), err=err)
 

@@ -1,3 +1,3 @@
 """Alert events from the outbox to webhooks, mail, Alertmanager and zenoh. It imports `advice`, `alerts`, `configuration`,
-`monitoring`, `replication`, `resilience`, `secrets` and `wording`; what was delivered and what was not goes back to the store.
+`rules`, `replication`, `resilience`, `secrets` and `wording`; what was delivered and what was not goes back to the store.
 """

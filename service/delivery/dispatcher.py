@@ -77,7 +77,7 @@ class Dispatcher(SupervisedThread):
         self._resend_at = 0.0
         self._watch_at = 0.0
 
-    def turn(self) -> float:
+    def run_once(self) -> float:
         """Look for finished and due deliveries, then let those under way go on for POLL_S."""
         self._loop.run(self._update_deliveries())
         self._loop.run(asyncio.sleep(POLL_S))
@@ -143,7 +143,7 @@ class Dispatcher(SupervisedThread):
             with self._database.transaction() as session:
                 transitions.release_expired(session)
 
-    async def try_out(self, subscription_id: int) -> DeliveryOutcome:
+    async def send_test(self, subscription_id: int) -> DeliveryOutcome:
         """Send a test message to a subscription, from any event loop. Raises SubscriptionUnknown."""
 
         def found() -> SubscriptionRow:

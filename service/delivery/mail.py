@@ -13,7 +13,7 @@ from service.delivery.channel import DeliveryOutcome, EventMessage
 from service.delivery.channel_kind import ChannelKind, Connections
 from service.delivery.cloud_event import event_id
 from service.delivery.daemon_threads import DaemonThreads
-from service.monitoring.finding_catalogue import finding_name
+from service.monitoring.rules.finding_catalogue import finding_name
 from service.wording.language import ENGLISH, Language
 from storage.tables.alerting import SubscriptionRow
 
@@ -39,7 +39,7 @@ class Mail:
     async def send(self, message: EventMessage) -> DeliveryOutcome:
         """Send a mail."""
         try:
-            mail = letter(self.settings, self.target, message, self.language)
+            mail = compose_mail(self.settings, self.target, message, self.language)
             await asyncio.get_running_loop().run_in_executor(MAILING, post, self.settings, mail)
         except (OSError, smtplib.SMTPException, NoMailServer) as error:
             return DeliveryOutcome("failed", f"{type(error).__name__}: {error}")
@@ -63,7 +63,7 @@ def post(settings: Settings, mail: EmailMessage) -> None:
         server.send_message(mail)
 
 
-def letter(settings: Settings, target: str, message: EventMessage, language: Language = ENGLISH) -> EmailMessage:
+def compose_mail(settings: Settings, target: str, message: EventMessage, language: Language = ENGLISH) -> EmailMessage:
     """Compose the mail for an event. All mails of an alert share a thread; a repeated one has the same Message-ID."""
     event = message.event
     domain = settings.smtp_sender.rpartition("@")[2]
@@ -72,7 +72,7 @@ def letter(settings: Settings, target: str, message: EventMessage, language: Lan
     mail["To"] = target
     rule = finding_name(event.rule, language)
     severity, state, kind = (language.named(one) for one in (event.severity, event.state, event.kind))
-    mail["Subject"] = language.say(
+    mail["Subject"] = language.translate(
         "mail.subject", severity=severity, machine=event.machine, element=event.element, rule=rule, state=state
     )
     mail["Message-ID"] = f"<{event_id(message)}@{domain}>"
@@ -82,12 +82,12 @@ def letter(settings: Settings, target: str, message: EventMessage, language: Lan
     facts = [
         ("machine", f"{message.plant}/{event.machine}"),
         ("element", event.element),
-        ("state", language.say("mail.changed", before=before, now=state, kind=kind, by=event.by, at=at)),
+        ("state", language.translate("mail.changed", before=before, now=state, kind=kind, by=event.by, at=at)),
         ("severity", severity),
         ("open_since", f"{event.opened_at:%Y-%m-%d %H:%M:%S} UTC"),
         *([("comment", event.comment)] if event.comment else []),
     ]
-    lines = [event.message, "", *(f"{language.say(f'mail.{name}'):<11}{said}" for name, said in facts)]
+    lines = [event.message, "", *(f"{language.translate(f'mail.{name}'):<11}{said}" for name, said in facts)]
     if event.advice is not None:
         lines += ["", *advice_lines(event.advice, language)]
     if settings.public_url:

@@ -135,7 +135,7 @@ def is_plain(kept: str | None) -> bool:
     return bool(kept) and not (kept or "").startswith((SEALED, FILE, ENVIRONMENT))
 
 
-def where_kept(kept: str | None) -> str | None:
+def describe_storage(kept: str | None) -> str | None:
     """Describe in words where a secret is stored; None where there is none."""
     if not kept:
         return None

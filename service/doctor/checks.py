@@ -41,8 +41,8 @@ from storage.database.disk import DiskUse
 from storage.database.engine import Database, engine_of
 from storage.database.errors import error_message as words_of
 from storage.database.file_inspection import damages, inspection_engine, revision_beside_a_service
-from storage.database.private_files import readable_by_others
 from storage.database.versions import named, objections
+from storage.files.private_files import readable_by_others
 
 CheckLevel = Literal["ok", "warning", "wrong"]
 

@@ -23,8 +23,8 @@ from service.security.exposure import allowed_twice, beyond, credentials_needed
 from service.security.operations import ApiOperation
 from storage.database.claim import DatabaseUnusable, file_of
 from storage.database.engine import engine_of
-from storage.database.private_files import readable_by_others
 from storage.database.read_only import read_only_session
+from storage.files.private_files import readable_by_others
 from storage.operation import api_keys
 
 ExposureLevel = Literal["open", "weak", "guarded", "local"]

@@ -150,7 +150,7 @@ def _timed(
 
 
 def _checked_rate(seconds: Floats) -> Floats:
-    """Return times without those that no recording has, and without single ones ahead of the row after them."""
+    """Return times; NaN where a time is impossibly large, or is a single one later than the next row's."""
     believed = np.where(np.abs(seconds) <= LONGEST_S, seconds, np.nan)
     middle = believed[1:-1]
     middle[(middle > believed[2:]) & (believed[2:] > believed[:-2])] = np.nan

@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from formats.files.csv_cells import CsvWriter
 from storage.clock import to_datetime
-from storage.database.private_files import prepare
+from storage.files.private_files import prepare
 
 ColumnKind = Literal["integer", "number", "text", "truth", "time"]
 

@@ -15,8 +15,8 @@ from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.channel_status import ChannelStatus
 from service.export.column_writer import Column, TableRows, write
 from storage.database.engine import Database
-from storage.database.private_files import PRIVATE_FOLDER, prepare
 from storage.encoding.sample_blocks import DamagedBlock, Samples
+from storage.files.private_files import PRIVATE_FOLDER, prepare
 from storage.machines.machines import MachineUnknown
 from storage.measurements import runs
 from storage.tables.alerting import AlertEventRow, AlertRow, SuppressionRow

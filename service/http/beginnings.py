@@ -1,8 +1,8 @@
-"""Lets requests begin for a millisecond of each iteration of the event loop, clients in turn.
+"""Lets requests begin for a millisecond of each iteration of the event loop, clients in turn; liveness checks begin at once.
 
-Until it first waits, a request holds the event loop for up to a millisecond or two. Of forty that come at once the loop would
-run all, one after the other, before it looks again who else asks, such as a supervisor who asks whether the service is alive:
-that is answered at once. Quick requests, such as those that are answered from the cache, begin together.
+A request holds the event loop for up to a millisecond or two until it first waits. If forty arrive at once, the loop would run
+all forty before it serves anybody else, such as a supervisor that checks whether the service is alive. Quick requests, such as
+those that are answered from the cache, begin together.
 """
 
 import asyncio

@@ -14,7 +14,7 @@ from estimator.machine.document import Machine, parse_machine
 from estimator.machine.under_conditions import require_celsius, under_conditions
 from estimator.phasors.quality import assess
 from service.identification.calibration_task import CalibrationOutcome, CalibrationTask, StoredCalibrationRun
-from service.workers.time_limit import leaving, limited
+from service.workers.time_limit import limit_time, reserve_time
 from storage.encoding.sample_blocks import Samples, decode, mean_conditions
 
 logger = logging.getLogger(__name__)
@@ -29,7 +29,7 @@ def compute_calibration(task: CalibrationTask) -> CalibrationOutcome:
     Run-outs are found as the probes show them: slow-roll vectors are not subtracted, and a later fit moves the calibration by
     those that it subtracts (`estimator.phasors.slow_roll.corrected`).
     """
-    with limited(task.timeout_s):
+    with limit_time(task.timeout_s):
         machine = parse_machine(task.document)
         held = [decode(one.block) for one in task.runs]
         runs = [_run(machine, one, samples) for one, samples in zip(task.runs, held, strict=True)]
@@ -56,7 +56,7 @@ def _with_senses(machine: Machine, runs: Sequence[CalibrationRun], found: Calibr
     An error, or the end of the time, costs what is said of them, never the calibration.
     """
     try:
-        with leaving(KEPT_PART * task.timeout_s):
+        with reserve_time(KEPT_PART * task.timeout_s):
             return with_named_senses(machine, runs, found, seed=task.seed)
     except Exception:
         logger.exception("no other senses are tried")

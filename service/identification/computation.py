@@ -24,7 +24,7 @@ from estimator.phasors.repeatability import EarlierRun, distances, repeatability
 from estimator.phasors.slow_roll import corrected
 from estimator.updated_model.derived_quantities import Derived, derived_quantities
 from service.identification.task import IdentificationOutcome, IdentificationTask
-from service.workers.time_limit import leaving, limited
+from service.workers.time_limit import limit_time, reserve_time
 from storage.encoding.sample_blocks import Samples, decode, mean_conditions
 
 logger = logging.getLogger(__name__)
@@ -38,7 +38,7 @@ def compute(task: IdentificationTask) -> IdentificationOutcome:
 
     A process that hangs where Python cannot interrupt it is ended some seconds after its time.
     """
-    with limited(task.timeout_s):
+    with limit_time(task.timeout_s):
         machine = parse_machine(task.document)
         runs = [decode(block) for block in task.runs]
         names = machine.condition_names
@@ -111,7 +111,7 @@ def _with_conventions(one: _JudgedRun, task: IdentificationTask) -> ConventionVe
     An error, or the end of the time, costs what is said of them, never the identification.
     """
     try:
-        with leaving(KEPT_PART * task.timeout_s):
+        with reserve_time(KEPT_PART * task.timeout_s):
             return with_named_conventions(one.described, [one.run], [one.without], one.gated, rules=task.rules)
     except Exception:
         logger.exception("no conventions are tried")

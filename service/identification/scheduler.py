@@ -33,8 +33,8 @@ class JobScheduler(SupervisedThread):
     ) -> None:
         """Set up without starting.
 
-        share: this replica's share of the work; all of it by default. executor: one that others use too and that outlives
-        this; by default the one that the settings ask for, which ends with this.
+        share: this replica's share of the work; all of it by default. executor: a shared executor, which stays open when this
+        scheduler ends; by default a new one after the settings, which ends with this scheduler.
         """
         super().__init__("identifying", failure="identification jobs cannot be read or filed", retry_s=RETRY_S)
         self._database = database
@@ -85,7 +85,7 @@ class JobScheduler(SupervisedThread):
         """Return figures for monitoring, by the name of the metric."""
         return {"rundown_stuck_identifications": self._filing.stuck_count}
 
-    def turn(self) -> float:
+    def run_once(self) -> float:
         """Wait for news, for POLL_S at most, then schedule jobs."""
         self._news.wait(POLL_S)
         self._news.clear()

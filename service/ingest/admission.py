@@ -93,7 +93,7 @@ class Admission:
     def _withholds(self, batch: SampleBatch) -> bool:
         if not self._own_clock.withholds(batch):
             return False
-        self._journal.note_heard(batch.machine)
+        self._journal.note_activity(batch.machine)
         return True
 
     def refuse(self, message: PublishedMessage, machine: str | None, rejected: Rejected) -> None:

@@ -30,8 +30,8 @@ COST = 20_000
 def is_doubted(*, behind: bool, ahead: int, agreeing: int) -> bool:
     """Return whether the own clock is to be doubted.
 
-    behind: it is behind the newest receipt of samples. ahead, agreeing: number of sources whose samples lie ahead of it, and
-    of those whose newest samples agree with it.
+    behind: whether the clock is behind the newest receipt of samples. ahead, agreeing: number of sources whose newest samples
+    lie ahead of the clock, and of sources whose newest samples agree with it.
     """
     if behind:
         return ahead >= agreeing

@@ -95,7 +95,7 @@ class IngestCycle:
         self.write_batch.store()  # what was left before; where the database refuses it, nothing more is taken
         self._follow_share()
         while (token := self._tokens.try_recv()) is not None:
-            self.recovery.follow(token)
+            self.recovery.note_liveliness(token)
         self._received.answer_waiting()
         if stopping:
             self.inbox.close()
@@ -107,7 +107,7 @@ class IngestCycle:
         count = 0 if waits else self._take()
         if not left:
             self.write_batch.store()
-        self.checks.look_at_clock()
+        self.checks.check_clock()
         if not stopping:
             self.checks.check_if_due()
         return count

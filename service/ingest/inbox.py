@@ -44,7 +44,7 @@ class PublishedMessage:
 
 
 class Inbox(SupervisedThread):
-    """The thread that copies messages, and the queue from which one other thread takes them."""
+    """The thread that copies incoming messages, and the queue in which they wait for the ingest thread."""
 
     def __init__(self) -> None:
         super().__init__("inbox", failure="a message cannot be copied", retry_s=LOOK_S, first_pause_s=LOOK_S)
@@ -84,7 +84,7 @@ class Inbox(SupervisedThread):
         self._taken_bytes -= len(message.payload)
         self._waiting.appendleft(message)
 
-    def turn(self) -> float:
+    def run_once(self) -> float:
         """Copy the messages that have come."""
         self._copy()
         return LOOK_S

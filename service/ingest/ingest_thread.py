@@ -85,7 +85,7 @@ class Ingest(SupervisedThread):
         """Return the doubts of this machine's clock."""
         return [] if self._cycle.own_clock.doubt is None else [self._cycle.own_clock.doubt]
 
-    def turn(self) -> float:
+    def run_once(self) -> float:
         """Do a cycle, then wait until more has come or is to be looked for."""
         self._cycle.wait_for_more(self._run_cycle())
         return 0.0
@@ -98,7 +98,7 @@ class Ingest(SupervisedThread):
                 count = self._run_cycle()
             except Exception as error:  # noqa: BLE001 - `failed` logs it
                 pause = self.failed(error)
-                if self._hinders(error):
+                if self._stops_storing(error):
                     tries -= 1
                     if tries == 0:
                         self._give_up(error)
@@ -119,14 +119,14 @@ class Ingest(SupervisedThread):
         else:
             logger.error("unexpected error in ingest, going on", exc_info=error)
             self._errors += 1
-        if not self._hinders(error):
+        if not self._stops_storing(error):
             return 0.0
         trouble = error_message(error) if is_database_wide(error) else UNEXPECTED
         self.trouble = self._submissions.trouble = trouble
         self._cycle.refuse_all(trouble)
         return RETRY_S
 
-    def _hinders(self, error: Exception) -> bool:
+    def _stops_storing(self, error: Exception) -> bool:
         """Return whether an error hinders storing: the first unforeseen one in a row does not."""
         return not isinstance(error, LeaseLost) and (is_database_wide(error) or self._errors > 1)
 

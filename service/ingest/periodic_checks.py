@@ -30,7 +30,7 @@ class IngestChecks:
         self.trouble: str | None = None
         """Why the last checks failed."""
 
-    def look_at_clock(self) -> None:
+    def check_clock(self) -> None:
         """Check whether a doubt about the own clock has ended; if so, request what was left in the logs at once."""
         if self._own_clock.assess():
             self._next = 0.0

@@ -60,9 +60,9 @@ class Journal:
         with self._database.reading() as session:
             return samples.newest_receipt(session) or 0
 
-    def note_heard(self, machine_id: str) -> None:
+    def note_activity(self, machine_id: str) -> None:
         """Note that a machine's source sends, though nothing is accepted now: the machine is not silent."""
-        self._collector.note_heard(machine_id)
+        self._collector.note_activity(machine_id)
 
     def sequence_gaps(self, source: SourceKey) -> list[SequenceGap]:
         """Return the gaps in a source's numbers, ascending, as far as they are recorded."""

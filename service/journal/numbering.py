@@ -65,7 +65,7 @@ class Numbering:
         gaps = sequence_gaps.stored_gaps(row.missing)
         filling = sequence_gaps.filled_parts(gaps, first=batch.sequence, count=count)
         following = min(max(row.next_sequence - batch.sequence, 0), count)
-        fresh = _fresh(count, following, filling)
+        fresh = _not_stored(count, following, filling)
         known = int(np.count_nonzero(~fresh))
         row.duplicates += known
         if known == count:
@@ -108,7 +108,7 @@ class Numbering:
         return faults + _check(latest, machine, converted, taken, following, taken.size)
 
 
-def _fresh(count: int, following: int, filling: Sequence[FilledPart]) -> NDArray[np.bool_]:
+def _not_stored(count: int, following: int, filling: Sequence[FilledPart]) -> NDArray[np.bool_]:
     """Return which samples of a batch are not stored yet: those from `following` on, and those that fill gaps."""
     fresh = np.arange(count) >= following
     for part in filling:

@@ -57,7 +57,7 @@ class Refusals:
         self._answer()
 
     def store_one_by_one(self, *, ends: float) -> None:
-        """Store rejections one by one, so that one that cannot be stored does not block the others.
+        """Store rejections in a transaction each, so that a faulty one does not block the others.
 
         ends: by the monotonic clock [s]; the rest and the answers wait after it, but at least one is stored. Raises errors
         that affect all batches.

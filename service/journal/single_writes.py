@@ -1,4 +1,4 @@
-"""Storing the batches of a failed transaction one by one, so that one that cannot be stored does not block the others.
+"""Storing the batches of a failed transaction one by one, so that a faulty batch does not block the others.
 
 Each batch takes a transaction, all of them a second or more: they are stored in short turns, between which the ingest goes on
 taking messages.
@@ -57,7 +57,7 @@ class SingleWrites:
         """Begin a pass through these batches."""
         self._waiting.extend(held)
 
-    def turn(self, *, ends: float) -> set[SourceKey]:
+    def store_until(self, *, ends: float) -> set[SourceKey]:
         """Store batches until the time is over; return the sources that are paused, once the pass has ended.
 
         ends: by the monotonic clock [s]; at least one batch is tried. Raises errors that affect all batches; then `abandon`

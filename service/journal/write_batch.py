@@ -66,7 +66,7 @@ class WriteBatch:
         self._held.append(HeldBatch(arrived, promise))
 
     def store(self) -> None:
-        """Store held batches in one short transaction or, when that fails, one by one in a short turn.
+        """Store held batches in one short transaction; if that fails, one by one for a limited time.
 
         The rest stays held. Raises errors that affect all batches, as `Journal.store` does; then nothing is lost.
         """
@@ -138,7 +138,7 @@ class WriteBatch:
         ends = time.monotonic() + LONGEST_TURN_S
         try:
             self.refusals.store_one_by_one(ends=ends)
-            paused = self._single_writes.turn(ends=ends)
+            paused = self._single_writes.store_until(ends=ends)
             if paused:
                 self._drop_paused(paused)
             self.refusals.store_one_by_one(ends=ends)

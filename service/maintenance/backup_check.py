@@ -39,7 +39,7 @@ class BackupCheck(SupervisedThread):
         age = math.inf if self._newest is None else (datetime.now(UTC) - self._newest).total_seconds()
         return {"rundown_backup_age_seconds": age}
 
-    def turn(self) -> float:
+    def run_once(self) -> float:
         """Read the age of the newest backup."""
         try:
             self._newest = newest_in(Path(self._folder))

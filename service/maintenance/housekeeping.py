@@ -114,7 +114,7 @@ class Housekeeping(SupervisedThread):
         release_free_memory()
         self.unseen = _attempt(self._disk.check)
 
-    def turn(self) -> float:
+    def run_once(self) -> float:
         """Look at disk and memory, and do a round when one is due. A stop takes effect between two transactions."""
         self.check_disk()
         if not self._share.is_leader(RETENTION):

@@ -41,7 +41,7 @@ class StoreCheck(SupervisedThread):
         """Return the warning of keys that wait."""
         return [WAITING.format(self._waiting)] if self._waiting else []
 
-    def turn(self) -> float:
+    def run_once(self) -> float:
         """Check the store once."""
         self._check_files()
         return LOOK_S

@@ -1,3 +1,4 @@
-"""Assessment of a filed identification against its baseline: changes, limits, and the texts of findings. It imports `alerts`,
-`wording`, `workers`, `configuration`, `replication` and `resilience`; a finding that reaches a limit becomes an alert.
+"""From a filed identification to its consequences: what it is compared with, the queue of assessments, the diagnosis that is
+stored and the alerts that follow, with bands for trends. It imports its `assessment` and `rules`, `alerts`, `workers`,
+`configuration`, `replication` and `resilience`; a finding that reaches a limit becomes an alert.
 """

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from sqlalchemy.orm import Session
 
 from service.configuration.settings import Settings
-from service.monitoring import assessment_context, conclusions
-from service.monitoring.assessment import Assessment, AssessmentContext
+from service.monitoring import conclusions, context_loading
+from service.monitoring.assessment.context import Assessment, AssessmentContext
 from service.monitoring.assessment_task import assess_in_time
 from service.replication.held_jobs import HeldJobs
 from service.resilience.internal_errors import unexpected_error
@@ -110,7 +110,7 @@ class AssessmentQueue:
     def _load(self, due: DueAssessment) -> AssessmentContext | None:
         with self._database.reading() as session:
             stored = identifications.get(session, due.identification_id)
-            return assessment_context.load_context(session, stored, baseline_runs=self._baseline_runs)
+            return context_loading.load_context(session, stored, baseline_runs=self._baseline_runs)
 
     def _file(self, future: Future[Assessment], due: DueAssessment, context: AssessmentContext) -> None:
         try:
@@ -135,7 +135,7 @@ class AssessmentQueue:
                 if row is not None:
                     machines.lock(session, due.machine_id)
                     stored = identifications.get(session, due.identification_id)
-                    state = assessment_context.load_state(session, stored)
+                    state = context_loading.load_state(session, stored)
                     if state.basis != context.basis:
                         logger.info("identification %d is assessed again: baseline or limits were changed", stored.id)
                         return

@@ -39,7 +39,7 @@ class ComparisonTerms:
 
 @dataclass(frozen=True)
 class Compared:
-    """An identification, the runs that form its machine's baseline and those that came after it, oldest first.
+    """An identification, the runs of its machine's baseline, and the runs after the baseline, oldest first.
 
     began: the baseline with its author and reason; None for the machine's first runs. wanted: identifications that form it.
     after: comparable runs up to the identification, which is the last one unless it belongs to the baseline.

@@ -14,20 +14,27 @@ from sqlalchemy.orm import Session
 from service.alerts import transitions
 from service.alerts.lifecycle import Severity
 from service.alerts.transitions import AlertFinding
-from service.monitoring.assessment import Assessment, AssessmentContext, DiagnosedCause, MachineDiagnosis, RateAssessment
-from service.monitoring.assessment_context import MonitoringState, diagnosed_kind
-from service.monitoring.diagnosis_rules import cause_severity
-from service.monitoring.finding_catalogue import DIAGNOSIS_RULES, finding_rule
-from service.monitoring.finding_rules import MISALIGNMENT, RATE_OF_CHANGE
+from service.monitoring.assessment.context import (
+    Assessment,
+    AssessmentContext,
+    DiagnosedCause,
+    MachineDiagnosis,
+    RateAssessment,
+)
+from service.monitoring.context_loading import MonitoringState, diagnosed_kind
 from service.monitoring.finding_text import Statement
-from service.monitoring.limits import Limits
+from service.monitoring.rules.coupling_and_bearing_findings import MISALIGNMENT
+from service.monitoring.rules.diagnosis_rules import cause_severity
+from service.monitoring.rules.drift_rule import RATE_OF_CHANGE
+from service.monitoring.rules.finding_catalogue import DIAGNOSIS_RULES, finding_rule
+from service.monitoring.rules.limits import Limits
 from storage.clock import from_datetime, to_datetime
 from storage.findings import derived, diagnoses, identifications
 from storage.tables.alerting import AlertRow
 from storage.tables.findings import IdentificationRow
 
 if TYPE_CHECKING:
-    from service.monitoring.rate_of_change import RateFinding
+    from service.monitoring.assessment.rate_of_change import RateFinding
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ from sqlalchemy.orm import Session
 from estimator.trends.covariates import Adjustment, adjustment
 from estimator.trends.parameter_vector import Point
 from estimator.trends.trend_tests import DatedPoint
-from service.monitoring.assessment import WEEK
+from service.monitoring.assessment.context import WEEK
 from service.monitoring.comparison import Compared
 from storage.findings import identifications
 from storage.machines import machines

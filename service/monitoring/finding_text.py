@@ -11,7 +11,7 @@ from storage.clock import to_datetime
 if TYPE_CHECKING:
     from estimator.diagnosis.change_progress import ChangeProgress
     from estimator.diagnosis.finding_kind import Cause, ChangeSize, SizePart
-    from service.monitoring.assessment import MovedParameter, SecondOrderGrowth
+    from service.monitoring.assessment.context import MovedParameter, SecondOrderGrowth
 
 LARGEST_MOVES = 4
 """Parameters per element that are listed as moved: those that moved most certainly."""

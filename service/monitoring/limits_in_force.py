@@ -3,7 +3,7 @@
 from sqlalchemy.orm import Session
 
 from estimator.errors import Outdated
-from service.monitoring.limits import Limits, require_suited
+from service.monitoring.rules.limits import Limits, require_suited
 from storage.machines import limits, machines
 from storage.tables.machines import LimitsRow
 

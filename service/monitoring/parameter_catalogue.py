@@ -35,7 +35,7 @@ def units_of(session: Session, machine_id: str, names: Collection[str]) -> dict[
         found |= {name: unit for name in left if (unit := parameters.get(name) or derived_unit(document, name))}
     for name in names:
         if name not in found:
-            there = _what_there_is(machines.document(session, machine_id), name)
+            there = _known_names_text(machines.document(session, machine_id), name)
             raise ParameterUnknown(f"{name} of machine '{machine_id}': {there}")
     return found
 
@@ -46,7 +46,7 @@ def _newest_first(session: Session, machine_id: str) -> Iterator[Machine]:
         yield machines.document(session, machine_id, number)
 
 
-def _what_there_is(document: Machine, name: str) -> str:
+def _known_names_text(document: Machine, name: str) -> str:
     """Return a text that lists the element's names or, when there is no such element, the elements."""
     names = [*parameter_units(document), *map(number_as_word, derived_units(document))]
     element = _element(name)

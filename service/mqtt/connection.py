@@ -58,7 +58,7 @@ class MqttThread(SupervisedThread):
             logger.info("%s: connected to %s", self._thread.name, self._settings.mqtt_url)
         self.trouble, self._retry_pause = None, FIRST_RETRY_S
 
-    def turn(self) -> float:
+    def run_once(self) -> float:
         """Work with one connection to its end."""
         if not self._share.is_leader(self._work):
             return STANDING_BY_S

@@ -47,7 +47,7 @@ class MachineFeed:
 
 @dataclass
 class EdgeNode:
-    """A node: the machines that it feeds, names by device and alias, its last counts, and what it was asked."""
+    """A Sparkplug edge node: its machines, metric names by device and alias, last sequence numbers, requested rebirths."""
 
     feeds: list[MachineFeed]
     names: dict[tuple[str, int], str] = field(default_factory=dict)
@@ -68,7 +68,7 @@ class EdgeNode:
             return False
         if kind != NODE_BIRTH:
             if self.last is None:
-                self.ask_soon()  # what it said at its birth was not heard
+                self.want_rebirth()  # what it said at its birth was not heard
             elif gap := (payload.sequence - self.last - 1) % COUNT:
                 self._note_gap(gap)
         self.last = payload.sequence
@@ -76,7 +76,7 @@ class EdgeNode:
         return True
 
     def is_born(self, payload: SparkplugPayload, device: str, kind: str) -> None:
-        """Note the names of a birth; all values of what was born are told anew in it."""
+        """Note the names of a birth; a birth states all values of its node or device again."""
         if kind == NODE_BIRTH:
             self.names.clear()
             self.birth_number = birth_number(payload.metrics)
@@ -92,11 +92,11 @@ class EdgeNode:
             self.last = None
             self.forget(None)
 
-    def ask_soon(self) -> None:
-        """Note that the node is to be asked for its names, for a reason that is new: earlier requests in vain do not count."""
+    def want_rebirth(self) -> None:
+        """Note that the node must be asked for its names for a new reason: earlier unanswered requests do not count."""
         self.wants_rebirth, self.rebirth_pause = True, REBIRTH_S
 
-    def asks_now(self, moment: float) -> bool:
+    def claim_rebirth_request(self, moment: float) -> bool:
         """Return whether the node is to be asked for its names now, and note that it was. moment: by a monotonic clock [s]."""
         if not self.wants_rebirth or moment < self.asked_at + self.rebirth_pause:
             return False
@@ -113,12 +113,12 @@ class EdgeNode:
 
     def _note_gap(self, gap: int) -> None:
         self.missing += gap
-        self.ask_soon()
+        self.want_rebirth()
         for feed in self.feeds:
             feed.sequence += gap
         self.forget(None)
 
 
 def birth_number(metrics: Sequence[SparkplugMetric]) -> float | None:
-    """Return the number of a birth that metrics tell; None where they tell none."""
+    """Return the birth's number among metrics; None without one."""
     return next((one.value for one in metrics if one.name == BIRTH_NUMBER), None)

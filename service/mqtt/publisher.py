@@ -41,7 +41,7 @@ LOOK_S = 0.5
 AT_ONCE = 50
 """Identifications that are read at once, and messages that are on their way at once."""
 LARGEST_LAST_STATES = 10_000
-"""Most alerts whose last state is told at a connection, the newest first."""
+"""Most alerts whose last state is published at a connection, the newest first."""
 OVERLAP = 50
 """Identifications before the last one that are looked at again: several replicas file at once."""
 
@@ -81,7 +81,7 @@ class MqttAlerts(MqttThread):
         return {"rundown_mqtt_alerts_connected": int(self.is_connected), "rundown_mqtt_published": self._published}
 
     def new_client(self) -> aiomqtt.Client:
-        """Return a client whose end the broker tells."""
+        """Return a client with a last will, by which the broker announces its end."""
         will = aiomqtt.Will(self._topics.status(self._settings.mqtt_client_id), b"offline", qos=1, retain=True)
         return new_client(self._settings, "alerts", lasting=False, will=will)
 
@@ -126,7 +126,7 @@ class MqttAlerts(MqttThread):
         await client.publish(self._topics.status(self._settings.mqtt_client_id), b"online", qos=1, retain=True)
         self._ready = client
         self.note_connected()
-        await asyncio.to_thread(self._hasten)
+        await asyncio.to_thread(self._retry_deliveries)
         while True:
             await self._publish_all(client, await asyncio.to_thread(self._new_trends))
             await asyncio.sleep(LOOK_S)
@@ -148,9 +148,9 @@ class MqttAlerts(MqttThread):
         return RetainedMessage(topic, event.model_dump_json().encode(), retain=event.id > 0, number=event.id)
 
     def _last_states(self) -> list[RetainedMessage]:
-        """Return the last event of each alert and the newest identification of each machine, of the plants that are told."""
+        """Return the last event of each alert and the newest identification of each machine, of plants with subscriptions."""
         with self._database.reading() as session:
-            told = [row for row in deliveries.list_subscriptions(session) if _is_told(row)]
+            told = [row for row in deliveries.list_subscriptions(session) if _is_active(row)]
             if not told:
                 return []
             plants = {row.id: row.plant for row in machines.list_all(session) if _covers(told, row.plant)}
@@ -170,7 +170,7 @@ class MqttAlerts(MqttThread):
             after = max(self._seen, default=0) - OVERLAP
             filed = filed_estimates.filed(session, after=after, limit=2 * AT_ONCE, held_back_ns=0)
             rows = [row for row in filed if row.id not in self._seen]
-            told = [row for row in deliveries.list_subscriptions(session) if _is_told(row)] if rows else []
+            told = [row for row in deliveries.list_subscriptions(session) if _is_active(row)] if rows else []
             plants = {row.id: row.plant for row in machines.list_all(session) if _covers(told, row.plant)} if told else {}
             messages = self._trends_of(session, [row for row in rows if row.machine_id in plants], plants)
         self._seen |= dict.fromkeys(row.id for row in rows)
@@ -194,10 +194,10 @@ class MqttAlerts(MqttThread):
             )
         return found
 
-    def _hasten(self) -> None:
+    def _retry_deliveries(self) -> None:
         """Make deliveries due that failed while the broker was away."""
         with self._database.transaction() as session:
-            deliveries.hasten(session, KIND)
+            deliveries.retry_now(session, KIND)
 
 
 async def _until_it_ends(client: aiomqtt.Client) -> None:
@@ -206,7 +206,7 @@ async def _until_it_ends(client: aiomqtt.Client) -> None:
         pass
 
 
-def _is_told(row: SubscriptionRow) -> bool:
+def _is_active(row: SubscriptionRow) -> bool:
     return row.kind == KIND and row.state == deliveries.ACTIVE
 
 

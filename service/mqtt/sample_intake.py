@@ -1,7 +1,7 @@
 """Takes samples from the broker: a message is confirmed there once its samples are durable, so that none is lost between.
 
-A message that comes again, after the broker or the service was away, is told by its numbers. Missing ones are counted as over
-zenoh without a log.
+A message that is sent again, after the broker or the service was away, is recognised by its sequence numbers. Missing
+ones are counted as over zenoh without a log.
 """
 
 import asyncio

@@ -44,7 +44,7 @@ class SparkplugNodes:
 
     @property
     def missing(self) -> int:
-        """Return how many messages never came, as far as the nodes' counts tell."""
+        """Return how many messages were lost, by the nodes' sequence numbers."""
         return self._missing_before + sum(one.missing for one in self._nodes.values())
 
     def follow(self, machines: Sequence[Machine]) -> None:
@@ -66,7 +66,7 @@ class SparkplugNodes:
                 # What the node said of these metrics was not kept: it is asked to say it again, once it is heard of.
                 feed = MachineFeed(machine, mapping, self._sequences.get(machine.id, 0))
                 if nodes[place].last is not None:
-                    nodes[place].ask_soon()
+                    nodes[place].want_rebirth()
             feed.machine = machine
             nodes[place].feeds.append(feed)
         self._missing_before += sum(one.missing for place, one in self._nodes.items() if place not in nodes)
@@ -98,13 +98,13 @@ class SparkplugNodes:
             return []
         if kind in (NODE_BIRTH, DEVICE_BIRTH):
             node.is_born(payload, device, kind)
-            _tell_missing_metrics(node, payload, topic, device)
+            _log_missing_metrics(node, payload, topic, device)
         return list(self._samples(node, payload, device))
 
     def rebirths(self) -> Iterator[tuple[str, bytes]]:
         """Yield topic and payload for each node whose names are not known; each node is asked now and then only."""
         for (group, name), node in self._nodes.items():
-            if node.asks_now(time.monotonic()):
+            if node.claim_rebirth_request(time.monotonic()):
                 yield f"{NAMESPACE}/{group}/NCMD/{name}", rebirth(time.time_ns() // 1_000_000)
 
     def _place(self, topic: str) -> tuple[str, EdgeNode | None, str]:
@@ -176,7 +176,7 @@ def _named(node: EdgeNode, metrics: Sequence[SparkplugMetric], device: str) -> d
     return found
 
 
-def _tell_missing_metrics(node: EdgeNode, payload: SparkplugPayload, topic: str, device: str) -> None:
+def _log_missing_metrics(node: EdgeNode, payload: SparkplugPayload, topic: str, device: str) -> None:
     """Log which metrics a document names that the birth does not have: their values will never come."""
     born = {one.name for one in payload.metrics}
     for feed in node.feeds:

@@ -35,7 +35,7 @@ class Topics:
         return f"{self.prefix}/{plant}/{machine}/trends"
 
     def status(self, client_id: str) -> str:
-        """Return the topic on which the broker tells whether the service is there."""
+        """Return the topic on which the broker states whether the service is connected."""
         return f"{self.prefix}/status/{client_id}"
 
 

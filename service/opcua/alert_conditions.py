@@ -1,6 +1,6 @@
 """The alerts as conditions: a node for each rule and element of a machine that has an alert, and events to those who listen.
 
-The library keeps conditions without a plant, and tells everybody of each; here each session hears of its plants.
+The library keeps conditions without a plant, and sends each to everybody; here each session receives those of its plants.
 """
 
 from collections.abc import Callable, Iterator
@@ -61,7 +61,7 @@ class AlertConditions:
         return found
 
     async def show(self, alert: AlertReading, *, tell: bool = True) -> None:
-        """Show an alert, and tell those who listen. tell: False where nothing has happened to it."""
+        """Show an alert, and send its event to subscribers. tell: False where nothing has happened to it."""
         if not self._machines.shows(alert.machine):
             return
         condition = self._node(alert)
@@ -75,17 +75,17 @@ class AlertConditions:
                 await self._tree.write(place, ua.DataValue(value, SourceTimestamp=to_datetime(alert.at)))
         if tell:
             for subscription in list(self._server.subscription_service.subscriptions.values()):
-                await self._tell(subscription, alert, fields)
+                await self._send_event(subscription, alert, fields)
 
     async def refresh(self, subscription: InternalSubscription, item: int | None) -> None:
-        """Tell a subscription, or one item of it, of every open alert that it may know of."""
+        """Send every open alert that a client may see to its subscription, or to one item of it (ConditionRefresh)."""
         await self._mark(subscription, ua.ObjectIds.RefreshStartEventType, item)
         for alert in list(self._conditions.values()):
             if alert.is_open:
-                await self._tell(subscription, alert, self._fields(alert), item)
+                await self._send_event(subscription, alert, self._fields(alert), item)
         await self._mark(subscription, ua.ObjectIds.RefreshEndEventType, item)
 
-    async def _tell(
+    async def _send_event(
         self, subscription: InternalSubscription, alert: AlertReading, fields: Fields, item: int | None = None
     ) -> None:
         session = self._sessions(subscription.session_id)

@@ -1,4 +1,4 @@
-"""An alert as it is told over OPC UA: its standing, and the event that led to it."""
+"""An alert as OPC UA clients see it: its state, and the event that led to it."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -50,7 +50,7 @@ def open_readings(session: Session, texts: SiteTexts) -> list[AlertReading]:
     return [_reading(session, row, alerts.last_event(session, row.id), texts) for row in rows]
 
 
-def news_after(session: Session, event: int, texts: SiteTexts, *, limit: int) -> list[AlertReading]:
+def events_since(session: Session, event: int, texts: SiteTexts, *, limit: int) -> list[AlertReading]:
     """Read the alerts of the events behind one, oldest first; each with the standing that the alert has now."""
     return _readings(session, alerts.events_after(session, event, limit=limit), texts)
 

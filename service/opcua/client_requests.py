@@ -47,7 +47,7 @@ class ClientConnection(OPCUAProtocol):
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
         """Take a connection, or refuse it where there are too many."""
-        if self._strangers_of(transport.get_extra_info("peername")) >= MOST_STRANGERS:
+        if self._anonymous_connections(transport.get_extra_info("peername")) >= MOST_STRANGERS:
             transport.close()
             return
         super().connection_made(transport)
@@ -63,7 +63,7 @@ class ClientConnection(OPCUAProtocol):
             self._buffer = b""
             self.transport.abort()
 
-    def _strangers_of(self, peer: Any) -> int:
+    def _anonymous_connections(self, peer: Any) -> int:
         """Count the connections of an address over which nobody has logged in yet."""
         same = [one for one in self.clients if peer and one.peer_name and one.peer_name[0] == peer[0]]
         return sum(

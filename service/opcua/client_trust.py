@@ -1,4 +1,4 @@
-"""Trust in clients' certificates: in those in a folder, and those that an authority in it has signed.
+"""Trust in clients' certificates: trusted are those in a folder, and all that an authority in that folder has signed.
 
 Source: OPC 10000-4, 6.1.3 (determining if a certificate is trusted): times, application URI, key length, issuer, revocation.
 """

@@ -196,7 +196,7 @@ class ConditionMethods:
 
 
 class _AlertChange:
-    """A change of an alert. event: the one that it is an answer to, where it names one."""
+    """A change of an alert. event: the event that the client acted on; None where the call names none."""
 
     def __init__(self, alert: int, event: int | None, change: AlertOperation, comment: str, operation: str) -> None:
         self._alert, self._event, self._change = alert, event, change

@@ -1,4 +1,4 @@
-"""Reading of a machine as it is told over OPC UA, from the store."""
+"""A machine as OPC UA clients see it, read from the store."""
 
 import math
 from collections.abc import Iterator, Sequence

@@ -119,7 +119,7 @@ class NodeTree:
             _check(self._server.node_mgt_service.add_references([item]), source)
 
     async def write(self, node: ua.NodeId, value: ua.DataValue) -> None:
-        """Write a value where it differs from the one that is there, and tell those who watch it."""
+        """Write a value if it differs from the stored one; subscribers of the node are notified."""
         held = self._server.aspace[node].attributes[ua.AttributeIds.Value].value
         if held is not None and _same(held, value):
             return

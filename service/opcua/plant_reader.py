@@ -9,7 +9,7 @@ from sqlalchemy.exc import DBAPIError
 from sqlalchemy.orm import Session
 
 from service.advice.site_texts import SiteTexts
-from service.opcua.alert_reading import AlertReading, news_after, open_readings
+from service.opcua.alert_reading import AlertReading, events_since, open_readings
 from service.opcua.machine_reading import MachineReading, read_machine
 from service.runs.collection_state import CollectionState
 from storage.alerts import alerts
@@ -43,7 +43,7 @@ class PlantNews:
 
 
 class PlantReader:
-    """The state of all plants as last told. Its methods block, and are called one at a time."""
+    """The state of all plants as last read. Its methods block, and are called one at a time."""
 
     def __init__(self, database: Database, texts: SiteTexts | None = None) -> None:
         self._alert_texts = texts or SiteTexts()
@@ -58,22 +58,22 @@ class PlantReader:
         self._event = 0
 
     def open_alerts(self) -> list[AlertReading]:
-        """Read the open alerts, and note the newest event: `news` begins behind it."""
+        """Read the open alerts, and note the newest event: `read_changes` begins behind it."""
         with self._database.reading() as session:
             self._event = alerts.newest_event(session)
             return open_readings(session, self._alert_texts)
 
-    def news(self) -> PlantNews:
-        """Read what has changed since the last call. Raises DBAPIError; what was not told then is told by a later call."""
+    def read_changes(self) -> PlantNews:
+        """Read what has changed since the last call. Raises DBAPIError; a later call then returns what this one has missed."""
         try:
-            return self._news()
+            return self._read_all()
         except Exception:
             self._mark = self._standings_mark = None
             self._glances.clear()
             self._texts.clear()
             raise
 
-    def _news(self) -> PlantNews:
+    def _read_all(self) -> PlantNews:
         found = PlantNews()
         if now() >= self._standings_at + STANDINGS_NS:
             found.standings = self._standings()
@@ -81,7 +81,7 @@ class PlantReader:
         if mark is not None and mark == self._mark and aged is None:
             return found
         with self._database.reading() as session:
-            found.alerts = news_after(session, self._event, self._alert_texts, limit=EVENTS)
+            found.alerts = events_since(session, self._event, self._alert_texts, limit=EVENTS)
             found.machines = self._machines(session, aged)
         self._event = max((one.event for one in found.alerts), default=self._event)
         # As long as a look is full, there may be more behind it.

@@ -164,7 +164,7 @@ class PlantServer:
 
     @property
     def trouble(self) -> str | None:
-        """Return what ails it while it serves; None where nothing does."""
+        """Return what is wrong while it serves; None where nothing does."""
         return None if self._trust is None else self._trust.trouble
 
     async def start(self) -> None:
@@ -181,14 +181,14 @@ class PlantServer:
         self._conditions = AlertConditions(self._core, tree, self._machines, self._core.session_of)
         ConditionMethods(self._database, self._conditions).link(self._core)
         standing = await _in_thread(self._reader.open_alerts)
-        await self._show(await _in_thread(self._reader.news))
+        await self._show(await _in_thread(self._reader.read_changes))
         for alert in standing:
             await self._conditions.show(alert, tell=False)
         await self._server.start()
 
     async def update(self) -> None:
         """Show what has changed in the store, and end sessions that may go on no longer. Raises DBAPIError."""
-        await self._show(await _in_thread(self._reader.news))
+        await self._show(await _in_thread(self._reader.read_changes))
         if time.monotonic() >= self._checked_at + SESSIONS_S:
             self._checked_at = time.monotonic()
             await self._users.refresh()

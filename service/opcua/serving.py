@@ -57,7 +57,7 @@ class OpcUaServing(SupervisedThread):
             "rundown_opcua_monitored_items": 0 if server is None else server.monitored_items,
         }
 
-    def turn(self) -> float:
+    def run_once(self) -> float:
         """Tell what has changed, then let clients be served for POLL_S. Raises OpcUaUnusable, OpcUaAiling, DBAPIError."""
         if self._server is not None and self._server.certificate_has_expired:
             # Nobody could connect any more: what is in the file now is looked at, and said where it is no better.

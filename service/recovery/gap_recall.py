@@ -86,7 +86,7 @@ class GapRecall:
             with self._backoff.pausing_on_error(source):
                 self.request(key, source)
 
-    def leave(self, source: SourceKey) -> None:
+    def drop_source(self, source: SourceKey) -> None:
         """Stop requesting a source's gaps until its samples are accepted again."""
         self._recalls.pop(source, None)
         self._postponed[source] = None
@@ -117,7 +117,7 @@ class GapRecall:
     def _query(self, source: SourceKey, recall: _Recall) -> None:
         first, last = recall.gaps[0]
         limit = min(last - first + 1, log_queries.LARGEST_QUERY)
-        recall.replies = self._queries.ask(recall.key, first=first, epoch=source.epoch, limit=limit)
+        recall.replies = self._queries.query(recall.key, first=first, epoch=source.epoch, limit=limit)
         recall.heard = recall.progress = False
 
     def _collect(self, source: SourceKey, recall: _Recall, replies: "zenoh.Handler[zenoh.Reply]") -> int:

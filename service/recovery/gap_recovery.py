@@ -82,16 +82,16 @@ class GapRecovery:
         )
         self._is_stopped = False
         self.waiting: dict[SourceKey, Waiting] = {}
-        backoff.call_on_pause(self.leave)
+        backoff.call_on_pause(self.drop_source)
 
     @property
     def is_querying(self) -> bool:
         """Return whether replies of logs are expected."""
         return bool(len(self._replays) or len(self._recall) or len(self._quiet))
 
-    def follow(self, token: zenoh.Sample) -> None:
+    def note_liveliness(self, token: zenoh.Sample) -> None:
         """Note that a source came or went, and have the log of a new one queried."""
-        came = self.live.follow(token)
+        came = self.live.note_liveliness(token)
         if came is not None and self._share.is_owner(came.machine):
             self._quiet.add(came)
 
@@ -116,17 +116,17 @@ class GapRecovery:
         self._take_unlogged()
         self._cancel_queries()
 
-    def leave(self, source: SourceKey) -> None:
+    def drop_source(self, source: SourceKey) -> None:
         """Drop a source's waiting batches and queries: nothing of it is accepted for a while, and its log keeps it."""
         self.waiting.pop(source, None)
-        self._replays.leave(source)
-        self._recall.leave(source)
+        self._replays.drop_source(source)
+        self._recall.drop_source(source)
 
     def place(self, key: Key, arrived: ArrivedBatch) -> None:
-        """Accept a published batch, let it wait for missing ones before it, or leave it in its source's log."""
+        """Accept a published batch, hold it until missing batches before it have come, or leave it in its source's log."""
         source = arrived.source
         self._recall.note_live(key, source)
-        self.live.note_heard(source)
+        self.live.note_activity(source)
         waiting = self.waiting.get(source)
         if not self._backoff.accepts(source):
             return
@@ -144,7 +144,7 @@ class GapRecovery:
 
     def check_tails(self, *, quiet_s: float) -> None:
         """Have each live source that was quiet for `quiet_s` queried for samples beyond those that came."""
-        self.live.call_roll()
+        self.live.query_live_sources()
         for key in self.live:
             if not self._share.is_owner(key.machine):
                 continue
@@ -166,7 +166,7 @@ class GapRecovery:
         """
         if self._is_stopped:
             return 0
-        self.live.collect_roll()
+        self.live.collect_live_sources()
         self._quiet.collect()
         for source in list(self.waiting):
             with self._backoff.pausing_on_error(source):
@@ -183,7 +183,7 @@ class GapRecovery:
         for source, waiting in list(self.waiting.items()):
             if waiting.next_try <= time.monotonic():
                 with self._backoff.pausing_on_error(source):
-                    self._replays.ask(waiting.key, source)
+                    self._replays.query(waiting.key, source)
         return count
 
     def _take_unlogged(self) -> None:
@@ -206,7 +206,7 @@ class GapRecovery:
         self._release_if_complete(source)
         waiting = self.waiting.get(source)
         if ended.progress:
-            self._replays.ask(ended.key, source)
+            self._replays.query(ended.key, source)
         elif waiting is not None and waiting.deadline <= time.monotonic():
             self._logs.note_silence(source)
             self._release(source)

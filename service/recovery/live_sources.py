@@ -36,7 +36,7 @@ class LiveSources:
         """Return the newest start of each source of a machine, as far as it is known."""
         return list(self._live.get(key, {}).values())
 
-    def follow(self, token: zenoh.Sample) -> Key | None:
+    def note_liveliness(self, token: zenoh.Sample) -> Key | None:
         """Note that a source came or went; return the machine of a new one, otherwise None."""
         key = _live_key(token)
         if key is None:
@@ -64,7 +64,7 @@ class LiveSources:
         for key in self._live:
             self._live[key] = {}
 
-    def note_heard(self, source: SourceKey) -> None:
+    def note_activity(self, source: SourceKey) -> None:
         """Note that samples of a source came."""
         self._heard_at[source] = time.monotonic()
 
@@ -72,12 +72,12 @@ class LiveSources:
         """Return whether no samples of a source came for `quiet_s`."""
         return time.monotonic() - self._heard_at.get(source, 0.0) > quiet_s
 
-    def call_roll(self) -> None:
+    def query_live_sources(self) -> None:
         """Query which sources are alive, unless a query is under way."""
         if self._liveliness_replies is None:
-            self._liveliness_replies = self._queries.call_roll()
+            self._liveliness_replies = self._queries.query_live_sources()
 
-    def collect_roll(self) -> None:
+    def collect_live_sources(self) -> None:
         """Note the sources that have replied to the roll call."""
         if self._liveliness_replies is None:
             return

@@ -21,7 +21,7 @@ class LogQueries:
     def __init__(self, session: zenoh.Session) -> None:
         self._session = session
 
-    def ask(self, key: Key, *, first: int, limit: int, epoch: int | None = None) -> "zenoh.Handler[zenoh.Reply]":
+    def query(self, key: Key, *, first: int, limit: int, epoch: int | None = None) -> "zenoh.Handler[zenoh.Reply]":
         """Query the logs of a machine for batches that hold sample `first` and later ones. epoch: only the log of it
         replies."""
         of = "" if epoch is None else f"epoch={epoch};"
@@ -33,7 +33,7 @@ class LogQueries:
             priority=zenoh.Priority.DATA_LOW,
         )
 
-    def call_roll(self) -> "zenoh.Handler[zenoh.Reply]":
+    def query_live_sources(self) -> "zenoh.Handler[zenoh.Reply]":
         """Query which sources are alive."""
         return self._session.liveliness().get(
             ALL_LIVE, handler=zenoh.handlers.FifoChannel(LARGEST_ANSWER), timeout=REPLAY_TIMEOUT_S

@@ -53,14 +53,14 @@ class LogReplays:
         """Return the sources whose logs are being queried."""
         return list(self._replays)
 
-    def ask(self, key: Key, source: SourceKey) -> None:
+    def query(self, key: Key, source: SourceKey) -> None:
         """Query a log for what follows the last known sample, unless it is being queried, too many are, or the source is
         paused."""
         if source in self._replays or len(self._replays) >= log_queries.MAXIMUM_QUERIES or not self._backoff.accepts(source):
             return
         first = self._sink.next_sequence(source)
         trusting = self._empty_replies.get(source) == first
-        replies = self._queries.ask(key, first=first, epoch=source.epoch, limit=log_queries.LARGEST_QUERY)
+        replies = self._queries.query(key, first=first, epoch=source.epoch, limit=log_queries.LARGEST_QUERY)
         self._replays[source] = Replay(key, first, replies, trusting)
 
     def collect(self, source: SourceKey, *, most: int) -> tuple[int, Replay | None]:
@@ -79,7 +79,7 @@ class LogReplays:
                 break
         return count, None
 
-    def leave(self, source: SourceKey) -> None:
+    def drop_source(self, source: SourceKey) -> None:
         """Stop querying a source's log."""
         self._replays.pop(source, None)
 

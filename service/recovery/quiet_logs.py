@@ -67,9 +67,9 @@ class QuietLogs:
     def _query(self, key: Key, source: SourceKey | None) -> None:
         if source is not None:
             with self._backoff.pausing_on_error(source):
-                self._replays.ask(key, source)
+                self._replays.query(key, source)
         elif key in self._live and key not in self._discoveries:
-            self._discoveries[key] = self._queries.ask(key, first=0, limit=1)
+            self._discoveries[key] = self._queries.query(key, first=0, limit=1)
 
     def _collect_discovery(self, key: Key) -> None:
         for reply in replies_so_far(self._discoveries[key]):
@@ -82,4 +82,4 @@ class QuietLogs:
                 self._logs.note_answer(source)
                 with self._backoff.pausing_on_error(source):
                     self._recall.note_live(key, source)
-                    self._replays.ask(key, source)
+                    self._replays.query(key, source)

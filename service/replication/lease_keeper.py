@@ -74,7 +74,7 @@ class LeaseKeeper(SupervisedThread):
         """Raise NotHeld unless these machines are this replica's, see `Share`."""
         leases.require(session, {lease_of(one) for one in machine_ids}, holder=self._number or 0)
 
-    def turn(self) -> float:
+    def run_once(self) -> float:
         """Do a round."""
         self._round()
         return ROUND_S
@@ -101,14 +101,14 @@ class LeaseKeeper(SupervisedThread):
     def _beat(self, number: int) -> bool:
         """Send a heartbeat, independently of the rest of the round; return False when the replica must register again."""
         # Again, should the connection have broken.
-        if not self._database.hold(replicas.LOCK_CLASS, number):
+        if not self._database.hold_lock(replicas.LOCK_CLASS, number):
             return False
         with self._database.transaction(beside_others=True) as session:
             return replicas.heartbeat(session, number)
 
     def _join(self, session: Session) -> int:
         number = replicas.join(session, role=self._role, host=socket.gethostname(), process=os.getpid())
-        self._database.hold(replicas.LOCK_CLASS, number)
+        self._database.hold_lock(replicas.LOCK_CLASS, number)
         leases.ensure(session, [*INGEST, DELIVERY, GATHERING, RETENTION])
         session.flush()
         return number

@@ -56,7 +56,7 @@ def centreline_figure(
     end = now.position * scale
     for at, rpm in ((0, speed_rpm[0]), (-1, speed_rpm[1])):
         parts.append(label(end[at, 0] + 4, -end[at, 1] - 3, f"{rpm:.0f}", anchor="start", size=7))
-    parts.append(label(0, RADIUS + 13, language.say("plot.clearance", clearance=now.clearance)))
+    parts.append(label(0, RADIUS + 13, language.translate("plot.clearance", clearance=now.clearance)))
     return svg("".join(parts), SIZE, SIZE, left=-SIZE / 2, top=-SIZE / 2)
 
 

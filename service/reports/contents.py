@@ -85,7 +85,7 @@ class PeriodCounts:
 
 @dataclass(frozen=True)
 class ReportContents:
-    """All that is told of a machine and a period.
+    """Contents of a report on a machine over a period.
 
     not_to_balance: why no weights are proposed; None where nothing else is wrong. left_out: what there is more of than a
     report shows, in words. language: language of the report; advice and messages are in it already.

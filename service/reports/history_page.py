@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from service.alerts.event_message import AlertEvent
-from service.monitoring.finding_catalogue import finding_name
+from service.monitoring.rules.finding_catalogue import finding_name
 from service.reports.contents import ReportContents, ReportedAlert
 from service.reports.page_parts import muted, section, shown_time, table
 from service.wording.language import Language
@@ -11,27 +11,27 @@ from service.wording.language import Language
 
 def history_page(contents: ReportContents) -> str:
     """Return the page."""
-    return section(contents.language.say("report.history"), "".join(_parts(contents, contents.language)))
+    return section(contents.language.translate("report.history"), "".join(_parts(contents, contents.language)))
 
 
 def _parts(contents: ReportContents, language: Language) -> Iterator[str]:
-    say = language.say
+    translate = language.translate
     if contents.alerts:
-        heads = [say(f"report.{one}") for one in ("alert", "severity", "state", "opened", "closed")]
+        heads = [translate(f"report.{one}") for one in ("alert", "severity", "state", "opened", "closed")]
         yield table(heads, (_alert(one, language) for one in contents.alerts))
     else:
-        yield muted(say("report.no_alert"))
+        yield muted(translate("report.no_alert"))
     if contents.events:
-        heads = [say(f"report.{one}") for one in ("when", "alert_column", "what_happened", "by_whom", "comment")]
+        heads = [translate(f"report.{one}") for one in ("when", "alert_column", "what_happened", "by_whom", "comment")]
         yield table(heads, (_event(one, language) for one in contents.events))
     if contents.notes:
-        heads = [say(f"report.{one}") for one in ("when", "kind", "by_whom", "note")]
+        heads = [translate(f"report.{one}") for one in ("when", "kind", "by_whom", "note")]
         rows = ((shown_time(one.at), language.named(one.kind), one.by, one.text) for one in contents.notes)
         yield table(heads, rows)
     else:
-        yield muted(say("report.no_notes"))
+        yield muted(translate("report.no_notes"))
     if contents.left_out:
-        yield muted(say("report.left_out", what=", ".join(contents.left_out)))
+        yield muted(translate("report.left_out", what=", ".join(contents.left_out)))
 
 
 def _alert(one: ReportedAlert, language: Language) -> tuple[str, ...]:

@@ -17,7 +17,7 @@ from service.configuration.settings import Settings
 from service.delivery.mail import NoMailServer, post
 from service.replication.work_share import DELIVERY, Share, WholeShare
 from service.reports.contents import ReportContents
-from service.reports.first_page import calm_words
+from service.reports.first_page import no_alert_text
 from service.reports.period import ReportInterval, ReportPeriod, last_whole
 from service.reports.printing import PrinterMissing
 from service.reports.reading import read_contents
@@ -76,7 +76,7 @@ class ReportMailing(SupervisedThread):
         """Return why reports could not be sent, if the last turn failed."""
         return [] if self.trouble is None else [self.trouble]
 
-    def turn(self) -> float:
+    def run_once(self) -> float:
         """Send what is due. Raises ReportsUnsent."""
         if self._share.is_leader(DELIVERY):
             self.send_due(to_datetime(now()))
@@ -140,33 +140,35 @@ class ReportMailing(SupervisedThread):
                 session, report.machine, report.period, texts=self._texts, baseline_runs=self._settings.baseline_runs
             )
         try:
-            return report_letter(self._settings, report, contents, self._process.printed(contents))
+            return compose_report_mail(self._settings, report, contents, self._process.printed(contents))
         except NotPrinted as error:
             if self._stop.is_set():
                 raise ReportsUnsent("the service stops; reports that are not sent yet are sent after its start") from error
-            return report_letter(self._settings, report, contents, None, missing=str(error))
+            return compose_report_mail(self._settings, report, contents, None, missing=str(error))
 
 
-def report_letter(
+def compose_report_mail(
     settings: Settings, report: DueReport, contents: ReportContents, pdf: bytes | None, *, missing: str = ""
 ) -> EmailMessage:
     """Compose the mail with a report. missing: why there is none."""
     alerts = contents.open_alerts
-    say = contents.language.say
+    translate = contents.language.translate
     key = "report_mail.none" if not alerts else "report_mail.one" if len(alerts) == 1 else "report_mail.many"
-    count = say(key) if len(alerts) < 2 else say(key, count=len(alerts))
+    count = translate(key) if len(alerts) < 2 else translate(key, count=len(alerts))
     until = f"{contents.last:%Y-%m-%d}"
     mail = EmailMessage()
     mail["From"] = settings.smtp_sender
     mail["To"] = report.target
-    mail["Subject"] = say(
+    mail["Subject"] = translate(
         f"report_mail.subject.{report.interval}", machine=f"{contents.plant}/{report.machine}", until=until, count=count
     )
     domain = settings.smtp_sender.rpartition("@")[2]
     mail["Message-ID"] = f"<report-{report.number}-{report.machine}-{report.period.last}@{domain}>"
-    lines = [f"{contents.language.named(one.last.severity)}: {one.last.message}" for one in alerts] or [calm_words(contents)]
+    lines = [f"{contents.language.named(one.last.severity)}: {one.last.message}" for one in alerts] or [
+        no_alert_text(contents)
+    ]
     if pdf is None:
-        lines.append(say("report_mail.missing", reason=missing))
+        lines.append(translate("report_mail.missing", reason=missing))
     if settings.public_url:
         lines += ["", f"{settings.public_url}/#/machines/{report.machine}"]
     mail.set_content("\n".join(lines) + "\n")

@@ -33,7 +33,7 @@ td.long { white-space: pre-line; overflow-wrap: anywhere }
 
 def style(language: Language) -> str:
     """Return the style sheet, whose page numbers have words."""
-    return STYLE.replace("PAGE", language.say("report.page")).replace("OF", language.say("report.of"))
+    return STYLE.replace("PAGE", language.translate("report.page")).replace("OF", language.translate("report.of"))
 
 
 LONG_WORDS = 20

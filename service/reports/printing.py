@@ -8,7 +8,7 @@ from service.reports.first_page import first_page
 from service.reports.history_page import history_page
 from service.reports.page_parts import escaped, style
 from service.reports.result_pages import result_pages
-from service.workers.time_limit import limited
+from service.workers.time_limit import limit_time
 
 
 class PrinterMissing(Unavailable):
@@ -18,7 +18,7 @@ class PrinterMissing(Unavailable):
 def report_html(contents: ReportContents) -> str:
     """Return a report as HTML that needs nothing beside it."""
     language = contents.language
-    title = escaped(language.say("report.title", machine=contents.machine.name or contents.machine.id))
+    title = escaped(language.translate("report.title", machine=contents.machine.name or contents.machine.id))
     pages = first_page(contents) + f'<div class="next">{result_pages(contents)}</div>' + history_page(contents)
     head = f'<meta charset="utf-8"/><title>{title}</title><style>{style(language)}</style>'
     return f'<!doctype html><html lang="{language.code}"><head>{head}</head><body>{pages}</body></html>\n'
@@ -39,7 +39,7 @@ def printed_html(page: str) -> bytes:
 
 def print_in_time(seconds: float, contents: ReportContents) -> bytes:
     """Return a report as PDF within a time [s]. Raises OutOfTime, PrinterMissing."""
-    with limited(seconds):
+    with limit_time(seconds):
         return report_pdf(contents)
 
 

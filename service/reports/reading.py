@@ -1,4 +1,4 @@
-"""Reads what a report tells of a machine and a period."""
+"""Reads the contents of a report on a machine over a period."""
 
 from collections.abc import Iterator, Sequence
 
@@ -10,7 +10,7 @@ from service.alerts.event_message import AlertEvent
 from service.balancing.open_causes import SomethingElseWrong, require_nothing_else
 from service.identification.stored_model import NoModel, identified, used_runs
 from service.monitoring.comparison import compared
-from service.monitoring.finding_catalogue import finding_name
+from service.monitoring.rules.finding_catalogue import finding_name
 from service.reports.contents import (
     PeriodCounts,
     ReportContents,
@@ -20,7 +20,7 @@ from service.reports.contents import (
     ReportedNote,
 )
 from service.reports.period import ReportPeriod
-from service.reports.trend_reading import read_trends, told_names
+from service.reports.trend_reading import read_trends, reported_names
 from service.wording.language import Language
 from storage.alerts import alerts
 from storage.clock import now, to_datetime
@@ -30,7 +30,7 @@ from storage.measurements import runs
 from storage.tables.findings import IdentificationRow
 
 MOST_ALERTS, MOST_EVENTS, MOST_NOTES, MOST_BALANCINGS, MOST_COUNTED = 500, 200, 200, 50, 20_000
-"""Most that a report tells of each kind; more is said to be left out."""
+"""Most entries of each kind in a report; more is said to be left out."""
 MOST_OPEN = 10_000
 """Open alerts that are read; there is one of each rule and element at most."""
 MOST_RUNS = 4
@@ -47,11 +47,11 @@ def read_contents(
     notes = timeline.of_machine(session, machine_id, first=period.first, last=period.last, limit=MOST_NOTES + 1)
     newest = identifications.newest_of_single_run(session, machine_id, last=period.last)
     open_elements = [one.last.element for one, _ in told if one.is_open]
-    names = () if newest is None else told_names(session, newest, open_elements)
-    say = texts.language.say
-    left_out = [say("report.older_events", count=len(events) - MOST_EVENTS)] if len(events) > MOST_EVENTS else []
-    left_out += [say("report.older_alerts", count=MOST_ALERTS)] if len(told) >= MOST_ALERTS else []
-    left_out += [say("report.older_notes")] if len(notes) > MOST_NOTES else []
+    names = () if newest is None else reported_names(session, newest, open_elements)
+    translate = texts.language.translate
+    left_out = [translate("report.older_events", count=len(events) - MOST_EVENTS)] if len(events) > MOST_EVENTS else []
+    left_out += [translate("report.older_alerts", count=MOST_ALERTS)] if len(told) >= MOST_ALERTS else []
+    left_out += [translate("report.older_notes")] if len(notes) > MOST_NOTES else []
     return ReportContents(
         machine=machines.document(session, machine_id, row.revision),
         plant=row.plant,
@@ -65,7 +65,7 @@ def read_contents(
         trends=tuple(read_trends(session, machine_id, names, period, baseline_runs=baseline_runs)),
         balancings=tuple(_balancings(session, machine_id, period)),
         fit=None if newest is None else _fit(session, newest, baseline_runs),
-        not_to_balance=_something_else(session, machine_id, texts.language),
+        not_to_balance=_reason_to_wait(session, machine_id, texts.language),
         left_out=tuple(left_out),
         language=texts.language,
     )
@@ -106,7 +106,7 @@ def _balancings(session: Session, machine_id: str, period: ReportPeriod) -> Iter
             yield ReportedBalancing(to_datetime(row.updated_at), row.by, row.state, row.comment)
 
 
-def _something_else(session: Session, machine_id: str, language: Language) -> str | None:
+def _reason_to_wait(session: Session, machine_id: str, language: Language) -> str | None:
     try:
         require_nothing_else(session, machine_id, finding_name, language)
     except SomethingElseWrong as error:

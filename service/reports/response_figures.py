@@ -42,10 +42,10 @@ def bode_figure(
     """Return amplitude above phase lag over speed of a channel."""
     shown = [abs(curves.value[:, number]), *(abs(one.value[:, number]) for one in (*runs, *before))]
     speeds = axis_over(np.concatenate([curves.speed, *(one.speed for one in (*runs, *before))]), "", language)
-    amplitudes = axis_over(np.concatenate(shown), language.say("plot.first_order"), language, from_zero=True)
+    amplitudes = axis_over(np.concatenate(shown), language.translate("plot.first_order"), language, from_zero=True)
     above = PlotFrame(speeds, amplitudes, width=WIDTH, height=AMPLITUDE_HEIGHT)
-    named = PlotAxis(speeds.low, speeds.high, speeds.ticks, language.say("plot.speed"))
-    lags = PlotAxis(0.0, 360.0, LAGS, language.say("plot.lag"))
+    named = PlotAxis(speeds.low, speeds.high, speeds.ticks, language.translate("plot.speed"))
+    lags = PlotAxis(0.0, 360.0, LAGS, language.translate("plot.lag"))
     below = PlotFrame(named, lags, width=WIDTH, height=PHASE_HEIGHT)
     above.between(curves.speed, curves.lower[:, number], curves.upper[:, number], FITTED)
     for colour, drawn in ((BEFORE, before), (MEASURED, runs)):
@@ -74,7 +74,7 @@ def polar_figure(
     parts = [_ring((ring + 1) * step * scale) for ring in range(rings)]
     parts += [segment(-RADIUS, 0.0, RADIUS, 0.0, GRID), segment(0.0, -RADIUS, 0.0, RADIUS, GRID)]
     parts += [label(RADIUS + 12, 3, "0°"), label(0, RADIUS + 11, "90°"), label(-RADIUS - 13, 3, "180°")]
-    parts.append(label(0, -RADIUS - 5, language.say("plot.rings", step=step)))
+    parts.append(label(0, -RADIUS - 5, language.translate("plot.rings", step=step)))
     for colour, drawn in ((BEFORE, before), (MEASURED, runs)):
         parts += [dots(*_place(one.value[thinned(one.speed.size), number], scale), colour) for one in drawn]
     parts.append(curve(*_place(fitted, scale), FITTED))

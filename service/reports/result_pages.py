@@ -38,16 +38,16 @@ MILLIMETRES_GRAM = 1e6
 
 def result_pages(contents: ReportContents) -> str:
     """Return the pages."""
-    say = contents.language.say
-    parts = [section(say("report.trends"), _trends(contents))]
+    translate = contents.language.translate
+    parts = [section(translate("report.trends"), _trends(contents))]
     fit = contents.fit
     if fit is not None:
         with_fit: Sequence[tuple[str, Callable[[ReportContents, ReportedFit], str]]] = (
-            (say("report.responses"), _responses),
-            (say("report.orbits"), _orbits),
-            (say("report.centreline"), _centrelines),
-            (say("report.alignment"), _alignment),
-            (say("report.balance"), _balance),
+            (translate("report.responses"), _responses),
+            (translate("report.orbits"), _orbits),
+            (translate("report.centreline"), _centrelines),
+            (translate("report.alignment"), _alignment),
+            (translate("report.balance"), _balance),
         )
         parts += [section(title, _render(title, part, contents, fit)) for title, part in with_fit]
     return "".join(parts)
@@ -59,12 +59,12 @@ def _render(title: str, part: Callable[[ReportContents, ReportedFit], str], cont
     except (ValueError, ArithmeticError, np.linalg.LinAlgError) as error:
         logger.warning("report of %s: %s cannot be computed: %s", contents.machine.id, title, error)
         reason = in_language(str(error), contents.language)
-        return muted(contents.language.say("report.not_computed", id=fit.one.id, reason=reason))
+        return muted(contents.language.translate("report.not_computed", id=fit.one.id, reason=reason))
 
 
 def _trends(contents: ReportContents) -> str:
     drawn = "".join(captioned(one.name, trend_figure(one, contents.language)) for one in contents.trends)
-    return drawn and figures(contents.language.say("report.trend_key"), drawn)
+    return drawn and figures(contents.language.translate("report.trend_key"), drawn)
 
 
 def _responses(contents: ReportContents, fit: ReportedFit) -> str:
@@ -76,16 +76,16 @@ def _responses(contents: ReportContents, fit: ReportedFit) -> str:
     names = fit.one.machine.channels
     language = contents.language
     drawn = "".join(
-        captioned(language.say(f"report.{kind}", channel=names[number]), draw(number, curves, runs, before, language))
+        captioned(language.translate(f"report.{kind}", channel=names[number]), draw(number, curves, runs, before, language))
         for kind, draw in (("bode", bode_figure), ("polar", polar_figure))
         for number in shown
     )
     at = shown_time(fit.measured_at)
     if before:
-        key = language.say("report.response_key_compared", at=at, id=fit.baseline[0].id)
+        key = language.translate("report.response_key_compared", at=at, id=fit.baseline[0].id)
     else:
-        key = language.say("report.response_key", at=at)
-    more = language.say("report.channels_left", count=len(names) - len(shown)) if len(names) > len(shown) else ""
+        key = language.translate("report.response_key", at=at)
+    more = language.translate("report.channels_left", count=len(names) - len(shown)) if len(names) > len(shown) else ""
     return figures(key + more, drawn)
 
 
@@ -113,11 +113,11 @@ def _orbits(contents: ReportContents, fit: ReportedFit) -> str:
     before = response_curves(first, np.array([rpm])).value[0] if first is not None and alike else None
     drawn = "".join(captioned(", ".join(one.channels), orbit_figure(one, now, before, contents.language)) for one in places)
     key = "report.orbit_key" if before is None else "report.orbit_key_compared"
-    return figures(contents.language.say(key, rpm=rpm), drawn)
+    return figures(contents.language.translate(key, rpm=rpm), drawn)
 
 
 def _running_rpm(fit: ReportedFit) -> float:
-    """Return the speed at which the machine works; the highest of the fit where its document does not say, or beyond it."""
+    """Return the speed at which the machine works; the highest of the fit where its document names none, or one beyond it."""
     highest = fit.one.speed_maximum / RAD_PER_S["rpm"]
     return min(fit.one.machine.operation.running_rpm or highest, highest)
 
@@ -131,7 +131,7 @@ def _centrelines(contents: ReportContents, fit: ReportedFit) -> str:
     ends = (fit.one.speed_minimum / RAD_PER_S["rpm"], fit.one.speed_maximum / RAD_PER_S["rpm"])
     language = contents.language
     drawn = "".join(captioned(one.bearing, centreline_figure(one, before.get(one.bearing), ends, language)) for one in paths)
-    return figures(language.say("report.centreline_key_compared" if first else "report.centreline_key"), drawn)
+    return figures(language.translate("report.centreline_key_compared" if first else "report.centreline_key"), drawn)
 
 
 def _alignment(contents: ReportContents, fit: ReportedFit) -> str:
@@ -139,10 +139,10 @@ def _alignment(contents: ReportContents, fit: ReportedFit) -> str:
         return ""
     models = [one.model for one in fit.baseline]
     if any(one.coordinates != fit.one.model.coordinates for one in models):
-        return muted(contents.language.say("report.other_unknowns"))
+        return muted(contents.language.translate("report.other_unknowns"))
     changes = tolerated_changes(fit.one.machine, alignment_changes(models, fit.one.model))
     columns = ("coupling", "quantity", "change", "half_width", "allowed", "beyond")
-    heads = [contents.language.say(f"report.{one}") for one in columns]
+    heads = [contents.language.translate(f"report.{one}") for one in columns]
     return table(heads, [_aligned(one, contents.language) for one in changes]) if changes else ""
 
 
@@ -152,7 +152,7 @@ def _aligned(one: ToleratedChange, language: Language) -> tuple[str, ...]:
     allowed = language.digits(f"{scale * one.allowed:.3g} {unit}")
     quantity = language.named(said.quantity)
     if one.value is None:
-        missing = language.say("report.not_determined", reason=in_language(one.reason or "", language))
+        missing = language.translate("report.not_determined", reason=in_language(one.reason or "", language))
         return said.element_id, quantity, missing, "–", allowed, "–"
     change, half = (language.digits(each) for each in (f"{scale * one.value:+.3g} {unit}", f"{scale * one.half:.2g} {unit}"))
     return said.element_id, quantity, change, half, allowed, f"{100.0 * one.beyond:.0f} %"
@@ -161,7 +161,7 @@ def _aligned(one: ToleratedChange, language: Language) -> tuple[str, ...]:
 def _balance(contents: ReportContents, fit: ReportedFit) -> str:
     language = contents.language
     rows = [(shown_time(one.at), one.by, language.named(one.state), one.comment) for one in contents.balancings]
-    heads = [language.say(f"report.{one}") for one in ("field_balancing", "begun_by", "step", "comment")]
+    heads = [language.translate(f"report.{one}") for one in ("field_balancing", "begun_by", "step", "comment")]
     done = table(heads, rows) if rows else ""
     return done + _proposal(contents, fit.one)
 
@@ -169,7 +169,7 @@ def _balance(contents: ReportContents, fit: ReportedFit) -> str:
 def _proposal(contents: ReportContents, one: Identified) -> str:
     """Return what the model proposes; nothing to correct while an open alert names another cause."""
     if contents.not_to_balance is not None:
-        return muted(contents.language.say("report.no_correction", reason=contents.not_to_balance))
+        return muted(contents.language.translate("report.no_correction", reason=contents.not_to_balance))
     if not one.machine.discs:
         return ""
     language = contents.language
@@ -180,6 +180,6 @@ def _proposal(contents: ReportContents, one: Identified) -> str:
         (plane, language.digits(f"{MILLIMETRES_GRAM * abs(mass):.3g} g mm"), f"{np.degrees(np.angle(mass)) % 360.0:.0f}°")
         for plane, mass in zip(found.planes, found.unbalance.tolist(), strict=True)
     ]
-    told = language.say("report.falls", before=2e6 * before, after=2e6 * after)
-    heads = [language.say(f"report.{one}") for one in ("plane", "correction", "angle")]
+    told = language.translate("report.falls", before=2e6 * before, after=2e6 * after)
+    heads = [language.translate(f"report.{one}") for one in ("plane", "correction", "angle")]
     return table(heads, rows) + muted(told)

@@ -1,4 +1,4 @@
-"""The stamp of everything in the store that a machine's report tells: it stays equal as long as nothing of that changes."""
+"""A stamp of everything in the store that enters a machine's report: equal stamps mean that nothing has changed."""
 
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session

@@ -26,8 +26,8 @@ MOST_TRENDS = 16
 """Trends of a report; the page has all of them."""
 
 
-def told_names(session: Session, newest: IdentificationRow, alerted: Sequence[str]) -> tuple[str, ...]:
-    """Return the names whose trends are told, by what the newest identification has: of alerts, of couplings, then others.
+def reported_names(session: Session, newest: IdentificationRow, alerted: Sequence[str]) -> tuple[str, ...]:
+    """Return the newest identification's parameters whose trends are printed: of alerts, of couplings, then others.
 
     alerted: elements with an open alert.
     """

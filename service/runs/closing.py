@@ -49,7 +49,7 @@ class Closing(SupervisedThread):
         self._machine_backoff = Backoff[str]()
         self._next_late = 0.0
 
-    def turn(self) -> float:
+    def run_once(self) -> float:
         """Close ended runs; now and then sort in late samples. A stop takes effect between two runs."""
         self.close_ended()
         if time.monotonic() >= self._next_late:
@@ -153,7 +153,7 @@ class Closing(SupervisedThread):
                 continue
             with self._collector.lock, self._database.transaction(beside_others=True) as session:
                 self._share.require(session, [machine_id])
-                if late_samples.still_holds(session, plan) and self._collector.late.take(session, machine_id, window):
+                if late_samples.is_unchanged(session, plan) and self._collector.late.take(session, machine_id, window):
                     late_samples.apply(session, plan)
             self.close_ended()
 

@@ -41,12 +41,12 @@ class Collector:
         self._silent: set[str] = set()
 
     def forget(self) -> None:
-        """Forget when machines were last heard, as after a start."""
+        """Forget when machines were last active, as after a start."""
         self._heard_at.clear()
         self._silent.clear()
         self.late.forget()
 
-    def note_heard(self, machine_id: str) -> None:
+    def note_activity(self, machine_id: str) -> None:
         """Note that a machine sends, though nothing is accepted now."""
         self._heard_at[machine_id] = time.monotonic()
 

@@ -60,7 +60,7 @@ class LateSamplesPlan:
 
     added: unknown sweeps, with their sense of rotation. remade: runs to be rebuilt, by id, with the sweep that each is now.
     joined: runs that become part of another one, by id. left_out: runs that cannot be rebuilt; why: the reason; damaged:
-    faults of the blocks needed. basis: the state it relies on, see `still_holds`.
+    faults of the blocks needed. basis: the state it relies on, see `is_unchanged`.
     """
 
     machine_id: str
@@ -75,7 +75,7 @@ class LateSamplesPlan:
 
 
 def by_run(session: Session, machine_id: str, windows: Sequence[Window]) -> list[Window]:
-    """Return the windows, ascending, merging those that lie in one run, so that it is rebuilt once."""
+    """Return the windows, ascending; all windows within one run are merged, so that the run is rebuilt only once."""
     merged: list[Window] = []
     inside: set[int] = set()
     for window in windows:
@@ -102,8 +102,8 @@ def remove_window(windows: Sequence[Window], window: Window) -> list[Window] | N
 def plan(session: Session, machine_id: str, window: Window, *, patience_s: float) -> LateSamplesPlan | None:
     """Return the changes for the samples of a window; None when they must wait.
 
-    They wait for a run beside them that is not closed yet, and for one that was rebuilt recently: the first time for
-    `patience_s`, then twice as long each time.
+    They wait until a neighbouring run is closed, and for some time after a run was rebuilt: `patience_s` after the first
+    time, then twice as long each time.
     """
     revision, first, last, _ = window
     machine = machines.document(session, machine_id, revision)
@@ -138,7 +138,7 @@ def _evaluated_stretch(window: Window, beside: Sequence[RunRow]) -> tuple[int, i
     return begin, end
 
 
-def still_holds(session: Session, found: LateSamplesPlan) -> bool:
+def is_unchanged(session: Session, found: LateSamplesPlan) -> bool:
     """Return whether the runs beside a window, and how far back the blocks reach, are unchanged since the plan."""
     return found.basis == _basis(session, found.machine_id, found.window)
 

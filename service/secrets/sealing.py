@@ -13,7 +13,7 @@ from cryptography.hazmat.primitives.ciphers.aead import AESGCM
 
 from service.secrets.files import KEY_BYTES, read_keys
 from storage.backup.backup_file import sync_folder
-from storage.database.private_files import PRIVATE
+from storage.files.private_files import PRIVATE
 
 SEALED = "sealed:"
 """Prefix of every sealed secret."""

@@ -36,7 +36,7 @@ class AuditWatch(SupervisedThread):
         return {"rundown_audit_trail_holds": float(not self.warnings)}
 
     def check(self, *, tell: bool = False) -> None:
-        """Compare the trail with the recorded entry, and record the newest. tell: log it now, not only once a day."""
+        """Compare the trail with the recorded entry, and record the newest. tell: whether to log it at once."""
         with self._database.reading() as session:
             held, newest = audit.is_intact(session, self._last_entry), audit.head(session)
         if not held:
@@ -49,7 +49,7 @@ class AuditWatch(SupervisedThread):
             logger.info("audit trail: the newest entry is %d:%s", *newest)
             self._logged_at = self._clock()
 
-    def turn(self) -> float:
+    def run_once(self) -> float:
         """Check once; the first successful check logs the newest entry."""
         self.check()
         return LOOK_S

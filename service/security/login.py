@@ -78,7 +78,7 @@ async def log_in(request: Request) -> Response:
 
 
 @router.get("/login/issuer")
-def begin_at_issuer(request: Request) -> Response:
+def begin_issuer_login(request: Request) -> Response:
     """Redirect the browser to the issuer."""
     security = cast(Security, request.app.state.security)
     if security.open_id is None:
@@ -106,7 +106,7 @@ def begin_at_issuer(request: Request) -> Response:
 
 
 @router.get(CALLBACK)
-def come_back(request: Request) -> Response:
+def complete_login(request: Request) -> Response:
     """Complete a login at the issuer with its code."""
     security = cast(Security, request.app.state.security)
     if security.open_id is None or security.tokens is None:

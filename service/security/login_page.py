@@ -44,13 +44,15 @@ def login_page(
 ) -> Response:
     """Return the page with what went wrong, by its key. error: a reason in English; name: name of the person concerned."""
     language = _language(request)
-    said = "" if trouble is None else language.say(f"login.{trouble}", reason=in_language(str(error), language), name=name)
+    said = (
+        "" if trouble is None else language.translate(f"login.{trouble}", reason=in_language(str(error), language), name=name)
+    )
     with_issuer = cast(Security, request.app.state.security).open_id is not None
-    words = html.escape(language.say("login.with_issuer"))
+    words = html.escape(language.translate("login.with_issuer"))
     page = PAGE.format(
         code=language.code,
-        log_in=html.escape(language.say("login.log_in")),
-        key=html.escape(language.say("login.key")),
+        log_in=html.escape(language.translate("login.log_in")),
+        key=html.escape(language.translate("login.key")),
         query=f"?{urlencode({'locale': language.code})}" if "locale" in request.query_params else "",
         trouble=f'<p role="alert">{html.escape(said)}</p>' if said else "",
         issuer=f'<p><a class="button" href="/login/issuer">{words}</a></p>' if with_issuer else "",

@@ -28,7 +28,7 @@ def alignment_judgement(numbers: Numbers, language: Language = ENGLISH) -> str:
         if name.endswith("_allowed_um") or name.endswith("_allowed_urad")
     ]
     judged = "misaligned" if max(parts, default=0.0) >= BEYOND else "alignment_changed"
-    return language.say(f"judgement.{judged}")
+    return language.translate(f"judgement.{judged}")
 
 
 def alignment_words(numbers: Numbers, language: Language = ENGLISH) -> str:
@@ -51,13 +51,13 @@ def settlement_words(q: Numbers, language: Language = ENGLISH) -> str:
         for plane in PLANES
         if abs(q.get(f"{plane}_um", 0.0)) > CONFIDENCE_95 * q.get(f"{plane}_error_um", 0.0)
     ]
-    return language.say("and").join(parts) or language.say("elsewhere")
+    return language.translate("and").join(parts) or language.translate("elsewhere")
 
 
 def wear_words(q: Numbers, language: Language = ENGLISH) -> str:
     """Return by how much a bearing's clearance has grown."""
     grown = shown(q["clearance_per_cent"], CONFIDENCE_95 * q["clearance_error_per_cent"], language)
-    return language.say("wear", grown=grown, after=q["after_um"], before=q["before_um"])
+    return language.translate("wear", grown=grown, after=q["after_um"], before=q["before_um"])
 
 
 def shown(value: float, half: float, language: Language = ENGLISH) -> str:
@@ -75,14 +75,14 @@ def _probability_beyond(numbers: Numbers, allowed_name: str) -> float:
 
 
 def _direction(what: str, plane: str, value: float, language: Language) -> str:
-    return language.say(f"{what}.{plane}.{'up' if value > 0 else 'down'}")
+    return language.translate(f"{what}.{plane}.{'up' if value > 0 else 'down'}")
 
 
 def _offsets(q: Numbers, language: Language) -> Iterator[str]:
     for plane in PLANES:
         value, half = q.get(f"offset_{plane}_um"), q.get(f"offset_{plane}_half_width_um", 0.0)
         if value is not None and abs(value) > half:
-            yield language.say(
+            yield language.translate(
                 "offset.told",
                 value=shown(abs(value), half, language),
                 direction=_direction("offset", plane, value, language),
@@ -95,7 +95,7 @@ def _angles(q: Numbers, language: Language) -> Iterator[str]:
     for plane in PLANES:
         value, half = q.get(f"angle_{plane}_urad"), q.get(f"angle_{plane}_half_width_urad", 0.0)
         if value is not None and abs(value) > half:
-            yield language.say(
+            yield language.translate(
                 "angle.told",
                 value=shown(abs(value), half, language),
                 direction=_direction("angle", plane, value, language),
@@ -107,19 +107,19 @@ def _undetermined(q: Numbers, language: Language) -> Iterator[str]:
     for what, unit in (("offset", "um"), ("angle", "urad")):
         missing = [plane for plane in PLANES if f"{what}_{plane}_{unit}" not in q]
         if missing:
-            yield language.say(f"undetermined.{what}" + ("" if len(missing) == len(PLANES) else f".{missing[0]}"))
+            yield language.translate(f"undetermined.{what}" + ("" if len(missing) == len(PLANES) else f".{missing[0]}"))
 
 
 def _loads(q: Numbers, language: Language) -> Iterator[str]:
     loads = {describe(name).element_id: value for name, value in q.items() if name.endswith(".load_per_cent")}
     parts = [
-        language.say(
+        language.translate(
             f"load.{'' if place == 0 else 'next_'}{'more' if value > 0 else 'less'}", bearing=bearing, change=abs(value)
         )
         for place, (bearing, value) in enumerate(one for one in loads.items() if abs(one[1]) >= LEAST_LOAD)
     ]
     if parts:
-        yield language.say("loads", loads=", ".join(parts))
+        yield language.translate("loads", loads=", ".join(parts))
 
 
 def _equivalents(q: Numbers, language: Language) -> Iterator[str]:
@@ -129,6 +129,6 @@ def _equivalents(q: Numbers, language: Language) -> Iterator[str]:
         plane = said.quantity.removesuffix("_um")
         if said.element_kind == "bearing" and plane in PLANES:
             direction = _direction("offset", plane, value, language)
-            found.append(language.say("equivalent", bearing=said.element_id, size=abs(value), direction=direction))
+            found.append(language.translate("equivalent", bearing=said.element_id, size=abs(value), direction=direction))
     if found:
-        yield language.say("equivalents", moves=language.say("or").join(found))
+        yield language.translate("equivalents", moves=language.translate("or").join(found))

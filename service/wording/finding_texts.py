@@ -30,7 +30,7 @@ class FindingTexts:
 
     what: one sentence that says what has happened. check: what to look at, to know more. in_operation: what to do while the
     machine runs. at_next_stop: what to do when it stands next. if_danger: what to do now where it is a danger. confirm: what
-    would confirm it. not_determined: what it does not tell.
+    would confirm it. not_determined: what the finding leaves open.
     """
 
     what: str

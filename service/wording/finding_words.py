@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from estimator.diagnosis.finding_kind import SizePart
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.parameter_description import describe
+from service.wording.described_finding import DescribedFinding
 from service.wording.film_words import (
     alignment_judgement,
     alignment_words,
@@ -15,7 +16,6 @@ from service.wording.film_words import (
     wear_words,
 )
 from service.wording.language import ENGLISH, Language
-from service.wording.told_finding import ToldFinding
 
 SIGNIFICANT = 2.0
 """Standard errors from which on a figure beside the first is named [-]."""
@@ -25,59 +25,65 @@ DIGITS = 3
 """Significant digits of a figure without interval."""
 
 
-def size_words(told: ToldFinding) -> Mapping[str, str]:
-    """Return the size by its figures, as any finding can be told."""
-    return {"size": "; ".join(_figures(told)) or told.language.say("size.unknown")}
+def size_words(finding: DescribedFinding) -> Mapping[str, str]:
+    """Return the size by its figures, as for any finding."""
+    return {"size": "; ".join(_figures(finding)) or finding.language.translate("size.unknown")}
 
 
-def misalignment_words(told: ToldFinding) -> Mapping[str, str]:
+def misalignment_words(finding: DescribedFinding) -> Mapping[str, str]:
     """Return the words on a misalignment and its size."""
-    language = told.language
-    if told.of_films:
-        judgement = alignment_judgement(told.quantities, language)
-        return {"judgement": judgement, "size": alignment_words(told.quantities, language)}
-    form = f" ({language.named(told.form)})" if told.form else ""
-    return {"judgement": language.say("judgement.misaligning", form=form), "size": _element_size(told, of_stiffness=True)}
+    language = finding.language
+    if finding.of_films:
+        judgement = alignment_judgement(finding.quantities, language)
+        return {"judgement": judgement, "size": alignment_words(finding.quantities, language)}
+    form = f" ({language.named(finding.form)})" if finding.form else ""
+    return {
+        "judgement": language.translate("judgement.misaligning", form=form),
+        "size": _element_size(finding, of_stiffness=True),
+    }
 
 
-def bearing_words(told: ToldFinding) -> Mapping[str, str]:
+def bearing_words(finding: DescribedFinding) -> Mapping[str, str]:
     """Return the words on a bearing or a seal and its size; of a film, how far it deviates from its model."""
-    times = told.quantities.get("deviation_times_allowed")
+    times = finding.quantities.get("deviation_times_allowed")
     if times is None:
-        kind = told.language.named(told.element_kind).capitalize()
-        return {"judgement": told.language.say("judgement.changed", kind=kind, id=told.id), "size": _element_size(told)}
-    judgement = told.language.say("judgement.film", id=told.id)
-    return {"judgement": judgement, "size": told.language.say("size.film", times=times)}
+        kind = finding.language.named(finding.element_kind).capitalize()
+        return {
+            "judgement": finding.language.translate("judgement.changed", kind=kind, id=finding.id),
+            "size": _element_size(finding),
+        }
+    judgement = finding.language.translate("judgement.film", id=finding.id)
+    return {"judgement": judgement, "size": finding.language.translate("size.film", times=times)}
 
 
-def element_words(told: ToldFinding) -> Mapping[str, str]:
+def element_words(finding: DescribedFinding) -> Mapping[str, str]:
     """Return the growths of an element."""
-    return {"size": _element_size(told)}
+    return {"size": _element_size(finding)}
 
 
-def settlement_size(told: ToldFinding) -> Mapping[str, str]:
+def settlement_size(finding: DescribedFinding) -> Mapping[str, str]:
     """Return where a bearing stands."""
-    return {"size": settlement_words(told.quantities, told.language)}
+    return {"size": settlement_words(finding.quantities, finding.language)}
 
 
-def wear_size(told: ToldFinding) -> Mapping[str, str]:
+def wear_size(finding: DescribedFinding) -> Mapping[str, str]:
     """Return a clearance's growth."""
-    return {"size": wear_words(told.quantities, told.language)}
+    return {"size": wear_words(finding.quantities, finding.language)}
 
 
-def oil_words(told: ToldFinding) -> Mapping[str, str]:
+def oil_words(finding: DescribedFinding) -> Mapping[str, str]:
     """Return the change of the viscosity."""
-    parts = list(told.parts())
+    parts = list(finding.parts())
     if parts:
-        return {"size": interval(parts[0], told.language)}
-    return {"size": f"{told.quantities['viscosity_per_cent']:+.0f} %"}
+        return {"size": interval(parts[0], finding.language)}
+    return {"size": f"{finding.quantities['viscosity_per_cent']:+.0f} %"}
 
 
-def process_force_words(told: ToldFinding) -> Mapping[str, str]:
+def process_force_words(finding: DescribedFinding) -> Mapping[str, str]:
     """Return by how much a static force has changed along each axis, and what it was."""
-    q, language = told.quantities, told.language
+    q, language = finding.quantities, finding.language
     parts = [
-        language.say(
+        language.translate(
             "size.process_force",
             change=shown(q[f"force_{axis}_n"], CONFIDENCE_95 * q[f"force_{axis}_error_n"], language),
             axis=axis,
@@ -86,50 +92,52 @@ def process_force_words(told: ToldFinding) -> Mapping[str, str]:
         for axis in ("x", "y")
         if f"force_{axis}_n" in q
     ]
-    return {"size": language.say("and").join(parts)}
+    return {"size": language.translate("and").join(parts)}
 
 
-def unbalance_words(told: ToldFinding) -> Mapping[str, str]:
+def unbalance_words(finding: DescribedFinding) -> Mapping[str, str]:
     """Return the change of an unbalance with its angle, and its size before and after."""
-    q, parts, language = told.quantities, list(told.parts()), told.language
+    q, parts, language = finding.quantities, list(finding.parts()), finding.language
     change = interval(parts[0], language) if parts else f"{rounded(q['change_g_mm'], DIGITS, language)} g·mm"
     before, after = (rounded(q[name], DIGITS, language) for name in ("before_g_mm", "after_g_mm"))
-    return {"size": language.say("size.unbalance", change=change, angle=q["change_deg"], before=before, after=after)}
+    return {"size": language.translate("size.unbalance", change=change, angle=q["change_deg"], before=before, after=after)}
 
 
-def sensor_words(told: ToldFinding) -> Mapping[str, str]:
+def sensor_words(finding: DescribedFinding) -> Mapping[str, str]:
     """Return the words on a probe's gain and phase since the baseline."""
-    q, language = told.quantities, told.language
+    q, language = finding.quantities, finding.language
     if not q:
-        return {"size": language.say("size.no_phasors")}
-    parts = list(told.parts())
-    whole = language.say("size.together", whole=interval(parts[0], language)) if parts else ""
-    return {"size": language.say("size.sensor", gain=q["gain_per_cent"], phase=q["phase_deg"], whole=whole)}
+        return {"size": language.translate("size.no_phasors")}
+    parts = list(finding.parts())
+    whole = language.translate("size.together", whole=interval(parts[0], language)) if parts else ""
+    return {"size": language.translate("size.sensor", gain=q["gain_per_cent"], phase=q["phase_deg"], whole=whole)}
 
 
-def run_out_words(told: ToldFinding) -> Mapping[str, str]:
+def run_out_words(finding: DescribedFinding) -> Mapping[str, str]:
     """Return the largest change of a run-out."""
-    parts = list(told.parts())
+    parts = list(finding.parts())
     if parts:
-        return {"size": interval(parts[0], told.language)}
-    return {"size": f"{rounded(told.quantities['largest_um'], 2, told.language)} µm"}
+        return {"size": interval(parts[0], finding.language)}
+    return {"size": f"{rounded(finding.quantities['largest_um'], 2, finding.language)} µm"}
 
 
-def coupling_run_out_words(told: ToldFinding) -> Mapping[str, str]:
+def coupling_run_out_words(finding: DescribedFinding) -> Mapping[str, str]:
     """Return the change of a coupling's run-out at bore and face, each with its angle."""
-    q, language = told.quantities, told.language
+    q, language = finding.quantities, finding.language
     parts = [
-        language.say(f"size.{what}", size=rounded(q[f"{name}_{unit}"], 2, language), unit=UNITS[unit], angle=q[f"{name}_deg"])
+        language.translate(
+            f"size.{what}", size=rounded(q[f"{name}_{unit}"], 2, language), unit=UNITS[unit], angle=q[f"{name}_deg"]
+        )
         for what, name, unit in (("bore", "offset", "um"), ("face", "angle", "urad"))
         if f"{name}_{unit}" in q
     ]
-    return {"size": language.say("and").join(parts)}
+    return {"size": language.translate("and").join(parts)}
 
 
-def rate_words(told: ToldFinding) -> Mapping[str, str]:
+def rate_words(finding: DescribedFinding) -> Mapping[str, str]:
     """Return a parameter that drifts, and its rate with the 95 % interval."""
-    said = told.evidence
-    rate = told.language.say(
+    said = finding.evidence
+    rate = finding.language.translate(
         "size.rate",
         rate=float(said["per_week_per_cent"]),
         lower=float(said["lower_per_cent"]),
@@ -144,43 +152,43 @@ def whole_parameter(name: str) -> str:
     return name if said.component is None else said.whole
 
 
-def no_questions(_told: ToldFinding) -> Sequence[str]:
+def no_questions(_finding: DescribedFinding) -> Sequence[str]:
     """Return nothing: the texts say all that is left open."""
     return ()
 
 
-def alignment_questions(told: ToldFinding) -> Sequence[str]:
+def alignment_questions(finding: DescribedFinding) -> Sequence[str]:
     """Return the words on the quantities of an alignment that are not determined."""
-    if told.of_films:
-        missing = undetermined_alignment(told.quantities, told.language)
-        return [*(one[:1].upper() + one[1:] for one in missing), told.language.say("open.relative")]
-    open_form = () if told.form else (told.language.say("open.form"),)
-    return [*open_form, told.language.say("open.films"), *element_questions(told)]
+    if finding.of_films:
+        missing = undetermined_alignment(finding.quantities, finding.language)
+        return [*(one[:1].upper() + one[1:] for one in missing), finding.language.translate("open.relative")]
+    open_form = () if finding.form else (finding.language.translate("open.form"),)
+    return [*open_form, finding.language.translate("open.films"), *element_questions(finding)]
 
 
-def element_questions(told: ToldFinding) -> Sequence[str]:
+def element_questions(finding: DescribedFinding) -> Sequence[str]:
     """Return the parameters of the element that the newest run does not determine."""
-    names = told.evidence.get("not_estimable") or ()
-    return [told.language.say("open.parameters", names=", ".join(names))] if names else []
+    names = finding.evidence.get("not_estimable") or ()
+    return [finding.language.translate("open.parameters", names=", ".join(names))] if names else []
 
 
-def compared_words(told: ToldFinding) -> str:
+def compared_words(finding: DescribedFinding) -> str:
     """Return the words on the runs compared: the newest for alignments on oil films, the mean of several otherwise."""
-    runs = told.evidence.get("runs")
-    if told.of_films or runs is None or runs < 2 or not told.quantities:
-        return told.language.say("compared.baseline")
-    return told.language.say("compared.mean", runs=runs)
+    runs = finding.evidence.get("runs")
+    if finding.of_films or runs is None or runs < 2 or not finding.quantities:
+        return finding.language.translate("compared.baseline")
+    return finding.language.translate("compared.mean", runs=runs)
 
 
-def second_order_words(told: ToldFinding, next_best: str) -> str:
-    """Return how the 2× speaks for a finding, and whether it has decided for it; empty where it says nothing."""
-    said, language = told.evidence.get("second_order"), told.language
+def second_order_words(finding: DescribedFinding, next_best: str) -> str:
+    """Return how the 2× supports a finding, and whether it was the tie-breaker; empty where it does not."""
+    said, language = finding.evidence.get("second_order"), finding.language
     if not said:
         return ""
     before, now = (rounded(said[name], 2, language) for name in ("before_um", "now_um"))
-    grown = language.say("second_order.grown", probe=said["probe"], before=before, now=now)
+    grown = language.translate("second_order.grown", probe=said["probe"], before=before, now=now)
     key = "second_order.decided" if said["decided"] else "second_order.speaks"
-    return language.say(key, grown=grown, next=next_best)
+    return language.translate(key, grown=grown, next=next_best)
 
 
 def part_words(one: SizePart, language: Language = ENGLISH) -> str:
@@ -195,8 +203,8 @@ def part_name(name: str, language: Language = ENGLISH) -> str:
         return language.named(said.element_id or said.element)
     element = language.element(said.element)
     if said.quantity == "coefficients":
-        return language.say("size.all_coefficients", element=element)
-    return language.say("size.of_element", quantity=language.named(said.quantity), element=element)
+        return language.translate("size.all_coefficients", element=element)
+    return language.translate("size.of_element", quantity=language.named(said.quantity), element=element)
 
 
 def interval(one: SizePart, language: Language = ENGLISH) -> str:
@@ -209,7 +217,7 @@ def interval(one: SizePart, language: Language = ENGLISH) -> str:
     if one.unit == "%":
         places = 1 if one.upper - one.lower < 2.0 else 0
         value, lower, upper = (language.digits(f"{each:+.{places}f}") for each in (one.value, one.lower, one.upper))
-        return language.say("size.per_cent_interval", value=value, lower=lower, upper=upper)
+        return language.translate("size.per_cent_interval", value=value, lower=lower, upper=upper)
     return f"{shown(one.value, (one.upper - one.lower) / 2.0, language)} {unit}"
 
 
@@ -220,27 +228,27 @@ def rounded(value: float, digits: int, language: Language = ENGLISH) -> str:
     return language.digits(f"{shown_value:.{decimals}f}")
 
 
-def told_parts(told: ToldFinding) -> Iterator[SizePart]:
-    """Yield the figures that are told: the first, and the others that are certain."""
-    for number, one in enumerate(told.parts()):
+def described_parts(finding: DescribedFinding) -> Iterator[SizePart]:
+    """Yield the figures that are stated: the first, and all others that are certain."""
+    for number, one in enumerate(finding.parts()):
         if number == 0 or one.sigma is None or abs(one.sigma) >= SIGNIFICANT:
             yield one
 
 
-def _figures(told: ToldFinding) -> Iterator[str]:
-    for one in told_parts(told):
-        yield part_words(one, told.language)
+def _figures(finding: DescribedFinding) -> Iterator[str]:
+    for one in described_parts(finding):
+        yield part_words(one, finding.language)
 
 
-def _element_size(told: ToldFinding, *, of_stiffness: bool = False) -> str:
+def _element_size(finding: DescribedFinding, *, of_stiffness: bool = False) -> str:
     """Return the growths of elements: of each once, where all its coefficients have grown together."""
-    figures = [part_words(one, told.language) for one in told_parts(told) if one.before is None]
+    figures = [part_words(one, finding.language) for one in described_parts(finding) if one.before is None]
     if figures:
         return "; ".join(figures)
     # An older release has stored means without intervals.
-    described = [(describe(name), value) for name, value in told.quantities.items()]
+    described = [(describe(name), value) for name, value in finding.quantities.items()]
     if of_stiffness:
         parts = [f"{own.element} {value:+.0f} %" for own, value in described if own.quantity == "stiffness_per_cent"]
-        return told.language.say("size.stiffness", parts=", ".join(parts))
-    named = [(told.language.named(own.quantity.removesuffix("_per_cent")), value) for own, value in described]
+        return finding.language.translate("size.stiffness", parts=", ".join(parts))
+    named = [(finding.language.named(own.quantity.removesuffix("_per_cent")), value) for own, value in described]
     return ", ".join(f"{name} {value:+.0f} %" for name, value in named)

@@ -1,4 +1,4 @@
-"""Languages in which people are told of findings: their sentences, names and numbers. What one lacks is said in English."""
+"""Languages in which findings are described: their sentences, names and numbers. What one lacks is said in English."""
 
 import string
 from collections.abc import Mapping
@@ -30,20 +30,20 @@ class Language:
 
     code: Locale = "en"
 
-    def say(self, key: str, /, **values: Any) -> str:
+    def translate(self, key: str, /, **values: Any) -> str:
         """Return a sentence with values in its places. Raises KeyError for an unknown key, or one without its value."""
-        mark = self.say_mark()
+        mark = self.decimal_mark()
         if mark == ".":
             return self._sentence(key).format_map(values)  # the same, at a tenth of the time
         return _Filling(mark).vformat(self._sentence(key), (), values)
 
-    def say_mark(self) -> str:
+    def decimal_mark(self) -> str:
         """Return the decimal mark."""
         return self._sentence("decimal_mark")
 
     def digits(self, number: str) -> str:
         """Return a written number with the language's decimal mark."""
-        return number.replace(".", self.say_mark())
+        return number.replace(".", self.decimal_mark())
 
     def named(self, identifier: str) -> str:
         """Return the word for an identifier of the API; the identifier with spaces where there is none."""
@@ -65,7 +65,7 @@ LANGUAGES = tuple(Language(code) for code in SENTENCES)
 
 
 def require_every_language(what: str, said: Mapping[Locale, object]) -> None:
-    """Raise ValueError for something said that a language lacks, or that is said in one that there is not."""
+    """Raise ValueError if a text is missing in a language, or is given in an unknown language."""
     missing = [code for code in SENTENCES if not said.get(code)]
     unknown = sorted(set(said) - set(SENTENCES))
     if missing:

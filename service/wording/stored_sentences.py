@@ -15,7 +15,7 @@ _PLACE = re.compile(r"\{(\w+)\}")
 _LIST = re.compile(r"\{\w+\}(?:,| and| or| or with) \{\w+\}")
 """Form of a list, which any sentence may have by chance: it is one only of parts that are known, or names."""
 _ONE_WORD = frozenset({"id", "meant", "sent"})
-"""Places that one word fills, so that no list of sentences is taken for one sentence."""
+"""Placeholders filled by a single word, so that a list of sentences is not mistaken for one sentence."""
 _WORD = r"\S+"
 _NAME = re.compile(rf"{_WORD}(?: %)?")
 """Part of a list that every language says alike: a name or a number."""
@@ -29,12 +29,12 @@ def in_language(sentence: str, language: Language) -> str:
     return "; ".join(_part(one, language) for one in sentence.split("; "))
 
 
-def told_comment(comment: str, language: Language) -> str:
+def comment_in_language(comment: str, language: Language) -> str:
     """Return a comment that the service wrote in a language; a reason that a person gave stays as it was written."""
     for key in _COMMENTS:
         found = _form(SENTENCES["en"][key]).fullmatch(comment)
         if found:
-            return language.say(key, **found.groupdict())
+            return language.translate(key, **found.groupdict())
     return comment
 
 

@@ -2,8 +2,8 @@
 
 Workers enforce the limits of time and memory and kill what exceeds them. This side detects what they cannot: a worker that is
 frozen or cut off is silent to the scheduler; it gets no more tasks, and its tasks are given up when their time is over. A
-worker of another release, as its name tells, gets no tasks: it would crash on one that it cannot unpickle. Should it get one
-after all, it refuses it (`service.workers.dask_task`).
+worker of another release, as its name tells, gets no tasks, as it could not unpickle them. Should it get a task after all, it
+refuses the task (`service.workers.dask_task`).
 """
 
 import logging
@@ -61,7 +61,7 @@ class DaskExecutor:
         self._sent: dict[Future[Any], _SubmittedTask] = {}
         self._checked_at = 0.0
         self._seen: dict[str, tuple[float, float]] = {}
-        """Per worker, when the scheduler last heard from it by its clock, and since when that has not changed."""
+        """Per worker, the time of its last sign of life by the scheduler's clock, and since when that has not changed."""
         self._refused: dict[str, tuple[str, float]] = {}
         """Per worker that refused a task, why, and until when it gets none."""
         self._usable: tuple[str, ...] = ()

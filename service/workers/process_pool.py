@@ -79,7 +79,7 @@ class ProcessPool:
         self._lock = threading.Lock()
         self._slots: list[_Slot] = []
         self._shut_down = False
-        self._watch = _SlotWatch(self._look_at_all)
+        self._watch = _SlotWatch(self._check_slots)
 
     def submit(self, limit_s: float, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
         """Queue a task that keeps to its own time of `limit_s` [s]; one that does not is stopped shortly afterwards."""
@@ -117,18 +117,18 @@ class ProcessPool:
         except Empty:
             return None
 
-    def _look_at_all(self) -> None:
-        """Look at every process, whatever befalls the others; raise the first error after that."""
+    def _check_slots(self) -> None:
+        """Check every process, even if another one's check fails; raise the first error after that."""
         errors = []
         for number, slot in enumerate(self._slots):
             try:
-                self._look_at(number, slot)
+                self._check_slot(number, slot)
             except Exception as error:  # noqa: BLE001 - raised below
                 errors.append(error)
         if errors:
             raise errors[0]
 
-    def _look_at(self, number: int, slot: "_Slot") -> None:
+    def _check_slot(self, number: int, slot: "_Slot") -> None:
         if (silent := slot.silent_s()) is not None:
             logger.error("a worker process has not answered for %.0f s: it is killed and replaced", silent)
             self._slots[number] = _Slot(self._waiting, self._setup)
@@ -147,7 +147,7 @@ class _SlotWatch(SupervisedThread):
         )
         self._look = look
 
-    def turn(self) -> float:
+    def run_once(self) -> float:
         """Look at all processes once; return the pause before the next look [s]."""
         self._look()
         return WATCH_S

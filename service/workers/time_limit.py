@@ -11,7 +11,7 @@ from types import FrameType
 GRACE_S = 10.0
 """Time after the limit within which a process must notice that its time is over."""
 REPEAT_S = 1.0
-"""Time after which it is told once more: what is raised within a destructor or a callback of native code gets lost."""
+"""Time after which the error is raised again: an error within a destructor or a callback of native code is lost."""
 
 SOON_S = 1e-3
 """Time after which a limit that is over already takes effect: zero would switch it off."""
@@ -22,7 +22,7 @@ class OutOfTime(RuntimeError):
 
 
 @contextmanager
-def limited(seconds: float) -> Iterator[None]:
+def limit_time(seconds: float) -> Iterator[None]:
     """Limit the time of the block [s]. Raises OutOfTime; a process that hangs in native code is ended some seconds later."""
     if threading.current_thread() is not threading.main_thread():
         raise RuntimeError("a task needs a process of its own to keep to its time")
@@ -39,8 +39,8 @@ def limited(seconds: float) -> Iterator[None]:
 
 
 @contextmanager
-def leaving(seconds: float) -> Iterator[None]:
-    """Limit a block within `limited` so that at least so much of its time is left afterwards [s]. Raises OutOfTime."""
+def reserve_time(seconds: float) -> Iterator[None]:
+    """Limit a block within `limit_time` so that at least so much of its time is left afterwards [s]. Raises OutOfTime."""
     left, repeat = signal.getitimer(signal.ITIMER_REAL)
     began = time.monotonic()
     signal.setitimer(signal.ITIMER_REAL, max(left - seconds, SOON_S), repeat)

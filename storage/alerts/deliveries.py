@@ -184,7 +184,7 @@ def queue_for(session: Session, row: SubscriptionRow, event: AlertEventRow) -> D
     return delivery
 
 
-def hasten(session: Session, kind: str) -> None:
+def retry_now(session: Session, kind: str) -> None:
     """Make the pending deliveries of all subscriptions of a kind due at once: their receiver is back."""
     own = select(SubscriptionRow.id).where(SubscriptionRow.kind == kind)
     waiting = update(DeliveryRow).where(DeliveryRow.state == PENDING, DeliveryRow.subscription_id.in_(own))

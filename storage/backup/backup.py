@@ -102,7 +102,7 @@ def restore(
             )
         claim = Claim(engine)
         try:
-            claim.take()
+            claim.acquire()
             if not overwrite:
                 _require_empty(engine, url)
             if engine.dialect.name == "sqlite":

@@ -11,8 +11,8 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
-from storage.database.private_files import PRIVATE
 from storage.database.schema import KEPT_BY_ITSELF
+from storage.files.private_files import PRIVATE
 from storage.tables.base import Base
 
 FORMAT = 1

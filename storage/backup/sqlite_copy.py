@@ -13,8 +13,8 @@ from storage.backup.restored_access import KnownKey, RestoredAccess, amend, know
 from storage.database.claim import DatabaseUnusable, file_of, require_logs, require_own_name
 from storage.database.damage import marker_of
 from storage.database.engine import temporary_engine
-from storage.database.private_files import PRIVATE
 from storage.database.schema import require_known, revision_of, row_counts
+from storage.files.private_files import PRIVATE
 
 _PIECE = 1 << 20
 _PAGES_AT_ONCE = 4096

@@ -12,8 +12,8 @@ from sqlalchemy import Connection, Engine, func, select
 from sqlalchemy.exc import DBAPIError, PendingRollbackError
 
 from estimator.errors import Unavailable
-from storage.database import file_lock
-from storage.database.private_files import PRIVATE
+from storage.files import file_lock
+from storage.files.private_files import PRIVATE
 
 CLAIM_KEY = 0x52554E444F574E
 """Key of the advisory lock that is held on a PostgreSQL database."""
@@ -43,7 +43,7 @@ class Claim:
         self._place: file_lock.FileIdentity | None = None
         self._lock = threading.Lock()
 
-    def take(self, *, shared: bool = False) -> None:
+    def acquire(self, *, shared: bool = False) -> None:
         """Take the claim; raise DatabaseUnusable when another process holds it or, where `shared`, holds it alone."""
         held = f"database {self._engine.url!r} is in use by another service: stop that one first"
         self._shared = shared
@@ -61,7 +61,7 @@ class Claim:
             try:
                 self._lock_beside(_lock_path(path))
                 if path.is_file():
-                    self._place = file_lock.take(path)
+                    self._place = file_lock.acquire(path)
             except BlockingIOError as error:
                 self.release()
                 raise DatabaseUnusable(held) from error
@@ -81,12 +81,12 @@ class Claim:
                 return
             self._file.close()  # another claim has just taken it away
 
-    def keep(self) -> None:
+    def reacquire(self) -> None:
         """Take the claim again when the server was restarted and has lost it. Raises DatabaseUnusable, DBAPIError."""
         with self._lock:
             self._renew()
 
-    def hold(self, number: int, second: int) -> bool:
+    def hold_lock(self, number: int, second: int) -> bool:
         """Hold a further PostgreSQL lock as long as the claim; return False while another connection holds it.
 
         That connection may be an earlier one of this process which the server has not given up yet. Raises DatabaseUnusable,
@@ -111,7 +111,7 @@ class Claim:
         except (DBAPIError, PendingRollbackError):  # broken now, or since it was last used
             self.release()
         self._lost = True  # stays set until the claim is taken again
-        self.take(shared=self._shared)
+        self.acquire(shared=self._shared)
         self._lost = False
 
     def release(self) -> None:

@@ -16,7 +16,7 @@ from sqlalchemy import URL, Engine, create_engine, event, make_url, select
 from sqlalchemy.exc import ArgumentError, DatabaseError, DBAPIError, NoSuchModuleError, OperationalError
 from sqlalchemy.orm import Session, sessionmaker
 
-from storage.database import file_lock, private_files, versions, writer_turn
+from storage.database import versions, writer_turn
 from storage.database.claim import CLAIM_KEY, Claim, DatabaseUnusable, file_of, require_logs, require_own_name
 from storage.database.damage import MALFORMED_JSON, Damage, marker_of
 from storage.database.file_inspection import damages
@@ -24,6 +24,7 @@ from storage.database.schema_upgrade import bring_up_to_date
 from storage.database.sqlite_files import SqliteFiles
 from storage.database.writer_turn import WriterTurn
 from storage.encoding.text import json_text
+from storage.files import file_lock, private_files
 from storage.recent_maximum import RecentMaximum
 
 LARGEST_LOG = 64 * 2**20
@@ -31,9 +32,9 @@ LARGEST_LOG = 64 * 2**20
 FRAMES_AT_A_LOOK, EVERY_FRAME = 300, 2**31
 """Numbers of the log's frames that a regular look, and the one before the last checkpoint, take in."""
 MENDED = "pages of its log were overwritten, and newer ones or the file itself have all they held"
-"""Finding that is told until a check has found all pages whole."""
+"""Finding that is reported until a check has found all pages whole."""
 CLOSING_S, LOOK_S = 4.0, 0.1
-"""Time for which closing waits until all that can be saved is, and interval at which it tries [s]."""
+"""Longest time for which closing tries to save what can be saved, and the interval between attempts [s]."""
 WRITER_KEY = CLAIM_KEY + 1
 """Key of the PostgreSQL advisory lock that each writing transaction holds."""
 _CONNECTION = {
@@ -68,7 +69,7 @@ class Database:
         self._files = _kept_files(self.engine)
         self._turn = WriterTurn(self._files, alone=self.kind == "sqlite")
         path = file_of(self.engine)
-        self._place = None if path is None else file_lock.use(path)
+        self._place = None if path is None else file_lock.register(path)
         self.damage = Damage(None if path is None else marker_of(path))
         """Damage of the store, as far as it has been met."""
         event.listen(self.engine, "handle_error", self.damage.watch)
@@ -122,14 +123,14 @@ class Database:
 
         SQLite files cannot be shared. Raises DatabaseUnusable when another service has the claim.
         """
-        self._claim.take(shared=shared)
+        self._claim.acquire(shared=shared)
 
-    def hold(self, number: int, second: int) -> bool:
+    def hold_lock(self, number: int, second: int) -> bool:
         """Hold a PostgreSQL advisory lock as long as the claim; return False while another connection holds it.
 
         Always True on SQLite, where there is no other process.
         """
-        return self._claim.hold(number, second)
+        return self._claim.hold_lock(number, second)
 
     @property
     def needs_restart(self) -> bool:
@@ -183,7 +184,7 @@ class Database:
         try:
             with self.reading() as session:
                 session.execute(select(1))
-            self._claim.keep()
+            self._claim.reacquire()
         except DBAPIError as error:
             raise DatabaseUnusable(f"the database does not answer: {error.orig}") from error
 
@@ -200,7 +201,7 @@ class Database:
         if self._files is not None:
             self._files.close()
         if self._place is not None:
-            file_lock.leave(self._place)
+            file_lock.unregister(self._place)
             self._place = None
 
     def turn(self) -> AbstractContextManager[None]:
@@ -283,7 +284,7 @@ def temporary_engine(url: str | URL) -> Iterator[Engine]:
     """
     engine = engine_of(url)
     path = file_of(engine)
-    place = file_lock.use(path) if path is not None and path.is_file() else None
+    place = file_lock.register(path) if path is not None and path.is_file() else None
     try:
         yield engine
     except DBAPIError as error:
@@ -291,7 +292,7 @@ def temporary_engine(url: str | URL) -> Iterator[Engine]:
     finally:
         engine.dispose()
         if place is not None:
-            file_lock.leave(place)
+            file_lock.unregister(place)
 
 
 def _engine(url: str | URL) -> Engine:

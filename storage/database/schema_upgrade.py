@@ -35,7 +35,7 @@ def _claimed(engine: Engine, *, older: bool) -> Iterator[None]:
     claim = Claim(engine)
     try:
         if older:
-            claim.take()
+            claim.acquire()
         yield
     finally:
         claim.release()

@@ -1,9 +1,9 @@
 """The files of an open SQLite store: checking that they are those that were opened, and saving data that only they hold.
 
 SQLite goes on writing to a log that was deleted, and reports nothing. Whoever opens the store meanwhile, or after a kill,
-misses all that is in that log. A checkpoint through an open connection still moves all of it into the main file. Of a log that
-was cut off, see `write_ahead_log`, nothing may be moved but what is left, and nothing into a main file over which another one
-was written, see `main_file`, unless the log has every page.
+misses all that is in that log. A checkpoint through an open connection still moves all of it into the main file. Two cases are
+exceptions. If the log was cut off (`write_ahead_log`), only its remaining part may be moved. If another file was written over
+the main file (`main_file`), nothing may be moved unless the log has every page.
 """
 
 import logging
@@ -15,8 +15,8 @@ from pathlib import Path
 from sqlalchemy.exc import OperationalError
 
 from storage.database.claim import DatabaseUnusable, logs_of
-from storage.database.main_file import MainFile
-from storage.database.write_ahead_log import WriteAheadLog
+from storage.files.main_file import MainFile
+from storage.files.write_ahead_log import WriteAheadLog
 
 logger = logging.getLogger(__name__)
 

@@ -7,7 +7,7 @@ import msgspec
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.fit.channel_sensitivity import ChannelEffects
+from estimator.fit.validation.channel_sensitivity import ChannelEffects
 
 ZIP = b"PK"
 """Prefix of a block that an older release wrote: a numpy archive."""

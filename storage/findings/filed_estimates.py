@@ -1,4 +1,4 @@
-"""Repository of what was identified in the order in which it was filed, for readers that want what is new."""
+"""Repository of identified values in the order of filing, for readers that poll for new ones."""
 
 from collections.abc import Collection, Sequence
 from typing import Any

@@ -54,8 +54,8 @@ def block_row(
 ) -> dict[str, Any]:
     """Return the row of a block of samples of one source.
 
-    first_sequence: number of one of them, which no other block holds; received_at: when the last of them came, by this
-    machine's clock [ns].
+    first_sequence: sequence number of a sample in this block and in no other; received_at: arrival of the block's last sample,
+    by this machine's clock [ns].
     """
     return {
         "machine_id": key.machine_id,

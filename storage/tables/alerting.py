@@ -12,8 +12,8 @@ class AlertRow(Base):
     """An alert: one episode of a finding, at most one open per machine, rule and element.
 
     condition, severity, latching, suppressions: see `service.alerts.lifecycle`; state: derived from these for display.
-    evidence: the finding's numbers, of which words are made when it is told. message: empty, but for alerts of releases that
-    stored words and too few numbers.
+    evidence: the finding's numbers, from which the text is made when it is reported. message: empty, but for alerts of
+    releases that stored words and too few numbers.
     """
 
     __tablename__ = "alerts"

@@ -89,7 +89,7 @@ class CalibrationRow(Base):
 
 
 class BalancingRow(Base):
-    """A field balancing, from its initial runs to its check run; each step stays as it was told and computed."""
+    """A field balancing, from its initial runs to its check run; each step stays as it was entered and computed."""
 
     __tablename__ = "balancings"
     __table_args__ = (Index(None, "machine_id", "id"),)
@@ -162,7 +162,7 @@ class LimitsRow(Base):
     machine_id: Mapped[str] = mapped_column(ForeignKey("machines.id"), primary_key=True)
     version: Mapped[int] = mapped_column(primary_key=True)
     document: Mapped[dict[str, Any]]
-    """Limits as in `service.monitoring.limits`, complete: later defaults change nothing that was set."""
+    """Limits as in `service.monitoring.rules.limits`, complete: later defaults change nothing that was set."""
     at: Mapped[int]
     by: Mapped[str] = mapped_column(Name(120))
     comment: Mapped[str] = mapped_column(Text)

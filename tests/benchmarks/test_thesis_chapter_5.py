@@ -68,7 +68,7 @@ def test_the_regression_is_exact_on_its_own_data_and_far_off_with_noise(rig: Rig
 
 def test_run_ups_find_misalignment_and_nothing_else(rig: Rig) -> None:
     runs = [fitted(rig, RUN_UP, seed=seed) for seed in range(3)]
-    watch = RunWindows.over(rig.machine, [observation_of(one, rig.machine.channels) for one in runs])
+    watch = RunWindows.from_baseline(rig.machine, [observation_of(one, rig.machine.channels) for one in runs])
 
     def said(factors: Floats) -> list[tuple[str, str]]:
         after = [fitted(rig, RUN_UP, seed=seed, factors=factors) for seed in (10, 11)]

@@ -29,7 +29,8 @@ from formats.wire.rejection import Reason
 from service.commands.help_panels import EXAMPLES
 from service.configuration.settings import Settings
 from service.http.error_status import STATUS
-from service.monitoring.finding_rules import FINDING_RULES, RATE_RULE
+from service.monitoring.rules.drift_rule import RATE_RULE
+from service.monitoring.rules.finding_rules import FINDING_RULES
 from storage.measurements.runs import SamplesReleased
 from tests.paths import ROOT
 

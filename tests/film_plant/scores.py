@@ -7,8 +7,8 @@ import numpy as np
 
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.fit.identification import Identification
-from estimator.fit.physical_limits import PhysicalLimits
 from estimator.fit.problem.coordinates import Coordinates
+from estimator.fit.validation.physical_limits import PhysicalLimits
 from estimator.machine.document import Machine
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.condensation import CondensedTrain, condense

@@ -14,9 +14,9 @@ from estimator.identification.quality_gate import identify_gated
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.channel_status import ChannelStatus
 from estimator.phasors.recorded_run import RecordedRun
-from service.monitoring.assess import assess
-from service.monitoring.assessment import AssessedRun, AssessmentBasis, AssessmentContext, MachineDiagnosis
-from service.monitoring.limits import Limits
+from service.monitoring.assessment.assess import assess
+from service.monitoring.assessment.context import AssessedRun, AssessmentBasis, AssessmentContext, MachineDiagnosis
+from service.monitoring.rules.limits import Limits
 from tests.film_plant.discrepancy import DiscrepancySize
 from tests.film_plant.documents import film_document, measured
 from tests.film_plant.misalignment import SETTLED, left_off, moved

@@ -59,11 +59,11 @@ def test_loads_are_those_of_the_plant_whose_pedestals_give_way() -> None:
         bearing["film"] |= {"elevation_x": float(moved[0]), "elevation_y": float(moved[1])}
     speed = np.sort(plant.speeds(5))
     due = plant.films(speed)
-    found = [one for one in film_train(parse_machine(said)).over(speed) if one is not None]
+    found = [one for one in film_train(parse_machine(said)).follow(speed) if one is not None]
     loads = np.stack([one.force for one in found])
     assert np.abs(loads - due.load).max() < 1e-3 * np.abs(due.load).max()
     rigid = [
-        one for one in film_train(parse_machine(said | {"pedestals": [], "parameters": []})).over(speed) if one is not None
+        one for one in film_train(parse_machine(said | {"pedestals": [], "parameters": []})).follow(speed) if one is not None
     ]
     assert np.abs(np.stack([one.force for one in rigid]) - due.load).max() > 3e-3 * np.abs(due.load).max()
 

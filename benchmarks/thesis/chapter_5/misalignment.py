@@ -54,7 +54,9 @@ class _Baseline:
     def of(cls, rig: Rig) -> Self:
         """Fit the aligned rig's runs."""
         fits = [fitted(rig, RUN_UP, seed=seed) for seed in SETS]
-        return cls(fits, RunWindows.over(rig.machine, [observation_of(outcome, rig.machine.channels) for outcome in fits]))
+        return cls(
+            fits, RunWindows.from_baseline(rig.machine, [observation_of(outcome, rig.machine.channels) for outcome in fits])
+        )
 
 
 def misalignment_section(rig: Rig) -> str:

@@ -1,4 +1,4 @@
-// Written by `python -m service.commands.page_declarations` from service/monitoring/finding_rules.py; not to be changed here.
+// Written by `python -m service.commands.page_declarations` from service/monitoring/rules/finding_rules.py; not to be changed here.
 
 /** Kinds of findings that have limits of their own. */
 export const RULES = ["misalignment", "bearing", "coupling", "pedestal", "settlement", "wear", "oil", "process_force", "unbalance", "rotating_coupling", "run_out", "sensor", "rate_of_change"] as const;

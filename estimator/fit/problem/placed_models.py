@@ -46,7 +46,7 @@ class PlacedModel:
 
     @cached_property
     def numbers(self) -> NDArray[np.intp]:
-        """Return the coordinates (P,) that its curves are functions of: those that it reads, then those of its parameters."""
+        """Return the coordinates (P,) that its curves depend on: first those of other models that it reads, then its own."""
         return np.array([*self.read, *self.places], dtype=np.intp)
 
     def own(self, theta: Floats) -> Floats:

@@ -107,7 +107,7 @@ class Broadcaster:
                 self._clients.add(client)
             return client
 
-    def leave(self, client: Client) -> None:
+    def remove(self, client: Client) -> None:
         """Remove a client that has disconnected."""
         self._clients.discard(client)
 
@@ -147,7 +147,7 @@ class Broadcaster:
         while True:
             try:
                 for one in await asyncio.to_thread(self._read, self._last):
-                    self._hand_out(one)
+                    self._dispatch(one)
                 self.trouble = None
             except Exception as error:  # noqa: BLE001 - it is logged
                 self.trouble = report_failure(logger, "alert events cannot be read", error)
@@ -156,7 +156,7 @@ class Broadcaster:
                 self.trouble = None  # nobody's
                 return
 
-    def _hand_out(self, one: StreamEvent) -> None:
+    def _dispatch(self, one: StreamEvent) -> None:
         self._last = one.number
         for client in list(self._clients):
             if client.queue.full():
@@ -167,7 +167,7 @@ class Broadcaster:
 
 
 def _stream_event(row: AlertEventRow, texts: SiteTexts) -> StreamEvent:
-    """Return an event with its text; one that cannot be rendered must not stop those behind it."""
+    """Return an event with its text; an event that cannot be rendered has none, so that later ones still get through."""
     try:
         event = alert_event(row, texts)
         return StreamEvent(row.id, event, _text(event))
@@ -231,7 +231,7 @@ async def stream(
                     yield news.text
                 last = news.number
     finally:
-        broadcaster.leave(client)
+        broadcaster.remove(client)
 
 
 @router.get(

@@ -156,11 +156,11 @@ class AlertChange:
                 require(self.if_match, *(rendering.alert(row, texts.in_language(one)) for one in LANGUAGES))
                 change(session, row)
             except (Stale, Forbidden) as refused:
-                raise type(refused)(f"{refused}; {_what_happened(session, row)}") from refused
+                raise type(refused)(f"{refused}; {_last_event_text(session, row)}") from refused
             return tagged(self.response, rendering.alert(row, _texts(self.request)))
 
 
-def _what_happened(session: Session, row: AlertRow) -> str:
+def _last_event_text(session: Session, row: AlertRow) -> str:
     """Describe the alert's last event: people who act at the same time learn of each other."""
     last = alerts.last_event(session, row.id)
     kind, at = last.kind.replace("_", " "), to_datetime(last.at)

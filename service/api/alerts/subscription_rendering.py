@@ -2,7 +2,7 @@
 
 from service.api.alerts import subscription_schemas as schemas
 from service.api.conventions.values import time_or_none
-from service.delivery.signing_secrets import SigningSecrets, where_kept
+from service.delivery.signing_secrets import SigningSecrets, describe_storage
 from storage.alerts import deliveries
 from storage.alerts.deliveries import PENDING
 from storage.clock import to_datetime
@@ -18,7 +18,7 @@ def subscription(row: SubscriptionRow, secrets: SigningSecrets) -> schemas.Subsc
         target=row.target,
         state=row.state,
         reason=row.reason,
-        secret_kept=where_kept(row.secret),
+        secret_kept=describe_storage(row.secret),
         trouble=secrets.trouble(row),
         plants=deliveries.subscribed_plants(row),
         reports=row.reports,

@@ -23,7 +23,7 @@ from service.security.requirement import ADMIN, OPERATOR
 from storage.alerts import deliveries
 from storage.clock import now
 
-TryOut = Callable[[int], Awaitable[DeliveryOutcome]]
+SendTest = Callable[[int], Awaitable[DeliveryOutcome]]
 """Function that sends a test message to a subscription."""
 
 router = APIRouter(prefix="/subscriptions", tags=["subscriptions"], responses=RESPONSES, dependencies=[OPERATOR])
@@ -164,8 +164,8 @@ def redeliver(request: Request, subscription_id: Number, delivery_id: Number) ->
 @router.post("/{subscription_id}/test", operation_id="test_subscription", dependencies=[ADMIN], responses=CHANGES)
 async def test_subscription(request: Request, subscription_id: Number) -> schemas.TestOut:
     """Send a test message now and answer with the result. It is not in the delivery log."""
-    try_out: TryOut | None = request.app.state.try_out
-    if try_out is None:
+    send_test: SendTest | None = request.app.state.send_test
+    if send_test is None:
         raise Forbidden("this process delivers nothing: ask the one that does")
-    outcome = await try_out(subscription_id)
+    outcome = await send_test(subscription_id)
     return schemas.TestOut(result=outcome.result, answer=outcome.answer)

@@ -37,7 +37,7 @@ class ComputedCache:
         """Return the number of different computations asked for and not finished."""
         return self._long.waiting + self._short.waiting
 
-    def quick(self, key: Hashable, compute: Callable[[], T]) -> T:
+    def get_or_compute(self, key: Hashable, compute: Callable[[], T]) -> T:
         """Return the cached result, or compute one that takes no time. Raises what `compute` raises."""
         with self._lock:
             if key in self._entries:
@@ -50,7 +50,7 @@ class ComputedCache:
                 self._entries.popitem(last=False)
         return found
 
-    def in_turn(
+    def compute_queued(
         self, key: Hashable, compute: Callable[[], T], *, long: bool, caller: Hashable, wanted: Callable[[], bool]
     ) -> T:
         """Return the cached result, or compute one that takes tenths of a second, or seconds where it is long.
@@ -73,4 +73,4 @@ class ComputedCache:
 
     def _on_one_core(self, key: Hashable, compute: Callable[[], T]) -> T:
         with threadpoolctl.threadpool_limits(1):
-            return self.quick(key, compute)  # it may have been computed between the first look and its turn
+            return self.get_or_compute(key, compute)  # it may have been computed between the first look and its turn

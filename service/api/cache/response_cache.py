@@ -63,7 +63,7 @@ class ResponseCache:
         self._under_way: dict[Hashable, asyncio.Task[_CachedResponse]] = {}
 
     @property
-    def making(self) -> int:
+    def computing(self) -> int:
         """Count the responses that are being computed."""
         return len(self._under_way)
 

@@ -44,7 +44,7 @@ def tagged(response: Response, answer: Answer) -> Answer:
 
 
 def require(if_match: str | None, *current: BaseModel) -> None:
-    """Raise PreconditionMissing without If-Match, and Stale where it names no ETag of the state, however it is told."""
+    """Raise PreconditionMissing without If-Match, and Stale where it names no ETag of the state in any representation."""
     if if_match is None:
         raise PreconditionMissing(
             "say with If-Match which state is to be changed: the ETag that it was read with, or * for whatever there is"

@@ -1,4 +1,4 @@
-"""Language of who asks, for answers that tell people of findings: by Accept-Language, else the site's. Errors stay English."""
+"""Language of an answer that describes findings: by Accept-Language, else the site's. Errors stay English."""
 
 from typing import cast
 
@@ -8,7 +8,7 @@ from service.wording.language import Language, asked_language
 
 
 def reader_language(request: Request) -> Language:
-    """Return the language that a request wants findings to be told in."""
+    """Return the language in which a request wants findings described."""
     site = cast(Language, request.app.state.texts.language)
     accepted = request.headers.get("accept-language")
     return asked_language(accepted, site) if accepted else site

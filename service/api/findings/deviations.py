@@ -21,14 +21,14 @@ from service.api.conventions.problems import RESPONSES, Unsuitable
 from service.api.conventions.values import time_or_none
 from service.api.findings import deviation_schemas as schemas
 from service.api.findings.evidence import MeanSizeOut
-from service.monitoring.assessment import WEEK
+from service.monitoring.assessment.context import WEEK
 from service.monitoring.comparison import Compared, compared
 from service.monitoring.condition_adjustment import condition_adjustment, points, readings
-from service.monitoring.limit_rule import Level
-from service.monitoring.limits import Limits, deviation_rule, severity_of
 from service.monitoring.limits_in_force import limits_in_force
+from service.monitoring.rules.limit_rule import Level
+from service.monitoring.rules.limits import Limits, deviation_rule, severity_of
 from service.security.requirement import VIEWER
-from service.wording.told_finding import ToldFinding
+from service.wording.described_finding import DescribedFinding
 from storage.clock import to_datetime
 from storage.findings import diagnoses, identifications
 from storage.findings.identifications import IdentificationUnknown
@@ -98,9 +98,9 @@ def read_trend_tests(
         tests += [_distance_test(one) for one in distance_trends(baseline, after, element or None)]
     left_out = _left_out(session, found, baseline, after[-1].point)
     asked = left_out if everything else [*parameter, *element]
-    told = {name for one in tests for name in (one.name, parameter_of(one.name))}
+    tested = {name for one in tests for name in (one.name, parameter_of(one.name))}
     machine = machines.document(session, machine_id, found.identification.revision)
-    reasons = {name: left_out.get(name) or _reason_not_tested(machine, name) for name in asked if name not in told}
+    reasons = {name: left_out.get(name) or _reason_not_tested(machine, name) for name in asked if name not in tested}
     return schemas.TrendTestsOut(**compared_fields(session, found, reasons), run_length=RUN_LENGTH, tests=tests)
 
 
@@ -207,9 +207,9 @@ def _together(session: Session, row: IdentificationRow) -> dict[str, list[MeanSi
     diagnosis = diagnoses.of_identification(session, row.id)
     found: dict[str, list[MeanSizeOut]] = {}
     for cause in [] if diagnosis is None else diagnosis.causes:
-        told = ToldFinding(cause["kind"], cause["element"], cause)
-        for part in told.parts():
-            size = MeanSizeOut(**asdict(part) | {"members": list(part.members), "runs": told.runs_of(part)})
+        finding = DescribedFinding(cause["kind"], cause["element"], cause)
+        for part in finding.parts():
+            size = MeanSizeOut(**asdict(part) | {"members": list(part.members), "runs": finding.runs_of(part)})
             found.setdefault(element_of(part.name), []).append(size)
     return found
 

@@ -10,7 +10,7 @@ from pydantic import BaseModel, Field
 from estimator.diagnosis.finding_kinds import FINDING_KINDS
 from estimator.machine.parameter_description import is_direct
 from estimator.rotor.parameter_names import change_unit
-from service.monitoring.finding_rules import RATE_OF_CHANGE
+from service.monitoring.rules.drift_rule import RATE_OF_CHANGE
 
 if TYPE_CHECKING:
     RateKind = str

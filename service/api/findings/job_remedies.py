@@ -1,4 +1,4 @@
-"""Failed jobs in a person's words: what can be done about one, by the error that it ended with."""
+"""Remedies for failed jobs in plain words, by the error that ended the job."""
 
 from collections.abc import Mapping
 

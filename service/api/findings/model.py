@@ -186,7 +186,7 @@ def cached_result(
         return process.compute(compute, replace(one), *read) if apart else compute(one, *read)
 
     caller = (principal(request).identity, request.client.host if request.client else None)
-    return one, cache.in_turn(key, work, long=slow or apart, caller=caller, wanted=lambda: not _has_gone(request))
+    return one, cache.compute_queued(key, work, long=slow or apart, caller=caller, wanted=lambda: not _has_gone(request))
 
 
 def read_identified(request: Request, identification_id: int) -> Identified:
@@ -197,7 +197,7 @@ def read_identified(request: Request, identification_id: int) -> Identified:
         with database(request).reading() as session:
             return identified(session, identification_id)
 
-    return cache.quick((identification_id,), read)
+    return cache.get_or_compute((identification_id,), read)
 
 
 def _has_gone(request: Request) -> bool:

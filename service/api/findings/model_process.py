@@ -11,11 +11,11 @@ from concurrent.futures.process import BrokenProcessPool
 from typing import ParamSpec, TypeVar
 
 from estimator.errors import Unavailable
+from estimator.machine.checks.document_size import document_size
 from estimator.machine.document import Machine
-from estimator.machine.document_size import document_size
 from estimator.machine.film_speeds import follows_films
 from service.workers.process_pool import Interrupted, ProcessPool, WorkerStuck
-from service.workers.time_limit import OutOfTime, limited
+from service.workers.time_limit import OutOfTime, limit_time
 
 LONG_ELEMENTS, LONG_UNKNOWNS = 50, 150
 """Sizes beyond which a train is long."""
@@ -74,5 +74,5 @@ class ModelProcess:
 
 
 def _in_time(seconds: float, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> T:
-    with limited(seconds):
+    with limit_time(seconds):
         return work(*args, **kwargs)

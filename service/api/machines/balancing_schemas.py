@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self
 
 from pydantic import BaseModel, Field, model_validator
 
-from estimator.calibration.criterion import Criterion
+from estimator.balancing.criterion import Criterion
 from estimator.field_types import Identifier
 from estimator.machine.disc_scale import DiscScale
 from estimator.strict_model import StrictModel

@@ -11,8 +11,8 @@ import numpy as np
 from fastapi import APIRouter, Request, status
 from sqlalchemy.orm import Session
 
-from estimator.calibration.balancing_check import check_balancing
-from estimator.calibration.field_balancing import (
+from estimator.balancing.balancing_check import check_balancing
+from estimator.balancing.field_balancing import (
     BalancingOptions,
     BalancingRun,
     FieldBalancing,
@@ -20,8 +20,8 @@ from estimator.calibration.field_balancing import (
     balance_from_trials,
     mass_of_rotors,
 )
-from estimator.calibration.trial_runs import require_plausible_weight
-from estimator.calibration.weight_places import WeightPlaces
+from estimator.balancing.trial_runs import require_plausible_weight
+from estimator.balancing.weight_places import WeightPlaces
 from estimator.errors import Conflict
 from estimator.machine.disc_scale import DiscScale
 from estimator.machine.document import Machine
@@ -36,7 +36,7 @@ from service.balancing.open_causes import require_nothing_else
 from service.balancing.rendering import check_fields, correction_fields, on_scale
 from service.balancing.stored_runs import StoredWeight, balancing_run, read_weights
 from service.identification.stored_model import identified
-from service.monitoring.finding_catalogue import finding_name
+from service.monitoring.rules.finding_catalogue import finding_name
 from service.security.requirement import ANALYST, VIEWER
 from storage.clock import now, to_datetime
 from storage.machines import balancings, machines

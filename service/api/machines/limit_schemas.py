@@ -5,7 +5,7 @@ from datetime import datetime
 from pydantic import BaseModel, ConfigDict
 
 from service.api.conventions.fields import NonBlankText
-from service.monitoring.limits import Limits
+from service.monitoring.rules.limits import Limits
 from service.security.principal import Author
 
 

@@ -9,8 +9,8 @@ from service.api.conventions.paging import ById
 from service.api.conventions.preconditions import ANYTHING, IfMatch, PreconditionMissing
 from service.api.conventions.problems import RESPONSES
 from service.api.machines.limit_schemas import LimitsIn, LimitsOut
-from service.monitoring.limits import Limits
 from service.monitoring.limits_in_force import LimitsChanged, set_limits
+from service.monitoring.rules.limits import Limits
 from service.security.requirement import OPERATOR, VIEWER
 from storage.clock import to_datetime
 from storage.machines import limits, machines

@@ -40,7 +40,7 @@ class ModelCalibrationIn(StrictModel):
     by: Author
 
     @model_validator(mode="after")
-    def _something(self) -> Self:
+    def _require_content(self) -> Self:
         if not self.runs and self.balancing is None:
             raise ValueError(
                 "a calibration needs runs: one as the machine is (`weights: []`) and one with a known unbalance at least, or "

@@ -2,8 +2,8 @@
 
 from typing import Any
 
+from estimator.machine.checks.document_warnings import document_warnings
 from estimator.machine.document import Machine
-from estimator.machine.document_warnings import document_warnings
 from service.api.machines import schemas
 from storage.clock import to_datetime
 from storage.machines.fleet import ListedMachine

@@ -66,7 +66,9 @@ def read_report(request: Request, machine_id: MachineId, period: Period, locale:
     day = moment // DAY_NS if period.last is None else None
     caller = (principal(request).identity, request.client.host if request.client else None)
     key = (machine_id, period, day, stamp, language)
-    pdf = cache.in_turn(key, work, long=True, caller=caller, wanted=lambda: not from_thread.run(request.is_disconnected))
+    pdf = cache.compute_queued(
+        key, work, long=True, caller=caller, wanted=lambda: not from_thread.run(request.is_disconnected)
+    )
     name = f"{machine_id}-{to_datetime(asked.last):%Y-%m-%d}.pdf"
     return Response(
         pdf,

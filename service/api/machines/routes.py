@@ -6,8 +6,8 @@ from fastapi import APIRouter, Body, Request, Response, status
 from sqlalchemy.orm import Session
 
 from estimator.errors import NotAllowed
+from estimator.machine.checks.document_size import accepted
 from estimator.machine.document import DocumentError, Machine
-from estimator.machine.document_size import accepted
 from service.api.cache.response_cache import Cached
 from service.api.conventions.dependencies import MachineId, Reading, database, principal
 from service.api.conventions.many_problems import LISTING_FEW_PROBLEMS

@@ -1,4 +1,4 @@
-"""Reasons for refusing input in a person's words: what it means, and what to do about it."""
+"""Reasons for refusing input in plain words: the meaning of each, and the remedy."""
 
 from collections.abc import Mapping
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from estimator.alignment.run_likelihood import run_likelihood, taken_off
+from estimator.alignment.run_likelihood import contained_prior, run_likelihood
 from tests.estimator.alignment.drawn_runs import COORDINATES, drawn_machine, fitted
 
 FEW = 60
@@ -45,7 +45,7 @@ def test_a_fit_widened_in_one_direction_beyond_its_prior_has_its_prior_taken_off
     ways = np.linalg.inv(root.T) @ basis
     covariance = factor * (ways * known @ ways.T)
     widened = covariance + 5.0 * np.outer(ways[:, 0], ways[:, 0])
-    taken, pulling = taken_off(widened, precision)
+    taken, pulling = contained_prior(widened, precision)
     information = np.linalg.inv(widened) - taken
     among = np.linalg.inv(precision + 10 * information)
     said = ways.T @ precision @ among @ precision @ ways  # in the prior's units
@@ -59,9 +59,9 @@ def test_a_fit_widened_in_one_direction_beyond_its_prior_has_its_prior_taken_off
 def test_what_varies_from_run_to_run_is_seen_less_sharply() -> None:
     rng = np.random.default_rng(2)
     said = run_likelihood(fitted(drawn_machine(rng), rng))
-    still = said.seen_through(np.zeros_like(said.information))
+    still = said.marginalised(np.zeros_like(said.information))
     assert still.information == pytest.approx(said.information, rel=1e-6, abs=1e-3)
     varying = np.diag((0.1 * COORDINATES.spread) ** 2)
-    blurred = said.seen_through(varying)
+    blurred = said.marginalised(varying)
     expected = np.linalg.inv(np.linalg.inv(said.information) + varying)
     assert blurred.information == pytest.approx(expected, rel=1e-4, abs=1e-4 * np.abs(expected).max())

@@ -16,9 +16,9 @@ from estimator.bearings.model import ModelParameter
 from estimator.bearings.table import Table
 from estimator.fit.identification import Identification, Options
 from estimator.fit.identify import identify
+from estimator.machine.checks.document_size import document_size
+from estimator.machine.checks.document_warnings import document_warnings
 from estimator.machine.document import DocumentError, Machine, parse_machine
-from estimator.machine.document_size import document_size
-from estimator.machine.document_warnings import document_warnings
 from estimator.machine.parameter_description import describe
 from estimator.modes.nominal_critical_speeds import nominal_critical_speeds
 from estimator.phasors.measurement import Measurement

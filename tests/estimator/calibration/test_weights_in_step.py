@@ -9,7 +9,7 @@ from benchmarks.calibration.simulated_trains import RUNS, SPEEDS, MountedTrain
 from estimator.arrays import Complexes
 from estimator.calibration.calibrate import LARGE_MOUNTING_PART, calibrate
 from estimator.calibration.calibration_runs import CalibrationRun
-from estimator.calibration.weights_in_step import IN_STEP, NOT_SEEN, ONE_MORE, TOO_FEW, doubt
+from estimator.calibration.weights_in_step import IN_STEP, NOT_SEEN, ONE_MORE, TOO_FEW, judge_differences
 
 MOUNTINGS, DISCS = 8, 4
 
@@ -25,24 +25,24 @@ def drawn(seed: int) -> tuple[Complexes, Complexes]:
 
 
 def test_chance_is_seldom_taken_for_wrong_weights() -> None:
-    doubted = [bool(doubt(*drawn(seed), part=0.4)) for seed in range(1000)]
+    doubted = [bool(judge_differences(*drawn(seed), part=0.4)) for seed in range(1000)]
     assert sum(doubted) <= 5
 
 
 @pytest.mark.parametrize("seed", range(10))
 def test_differences_that_go_with_weights_are_doubted(seed: int) -> None:
     difference, weight = drawn(seed)
-    assert doubt(difference + np.conj(weight) - weight, weight, part=0.9) == IN_STEP
+    assert judge_differences(difference + np.conj(weight) - weight, weight, part=0.9) == IN_STEP
     opposite = weight.copy()
     opposite[1] *= -1.0
-    assert doubt(difference + weight - opposite, opposite, part=0.6) in {IN_STEP, ONE_MORE}
+    assert judge_differences(difference + weight - opposite, opposite, part=0.6) in {IN_STEP, ONE_MORE}
 
 
 def test_weights_that_do_hardly_more_than_chance_are_not_believed() -> None:
     difference, weight = drawn(0)
-    assert doubt(difference, weight, part=0.5) == ""
-    assert doubt(difference, weight, part=2.0) == NOT_SEEN
-    assert doubt(difference[:1], weight[:1], part=0.4) == TOO_FEW
+    assert judge_differences(difference, weight, part=0.5) == ""
+    assert judge_differences(difference, weight, part=2.0) == NOT_SEEN
+    assert judge_differences(difference[:1], weight[:1], part=0.4) == TOO_FEW
 
 
 @pytest.fixture(scope="module")

@@ -10,13 +10,13 @@ import pytest
 
 from estimator.arrays import Floats
 from estimator.diagnosis.bayes_factors import Diagnosis
-from estimator.diagnosis.data_faults import fits, says_nothing
+from estimator.diagnosis.data_faults import fits, is_uninformative
 from estimator.diagnosis.film_reference import film_observation, film_reference, is_of_films
 from estimator.diagnosis.finding_kind import BaselineValues, Cause
 from estimator.diagnosis.finding_kinds import finding_kind
 from estimator.diagnosis.observation import Observation, ObservedFit
 from estimator.diagnosis.run_windows import RunWindows
-from estimator.fit.channel_sensitivity import ChannelEffects
+from estimator.fit.validation.channel_sensitivity import ChannelEffects
 from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.document import Machine, parse_machine
 from estimator.machine.under_conditions import under_conditions
@@ -71,7 +71,7 @@ def machine() -> Floats:
 def watch() -> RunWindows:
     rng = np.random.default_rng(4)
     runs = [fitted(drawn_run(machine(), VARIATION, rng), rng) for _ in range(BASELINE)]
-    return RunWindows.over(MODEL.machine, [says(one) for one in runs], variation=VARIATION)
+    return RunWindows.from_baseline(MODEL.machine, [says(one) for one in runs], variation=VARIATION)
 
 
 def after(changes: Mapping[str, float], *, runs: int = 2, seed: int = 5, **fit: Any) -> list[Observation]:
@@ -147,12 +147,12 @@ def test_a_run_that_is_refused_for_its_films_alone_says_what_it_says() -> None:
 
 def test_a_refused_run_whose_films_deviate_absurdly_says_nothing() -> None:
     one, *_ = after({}, runs=1, accepted=False)
-    assert not says_nothing(one)
+    assert not is_uninformative(one)
     deviating = [name.startswith("films.B2.") for name in one.names]
     absurd = replace(one, reference=np.where(deviating, 4.0, one.reference))
-    assert says_nothing(absurd)
+    assert is_uninformative(absurd)
     assert not fits(absurd, frozenset())
-    assert not says_nothing(replace(absurd, accepted=True))
+    assert not is_uninformative(replace(absurd, accepted=True))
 
 
 def test_what_was_believed_beforehand_is_not_counted_with_every_run() -> None:

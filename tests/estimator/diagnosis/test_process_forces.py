@@ -16,8 +16,8 @@ from estimator.machine.alignment_rules import HealthyVariation
 from estimator.machine.document import Machine, parse_machine
 from estimator.machine.under_conditions import under_conditions
 from estimator.updated_model.model import expected_model
+from service.wording.described_finding import DescribedFinding
 from service.wording.finding_words import process_force_words
-from service.wording.told_finding import ToldFinding
 from tests.estimator.diagnosis.test_film_findings import TWO_SHAFTS, columns_of
 from tests.estimator.diagnosis.test_film_reference import BASELINE, observed
 from tests.estimator.statics.films import motor_compressor_document
@@ -54,7 +54,7 @@ def run(rng: np.random.Generator, force: float = 0.0) -> Observation:
 
 def test_a_force_that_has_changed_is_named_with_its_size() -> None:
     rng = np.random.default_rng(6)
-    watch = RunWindows.over(train(), [run(rng) for _ in range(BASELINE)], variation=HealthyVariation())
+    watch = RunWindows.from_baseline(train(), [run(rng) for _ in range(BASELINE)], variation=HealthyVariation())
     still = watch.found([run(rng), run(rng)], on_delay=lambda _kind, _element: 2)
     assert still.causes == ()
     (cause,) = watch.found([run(rng, -600.0), run(rng, -600.0)], on_delay=lambda _kind, _element: 2).causes
@@ -92,7 +92,10 @@ def test_runs_whose_force_varies_as_stated_are_no_finding_and_more_stated_variat
     baseline = [run(rng, 120.0 * rng.standard_normal()) for _ in range(BASELINE)]
     moved = [run(rng, -250.0), run(rng, -250.0)]
     told = [
-        {cause.kind for cause in RunWindows.over(train(), baseline, variation=one).found(moved, on_delay=lambda *_: 2).causes}
+        {
+            cause.kind
+            for cause in RunWindows.from_baseline(train(), baseline, variation=one).found(moved, on_delay=lambda *_: 2).causes
+        }
         for one in (HealthyVariation(process_force=0.0), stated)
     ]
     assert told == [{"process_force"}, set()]
@@ -105,7 +108,7 @@ def test_its_words_tell_newtons_with_what_it_was() -> None:
     assert part.unit == "N"
     assert part.value == pytest.approx(-600.0)
     assert part.lower == pytest.approx(-658.8, abs=0.1)
-    told = ToldFinding("process_force", "static_load.gear", {"quantities": size.quantities})
+    told = DescribedFinding("process_force", "static_load.gear", {"quantities": size.quantities})
     assert process_force_words(told)["size"] == "by -600 ± 59 N along y, from -500 N"
 
 

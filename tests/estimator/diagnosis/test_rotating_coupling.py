@@ -8,7 +8,7 @@ import pytest
 from estimator.arrays import Complexes
 from estimator.diagnosis.finding_kind import BaselineValues, Cause
 from estimator.diagnosis.finding_kinds import finding_kind
-from estimator.diagnosis.observation import limited_alike
+from estimator.diagnosis.observation import with_common_errors
 from estimator.diagnosis.run_windows import RunWindows
 from estimator.machine.parts import RotatingError
 from estimator.rotor.condensation import condense
@@ -74,17 +74,17 @@ def test_fits_of_an_older_release_that_say_nothing_of_it_are_compared_without_it
     baseline = plant.watch().baseline
     kept = [name for name in baseline[0].names if "rotating" not in name]
     assert len(kept) == len(baseline[0].names) - 4
-    older = [one.limited(kept) for one in baseline]
-    watch = RunWindows.over(plant.motor_pump(), older)
+    older = [one.with_errors_of(kept) for one in baseline]
+    watch = RunWindows.from_baseline(plant.motor_pump(), older)
     unbalanced = plant.after(plant.grown({}, {0: 1.5}))
     assert {one.kind for one in watch.found(unbalanced, on_delay=plant.delay(2)).causes} == {"unbalance"}
     assert {one.kind for one in watch.found(plant.healthy(2), on_delay=plant.delay(2)).causes} == set()
-    mixed = limited_alike([*older[:3], *baseline[3:]])
+    mixed = with_common_errors([*older[:3], *baseline[3:]])
     assert {one.names for one in mixed} == {tuple(kept)}
 
 
 def test_observations_that_lack_something_are_left_as_they_are() -> None:
     one = plant.watch().baseline[0]
-    assert one.limited(one.names) is one
-    assert one.limited([*one.names, "coupling.C9.rotating_offset.real"]) is one
-    assert replace(one).limited(one.names[:3]).names == one.names
+    assert one.with_errors_of(one.names) is one
+    assert one.with_errors_of([*one.names, "coupling.C9.rotating_offset.real"]) is one
+    assert replace(one).with_errors_of(one.names[:3]).names == one.names

@@ -83,7 +83,7 @@ def says(identification: Identification) -> Observation:
 def watch() -> RunWindows:
     """A watch over the healthy machine."""
     runs = [first_run(), *(run(true_machine(), seed) for seed in range(1, BASELINE))]
-    return RunWindows.over(motor_pump(), [says(one) for one in runs])
+    return RunWindows.from_baseline(motor_pump(), [says(one) for one in runs])
 
 
 @cache

@@ -9,8 +9,8 @@ from estimator.arrays import Floats
 from estimator.fit.gap_checks import GapVerdict, with_gaps
 from estimator.fit.identification import Options
 from estimator.fit.identify import identify
-from estimator.fit.maximum_likelihood import fit
-from estimator.fit.multistart import chosen_start
+from estimator.fit.optimisation.maximum_likelihood import fit
+from estimator.fit.optimisation.multistart import chosen_start
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.problem_setup import fit_problem
 from estimator.machine.document import Machine, parse_machine

@@ -14,9 +14,9 @@ import pytest
 
 from estimator.fit.estimates import Estimate
 from estimator.fit.fit_samples import NotEnoughData
-from estimator.fit.goodness_of_fit import accepted
 from estimator.fit.identification import Identification, Options
 from estimator.fit.identify import identify
+from estimator.fit.validation.goodness_of_fit import accepted
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.measurement import Measurement, joined
 from tests.estimator.trains import (

@@ -180,7 +180,7 @@ def test_a_small_mesh_is_left_as_it_is() -> None:
     assert modal_basis(machine, 500.0) is EVERYTHING
     assert expected_model(machine).matrices(1.0).mass.shape[0] == assemble_rotor(machine).size
     vectors = np.ones((assemble_rotor(machine).size, 2))
-    for same in (EVERYTHING.onto, EVERYTHING.expanded, EVERYTHING.coordinates):
+    for same in (EVERYTHING.project, EVERYTHING.expanded, EVERYTHING.coordinates):
         assert same(vectors) is vectors
     assert EVERYTHING.reduced(assemble_rotor(machine)) is assemble_rotor(machine)
 

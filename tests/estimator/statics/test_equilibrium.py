@@ -30,7 +30,7 @@ def test_loads_positions_and_coefficients_are_those_of_the_reference_arrays(kind
     with np.load(DATA / "motor-compressor" / "arrays.npz") as arrays:
         speed = arrays["speed"][::3]
         named = {what: arrays[f"{kind}.{case}.{what}"][::3] for what in ("load", "journal_position", "stiffness", "damping")}
-    for place, found in enumerate(train.over(speed)):
+    for place, found in enumerate(train.follow(speed)):
         assert found is not None
         load = named["load"][place]
         assert np.all(np.abs(found.force - load) <= 0.02 * np.linalg.norm(load, axis=1)[:, None])

@@ -36,7 +36,7 @@ def test_coefficients_are_those_of_the_equilibria_between_the_speeds_that_are_so
     model = film_model(parse_machine(document(discrepancy=0.0)))
     fitted = drawn(model, 1)
     found = model.at(SPEED).values(fitted).reshape(SPEED.size, 4, 8)
-    for row, one in zip(found, model.own.changed(fitted).over(SPEED), strict=True):
+    for row, one in zip(found, model.own.changed(fitted).follow(SPEED), strict=True):
         assert one is not None
         exact = np.concatenate([one.stiffness.reshape(4, 4), one.damping.reshape(4, 4)], axis=1)
         for part in (slice(0, 4), slice(4, 8)):
@@ -139,7 +139,7 @@ def test_what_was_solved_before_changes_nothing() -> None:
 
 def test_the_documents_films_are_those_followed_speed_by_speed() -> None:
     nominal = film_model(parse_machine(document())).nominal
-    for one, other in zip(nominal.equilibria, nominal.train.over(nominal.speed), strict=True):
+    for one, other in zip(nominal.equilibria, nominal.train.follow(nominal.speed), strict=True):
         assert other is not None
         np.testing.assert_allclose(one.position, other.position, atol=1e-12)
 

@@ -12,8 +12,8 @@ from service.advice.advice_lines import advice_lines
 from service.advice.site_texts import SiteTexts
 from service.alerts.advice_message import Advice
 from service.alerts.lifecycle import Severity
-from service.monitoring.finding_catalogue import finding_rule
-from service.monitoring.finding_rules import FINDING_RULES
+from service.monitoring.rules.finding_catalogue import finding_rule
+from service.monitoring.rules.finding_rules import FINDING_RULES
 from service.wording.language import ENGLISH, GERMAN, LANGUAGES, Language
 
 MEASURED = datetime(2026, 11, 26, tzinfo=UTC)

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from service.advice.site_texts import read_texts
-from service.monitoring.finding_catalogue import finding_rule
+from service.monitoring.rules.finding_catalogue import finding_rule
 from service.wording.finding_texts import TextsWrong
 from service.wording.language import ENGLISH, GERMAN
 

@@ -5,7 +5,7 @@ import re
 
 import pytest
 
-from service.commands.terminal import say, say_lines
+from service.commands.terminal import print_line, print_text
 from service.configuration.log_format import TextLines
 from service.security import api_keys
 from service.security.role import Role
@@ -26,8 +26,8 @@ def test_a_key_s_name_steers_no_terminal(database: Database) -> None:
 
 
 def test_a_line_is_one_line_and_lines_are_our_own(capsys: pytest.CaptureFixture[str]) -> None:
-    say(f"Jörg, 10 µm ± 1 %: {STEERING}")
-    say_lines("one\ntwo \x9b31m", err=True)
+    print_line(f"Jörg, 10 µm ± 1 %: {STEERING}")
+    print_text("one\ntwo \x9b31m", err=True)
     assert capsys.readouterr() == (f"Jörg, 10 µm ± 1 %: {ESCAPED}\n", "one\ntwo \\x9b31m\n")
 
 

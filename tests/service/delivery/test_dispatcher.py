@@ -338,7 +338,7 @@ def test_what_was_under_way_at_a_stop_is_delivered_after_the_next_start(
 def test_a_test_message_says_that_it_is_one(plant: Database, network: Router, http: Receiver) -> None:
     subscription = subscribe(plant, http.url("/ok"), name="historian")
     one = Dispatcher(plant, network[0], settings())
-    outcome = asyncio.run(one.try_out(subscription))
+    outcome = asyncio.run(one.send_test(subscription))
     assert (outcome.result, outcome.answer) == ("delivered", "204")
     assert http.received[0].json["type"] == "rundown.alert.test"
     assert rows(plant, subscription) == []
@@ -353,7 +353,7 @@ def test_a_subscription_of_an_unknown_kind_is_an_error_and_holds_up_no_other(
     with delivering(plant, network) as one:
         raise_one(plant, found, machine())
         wait_until(lambda: bool(http.at("/ok/webhook")) and rows(plant, unknown)[0].attempts == 1)
-        assert asyncio.run(one.try_out(unknown)).result == "failed"
+        assert asyncio.run(one.send_test(unknown)).result == "failed"
     (row,) = rows(plant, unknown)
     assert row.state == "pending"
     assert (
@@ -475,5 +475,5 @@ def test_a_webhook_whose_secret_cannot_be_had_is_stated_and_holds_up_no_other(
         assert unsigned.startswith("webhook 'lost' is told nothing: its secret is sealed")
         assert plain.startswith("the secret of webhook 'old' is stored unencrypted")
         assert one.trouble is None
-        assert asyncio.run(one.try_out(lost)).result == "failed"
+        assert asyncio.run(one.send_test(lost)).result == "failed"
     assert http.at("/ok/lost") == []

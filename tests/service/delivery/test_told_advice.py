@@ -6,7 +6,7 @@ from service.advice.advice_lines import advice_lines
 from service.delivery.alertmanager import Alertmanager
 from service.delivery.channel import EventMessage
 from service.delivery.cloud_event import cloud_event
-from service.delivery.mail import letter
+from service.delivery.mail import compose_mail
 from service.delivery.messages import trial_message
 from service.wording.language import GERMAN
 from tests.service.advice.test_advice import AHEAD, GROWING, PART, told
@@ -18,7 +18,7 @@ MESSAGE = EventMessage(EVENT, "plant-1")
 
 
 def test_a_mail_says_how_far_how_urgent_and_what_to_do() -> None:
-    mail = letter(settings(public_url="https://rundown.example"), "anna@plant.example", MESSAGE).get_content()
+    mail = compose_mail(settings(public_url="https://rundown.example"), "anna@plant.example", MESSAGE).get_content()
     assert mail.startswith(ADVICE.what)
     for one in (ADVICE.how_far[0].words, ADVICE.how_sure.words, ADVICE.how_urgent.words, *ADVICE.check, *ADVICE.confirm):
         assert f"- {one}\n" in mail
@@ -45,7 +45,7 @@ def test_an_alertmanager_has_it_as_its_description() -> None:
 def test_a_mail_is_in_the_language_that_is_set() -> None:
     advice = told("coupling", "coupling.C1", None, GERMAN, parts=[PART], progress=GROWING | {"ahead": AHEAD})
     event = EVENT.model_copy(update={"message": advice.what, "advice": advice, "rule": "coupling", "comment": "Anna kommt"})
-    mail = letter(settings(), "anna@plant.example", EventMessage(event, "plant-1"), GERMAN)
+    mail = compose_mail(settings(), "anna@plant.example", EventMessage(event, "plant-1"), GERMAN)
     assert mail["Subject"] == "[Warnung] pump-7 test: Kupplung, normal"
     assert "Maschine   plant-1/pump-7\n" in mail.get_content()
     assert "Kommentar  Anna kommt\n" in mail.get_content()

@@ -312,7 +312,7 @@ CONFUSED = ZeroDivisionError("a fault of ours")
 REFUSED = IntegrityError("INSERT", {}, Exception("an alert that the database does not take"))
 
 
-@pytest.mark.parametrize("step", ["assessment_context.load_context", "conclusions.apply"])
+@pytest.mark.parametrize("step", ["context_loading.load_context", "conclusions.apply"])
 @pytest.mark.parametrize("error", [CONFUSED, REFUSED], ids=["unforeseen", "refused by the database"])
 def test_a_result_that_cannot_be_judged_is_kept_and_that_no_alert_follows_is_told(
     database: Database, train: Machine, executor: LocalExecutor, monkeypatch: pytest.MonkeyPatch, error: Exception, step: str

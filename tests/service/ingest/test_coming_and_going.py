@@ -32,12 +32,12 @@ def test_a_source_that_leaves_while_the_roll_is_called_is_not_taken_for_alive(
     token = client.liveliness().declare_token(KEY.live)
     tokens = router.liveliness().declare_subscriber(ALL_LIVE, zenoh.handlers.FifoChannel(10), history=True)
     fetching = Surroundings().recovery(router)
-    fetching.follow(tokens.recv())
+    fetching.note_liveliness(tokens.recv())
     assert list(fetching.live) == [KEY]
     fetching.check_tails(quiet_s=3600.0)
     wait_until(lambda: roll(router) == [KEY.live])  # asked later, so the call before has its answer
     token.undeclare()
-    fetching.follow(tokens.recv())
+    fetching.note_liveliness(tokens.recv())
     wait_until(lambda: roll(router) == [])
     fetching.collect(100)
     assert list(fetching.live) == []

@@ -159,6 +159,6 @@ def test_a_machine_whose_samples_wait_has_not_fallen_silent(plant: Database, off
     journal = Journal(plant, collector)
     assert not collector.has_fallen_silent(KEY.machine, silence_s=0.2, alive=False)
     time.sleep(0.3)
-    journal.note_heard(KEY.machine)
+    journal.note_activity(KEY.machine)
     assert not collector.has_fallen_silent(KEY.machine, silence_s=0.2, alive=False)
     assert off == [0]

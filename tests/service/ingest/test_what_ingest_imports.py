@@ -64,7 +64,7 @@ def test_storing_and_closing_need_no_model_of_the_machine(module: str) -> None:
 @pytest.mark.parametrize(
     ("module", "known"),
     [
-        ("service.monitoring.assessment_context", {"estimator.machine.document", "estimator.trends.parameter_vector"}),
+        ("service.monitoring.context_loading", {"estimator.machine.document", "estimator.trends.parameter_vector"}),
         ("service.monitoring.conclusions", set[str]()),
         ("service.monitoring.assessment_queue", set[str]()),
         ("service.alerts.transitions", set[str]()),
@@ -81,7 +81,7 @@ def test_what_works_within_transactions_asks_workers_and_computes_nothing_itself
     named = {
         one
         for one in imported_directly_by(module)
-        if one.startswith("estimator.") or (one + ".").startswith("service.monitoring.assess.")
+        if one.startswith("estimator.") or (one + ".").startswith("service.monitoring.assessment.assess.")
     }
     named.discard("estimator.errors")
     reading = {f"{one}.{function}" for one in known for function in ("parse_machine", "describe")}

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 import pytest
 from sqlalchemy.orm import Session
 
-from service.monitoring import assessment_context
+from service.monitoring import context_loading
 from storage.alerts import alerts
 from storage.alerts.alerts import ListedAlert
 from storage.database.engine import Database
@@ -116,7 +116,7 @@ def test_what_was_refused_before_the_baseline_was_complete_is_not_the_newest(pla
 
 
 def test_since_when_is_remembered_longer_than_runs_are_looked_at(plant: Database, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(assessment_context, "LOOKED_BACK", 6)
+    monkeypatch.setattr(context_loading, "LOOKED_BACK", 6)
     with plant.transaction() as session:
         weeks = Weeks(session)
         weeks.file(times=BASELINE + 1)

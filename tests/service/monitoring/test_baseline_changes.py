@@ -2,8 +2,8 @@
 
 import pytest
 
-from service.monitoring import assessment_context, baseline_changes
-from service.monitoring.assess import compare
+from service.monitoring import baseline_changes, context_loading
+from service.monitoring.assessment.assess import compare
 from service.monitoring.baseline_changes import BaselineRefused
 from storage.alerts import alerts
 from storage.database.engine import Database
@@ -153,13 +153,13 @@ def test_baselines_hold_identifications_of_one_slow_roll_version(plant: Database
     with plant.transaction() as session:
         for number in range(7):
             row = store_identification(session, identification(), run_id=number, measured_at=START + number)
-        context = assessment_context.load_context(session, row, baseline_runs=5)
+        context = context_loading.load_context(session, row, baseline_runs=5)
         assert context is not None
         found = compare(context)
         assert found is not None
         assert len(found.after) == 2
         row.slow_roll_version = 1
         session.flush()
-        context = assessment_context.load_context(session, row, baseline_runs=5)
+        context = context_loading.load_context(session, row, baseline_runs=5)
         assert context is not None
         assert compare(context) is None

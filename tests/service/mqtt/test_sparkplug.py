@@ -282,7 +282,7 @@ def test_a_metric_that_never_comes_is_said_and_asked_for_ever_more_rarely(caplog
 
 def _asks(node: EdgeNode, moment: float) -> bool:
     node.wants_rebirth = True
-    return node.asks_now(moment)
+    return node.claim_rebirth_request(moment)
 
 
 @pytest.mark.parametrize(("quality", "value"), [(192, 12.5), (0, None), (500, None)])

@@ -15,7 +15,7 @@ from service.reports import report_process
 from service.reports.contents import ReportContents
 from service.reports.report_process import NotPrinted, ReportProcess
 from service.workers import process_pool
-from service.workers.time_limit import limited
+from service.workers.time_limit import limit_time
 from tests.end_to_end.processes import until
 
 TIME_S, GRACE_S, WAITED_S = 2.0, 1.0, 60.0
@@ -23,7 +23,7 @@ TIME_S, GRACE_S, WAITED_S = 2.0, 1.0, 60.0
 
 def stop_itself(seconds: float, contents: ReportContents) -> bytes:
     """Print nothing: the process is stopped as by somebody outside; the second one prints."""
-    with limited(seconds):
+    with limit_time(seconds):
         marker = cast(str, contents)
         if not os.path.exists(marker):
             with open(marker, "x") as file:

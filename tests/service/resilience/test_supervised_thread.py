@@ -19,7 +19,7 @@ class Counting(SupervisedThread):
         self.finished = 0
         self.troubles: list[str | None] = []
 
-    def turn(self) -> float:
+    def run_once(self) -> float:
         self.troubles.append(self.trouble)
         self.turns += 1
         if self.turns in self.errors:

@@ -3,8 +3,8 @@
 import pytest
 
 from estimator.diagnosis.finding_kind import SizePart
+from service.wording.described_finding import DescribedFinding
 from service.wording.finding_words import element_words, interval, misalignment_words, part_words, rounded
-from service.wording.told_finding import ToldFinding
 
 
 @pytest.mark.parametrize(
@@ -45,7 +45,7 @@ def test_an_element_whose_coefficients_change_together_is_told_once() -> None:
             "members": ["bearing.B2.kxx"],
         },
     ]
-    told = ToldFinding("misalignment", "coupling.C1", {"parts": parts, "form": "combined", "quantities": {}})
+    told = DescribedFinding("misalignment", "coupling.C1", {"parts": parts, "form": "combined", "quantities": {}})
     assert misalignment_words(told) == {
         "judgement": "is going out of alignment (combined)",
         "size": "all coefficients of coupling C1 together +53 % (+49 to +58)",
@@ -53,7 +53,7 @@ def test_an_element_whose_coefficients_change_together_is_told_once() -> None:
 
 
 def test_what_an_older_release_stored_is_told_without_intervals() -> None:
-    told = ToldFinding("coupling", "coupling.C1", {"quantities": {"coupling.C1.stiffness_per_cent": 12.3}})
+    told = DescribedFinding("coupling", "coupling.C1", {"quantities": {"coupling.C1.stiffness_per_cent": 12.3}})
     assert element_words(told) == {"size": "stiffness +12 %"}
 
 

@@ -5,7 +5,8 @@ from collections.abc import Iterable
 
 import pytest
 
-from service.monitoring.finding_rules import FINDING_RULES, RATE_RULE
+from service.monitoring.rules.drift_rule import RATE_RULE
+from service.monitoring.rules.finding_rules import FINDING_RULES
 from service.wording.english import ENGLISH_SENTENCES
 from service.wording.finding_texts import LISTS, FindingTexts
 from service.wording.german import GERMAN_SENTENCES
@@ -53,15 +54,15 @@ def test_a_finding_called_as_an_element_or_quantity_has_its_name() -> None:
 
 def test_what_a_language_lacks_is_said_in_english(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(SENTENCES, "de", {"decimal_mark": ","})
-    assert GERMAN.say("compared.mean", runs=3) == "mean of the newest 3 runs against the baseline"
-    assert GERMAN.say("wear", grown="3", after=79.0, before=69.0) == "3 % larger, 79 µm in place of 69 µm"
+    assert GERMAN.translate("compared.mean", runs=3) == "mean of the newest 3 runs against the baseline"
+    assert GERMAN.translate("wear", grown="3", after=79.0, before=69.0) == "3 % larger, 79 µm in place of 69 µm"
     assert GERMAN.named("run_up") == "run-up"
     assert GERMAN.named("static_load") == "static load"
 
 
 def test_fractions_have_the_decimal_mark_of_the_language() -> None:
-    assert ENGLISH.say("urgent.so_far", far=-1.25) == "it has changed by -1.2 % so far; "
-    assert GERMAN.say("urgent.so_far", far=-1.25) == "bisher hat er sich um -1,2 % geändert; "
+    assert ENGLISH.translate("urgent.so_far", far=-1.25) == "it has changed by -1.2 % so far; "
+    assert GERMAN.translate("urgent.so_far", far=-1.25) == "bisher hat er sich um -1,2 % geändert; "
     assert GERMAN.digits("12.35 ± 0.12") == "12,35 ± 0,12"
     assert GERMAN.element("coupling.C1") == "Kupplung C1"
     assert GERMAN.element("machine") == "Maschine"

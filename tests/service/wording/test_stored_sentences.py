@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-from estimator.fit.goodness_of_fit import Verdict
+from estimator.fit.validation.goodness_of_fit import Verdict
 from estimator.phasors.quality import Flag
 from service.alerts import transitions
 from service.wording.english import ENGLISH_SENTENCES
 from service.wording.language import ENGLISH, GERMAN, LANGUAGES
-from service.wording.stored_sentences import STORED_SENTENCES, in_language, told_comment
+from service.wording.stored_sentences import STORED_SENTENCES, comment_in_language, in_language
 
 ROOT = Path(__file__).parents[3]
 PLACE = re.compile(r"\{(\w+)\}")
@@ -81,14 +81,16 @@ def pieces(fragment: str, text: str) -> int:
 
 
 def test_comments_of_the_service_are_told_in_a_language_and_reasons_of_people_as_they_were_given() -> None:
-    assert told_comment("its cause is gone", GERMAN) == "die Ursache ist entfallen"
-    assert told_comment("its time is over", GERMAN) == "die Zeit ist abgelaufen"
-    said = told_comment("a new baseline begins: bearing B1 and coupling renewed; aligned", GERMAN)
+    assert comment_in_language("its cause is gone", GERMAN) == "die Ursache ist entfallen"
+    assert comment_in_language("its time is over", GERMAN) == "die Zeit ist abgelaufen"
+    said = comment_in_language("a new baseline begins: bearing B1 and coupling renewed; aligned", GERMAN)
     assert said == "ein neuer Referenzzustand beginnt: bearing B1 and coupling renewed; aligned"
     revised = "a new baseline begins: revision 3 describes the machine otherwise"
-    assert told_comment(revised, GERMAN) == "ein neuer Referenzzustand beginnt: Revision 3 beschreibt die Maschine anders"
-    assert told_comment("looked at it", GERMAN) == "looked at it"
-    assert told_comment(revised, ENGLISH) == revised
+    assert (
+        comment_in_language(revised, GERMAN) == "ein neuer Referenzzustand beginnt: Revision 3 beschreibt die Maschine anders"
+    )
+    assert comment_in_language("looked at it", GERMAN) == "looked at it"
+    assert comment_in_language(revised, ENGLISH) == revised
 
 
 def test_comments_of_the_service_are_those_that_it_writes() -> None:

@@ -5,7 +5,7 @@ import time
 import pytest
 
 from service.workers import time_limit
-from service.workers.time_limit import OutOfTime, limited
+from service.workers.time_limit import OutOfTime, limit_time
 
 
 def busy(seconds: float) -> float:
@@ -24,14 +24,14 @@ class DestroyedSlowly:
 
 
 def test_a_block_within_its_time_is_left_alone() -> None:
-    with limited(0.2):
+    with limit_time(0.2):
         assert busy(0.01) < 0.2
     assert busy(0.4) >= 0.4  # no alarm is left behind
 
 
 def test_a_block_beyond_its_time_is_ended() -> None:
     start = time.monotonic()
-    with pytest.raises(OutOfTime), limited(0.05):
+    with pytest.raises(OutOfTime), limit_time(0.05):
         busy(10.0)
     assert time.monotonic() - start < 5.0
 
@@ -48,7 +48,7 @@ def test_a_block_whose_first_alarm_is_lost_is_ended_by_the_next(monkeypatch: pyt
         busy(10.0)
 
     start = time.monotonic()
-    with pytest.raises(OutOfTime), limited(0.05):
+    with pytest.raises(OutOfTime), limit_time(0.05):
         work()
     assert passed == ["the destructor"]
     assert time.monotonic() - start < 5.0

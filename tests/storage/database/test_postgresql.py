@@ -59,8 +59,8 @@ def test_a_claim_whose_connection_broke_in_the_middle_is_taken_again(plant: Data
             next(breaks, lambda: None)()
 
     with pytest.raises(DBAPIError):
-        plant.hold(7, 1)
-    assert plant.hold(7, 1)
+        plant.hold_lock(7, 1)
+    assert plant.hold_lock(7, 1)
     plant.check()
 
 

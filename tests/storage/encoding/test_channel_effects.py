@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 import pytest
 
-from estimator.fit.channel_sensitivity import ChannelEffects
+from estimator.fit.validation.channel_sensitivity import ChannelEffects
 from storage.encoding import channel_effects
 
 

@@ -32,7 +32,7 @@ class Asked:
             assert key != "first" or self.finish.wait(60)
             return key
 
-        return self.threads.submit(self.cache.in_turn, key, compute, long=long, caller=caller, wanted=wanted)
+        return self.threads.submit(self.cache.compute_queued, key, compute, long=long, caller=caller, wanted=wanted)
 
     def refusal(self, key: Hashable, *, caller: str) -> ComputationsBusy:
         """Return how a caller is refused at once."""
@@ -55,7 +55,7 @@ def test_an_answer_is_computed_once_and_only_so_many_are_kept() -> None:
     cache, made = ComputedCache(entries=2), []
 
     def ask(name: str) -> str:
-        return cache.quick(name, lambda: made.append(name) or name)  # type: ignore[func-returns-value]
+        return cache.get_or_compute(name, lambda: made.append(name) or name)  # type: ignore[func-returns-value]
 
     assert [ask(name) for name in ("a", "a", "b", "c", "a")] == ["a", "a", "b", "c", "a"]
     assert made == ["a", "b", "c", "a"]
@@ -114,7 +114,7 @@ def test_who_comes_back_is_behind_those_who_waited(ask: Asked) -> None:
         assert finished.wait(60)
         return "held"
 
-    third = ask.threads.submit(ask.cache.in_turn, "third", held, long=True, caller="a third", wanted=lambda: True)
+    third = ask.threads.submit(ask.cache.compute_queued, "third", held, long=True, caller="a third", wanted=lambda: True)
     wait_until(lambda: ask.cache.waiting == 6)
     ask.finish.set()
     wait_until(lambda: ask.made == ["first", "b1"])  # then the third one, who is new

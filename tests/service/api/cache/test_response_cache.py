@@ -112,7 +112,7 @@ def test_what_is_a_little_behind_is_made_anew_while_nobody_waits(database: Datab
         go_on.clear()
         found += [await ask() for _ in range(3)]  # while the next one is under way
         go_on.set()
-        while make.made < 2 or cache.making:
+        while make.made < 2 or cache.computing:
             await asyncio.sleep(0.001)
         return [*found, await ask()]
 
@@ -138,7 +138,7 @@ def test_what_goes_wrong_while_nobody_waits_is_told_to_who_asks_next(
         await asyncio.to_thread(create, database, "a")
         if database.kind != "postgresql":
             await cache.answer(asked(), ("alerts",), make, lately=TABLES)
-        while cache.making:
+        while cache.computing:
             await asyncio.sleep(0.001)
         monkeypatch.setattr(response_cache, "LATELY_S", 0.0)
         with pytest.raises(ValueError, match="cannot be made"):

@@ -13,7 +13,7 @@ from estimator.arrays import Floats
 from estimator.machine.document import parse_machine
 from estimator.updated_model.derived_quantities import Derived, alignment_quantities
 from estimator.updated_model.model import UpdatedModel, expected_model
-from service.monitoring.assessment import WEEK
+from service.monitoring.assessment.context import WEEK
 from storage.database.engine import Database
 from storage.machines import machines
 from tests.api_in_process import Api, problem, value

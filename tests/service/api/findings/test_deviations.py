@@ -14,9 +14,9 @@ from estimator.trends.covariates import adjustment
 from estimator.trends.deviations import deviations
 from estimator.trends.trend_tests import RUN_LENGTH
 from service.monitoring import baseline_changes
-from service.monitoring.assessment import WEEK
-from service.monitoring.limits import Limits
+from service.monitoring.assessment.context import WEEK
 from service.monitoring.limits_in_force import set_limits
+from service.monitoring.rules.limits import Limits
 from storage.database.engine import Database
 from storage.findings import identifications, jobs
 from storage.machines import machines

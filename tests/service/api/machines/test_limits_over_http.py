@@ -8,8 +8,8 @@ import httpx
 import pytest
 
 from benchmarks.serving import served
-from service.monitoring.limits import Limits
 from service.monitoring.limits_in_force import limits_in_force
+from service.monitoring.rules.limits import Limits
 from storage.database.engine import Database
 
 URL = "/machines/pump-7/limits"

@@ -1,0 +1,283 @@
+"""Assessment of a machine's newest runs against their baseline: a pure function, computed in a worker process."""
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from estimator.diagnosis.bayes_factors import Diagnosis
+from estimator.diagnosis.change_progress import ChangeProgress, change_progress
+from estimator.diagnosis.data_faults import is_uninformative
+from estimator.diagnosis.film_reference import film_observation, is_of_films
+from estimator.diagnosis.finding_kind import Cause, ChangeSize
+from estimator.diagnosis.healthy_variation import typical_amplitude
+from estimator.diagnosis.observation import Observation, fit_observation
+from estimator.diagnosis.run_windows import RunWindows
+from estimator.diagnosis.severity_measures import change_form, change_size
+from estimator.machine.alignment_rules import HealthyVariation
+from estimator.machine.film_speeds import follows_films
+from estimator.rotor.parameter_names import parameter_units
+from estimator.trends.covariates import Adjustment, adjustment
+from estimator.trends.trend_tests import DatedPoint
+from service.monitoring.assessment.alignment_size import alignment_size, learnt
+from service.monitoring.assessment.context import (
+    WEEK,
+    AssessedRun,
+    Assessment,
+    AssessmentContext,
+    BaselineHistory,
+    DiagnosedCause,
+    MachineDiagnosis,
+    RateAssessment,
+)
+from service.monitoring.assessment.load_changes import load_changes
+from service.monitoring.assessment.moved_parameters import adjusted_baseline, moved_parameters
+from service.monitoring.assessment.rate_of_change import RateFinding, rate_findings, with_times_to_limits
+from service.monitoring.assessment.second_order import Explanation, explained
+from service.monitoring.rules.coupling_and_bearing_findings import MISALIGNMENT
+from service.monitoring.rules.diagnosis_rules import UNLIMITED_DELAY, cause_severity, danger_limit, delays
+from service.monitoring.rules.drift_rule import RATE_OF_CHANGE
+
+
+def assess(context: AssessmentContext) -> Assessment:
+    """Diagnose a machine's change, and assess its rate."""
+    rates = None if context.history is None else _rates(context, context.history)
+    return Assessment(_diagnosis(context), rates)
+
+
+def readings(history: BaselineHistory) -> list[DatedPoint]:
+    """Return the runs after a baseline adjusted to its mean operating conditions; of runs measured at one time only the
+    last."""
+    follows = adjustment(
+        [point for point, _ in history.baseline], [measured for _, measured in history.baseline], history.conditions
+    )
+    adjusted = [follows.adjusted(point, measured) for point, measured in history.after]
+    return [DatedPoint(time, point) for time, point in dict(zip(history.times, adjusted, strict=True)).items()]
+
+
+@dataclass(frozen=True)
+class BaselineComparison:
+    """A machine's newest runs compared with its baseline, oldest first.
+
+    variation: variation of a healthy train on oil films. whole: comparison of such a train with all its runs, not the
+    newest alone.
+    """
+
+    watch: RunWindows
+    after: tuple[AssessedRun, ...]
+    observations: tuple[Observation, ...]
+    variation: HealthyVariation | None = None
+    whole: "Callable[[], BaselineComparison | None] | None" = None
+
+
+def compare(context: AssessmentContext) -> BaselineComparison | None:
+    """Compare the newest runs with their baseline, under its mean operating conditions; return None when they are not
+    comparable."""
+    if follows_films(context.machine):
+        return _compare_films(context)
+    channels = tuple(probe.id for probe in context.machine.probes)
+    baseline = [(run, fit_observation(run.fit, channels)) for run in context.baseline]
+    if not baseline:
+        return None
+    names = baseline[0][1].names
+    after = [(run, said) for run in context.after if (said := fit_observation(run.fit, channels)).names == names]
+    if not _comparable(context, [run for run, _ in after], [said for _, said in baseline]):
+        return None
+    follows = adjustment(
+        [said.point for _, said in baseline], [run.conditions for run, _ in baseline], context.machine.conditions
+    )
+    watch = RunWindows.from_baseline(context.machine, [_adjusted(said, run, follows) for run, said in baseline])
+    return BaselineComparison(
+        watch, tuple(run for run, _ in after), tuple(_adjusted(said, run, follows) for run, said in after)
+    )
+
+
+def _compare_films(context: AssessmentContext) -> BaselineComparison | None:
+    """Compare a train on oil films: viscosities count from each run's own temperature, so that nothing is adjusted."""
+    machine = context.machine
+    if not context.baseline or not all(is_of_films(run.fit, machine) for run in context.baseline):
+        return None
+    baseline = [film_observation(run.fit, machine, run.conditions) for run in context.baseline]
+    newest = context.after[-1] if context.after else None
+    if newest is None or not is_of_films(newest.fit, machine) or any(one.names != baseline[0].names for one in baseline):
+        return None
+    variation = learnt(machine, context.baseline)
+    watch = RunWindows.from_baseline(machine, baseline, variation=variation)
+    limits = context.limits
+    enough = max(watch.longest(lambda *of: delays(limits, *of)[0]), *(delays(limits, *of)[1] for of in context.open_causes), 0)
+
+    @cache
+    def observed(number: int) -> Observation:
+        return film_observation(context.after[number].fit, machine, context.after[number].conditions)
+
+    def with_newest(count: float) -> BaselineComparison | None:
+        after: list[tuple[AssessedRun, Observation]] = []
+        heard = 0  # observing takes time, and most machines are healthy: windows of newest runs are enough for them
+        for number in reversed(range(len(context.after))):
+            run = context.after[number]
+            if heard < count and is_of_films(run.fit, machine) and observed(number).names == baseline[0].names:
+                after.insert(0, (run, observed(number)))
+                heard += not is_uninformative(observed(number))
+        if not _comparable(context, [run for run, _ in after], baseline):
+            return None
+        if any(not is_uninformative(said) for _, said in after[-UNLIMITED_DELAY:]):
+            # Where all newest runs are uninformative, they are kept and reported as what no fit explains.
+            after = [pair for pair in after if not is_uninformative(pair[1])]
+        runs, said = tuple(run for run, _ in after), tuple(one for _, one in after)
+        return BaselineComparison(watch, runs, said, variation, whole=lambda: with_newest(math.inf))
+
+    return with_newest(enough)
+
+
+def _comparable(context: AssessmentContext, after: Sequence[AssessedRun], baseline: Sequence[Observation]) -> bool:
+    """Return whether the newest run is among those that can be compared, and the baseline is of the same quantities."""
+    newest = context.after[-1].id if context.after else None
+    same = all(said.names == baseline[0].names for said in baseline)
+    return same and bool(after) and after[-1].id == newest
+
+
+def _adjusted(said: Observation, run: AssessedRun, follows: Adjustment) -> Observation:
+    """Return the observation of a run under the baseline's mean operating conditions."""
+    if not follows.conditions:
+        return said
+    return said.at(follows.adjusted(said.point, run.conditions))
+
+
+def _diagnosis(context: AssessmentContext) -> MachineDiagnosis | None:
+    compared = compare(context)
+    if compared is None:
+        return None
+    limits = context.limits
+    diagnosis = compared.watch.found(compared.observations, on_delay=lambda kind, element: delays(limits, kind, element)[0])
+    whole = compared.whole() if diagnosis.causes and compared.whole is not None else None
+    causes = _causes(context, whole or compared, diagnosis)
+    gone = _cleared_causes(context, compared, diagnosis)
+    moved = moved_parameters(context, parameter_units(context.machine)) if causes else ()
+    return MachineDiagnosis(tuple(run.id for run in context.baseline), causes, gone, moved)
+
+
+def _causes(context: AssessmentContext, compared: BaselineComparison, diagnosis: Diagnosis) -> tuple[DiagnosedCause, ...]:
+    """Return the causes of a diagnosis with their size, their form, and the run with which each began and how it went on."""
+    machine = context.machine
+    amplitude = {probe.id: typical_amplitude(probe.id, compared.watch.baseline) for probe in machine.probes}
+    causes = []
+    for number, named in enumerate(diagnosis.causes):
+        found = explained(context, diagnosis, number)
+        if found.cause is not named and not all(
+            _reaches_limit(context, one, _size(context, compared, one, amplitude)) for one in (named, found.cause)
+        ):
+            # A 2× raises no alert where there would be none, and sets none aside for what raises none.
+            found = Explanation(named, diagnosis.runners_up[number])
+        cause = found.cause
+        size = _size(context, compared, cause, amplitude)
+        place = compared.watch.began(cause, compared.observations)
+        others = [one for one in diagnosis.causes if one is not named and one.names]
+        progress = _progress(context, compared, SizedChange(cause, size, amplitude), others, place)
+        began = compared.after[place]
+        if cause.kind == MISALIGNMENT.name and compared.variation is None:
+            size = replace(size, parts=(*size.parts, *load_changes(context, cause.element)))
+        causes.append(
+            DiagnosedCause(
+                cause,
+                found.runners_up,
+                size,
+                change_form(cause),
+                progress,
+                began.measured_at,
+                began.id,
+                second_order=found.second_order,
+            )
+        )
+    return tuple(causes)
+
+
+def _reaches_limit(context: AssessmentContext, cause: Cause, size: ChangeSize) -> bool:
+    """Return whether a cause that has no open alert would raise one."""
+    sigma, element = cause.distance, cause.element
+    found = cause_severity(context.limits, kind=cause.kind, element=element, sigma=sigma, size=size, force=None, present=None)
+    return found is not None
+
+
+@dataclass(frozen=True)
+class SizedChange:
+    """A cause with its size. amplitude: median by channel in the baseline [m]."""
+
+    cause: Cause
+    size: ChangeSize
+    amplitude: Mapping[str, float]
+
+
+def _progress(
+    context: AssessmentContext, compared: BaselineComparison, change: SizedChange, others: Sequence[Cause], place: int
+) -> ChangeProgress:
+    """Follow the size of a cause from the run with which it began, towards the danger limit that it has."""
+    cause, now = change.cause, change.size.limited
+    measured = compared.variation is not None and cause.kind == MISALIGNMENT.name
+    length = float(np.linalg.norm(cause.change / compared.watch.reference.unit_of(cause.names))) if measured else 0.0
+
+    def size(of: Cause) -> float | None:
+        if not measured:
+            return change_size(of, compared.watch.reference, amplitude=change.amplitude).limited
+        # An alignment is estimated from all runs together: a run's part of it is its part of the change.
+        part = float(np.linalg.norm(of.change / compared.watch.reference.unit_of(of.names))) / max(length, 1e-300)
+        return None if now is None else part * now
+
+    runs = [
+        (run.measured_at / WEEK, one)
+        for run, one in zip(compared.after[place:], compared.observations[place:], strict=True)
+        if run.fit.accepted
+    ]
+    limit = danger_limit(context.limits, cause.kind, cause.element, change.size)
+    return change_progress(compared.watch.reference, cause, others, runs, size=size, limit=limit)
+
+
+def _size(
+    context: AssessmentContext, compared: BaselineComparison, cause: Cause, amplitude: Mapping[str, float]
+) -> ChangeSize:
+    """Return the size of a cause; that of a misalignment on oil films is the change of alignment that is told elsewhere."""
+    if cause.kind != MISALIGNMENT.name or compared.variation is None:
+        return change_size(cause, compared.watch.reference, amplitude=amplitude)
+    newest = next((run for run in reversed(compared.after) if run.fit.accepted), compared.after[-1])
+    return alignment_size(context.machine, cause, context.baseline, newest, compared.variation)
+
+
+def _cleared_causes(
+    context: AssessmentContext, compared: BaselineComparison, diagnosis: Diagnosis
+) -> frozenset[tuple[str, str]]:
+    """Return the open causes that have gone; one that is still found, but below its limit less the hysteresis, has gone
+    too."""
+    seen = {(cause.kind, cause.element) for cause in diagnosis.causes}
+
+    def is_gone(kind: str, element: str) -> bool:
+        off_delay = delays(context.limits, kind, element)[1]
+        return (kind, element) in seen or compared.watch.has_gone(compared.observations, kind, element, off_delay=off_delay)
+
+    return frozenset(one for one in context.open_causes if is_gone(*one))
+
+
+def _rates(context: AssessmentContext, history: BaselineHistory) -> RateAssessment:
+    limits, drifting, adjusted = context.limits, context.open_rates, readings(history)
+
+    def longest_delay(element: str) -> int:
+        rule = limits.rule(RATE_OF_CHANGE.name, element)
+        return max(rule.on_delay, rule.off_delay)
+
+    def found(runs: Sequence[DatedPoint]) -> dict[str, RateFinding]:
+        return {one.element: one for one in rate_findings(limits, runs, drifting)}
+
+    newest = found(adjusted)
+    longest = max((longest_delay(element) for element in {*newest, *drifting}), default=1)
+    # The findings as of the newest run, then as of each run before it.
+    then = [newest, *(found(adjusted[:-back]) for back in range(1, longest))]
+
+    def lasts(element: str) -> bool:
+        return all(element in one for one in then[: limits.rule(RATE_OF_CHANGE.name, element).on_delay])
+
+    def is_gone(element: str) -> bool:
+        return not any(element in one for one in then[: limits.rule(RATE_OF_CHANGE.name, element).off_delay])
+
+    findings = tuple(one for element, one in newest.items() if element in drifting or lasts(element))
+    baseline = adjusted_baseline(context)
+    return RateAssessment(with_times_to_limits(findings, limits, baseline, adjusted), frozenset(filter(is_gone, drifting)))

@@ -1,0 +1,62 @@
+"""A finding as texts describe it: its kind, element and numbers, read from its stored evidence."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, cast
+
+from estimator.diagnosis.finding_kind import SizePart
+from estimator.machine.parameter_description import describe
+from service.wording.language import ENGLISH, Language
+
+
+@dataclass(frozen=True)
+class DescribedFinding:
+    """A finding, its numbers, and the language in which it is described.
+
+    evidence: as `Statement.evidence` returns it, or as an older release has stored it.
+    """
+
+    kind: str
+    element: str
+    evidence: Mapping[str, Any]
+    language: Language = ENGLISH
+
+    @property
+    def id(self) -> str:
+        """Return the id of its element, such as C1."""
+        return describe(self.element).element_id or self.element
+
+    @property
+    def element_kind(self) -> str:
+        """Return the kind of its element, such as coupling."""
+        return describe(self.element).element_kind
+
+    @property
+    def quantities(self) -> Mapping[str, float]:
+        """Return the numbers of its size, by name with the unit at its end."""
+        return cast("Mapping[str, float]", self.evidence.get("quantities") or {})
+
+    @property
+    def form(self) -> str | None:
+        """Return its form, such as `parallel`; None when unknown."""
+        return cast("str | None", self.evidence.get("form"))
+
+    @property
+    def of_films(self) -> bool:
+        """Return whether its size is an alignment on oil films."""
+        return "allowed_at_rpm" in self.quantities
+
+    def parts(self) -> Iterator[SizePart]:
+        """Yield the figures of its size; none of what an older release has stored."""
+        for one in self.evidence.get("parts") or ():
+            yield SizePart(**(one | {"members": tuple(one["members"])}))
+
+    def runs_of(self, part: SizePart) -> int | None:
+        """Return of how many of the newest runs a figure is the mean: loads and alignments are the newest one's."""
+        if part.before is not None or self.of_films:
+            return 1
+        return cast("int | None", self.evidence.get("runs"))
+
+    def is_tellable(self) -> bool:
+        """Return whether the evidence has the numbers that texts name; those of the first releases have not."""
+        return "since" in self.evidence and "quantities" in self.evidence

@@ -1,0 +1,163 @@
+"""Field balancing of the Chapter 3 train: runs of the dense model, which shares no code with the influence coefficients."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+from estimator.arrays import Complexes, Floats
+from estimator.balancing.balancing_check import check_balancing, limit_verdict
+from estimator.balancing.field_balancing import BalancingOptions, BalancingRun, balance_from_trials
+from estimator.balancing.trial_runs import TrialsUnusable
+from estimator.balancing.vectors_at_speeds import NoCommonSpeed
+from estimator.balancing.weight_places import WeightPlaces
+from estimator.machine.document import Machine, parse_machine
+from estimator.phasors.measurement import Measurement
+from tests.estimator.trains import chapter_3_document, dense_response, mirrored, noisy
+
+SPEED = np.linspace(160.0, 100.0, 40)
+DISCS = ("D1", "D2", "D3", "D4")
+
+
+def document(*, turned: bool = False) -> dict[str, Any]:
+    found = chapter_3_document()
+    for disc in found["discs"]:
+        disc["unbalance"]["magnitude"] *= 0.02
+    return mirrored(found) if turned else found
+
+
+def run_of(
+    said: dict[str, Any], name: str, added: dict[str, complex], *, seed: int = 0, speed: Floats = SPEED
+) -> BalancingRun:
+    """A run with weights on, as the dense model and noise of 1 % show it."""
+    loaded = {**said, "discs": [dict(disc) for disc in said["discs"]]}
+    whole = np.zeros(len(DISCS), dtype=complex)
+    for disc in loaded["discs"]:
+        own = disc["unbalance"]
+        total = own["magnitude"] * np.exp(1j * np.radians(own["angle_deg"])) + added.get(disc["id"], 0.0)
+        disc["unbalance"] = {"magnitude": float(abs(total)), "angle_deg": float(np.degrees(np.angle(total)))}
+        whole[DISCS.index(disc["id"])] = added.get(disc["id"], 0.0)
+    machine = parse_machine(loaded)
+    phasor: Complexes = noisy(dense_response(machine, speed, direction=machine.direction), seed=seed)
+    measured = Measurement.of(speed=speed, phasor=phasor, direction=machine.direction)
+    return BalancingRun(name, measured.with_trial_weight(whole) if added else measured)
+
+
+TRIALS: dict[str, complex] = {"D1": 1e-4 + 0j, "D2": 1e-4j, "D3": -1e-4 + 0j, "D4": -1e-4j}
+
+
+def runs(said: dict[str, Any]) -> tuple[list[BalancingRun], list[BalancingRun]]:
+    trials = [
+        run_of(said, f"trial {disc}", {disc: weight}, seed=number) for number, (disc, weight) in enumerate(TRIALS.items(), 2)
+    ]
+    return [run_of(said, "initial", {}, seed=1)], trials
+
+
+@pytest.mark.parametrize("turned", [False, True], ids=["positive", "negative"])
+def test_a_correction_takes_the_unbalance_away_and_the_check_run_keeps_the_promise(turned: bool) -> None:
+    said = document(turned=turned)
+    initial, trials = runs(said)
+    found = balance_from_trials(parse_machine(said), initial, trials)
+    own = np.array(
+        [one["magnitude"] * np.exp(1j * np.radians(one["angle_deg"])) for one in (disc["unbalance"] for disc in said["discs"])]
+    )
+    assert found.separation.planes == DISCS
+    assert np.max(np.abs(found.unbalance + own)) < 0.15 * np.max(np.abs(own))
+    put_on = dict(zip(DISCS, found.unbalance.tolist(), strict=True))
+    check = check_balancing(found, run_of(said, "check", put_on, seed=9))
+    shown = np.isfinite(check.vector)
+    assert np.mean(check.held[shown]) > 0.85
+    assert np.nanmax(np.abs(check.vector)) < 0.3 * np.nanmax(np.abs(found.correction.before.value))
+    grades = [(before.grade, after.grade) for before, after in zip(found.before, found.after, strict=True)]
+    assert all(after < 0.2 * before for before, after in grades)
+    measured = [plane for rotor in check.residual for plane in rotor.planes]
+    true_left = own + found.unbalance
+    assert max(abs(one.unbalance) for one in measured) < 5 * np.max(np.abs(true_left)) + 1e-6
+
+
+def test_what_is_promised_is_what_nine_of_ten_check_runs_keep() -> None:
+    """Ten calibrations with noise of their own: 95 % of the points, and none is promised less than it shows by chance."""
+    said = document()
+    machine = parse_machine(said)
+    held = []
+    for number in range(10):
+        initial = [run_of(said, "initial", {}, seed=100 * number + 1)]
+        trials = [
+            run_of(said, f"trial {disc}", {disc: weight}, seed=100 * number + 2 + at)
+            for at, (disc, weight) in enumerate(TRIALS.items())
+        ]
+        found = balance_from_trials(machine, initial, trials)
+        put_on = dict(zip(DISCS, found.unbalance.tolist(), strict=True))
+        check = run_of(said, "check", put_on, seed=100 * number + 50)
+        held.append(np.mean(np.abs(check_balancing(found, check).vector) <= found.correction.after.upper))
+    assert np.mean(held) > 0.9
+
+
+def test_limits_and_holes_are_kept_and_the_prediction_is_that_of_what_is_put_on() -> None:
+    said = document()
+    initial, trials = runs(said)
+    places = {"D1": WeightPlaces.evenly(12, radius=0.05, step=1e-4)}
+    options = BalancingOptions(limit={"D2": 3e-5}, places=places, planes=("D1", "D2"), criterion="min-max")
+    found = balance_from_trials(parse_machine(said), initial, trials, options=options)
+    assert abs(found.unbalance[1]) <= 3e-5 * (1 + 1e-6)
+    split = found.splits["D1"]
+    assert found.unbalance[0] == pytest.approx(split.unbalance)
+    assert split.masses / 1e-4 == pytest.approx(np.round(split.masses / 1e-4))
+    assert found.separation.planes == ("D1", "D2")
+
+
+def test_a_check_run_renews_the_correction() -> None:
+    said = document()
+    initial, trials = runs(said)
+    found = balance_from_trials(parse_machine(said), initial, trials, options=BalancingOptions(planes=("D1", "D3")))
+    wrong = dict(zip(("D1", "D3"), (1.5 * found.unbalance).tolist(), strict=True))
+    check = check_balancing(found, run_of(said, "check", wrong, seed=9))
+    assert check.trim == pytest.approx(-0.5 * found.unbalance, rel=0.3)
+    assert limit_verdict(check.after_trim, 1.0) == "met"
+    assert limit_verdict(check.after_trim, 1e-12) == "not met"
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"added": {}}, "trial states no trial weight"),
+        ({"added": {"D1": 48.0 + 0j}}, r"48 kg m on D1 would move the centre of mass .* 48 g mm are 4.8e-05 kg m"),
+    ],
+)
+def test_wrong_trial_weights_are_named(changed: dict[str, Any], message: str) -> None:
+    said = document()
+    run = run_of(said, "trial", {"D1": 1e-4 + 0j})
+    machine = parse_machine(said)
+    added = np.zeros(4, dtype=complex)
+    for disc, weight in changed["added"].items():
+        added[DISCS.index(disc)] = weight
+    wrong = BalancingRun("trial", run.measurement.with_trial_weight(added))
+    with pytest.raises(TrialsUnusable, match=message):
+        balance_from_trials(machine, [run_of(said, "initial", {}, seed=1)], [wrong])
+
+
+def test_a_run_against_the_documents_rotation_is_named() -> None:
+    said = document()
+    _, trials = runs(said)
+    turned = Measurement.of(speed=SPEED, phasor=trials[0].measurement.phasor, direction=-1.0)
+    with pytest.raises(TrialsUnusable, match="initial turned against the rotation of the document, which is positive"):
+        balance_from_trials(parse_machine(said), [BalancingRun("initial", turned)], trials)
+
+
+def test_a_weight_that_shows_nothing_is_named() -> None:
+    said = document()
+    added = np.array([1e-10, 0, 0, 0], dtype=complex)
+    weak = BalancingRun("trial", run_of(said, "trial", {}, seed=5).measurement.with_trial_weight(added))
+    with pytest.raises(TrialsUnusable, match="D1 does nothing at the measuring points"):
+        balance_from_trials(parse_machine(said), [run_of(said, "initial", {}, seed=1)], [weak])
+
+
+def test_runs_without_a_common_speed_and_speeds_outside_the_range_are_named() -> None:
+    said = document()
+    initial, _ = runs(said)
+    machine: Machine = parse_machine(said)
+    elsewhere = run_of(said, "trial", {"D1": 1e-4 + 0j}, speed=np.linspace(300.0, 250.0, 20))
+    with pytest.raises(NoCommonSpeed, match="the runs have no speed in common between 90 and 6000 r/min"):
+        balance_from_trials(machine, initial, [elsewhere])
+    with pytest.raises(TrialsUnusable, match="7000 r/min lies outside the document's range, 90 to 6000 r/min"):
+        balance_from_trials(machine, initial, [elsewhere], options=BalancingOptions(speed=np.array([7000 * np.pi / 30])))

@@ -1,0 +1,64 @@
+"""Warnings of documents that are taken: what is probably a mistake is named with its place and what is usual."""
+
+from typing import Any
+
+import pytest
+
+from estimator.machine.checks.document_warnings import document_warnings
+from estimator.machine.document import parse_machine
+from tests.estimator.statics.films import motor_compressor_document
+
+
+@pytest.mark.parametrize("axis", ["x", "y"])
+def test_an_elevation_beyond_the_clearance_is_named(axis: str) -> None:
+    said = motor_compressor_document("flexible")
+    clearance = said["bearings"][2]["film"]["radial_clearance"]
+    said["bearings"][2]["film"][f"elevation_{axis}"] = -1.5 * clearance
+    (warning,) = document_warnings(parse_machine(said))
+    assert warning.field == f"bearings[2].film.elevation_{axis}"
+    assert warning.words.startswith(f"{-1.5e6 * clearance:.4g} µm is more than the radial clearance, {1e6 * clearance:.4g} µm")
+    said["bearings"][2]["film"][f"elevation_{axis}"] = 0.9 * clearance
+    assert document_warnings(parse_machine(said)) == ()
+
+
+@pytest.mark.parametrize(
+    ("change", "field", "words"),
+    [
+        (
+            lambda said: said["bearings"][1]["film"].update(radial_clearance=3.9e-4),
+            "bearings[1].film.radial_clearance",
+            "390 µm is 0.0097 of the radius, 0.04 m: usual is 0.001 to 0.002 of it",
+        ),
+        (
+            lambda said: said["bearings"][1]["film"].update(length=0.4),
+            "bearings[1].film.length",
+            "0.4 m is 5 times the diameter, 0.08 m: usual is 0.3 to 1.2 times",
+        ),
+        (
+            lambda said: said["bearings"][0]["film"].update(diameter=0.12, length=0.06),
+            "bearings[0].film.diameter",
+            "0.12 m, but shaft 'S1' is 0.08 m thick at station 0.1 m",
+        ),
+        (
+            lambda said: said["materials"]["steel"].update(density=7.85),
+            "materials.steel.density",
+            "7.85 kg/m³: steel has 7850 kg/m³; was 7.85 g/cm³ meant?",
+        ),
+        (
+            lambda said: said["couplings"][0].update(kyy=1.2),
+            "couplings[0].kyy",
+            "1.2 N/m: usual is 1e+5 to 1e+10 N/m; was 1.2 N/µm meant?",
+        ),
+        (
+            lambda said: said["couplings"][0].update(k_phix=0.02),
+            "couplings[0].k_phix",
+            "0.02 N m/rad: usual is 1e+3 to 1e+8 N m/rad; was 0.02 MN m/rad meant?",
+        ),
+    ],
+)
+def test_what_is_possible_but_odd_is_named_with_what_is_usual(change: Any, field: str, words: str) -> None:
+    said = motor_compressor_document("flexible")
+    change(said)
+    (warning,) = document_warnings(parse_machine(said))
+    assert warning.field == field
+    assert warning.words.startswith(words)

@@ -1,0 +1,66 @@
+"""Values that only a slip of the unit explains: refused at the door by name, and read from the store all the same."""
+
+from typing import Any
+
+import pytest
+
+from estimator.machine.checks.document_size import accepted_machine
+from estimator.machine.document import DocumentError, parse_machine
+from tests.estimator.statics.films import motor_compressor_document
+from tests.estimator.trains import chapter_3_document
+
+
+def gigapascals(document: dict[str, Any]) -> None:
+    document["materials"]["steel"]["young_modulus"] = 210.0
+
+
+def millimetres(document: dict[str, Any]) -> None:
+    document["shafts"][0]["sections"][0]["outer_diameter"] = 20.0
+
+
+def newtons_per_micrometre(document: dict[str, Any]) -> None:
+    document["bearings"][1]["kxx"] = 90.0
+
+
+@pytest.mark.parametrize(
+    ("slip", "field", "words"),
+    [
+        (gigapascals, "materials.steel.young_modulus", "210 N/m²: steel has 2.1e\\+11 N/m²; was 210 GPa meant"),
+        (millimetres, "shafts\\[0\\].sections\\[0\\].outer_diameter", "20 m: usual is 0.01 to 2 m; was 20 mm meant"),
+        (newtons_per_micrometre, "bearings\\[1\\].kxx", "90 N/m: usual is 1e\\+6 to 1e\\+10 N/m; was 90 N/µm meant"),
+    ],
+)
+def test_a_slip_of_the_unit_is_refused_where_the_document_enters(slip: Any, field: str, words: str) -> None:
+    document = chapter_3_document()
+    slip(document)
+    with pytest.raises(DocumentError, match=f"{field}: {words}"):
+        accepted_machine(document)
+    assert parse_machine(document).id == "thesis-chapter-3"
+
+
+def test_the_thesis_train_is_plausible() -> None:
+    assert accepted_machine(chapter_3_document()).bearings
+
+
+@pytest.mark.parametrize(
+    ("change", "field", "words"),
+    [
+        ({"diameter": 80.0}, "diameter", "80 m: usual is 0.02 to 1 m; was 80 mm meant"),
+        ({"length": 40.0}, "length", "40 m: usual is 0.02 to 1 m; was 40 mm meant"),
+        ({"length": 0.002}, "length", "0.002 m is 0.025 times the diameter, 0.08 m: usual is 0.3 to 1.2 times"),
+        ({"oil": {"viscosity": 9.0}}, "oil.viscosity", "9 Pa s: usual is 0.005 to 0.1 Pa s; was 9 mPa s"),
+    ],
+)
+def test_a_slip_of_the_unit_in_a_film_is_refused(change: dict[str, Any], field: str, words: str) -> None:
+    document = motor_compressor_document("flexible")
+    document["bearings"][2]["film"] |= {"diameter": 0.08, "length": 0.04} | change
+    with pytest.raises(DocumentError, match=f"bearings\\[2\\].film.{field}: {words}"):
+        accepted_machine(document)
+
+
+def test_a_pedestal_in_newtons_per_micrometre_is_refused() -> None:
+    document = motor_compressor_document("flexible")
+    terms = {"kxx": 250.0, "kyy": 6e8, "cxx": 4e4, "cyy": 6e4, "mxx": 600.0, "myy": 600.0}
+    document["pedestals"] = [{"id": "P1", "bearing": "B1", **terms}]
+    with pytest.raises(DocumentError, match=r"pedestals\[0\].kxx: 250 N/m: usual is 1e\+6 to 1e\+10 N/m; was 250 N/µm meant"):
+        accepted_machine(document)
