@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 DEMO_ARGS ?=
-# Tests wait for services more than they compute: three at once keep two cores busy. The long ones need a core each.
+# Tests wait for services more than they compute: three at once keep two cores busy.
 PROCESSES ?= 3
 # A file of tests stays in one process; files begin in the order of tests/conftest.py, not the one with most tests first.
 IN_PARALLEL := --dist loadfile --no-loadscope-reorder
@@ -29,7 +29,7 @@ lint: $(VENV)/.installed
 
 # As an installed package is: where Python may not write its caches, each service started would compile all of it anew.
 compiled: $(VENV)/.installed
-	$(BIN)/python -m compileall -q estimator formats rotorundown service storage tests benchmarks
+	$(BIN)/python -m compileall -q -j 0 estimator formats rotorundown service storage tests benchmarks
 
 test: lint compiled
 	$(BIN)/pytest -n $(PROCESSES) $(IN_PARALLEL) -m 'not long' --ignore tests/browser
@@ -38,7 +38,7 @@ test-browser: compiled ## the page in a real browser, which needs chromium
 	$(BIN)/pytest -n $(PROCESSES) $(IN_PARALLEL) tests/browser
 
 test-long: compiled ## what takes minutes: real processes killed, parted and fed with rubbish
-	$(BIN)/pytest -n 2 $(IN_PARALLEL) -m long --ignore tests/browser
+	$(BIN)/pytest -n $(PROCESSES) $(IN_PARALLEL) -m long $$(grep -rl --include='test_*.py' 'mark\.long' tests | sort)
 
 # tests/storage is run on both kinds of database by `make test` already.
 test-postgresql: compiled ## what uses a database once more, on a PostgreSQL server that the tests start

@@ -8,13 +8,17 @@ import httpx
 from fastapi import FastAPI
 
 from service.api.application import application
+from service.api.findings.model_process import ModelProcess
 from service.delivery.signing_secrets import SigningSecrets
+from service.reports.report_process import ReportProcess
 from service.secrets.sealing import Sealing
 from storage.database.engine import Database
 
 PREFIX = "/api/v1"
 SECRETS = SigningSecrets(Sealing([bytes(range(32))]))
 """With a key that seals."""
+MODELS, REPORTS = ModelProcess(), ReportProcess()
+"""Processes of all applications here: each of its own would take a second to start, and stay."""
 PROBLEM = {"type", "title", "status", "detail", "errors"}
 
 
@@ -44,6 +48,7 @@ class Api:
         self.database = database
         self.parts = {"ingest": "ok", "identifying": "ok", "stream": "ok"}
         self.app: FastAPI = application(database, lambda: dict(self.parts), **({"secrets": SECRETS} | application_parts))
+        self.app.state.model_process, self.app.state.report_process = MODELS, REPORTS
         # Whatever there is may be changed, where a test does not say otherwise.
         self.http = httpx.Client(transport=InProcess(self.app), base_url="http://rundown", headers={"if-match": "*"})
 

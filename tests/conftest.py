@@ -19,6 +19,9 @@ from tests.postgresql import FAST, Server, server
 TESTS = Path(__file__).parent
 FIRST = (
     "browser/test_alert_page.py",
+    "faults/test_killed_roles.py",
+    "faults/test_deleted_logs.py",
+    "faults/test_endurance.py",
     "distribution",
     "end_to_end",
     "faults",

@@ -9,9 +9,10 @@ from tests.conftest import FIRST, TESTS, turn
     ("path", "place"),
     [
         ("browser/test_alert_page.py", 0),
-        ("end_to_end/test_main_job.py", 2),
-        ("faults/database/test_database_that_hangs.py", 3),
-        ("browser/test_plots.py", 4),
+        ("faults/test_killed_roles.py", 1),
+        ("end_to_end/test_main_job.py", 5),
+        ("faults/database/test_database_that_hangs.py", 6),
+        ("browser/test_plots.py", 7),
         ("service/security/test_proxies.py", len(FIRST)),
         ("test_order.py", len(FIRST)),
     ],

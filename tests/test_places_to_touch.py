@@ -31,7 +31,8 @@ class Copy:
         self.folder = folder
         self.touched: set[str] = set()
         for package in PACKAGES:
-            shutil.copytree(ROOT / package, folder / package, ignore=shutil.ignore_patterns("__pycache__"))
+            # With what is compiled, which holds for the copies as well; not with what another process is writing just now.
+            shutil.copytree(ROOT / package, folder / package, ignore=shutil.ignore_patterns("*.pyc.*"))
         shutil.copytree(ROOT / PAGE, folder / PAGE)
 
     def write(self, file: str, text: str) -> None:
@@ -56,7 +57,7 @@ class Copy:
 
     def run(self, *arguments: str) -> None:
         """Run Python with arguments on the copy."""
-        where = {**os.environ, "PYTHONPATH": f"{self.folder}{os.pathsep}{ROOT}", "PYTHONDONTWRITEBYTECODE": "1"}
+        where = {**os.environ, "PYTHONPATH": f"{self.folder}{os.pathsep}{ROOT}", "PYTHONDONTWRITEBYTECODE": ""}
         done = subprocess.run(
             [sys.executable, *arguments], cwd=self.folder, env=where, capture_output=True, text=True, check=False
         )

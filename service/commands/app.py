@@ -3,6 +3,7 @@
 Each imports what it needs by itself: web server, database and estimator take a second or two, which others should not spend.
 """
 
+import gc
 import json
 import logging
 import os
@@ -101,7 +102,11 @@ def serve(
     if zenoh_connect and not zenoh_listen:
         given["zenoh_listen"] = []
     settings = _settings({name: value for name, value in given.items() if value is not None})
-    # Only now: wrong settings are told at once.
+    from service.resilience.heap_trim import share_one_heap
+
+    share_one_heap()  # while there is little in it
+    # Only now: wrong settings are told at once. Of what is loaded nothing is garbage, as in `service.__main__`.
+    gc.disable()
     from service.commands.serve import serve as run_service
     from service.http.listening_socket import PortUnusable
     from service.messaging.access_control import AccessUnusable
@@ -109,6 +114,9 @@ def serve(
     from service.security.exposure import Exposed
     from service.wording.finding_texts import TextsWrong
     from storage.database.claim import DatabaseUnusable
+
+    gc.freeze()
+    gc.enable()
 
     log_to_terminal(settings.log_level, settings.log_format)
     try:

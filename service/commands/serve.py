@@ -26,7 +26,6 @@ from service.identification.job_quota import JobQuota
 from service.ingest.forwarding import Forwarding
 from service.messaging.access_control import StreamSecurity
 from service.messaging.session import connected, open_session
-from service.resilience.heap_trim import share_one_heap
 from service.security.configuration import Security
 from service.security.exposure import require_authentication
 from service.security.proxies import normalised_networks, proxy_matcher
@@ -45,7 +44,6 @@ def serve(settings: Settings) -> None:
     Raises AccessUnusable, DatabaseUnusable, Exposed, PortUnusable, StreamUnusable, TextsWrong before anything starts.
     """
     asked_to_stop = _note_signals()
-    share_one_heap()
     stream_security = StreamSecurity.of(settings)
     texts = read_texts(settings.finding_texts, settings.locale)
     with ExitStack() as closing:

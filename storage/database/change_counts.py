@@ -58,6 +58,13 @@ class Changes:
                 return None  # locked for a moment, and nobody should wait; or damaged, which the next read reports
         return tuple(counts[table] for table in tables)
 
+    def close(self) -> None:
+        """Close the connection; the next mark opens another one."""
+        with self._lock:
+            if self._connection is not None:
+                self._connection.close()
+            self._connection = self._version = None
+
     def _counted(self, connection: sqlite3.Connection) -> dict[str, int]:
         """Return the changes of each table.
 
@@ -75,4 +82,5 @@ class Changes:
         if self._connection is None:
             self._connection = self._database.own_connection(timeout=0.0, isolation_level=None, check_same_thread=False)
             weakref.finalize(self, self._connection.close)
+            self._database.followers.add(self)
         return self._connection

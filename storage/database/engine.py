@@ -8,9 +8,10 @@ import json
 import re
 import sqlite3
 import time
+import weakref
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, closing, contextmanager
-from typing import Any
+from typing import Any, Protocol
 
 from sqlalchemy import URL, Engine, create_engine, event, make_url, select
 from sqlalchemy.exc import ArgumentError, DatabaseError, DBAPIError, NoSuchModuleError, OperationalError
@@ -50,6 +51,13 @@ _CONNECTION = {
 """Timeouts [s, tcp_user_timeout in ms] by which we notice that a PostgreSQL server vanished, and the server that we did."""
 
 
+class Follower(Protocol):
+    """Something with connections of its own to a database, which is closed with it."""
+
+    def close(self) -> None:
+        """Close these connections."""
+
+
 class Database:
     """A database, SQLite or PostgreSQL by URL."""
 
@@ -72,6 +80,8 @@ class Database:
         self._place = None if path is None else file_lock.register(path)
         self.damage = Damage(None if path is None else marker_of(path))
         """Damage of the store, as far as it has been met."""
+        self.followers: weakref.WeakSet[Follower] = weakref.WeakSet()
+        """Holders of connections outside the pool, closed with this database."""
         event.listen(self.engine, "handle_error", self.damage.watch)
         consistent = {"isolation_level": "REPEATABLE READ"} if self.kind == "postgresql" else {}
         self.for_reading = self.engine.execution_options(**consistent)
@@ -197,6 +207,8 @@ class Database:
             if self._files.saved or time.monotonic() > until:
                 break
             time.sleep(LOOK_S)
+        for follower in list(self.followers):
+            follower.close()
         self.engine.dispose()
         if self._files is not None:
             self._files.close()

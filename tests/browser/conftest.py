@@ -6,7 +6,7 @@ import os
 import re
 import shutil
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from pathlib import Path
 
 import pytest
@@ -17,6 +17,8 @@ from tests.end_to_end.processes import ROOT, Service
 
 PICTURES = ROOT / "artefacts" / "browser"
 """Folder in which screenshots are left for people to look at; not committed."""
+FAILED = pytest.StashKey[bool]()
+"""Of a test that has been run."""
 PATIENCE_MS = 20_000
 expect.set_options(timeout=PATIENCE_MS)
 
@@ -30,6 +32,17 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         if Path(__file__).parent in item.path.parents:
             item.add_marker(pytest.mark.flaky(reruns=1))
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(
+    item: pytest.Item, call: pytest.CallInfo[None]
+) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Note whether a test failed."""
+    report = yield
+    if call.when == "call":
+        item.stash[FAILED] = report.failed
+    return report
 
 
 class Seen:
@@ -119,7 +132,7 @@ def browser() -> Iterator[Browser]:
 
 @pytest.fixture
 def seen(browser: Browser, service: Service, request: pytest.FixtureRequest) -> Iterator[Seen]:
-    """A fresh page in a window of a laptop; a screenshot of its last state is left behind."""
+    """A fresh page in a window of a laptop; a screenshot is left behind of what a test saw that fails."""
     size = ViewportSize(width=1440, height=900)
     context = browser.new_context(viewport=size, color_scheme="light", timezone_id=ZONE.key, locale="en-GB")
     yield from shown(context, service, request)
@@ -138,7 +151,8 @@ def shown(context: BrowserContext, service: Service, request: pytest.FixtureRequ
     context.set_default_timeout(PATIENCE_MS)
     one = Seen(context.new_page(), f"http://127.0.0.1:{service.port}")
     yield one
-    one.picture(re.sub(r"\W+", "-", request.node.name.removeprefix("test_")))
+    if request.node.stash.get(FAILED, False):
+        one.picture(re.sub(r"\W+", "-", request.node.name.removeprefix("test_")))
     # What the page still asks for meanwhile is nobody's error.
     one.page.unroute_all(behavior="ignoreErrors")
     context.close()

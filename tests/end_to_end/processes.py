@@ -1,10 +1,12 @@
 """Rundown's commands as processes of their own, and what the tests ask of a running service."""
 
 import contextlib
+import functools
 import os
 import signal
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
@@ -75,16 +77,28 @@ def until(look: Callable[[], T | None], *, within_s: float, what: str) -> T:
         time.sleep(0.05)
 
 
+@functools.cache
+def empty_store() -> bytes:
+    """Return the file of a store without a row: to migrate a new one takes each service a second."""
+    from storage.database.engine import Database  # half a second to import, which processes of the tests should not spend
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "empty.db"
+        Database(f"sqlite:///{path}").close()
+        return path.read_bytes()
+
+
 class Service:
     """A place where `rundown serve` runs: its database, its ports. It can be killed and started again.
 
     endpoint: where sources connect, to the service itself or, if one is given, to that router. database: its URL; by default
-    the file rundown.db in the folder.
+    the file rundown.db in the folder, which is there and empty at the first start.
     """
 
     def __init__(self, folder: Path, *, router: str | None = None, database: str | None = None, **environment: str) -> None:
         self.folder = folder
         self.database = database or f"sqlite:///{folder / 'rundown.db'}"
+        self._file = None if database else folder / "rundown.db"
         self.port = free_port()
         self.endpoint = router or f"tcp/127.0.0.1:{free_port()}"
         self._network = "--zenoh-connect" if router else "--zenoh-listen"
@@ -94,6 +108,9 @@ class Service:
 
     def started(self) -> AbstractContextManager[subprocess.Popen[bytes]]:
         """The service, on its way to be ready."""
+        if self._file is not None and not self._file.exists():
+            self._file.touch(mode=0o600)
+            self._file.write_bytes(empty_store())
         flags = ["--database", self.database, "--port", str(self.port)]
         return process(self.log, "serve", *flags, self._network, self.endpoint, **self._environment)
 

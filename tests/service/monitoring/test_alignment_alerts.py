@@ -99,7 +99,6 @@ def test_a_shaft_beyond_tolerance_is_a_danger_with_the_numbers_of_the_table(week
     assert words_of(alert).endswith(", against the baseline, since 2024-01-09")
     api = Api(weeks.database)
     table = {one["name"]: one for one in api.value(f"/machines/{MACHINE.id}/alignment")["numbers"]}
-    api.app.state.model_process.close()
     change = table["coupling.C1.offset_vertical"]["change"]
     told = alert.evidence["quantities"]
     assert told["offset_vertical_um"] == pytest.approx(1e6 * change["value"], rel=1e-6)

@@ -1,6 +1,5 @@
 """Alignment over HTTP: what is told by itself, and its change against the baseline, as the estimator computes them."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -51,16 +50,14 @@ def file(database: Database, week: int, point: Floats, *, run_kind: str = "run-d
 
 
 @pytest.fixture
-def api(plant: Database) -> Iterator[Api]:
+def api(plant: Database) -> Api:
     """Over a baseline of aligned runs, and one after it in which the driven shaft has risen."""
     with plant.transaction() as session:
         machines.create(session, MACHINE)
     for week in range(1, BASELINE + 1):
         file(plant, week, raised(0.0))
     file(plant, BASELINE + 1, raised(MOVED))
-    one = Api(plant)
-    yield one
-    one.app.state.model_process.close()
+    return Api(plant)
 
 
 def by_name(quantities: tuple[Derived, ...]) -> dict[str, Derived]:

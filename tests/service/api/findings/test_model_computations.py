@@ -3,7 +3,6 @@
 import asyncio
 import socket
 import threading
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -101,11 +100,9 @@ def test_computations_whose_clients_have_gone_are_given_up(modelled: Api, monkey
 
 
 @pytest.fixture(scope="module")
-def beside(modelled: Api) -> Iterator[Api]:
-    """Over the same store, with the process of its own that it starts for the first long train."""
-    one = Api(modelled.database)
-    yield one
-    one.app.state.model_process.close()
+def beside(modelled: Api) -> Api:
+    """Over the same store, with the process that is started for the first long train."""
+    return Api(modelled.database)
 
 
 @pytest.mark.parametrize("what", [*(f"model/{one}" for one in MODEL), "bode"])

@@ -42,7 +42,6 @@ def test_a_train_with_coefficients_is_told_in_one_way(plant: Database, rule: str
     api = Api(plant)
     assert [one["rule"] for one in api.value("/alerts?open=true")] == [rule]
     wrong, compared = contradictions(asked(api), KEY.machine)
-    api.app.state.model_process.close()
     assert wrong == []
     assert compared > 20
 
@@ -55,7 +54,6 @@ def test_a_train_on_oil_films_is_told_in_one_way(plant: Database, rule: str) -> 
     api = Api(plant)
     assert [one["rule"] for one in api.value("/alerts?open=true")] == [rule]
     wrong, compared = contradictions(asked(api), MODEL.machine.id)
-    api.app.state.model_process.close()
     assert wrong == []
     assert compared > 20
 
@@ -75,5 +73,4 @@ def test_a_contradiction_is_seen(plant: Database) -> None:
         )
     api = Api(plant)
     wrong, _ = contradictions(asked(api), KEY.machine)
-    api.app.state.model_process.close()
     assert any(part["name"] in one and "diagnosis" in one for one in wrong)

@@ -3,7 +3,6 @@
 import io
 import re
 import threading
-from collections.abc import Iterator
 from datetime import UTC, datetime
 
 import psutil
@@ -22,7 +21,7 @@ YEAR = {"from": datetime.fromtimestamp(START / SECOND, UTC).isoformat()}
 
 
 @pytest.fixture
-def stiffer(plant: Database) -> Iterator[Api]:
+def stiffer(plant: Database) -> Api:
     """Over a machine whose coupling became stiffer over four weeks: one open alert, with a comment and a note."""
     with plant.transaction() as session:
         weeks = Weeks(session)
@@ -30,10 +29,7 @@ def stiffer(plant: Database) -> Iterator[Api]:
         for week in range(4):
             weeks.file({name: 1.0 + (factor - 1.0) * (0.7 + 0.1 * week) for name, factor in STIFFER.items()})
         timeline.add(session, KEY.machine, at=START + 3 * WEEK, kind="maintenance", text="<b>hot</b> check & foot", by="anna")
-    api = Api(plant)
-    yield api
-    api.app.state.report_process.close()
-    api.app.state.model_process.close()
+    return Api(plant)
 
 
 def pages(pdf: bytes) -> list[str]:
@@ -67,7 +63,6 @@ def test_a_report_is_in_the_language_that_is_asked_for(stiffer: Api) -> None:
 
 def test_a_report_is_kept_until_something_changes_that_it_tells(stiffer: Api, plant: Database) -> None:
     once = stiffer.get(PATH, **YEAR).content
-    stiffer.app.state.report_process.close()
     stiffer.app.state.report_process = _Never()
     assert stiffer.get(PATH, **YEAR).content == once
     with plant.transaction() as session:
@@ -88,13 +83,11 @@ class _Never:
 
 def test_an_empty_machine_is_not_called_well(api: Api) -> None:
     text = " ".join(pages(api.get(PATH).content))
-    api.app.state.report_process.close()
     assert "Nothing has been measured of this machine yet: it cannot be judged." in text
     assert "No alert is open" not in text
 
 
 def test_a_report_that_takes_too_long_says_so(stiffer: Api) -> None:
-    stiffer.app.state.report_process.close()
     stiffer.app.state.report_process = ReportProcess(time_s=0.001)
     answer = stiffer.get(PATH, **YEAR)
     assert "ask for a shorter period" in refused(answer, 503)
@@ -103,6 +96,7 @@ def test_a_report_that_takes_too_long_says_so(stiffer: Api) -> None:
 
 def test_a_worker_that_dies_is_said_and_replaced(stiffer: Api) -> None:
     killed: list[int] = []
+    stiffer.app.state.report_process = ReportProcess()
     others = workers()  # of tests before this one
 
     def kill() -> None:
@@ -118,6 +112,7 @@ def test_a_worker_that_dies_is_said_and_replaced(stiffer: Api) -> None:
     assert killed
     assert "ask again" in said
     assert stiffer.get(PATH, **YEAR).status_code == 200
+    stiffer.app.state.report_process.close()
 
 
 def workers() -> list[psutil.Process]:
