@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import expect
+from playwright.sync_api import Route, expect
 
 from tests.browser.conftest import Seen
 from tests.browser.drawing import wait_drawn
@@ -94,9 +94,25 @@ def test_bode_and_polar_of_the_2x_and_as_measured(seen: Seen) -> None:
     assert seen.errors == []
 
 
-def test_a_machine_without_2x_says_so(seen: Seen) -> None:
+def test_a_run_without_2x_says_so(seen: Seen) -> None:
+    def without(route: Route) -> None:  # as of a source that sends none
+        answer = route.fetch()
+        route.fulfill(response=answer, json={name: one for name, one in answer.json().items() if "2x" not in name})
+
+    seen.page.route(re.compile(r"/phasors\?"), without)
     seen.open(f"machines/{MACHINE}/response?order=2")
     expect(seen.page.get_by_text("sent no 2×")).to_be_visible()
+    assert seen.errors == []
+
+
+def test_the_2x_of_the_simulated_plant_is_shown(seen: Seen) -> None:
+    show(seen.page, seen.base, "vibration")
+    expect(seen.page.locator(".vibration-bars")).to_contain_text("2× ")
+    ratio = seen.page.get_by_role("group", name=re.compile("^2× over 1×"))
+    expect(ratio.locator("canvas")).to_be_visible()
+    seen.open(f"machines/{MACHINE}/shapes?order=2")
+    expect(seen.page.get_by_role("heading", name="Orbits at the probes, 1× and 2×")).to_be_visible()
+    expect(seen.page.locator(".orbits figure svg").first).to_be_visible()
     assert seen.errors == []
 
 
@@ -106,9 +122,9 @@ def test_orbits_open_at_running_speed_with_probes_and_timebase(seen: Seen, servi
     orbit = seen.page.locator(".orbits figure").first
     expect(orbit.locator("svg text")).to_have_text(["B1X", "B1Y"])
     highest = max(run["speed_maximum_rpm"] for run in service.get(f"/machines/{COPY}/runs"))
-    shown = re.search(r"Speed: ([\d ]+) rpm", seen.page.locator(".wide").inner_text())
+    shown = re.search(r"Speed: ([\d\u202f]+) rpm", seen.page.locator(".wide").inner_text())
     assert shown is not None
-    assert int(shown.group(1).replace(" ", "")) == pytest.approx(highest, abs=6)
+    assert int(shown.group(1).replace("\u202f", "")) == pytest.approx(highest, abs=6)
     expect(orbit).to_contain_text("µm pp")
     assert seen.errors == []
 
