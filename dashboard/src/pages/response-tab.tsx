@@ -73,7 +73,7 @@ function useNewestRun(machine: string | undefined): Run | undefined {
 
 /** Off and not to be switched on where there is nothing to subtract. */
 function SlowRollSwitch({ machine, checked }: { machine: string; checked: boolean }) {
-  const isNone = useResource<unknown[]>(`/machines/${machine}/slow-roll?limit=1`).data?.length === 0;
+  const isNone = useResource<{ versions: unknown[] }>(`/machines/${machine}/slow-roll?limit=1`).data?.versions.length === 0;
   return (
     <label class="switch" title={isNone ? t("noSlowRollVectors") : undefined}>
       <input type="checkbox" checked={checked && !isNone} disabled={isNone} onChange={(event) => replaceQuery({ slow_roll: event.currentTarget.checked ? null : "none" })} />

@@ -26,7 +26,9 @@ export function drawLimits(plot: uPlot, { limits }: PlotProps): void {
   const { ctx, bbox } = plot;
   ctx.save();
   ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
-  const written: [left: number, y: number][] = [];
+  ctx.textAlign = "left";
+  ctx.textBaseline = "alphabetic"; // axes leave another one
+  const written: [right: number, y: number][] = [];
   for (const one of limits ?? []) {
     const y = plot.valToPos(one.y, "y", true);
     if (y < bbox.top || y > bbox.top + bbox.height) continue;
@@ -41,7 +43,6 @@ export function drawLimits(plot: uPlot, { limits }: PlotProps): void {
     const beside = written.filter(([, other]) => Math.abs(other - y) < LABEL * devicePixelRatio).map(([right]) => right);
     const left = Math.max(bbox.left + gap, ...beside);
     const baseline = y - gap < bbox.top + LABEL * devicePixelRatio ? y + LABEL * devicePixelRatio : y - gap;
-    ctx.textAlign = "left";
     ctx.fillText(one.words, left, baseline);
     written.push([left + ctx.measureText(one.words).width + 2 * gap, y]);
   }
