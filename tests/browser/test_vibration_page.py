@@ -257,3 +257,23 @@ def test_angles_of_two_machines_are_told_of_each_where_they_do_not_turn_the_same
     seen.page.route(re.compile(rf"/machines/{COPY}$"), lambda route: route.fulfill(json=turned))
     seen.open(f"machines/{MACHINE}/trends?element=disc.D1&beside={COPY}")
     expect(seen.page.locator("main")).to_contain_text(said)
+
+
+def test_ticks_of_an_axis_and_labels_of_limits_tell_themselves_apart(seen: Seen) -> None:
+    """Values that hardly differ are drawn flat, not on an axis of which all ticks read the same."""
+    seen.page.add_init_script(
+        "window.written = []; const fill = CanvasRenderingContext2D.prototype.fillText;"
+        "CanvasRenderingContext2D.prototype.fillText = function (text, x, y, ...rest) {"
+        "  const at = this.getTransform();"
+        "  written.push([this.canvas.closest('[aria-label]')?.ariaLabel ?? '', text, x + at.e, y + at.f,"
+        "    this.measureText(text).width]); return fill.call(this, text, x, y, ...rest); };"
+    )
+    seen.open(f"machines/{COPY}/vibration")
+    wait_drawn(seen.page, 6)
+    written = seen.page.evaluate("written")
+    ratio = {text for label, text, *_ in written if label.startswith("2× over 1×") and re.fullmatch(r"[\d.]+", text)}
+    assert len(ratio) > 1, "the axis of a constant ratio"
+    zones = {text: (x, y, width) for label, text, x, y, width in written if text in ("A/B", "B/C", "C/D")}
+    assert zones.keys() == {"A/B", "B/C", "C/D"}
+    (left, low, width), (other, high, _) = zones["A/B"], zones["B/C"]
+    assert abs(low - high) > 10 or other >= left + width, "boundaries that lie close together are named beside each other"

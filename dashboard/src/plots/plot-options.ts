@@ -96,6 +96,8 @@ function titled(label: string, size: number, labelSize: number): uPlot.Axis {
   return { label, size, labelSize, labelFont: FONT, labelGap: 0 };
 }
 
+/** Relative difference below which values are the same for the eye [-]. */
+const FLAT = 1e-6;
 const MOST_DIGITS = 9;
 
 /** With as many digits as tell neighbours apart. */
@@ -137,6 +139,8 @@ function yRange(props: PlotProps, min: number | null, max: number | null): [numb
   if (min === null || max === null) return [0, 1];
   const low = Math.min(min, ...(props.bands ?? []).map((one) => one.low), ...(props.limits ?? []).map((one) => one.y));
   const high = Math.max(max, ...(props.bands ?? []).map((one) => one.high), ...(props.limits ?? []).map((one) => one.y));
-  const margin = 0.06 * (high - low || Math.abs(high) || 1);
+  const size = Math.max(Math.abs(low), Math.abs(high));
+  // What hardly differs is drawn flat: an axis of the last digits would show nothing but rounding.
+  const margin = high - low > FLAT * size ? 0.06 * (high - low) : 0.06 * (size || 1);
   return [low >= 0 && low - margin < 0 ? 0 : low - margin, high + margin];
 }

@@ -1,5 +1,5 @@
 // How far an element is from its baseline, in words.
-import { isCrossCoupled, isUnbalance, quantityName } from "../format/names";
+import { isCrossCoupled, isUnbalance, parameterName, quantityName } from "../format/names";
 import { number, percent, quantity } from "../format/numbers";
 import { t } from "../messages/messages";
 import type { Deviations, ElementSize, ParameterDeviation } from "../schemas/trends";
@@ -49,7 +49,7 @@ export function togetherText(deviations: Deviations, element: string): string | 
 function sizeText({ name, unit, value, lower, upper, runs }: ElementSize): string {
   const signed = (one: number) => `${one > 0 ? "+" : ""}${number(one, 2)}`;
   const told = t("sizeWithInterval", { value: signed(value), unit: SIZE_UNITS[unit] ?? unit, lower: signed(lower), upper: signed(upper) });
-  const size = name.endsWith(".coefficients") ? t("allCoefficientsTogether", { size: told }) : `${quantityName(name)} ${told}`;
+  const size = name.endsWith(".coefficients") ? t("allCoefficientsTogether", { size: told }) : `${parameterName(name)} ${told}`;
   return runs !== null && runs > 1 ? t("meanOfNewestRuns", { size, runs }) : size;
 }
 
