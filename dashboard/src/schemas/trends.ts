@@ -56,6 +56,8 @@ export interface ElementSize {
   lower: number;
   upper: number;
   runs: number | null;
+  /** In the baseline; null where only the change is told. */
+  before: number | null;
 }
 
 export interface Deviations {

@@ -42,7 +42,9 @@ const SIZE_UNITS: Record<string, string> = { um: "µm", urad: "µrad", "g mm": "
 
 /** What an element has changed by as a whole, as its alert says it; null where no diagnosis says that it has. */
 export function togetherText(deviations: Deviations, element: string): string | null {
-  const together = deviations.elements.find((one) => one.element === element)?.together ?? [];
+  const all = deviations.elements.find((one) => one.element === element)?.together ?? [];
+  // What is told from what to what, such as a load that follows from the coefficients, is left to the alert.
+  const together = all.some((one) => one.before === null) ? all.filter((one) => one.before === null) : all;
   return together.length > 0 ? together.map(sizeText).join("; ") : null;
 }
 
