@@ -1,7 +1,9 @@
 """Place where a misalignment shows: at its coupling, and at the bearings on either side of it (thesis §5.7-5.8)."""
 
+from collections.abc import Iterator
+
 from estimator.machine.document import Machine
-from estimator.machine.parts import Bearing, Coupling
+from estimator.machine.parts import Bearing, Coupling, Probe
 
 
 def neighbouring_bearings(machine: Machine, coupling: Coupling) -> tuple[str, ...]:
@@ -51,3 +53,25 @@ def shafts_behind(machine: Machine, coupling: Coupling) -> tuple[str, ...]:
     while found[-1] in onward:
         found.append(onward[found[-1]])
     return tuple(found)
+
+
+def probes_beside(machine: Machine, coupling: Coupling) -> Iterator[str]:
+    """Yield the channels at the bearings on either side of a coupling.
+
+    Args:
+        machine: The machine.
+        coupling: Its coupling.
+
+    Yields:
+        Channels in the document's order.
+    """
+    bearings = neighbouring_bearings(machine, coupling)
+    yield from (probe.id for probe in machine.probes if _nearest_bearing(machine, probe) in bearings)
+
+
+def _nearest_bearing(machine: Machine, probe: Probe) -> str | None:
+    """Return the bearing that a probe is mounted on, else the nearest one of its shaft."""
+    own = [one for one in machine.bearings if one.shaft == probe.shaft]
+    if probe.mounted_on is not None or not own:
+        return probe.mounted_on
+    return min(own, key=lambda one: abs(one.station - probe.station)).id

@@ -59,11 +59,13 @@ class Chart:
         value: Value of the chart, of an EWMA with sign [-].
         limit: Limit of the chart [-].
         began: Time of the change's likeliest first run [weeks] where the limit is passed; None otherwise, and of an EWMA.
+        runs: Number of runs from that one on; None where there is none.
     """
 
     value: float
     limit: float
     began: float | None = None
+    runs: int | None = None
 
     @property
     def passed(self) -> bool:
@@ -268,7 +270,7 @@ def _tested(name: str, time: Floats, value: Floats, deviation: Floats, white: Wh
 def _step(time: Floats, deviation: Floats, limit: float) -> Chart:
     value = float(control_charts.cusum(deviation, reference=CUSUM_REFERENCE)[-1])
     first = control_charts.change_began(deviation, reference=CUSUM_REFERENCE) if value > limit else None
-    return Chart(value, limit, None if first is None else float(time[first]))
+    return Chart(value, limit) if first is None else Chart(value, limit, float(time[first]), time.size - first)
 
 
 def _require_ascending(readings: Sequence[DatedPoint]) -> None:

@@ -30,6 +30,7 @@ from estimator.simulation.simulated_plant import (
     truth_of_run,
     truth_under_conditions,
 )
+from estimator.simulation.simulated_second_order import second_parts, simulated_second
 from estimator.simulation.stories import Story
 from estimator.units import METRES, PEAK, RADIANS, rad_per_s_to_rpm
 from formats.recordings.recording import split
@@ -132,8 +133,10 @@ class _SimulatedMachine:
         self._plan = plan
         self._truths = truths
         self._rng = rng
-        # Of its own: with or without overall levels, a seed draws the same machine and the same runs.
-        self._overall_rng = rng.spawn(1)[0]
+        # Of their own: with or without overall levels and 2×, a seed draws the same machine and the same runs.
+        self._overall_rng, self._second_rng = rng.spawn(2)
+        self._second_phases = 2.0 * np.pi * self._second_rng.random(len(machine.channels))
+        self._second_parts = second_parts(machine, story, 0.0)
         self._stop = stop
         self._truth = draw_truth(machine, rng)
         truth_at_progress(self._truth, machine, story, 1.0)  # raises when the story is impossible
@@ -151,6 +154,7 @@ class _SimulatedMachine:
             for cycle in range(plan.cycles):
                 progress = max(0.0, (cycle + 1) / plan.cycles - HEALTHY_PART) / (1.0 - HEALTHY_PART)
                 truth = truth_of_run(truth_at_progress(self._truth, machine, self._story, progress), self._rng)
+                self._second_parts = second_parts(machine, self._story, progress)
                 start = began + cycle * plan.interval_s
                 self._conditions = drawn_conditions(machine, start, self._rng)
                 truth = truth_under_conditions(truth, machine, self._conditions)
@@ -184,8 +188,10 @@ class _SimulatedMachine:
         self._publish(source, self._batch(start + seconds, speed, phasors, gaps))
 
     def _batch(self, time_s: Floats, speed: Floats, phasors: Complexes, gaps: Floats | None) -> SampleBatch:
-        overall = simulated_overall(phasors, self._overall_rng)
-        return _batch(self.machine, time_s, speed, phasors, self._conditions, gaps, overall)
+        parts, phases = self._second_parts, self._second_phases
+        second = simulated_second(self.machine, phasors, parts=parts, phases=phases, rng=self._second_rng)
+        overall = simulated_overall(phasors, second, self._overall_rng)
+        return _batch(self.machine, time_s, speed, phasors, second, self._conditions, gaps, overall)
 
     def _publish(self, source: Source, batch: SampleBatch) -> None:
         for piece in split(batch, BATCH_SAMPLES):
@@ -209,14 +215,15 @@ def _batch(
     time_s: Floats,
     speed: Floats,
     phasors: Complexes,
+    second: Complexes,
     conditions: Floats,
     gaps: Floats | None,
     overall: Floats,
 ) -> SampleBatch:
     """Return a batch in the usual units of vibration monitors: rpm, µm peak-to-peak, degrees of lag, gaps in µm.
 
-    conditions: (k,), constant over the samples. gaps: the shaft's places (S, m) [m], NaN of probes that send none.
-    overall: levels (S, m), 0-to-peak [m].
+    phasors, second: 1× and 2× (S, m) [m]. conditions: (k,), constant over the samples. gaps: the shaft's places (S, m) [m],
+    NaN of probes that send none. overall: levels (S, m), 0-to-peak [m].
     """
     told = dict(zip(machine.condition_names, conditions.tolist(), strict=True))
     return SampleBatch(
@@ -237,6 +244,8 @@ def _batch(
         speed=[rad_per_s_to_rpm(value) for value in speed.tolist()],
         amplitude=(np.abs(phasors) / (METRES["um"] * PEAK["peak-to-peak"])).tolist(),
         phase=np.mod(-np.angle(phasors) / RADIANS["deg"], 360.0).tolist(),
+        amplitude_2x=(np.abs(second) / (METRES["um"] * PEAK["peak-to-peak"])).tolist(),
+        phase_2x=np.mod(-np.angle(second) / RADIANS["deg"], 360.0).tolist(),
         conditions={name: [value] * speed.size for name, value in told.items()} or None,
         # A monitor shows none where its probe cannot see that far.
         overall=_table(np.where(overall <= LARGEST_AMPLITUDE, overall, np.nan) / (METRES["um"] * PEAK["peak-to-peak"])),

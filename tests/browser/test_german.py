@@ -1,7 +1,9 @@
 """The page in German: no view has English left, numbers have a comma, and the choice is kept; axe finds nothing."""
 
+import csv
 import re
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser, Page, Route, ViewportSize, expect
@@ -26,6 +28,8 @@ READ = """() => {
 """Everything that the page says, what is only read aloud included."""
 ENGLISH_WORDS = re.compile(r"\b(?:the|of|is|are|with|from|not|and|this|has|which|since|by)\b")
 """Words that no German text of the page has. Identifiers and names of machines have none either."""
+ENGLISH_HEADINGS = re.compile(r"\b(?:speed|time|channel|shaft|imaginary|semi-major|lower|upper|element|gap|overall)\b")
+"""Words of headings of files."""
 STORED = ROOT / "tests" / "service" / "wording" / "stored-sentences.txt"
 WRITTEN = "Two-shaft train of the thesis, Chapter 3"
 """Texts that a person has written: the machine's name."""
@@ -122,3 +126,29 @@ def test_a_catalogue_that_cannot_be_loaded_leaves_the_page_in_english(german: Se
     german.open()
     expect(german.page.get_by_role("heading", level=1)).to_have_text("Fleet")
     expect(german.page.locator("html")).to_have_attribute("lang", "en")
+
+
+def test_data_are_saved_as_german_spreadsheets_open_them(german: Seen, tmp_path: Path) -> None:
+    """Cells parted by semicolons, decimals behind a comma, headings in German, a mark that says UTF-8."""
+    show(german.page, german.base, "overview")
+    for place, button in (
+        ("overview", re.compile("^Die Daten als CSV sichern: Schwingung")),
+        ("overview", re.compile("^Die Daten als CSV sichern: Wellenstrang")),
+        ("shapes", re.compile("^Die Daten als CSV sichern: Eigenform")),
+        ("trends", re.compile("^CSV$")),
+        ("response", re.compile("^Die Daten als CSV sichern: Amplitude")),
+    ):
+        show(german.page, german.base, place)
+        with german.page.expect_download() as download:
+            german.page.get_by_role("button", name=button).first.click()
+        path = tmp_path / "data.csv"
+        download.value.save_as(path)
+        text = path.read_text(encoding="utf-8")
+        assert text.startswith("\ufeff"), place
+        head, *rows = csv.reader(text.removeprefix("\ufeff").splitlines(), delimiter=";")
+        assert len(head) > 2
+        assert {len(row) for row in rows} == {len(head)}
+        assert re.search(r"(^|;)-?\d+,\d+(;|$)", text, re.MULTILINE), f"{place}: no decimal comma"
+        assert not re.search(r"(^|;)-?\d+\.\d+(;|$)", text, re.MULTILINE), f"{place}: a decimal point"
+        if place != "trends":  # whose columns are the API's, by its names
+            assert not ENGLISH_HEADINGS.search(";".join(head)), head

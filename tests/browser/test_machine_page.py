@@ -450,3 +450,27 @@ def test_what_is_hardly_meant_in_a_document_is_said_in_words(seen: Seen, service
     seen.open(f"machines/{MACHINE}")
     expect(seen.page.get_by_role("heading", name="Open alerts")).to_be_visible()
     expect(said).to_have_count(0)
+
+
+def test_a_young_ramp_is_not_called_a_step(seen: Seen, service: Service) -> None:
+    (found,) = service.get(f"/machines/{MACHINE}/trend-tests", parameter="coupling.C1.kxx")["tests"]
+    assert found["step_up"]["passed"]
+    assert found["step_up"]["runs"] < 6
+    seen.open(f"machines/{MACHINE}/trends?element=coupling.C1")
+    texts = seen.page.locator(".trend-tests")
+    expect(texts.first).to_contain_text(re.compile(r"higher, most likely since .*; whether a step or a drift"))
+    expect(texts.filter(has_text="step up")).to_have_count(0)
+
+
+def test_an_element_is_told_once_as_its_alert_tells_it(seen: Seen, service: Service) -> None:
+    (alert,) = service.get(f"/machines/{MACHINE}/alerts", open=True)
+    figure = next(one for one in alert["advice"]["how_far"] if one["of"] == "coupling.C1.coefficients")
+    seen.open(f"machines/{MACHINE}")
+    row = seen.page.get_by_role("row").filter(has=seen.page.get_by_role("link", name="coupling C1", exact=True))
+    expect(row.first).to_contain_text("all coefficients together")
+    expect(row.first).to_contain_text(f"+{figure['value']:.0f} %")
+    seen.open(f"alerts/{alert['id']}")
+    moved = seen.page.locator(".facts dd", has_text=re.compile(r"kxx \+\d"))
+    expect(moved).to_be_visible()
+    names = re.findall(r"coupling C1 \w+", moved.inner_text())
+    assert len(names) == 1, "of an element whose change as a whole is told, only its largest"

@@ -7,12 +7,14 @@ from pathlib import Path
 from typing import Any, Literal
 
 import pytest
-from playwright.sync_api import Locator, Route, expect
+from playwright.sync_api import Browser, Locator, Route, expect
 
 from tests.browser.conftest import PICTURES, Seen
 from tests.browser.drawing import COUNT
 from tests.browser.levels import FILMS, add_films
-from tests.browser.story import MACHINE
+from tests.browser.story import MACHINE, ZONE
+from tests.browser.test_german import ENGLISH_WORDS, said
+from tests.browser.views import show
 from tests.end_to_end.processes import Service, until
 
 BEARINGS = ("B1", "B2", "B3", "B4")
@@ -231,3 +233,13 @@ def test_a_machine_without_films_has_no_such_panel(seen: Seen) -> None:
     expect(seen.page.get_by_text("The model of identification")).to_be_visible()
     expect(seen.page.get_by_role("heading", name="Oil films")).to_have_count(0)
     assert seen.errors == []
+
+
+def test_the_model_of_a_train_on_films_has_no_english_left_in_german(browser: Browser, films: Service) -> None:
+    context = browser.new_context(locale="de-DE", timezone_id=ZONE.key)
+    page = context.new_page()
+    show(page, f"http://127.0.0.1:{films.port}", "films", views={"films": (f"machines/{FILMS}/model", ".films svg")})
+    expect(page.locator("main")).to_contain_text("Ausrichtung der Kupplungen")
+    found = [one for one in said(page) if ENGLISH_WORDS.search(one) and "Motor and compressor" not in one]
+    context.close()
+    assert found == []

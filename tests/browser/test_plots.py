@@ -222,7 +222,7 @@ EIGHT = ["B1X", "B1Y", "B2X", "B2Y", "B3X", "B3Y", "B4X", "B4Y"]
             2,
             r"\d+ rpm: " + ", ".join(rf"{one} −?[\d.]+" for one in EIGHT) + " [µ°rσ].*",
         ),
-        ("model", 1, r"\d[\d ]* rpm: .*\d [kM]?(Hz|N|N·m)"),
+        ("model", 1, r"\d[\d\u202f ]* rpm: .*\d [kM]?(Hz|N|N·m)"),
     ],
 )
 def test_on_a_phone_read_outs_are_whole(phone: Seen, tab: str, lines: int, whole: str) -> None:

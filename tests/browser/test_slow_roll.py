@@ -95,6 +95,8 @@ def test_points_are_shown_without_the_slow_roll_of_the_curve(seen: Seen, service
         small = np.abs(near) < SMALL_UM_PP
         assert np.sum(small) > 5
         assert np.max(away[small]) < RUN_OUT_UM_PP / 3
+    seen.page.get_by_label("slow roll subtracted").uncheck()
+    expect(seen.page.get_by_text("as measured, no slow roll subtracted").first).to_be_visible()
     assert seen.errors == []
 
 

@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import expect
+from playwright.sync_api import Route, expect
 
 from tests.browser.conftest import Seen
 from tests.browser.drawing import wait_drawn
@@ -87,16 +87,34 @@ def test_bode_and_polar_of_the_2x_and_as_measured(seen: Seen) -> None:
     expect(seen.page.get_by_role("heading", name="Bode, 2×")).to_be_visible()
     wait_drawn(seen.page, 2)
     seen.page.get_by_role("group", name="Order").get_by_role("button", name="1×").click()
-    seen.page.get_by_label("slow roll subtracted").uncheck()
+    switch = seen.page.get_by_label("slow roll subtracted")
+    expect(switch).to_be_disabled()  # there are no vectors that could be
+    expect(switch).not_to_be_checked()
     expect(seen.page.get_by_text("as measured, no slow roll subtracted").first).to_be_visible()
     seen.page.get_by_label("Newest run of").select_option(MACHINE)
     expect(seen.page.get_by_text(f"overlaid run of {MACHINE}").first).to_be_visible()
     assert seen.errors == []
 
 
-def test_a_machine_without_2x_says_so(seen: Seen) -> None:
+def test_a_run_without_2x_says_so(seen: Seen) -> None:
+    def without(route: Route) -> None:  # as of a source that sends none
+        answer = route.fetch()
+        route.fulfill(response=answer, json={name: one for name, one in answer.json().items() if "2x" not in name})
+
+    seen.page.route(re.compile(r"/phasors\?"), without)
     seen.open(f"machines/{MACHINE}/response?order=2")
     expect(seen.page.get_by_text("sent no 2×")).to_be_visible()
+    assert seen.errors == []
+
+
+def test_the_2x_of_the_simulated_plant_is_shown(seen: Seen) -> None:
+    show(seen.page, seen.base, "vibration")
+    expect(seen.page.locator(".vibration-bars")).to_contain_text("2× ")
+    ratio = seen.page.get_by_role("group", name=re.compile("^2× over 1×"))
+    expect(ratio.locator("canvas")).to_be_visible()
+    seen.open(f"machines/{MACHINE}/shapes?order=2")
+    expect(seen.page.get_by_role("heading", name="Orbits at the probes, 1× and 2×")).to_be_visible()
+    expect(seen.page.locator(".orbits figure svg").first).to_be_visible()
     assert seen.errors == []
 
 
@@ -106,9 +124,9 @@ def test_orbits_open_at_running_speed_with_probes_and_timebase(seen: Seen, servi
     orbit = seen.page.locator(".orbits figure").first
     expect(orbit.locator("svg text")).to_have_text(["B1X", "B1Y"])
     highest = max(run["speed_maximum_rpm"] for run in service.get(f"/machines/{COPY}/runs"))
-    shown = re.search(r"Speed: ([\d ]+) rpm", seen.page.locator(".wide").inner_text())
+    shown = re.search(r"Speed: ([\d\u202f]+) rpm", seen.page.locator(".wide").inner_text())
     assert shown is not None
-    assert int(shown.group(1).replace(" ", "")) == pytest.approx(highest, abs=6)
+    assert int(shown.group(1).replace("\u202f", "")) == pytest.approx(highest, abs=6)
     expect(orbit).to_contain_text("µm pp")
     assert seen.errors == []
 
@@ -239,3 +257,23 @@ def test_angles_of_two_machines_are_told_of_each_where_they_do_not_turn_the_same
     seen.page.route(re.compile(rf"/machines/{COPY}$"), lambda route: route.fulfill(json=turned))
     seen.open(f"machines/{MACHINE}/trends?element=disc.D1&beside={COPY}")
     expect(seen.page.locator("main")).to_contain_text(said)
+
+
+def test_ticks_of_an_axis_and_labels_of_limits_tell_themselves_apart(seen: Seen) -> None:
+    """Values that hardly differ are drawn flat, not on an axis of which all ticks read the same."""
+    seen.page.add_init_script(
+        "window.written = []; const fill = CanvasRenderingContext2D.prototype.fillText;"
+        "CanvasRenderingContext2D.prototype.fillText = function (text, x, y, ...rest) {"
+        "  const at = this.getTransform();"
+        "  written.push([this.canvas.closest('[aria-label]')?.ariaLabel ?? '', text, x + at.e, y + at.f,"
+        "    this.measureText(text).width]); return fill.call(this, text, x, y, ...rest); };"
+    )
+    seen.open(f"machines/{COPY}/vibration")
+    wait_drawn(seen.page, 6)
+    written = seen.page.evaluate("written")
+    ratio = {text for label, text, *_ in written if label.startswith("2× over 1×") and re.fullmatch(r"[\d.]+", text)}
+    assert len(ratio) > 1, "the axis of a constant ratio"
+    zones = {text: (x, y, width) for label, text, x, y, width in written if text in ("A/B", "B/C", "C/D")}
+    assert zones.keys() == {"A/B", "B/C", "C/D"}
+    (left, low, width), (other, high, _) = zones["A/B"], zones["B/C"]
+    assert abs(low - high) > 10 or other >= left + width, "boundaries that lie close together are named beside each other"

@@ -35,6 +35,8 @@ export function StaleNotice({ result: { data, failure, asOf } }: { result: Query
 
 /** After so long a view says that it is being computed [ms]: what is there at once does not flicker. */
 const SAYS_AFTER_MS = 700;
+/** After so long it says what takes so long [s]. */
+const LONG_S = 20;
 
 /** Keep the place of what is being loaded; what takes longer says so, and for how long. */
 export function Loading({ height }: { height: string }) {
@@ -55,7 +57,7 @@ export function Loading({ height }: { height: string }) {
         <span class="hidden">{t("loading")}</span>
       ) : (
         <label>
-          {t("beingComputedS", { seconds })} <progress />
+          {t(seconds < LONG_S ? "beingComputedS" : "beingComputedLong", { seconds })} <progress />
         </label>
       )}
     </div>

@@ -21,7 +21,7 @@ function lastUntil(events: AlertEvent[], at: string): AlertEvent | undefined {
 }
 
 function asAfter(alert: Alert, event: AlertEvent | undefined): Alert {
-  return event ? { ...alert, severity: event.severity, state: event.state, message: event.message } : alert;
+  return event ? { ...alert, severity: event.severity, state: event.state, message: event.message, advice: event.advice ?? null } : alert;
 }
 
 function notAfter(moment: string, at: string): boolean {

@@ -4,9 +4,12 @@ import { t } from "../messages/messages";
 import { connection, isTimeout, noteNoResponse, noteResponse } from "./connection";
 import { problemText } from "./problem";
 import { csrfHeaders, redirectToLogin } from "./session";
+import { inTurn, isComputed } from "./turns";
 
 export const API_PREFIX = "/api/v1";
 const TIMEOUT_MS = 20_000;
+/** Of what is computed first: the service gives up a computation after a minute, and others may be before it. */
+const COMPUTED_MS = 300_000;
 
 /** An error response (RFC 9457), or none at all; then the status is 0. */
 export class ApiError extends Error {
@@ -15,6 +18,8 @@ export class ApiError extends Error {
     message: string,
     /** The service is up, but has not answered this request yet. */
     readonly pending = false,
+    /** When to ask again, where the service says it [ms]. */
+    readonly retryAfterMs: number | undefined = undefined,
   ) {
     super(message);
   }
@@ -30,32 +35,37 @@ export class ApiError extends Error {
   }
 }
 
-function noResponse(sentAt: number, error: unknown): ApiError {
+function noResponse(sentAt: number, error: unknown, waitedMs: number): ApiError {
   noteNoResponse(sentAt, error);
-  return isTimeout(error) && connection.value.state !== "lost" ? pending() : new ApiError(0, t("theServiceDoesNotAnswer"));
+  return isTimeout(error) && connection.value.state !== "lost" ? pending(waitedMs) : new ApiError(0, t("theServiceDoesNotAnswer"));
 }
 
-function pending(): ApiError {
-  return new ApiError(0, t("theServiceIsUpBut", { seconds: TIMEOUT_MS / 1000 }), true);
+function pending(waitedMs = TIMEOUT_MS): ApiError {
+  return new ApiError(0, t("theServiceIsUpBut", { seconds: waitedMs / 1000 }), true);
 }
 
+/** Throws what the options' signal was aborted with. */
 async function request(path: string, options: RequestInit): Promise<Response> {
   let response: Response;
   const sentAt = Date.now();
+  const waitMs = isComputed(path) ? COMPUTED_MS : TIMEOUT_MS;
   try {
+    const waited = AbortSignal.timeout(waitMs);
     response = await fetch(API_PREFIX + path, {
       ...options,
       headers: { "accept-language": locale, ...options.headers },
-      signal: AbortSignal.timeout(TIMEOUT_MS),
+      signal: options.signal ? AbortSignal.any([options.signal, waited]) : waited,
     });
   } catch (error) {
-    throw noResponse(sentAt, error);
+    if (options.signal?.aborted) throw error;
+    throw noResponse(sentAt, error, waitMs);
   }
   noteResponse(); // even if it is an error: the heartbeat finds out whether the service can read its data
   if (response.ok) return response;
   if (response.status === 401) redirectToLogin();
-  const inProgress = response.status === 409 && response.headers.has("retry-after");
-  throw new ApiError(response.status, await problemText(response), inProgress);
+  const retryAfter = Number(response.headers.get("retry-after")) || undefined;
+  const inProgress = response.status === 409 && retryAfter !== undefined;
+  throw new ApiError(response.status, await problemText(response), inProgress, retryAfter && 1000 * retryAfter);
 }
 
 async function parse<T>(response: Response): Promise<T> {
@@ -67,8 +77,9 @@ async function parse<T>(response: Response): Promise<T> {
   }
 }
 
-export async function get<T>(path: string): Promise<T> {
-  return parse<T>(await request(path, { headers: { accept: "application/json" } }));
+export async function get<T>(path: string, signal?: AbortSignal): Promise<T> {
+  const read = async () => parse<T>(await request(path, { headers: { accept: "application/json" }, ...(signal && { signal }) }));
+  return isComputed(path) ? inTurn(read) : read();
 }
 
 export async function getText(path: string): Promise<string> {

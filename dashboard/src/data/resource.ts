@@ -3,6 +3,7 @@ import { useLayoutEffect } from "preact/hooks";
 import { Store, useStore, useStores } from "../browser/store";
 import { connection, latestAlertEvent, reconnects } from "./connection";
 import { ApiError, get } from "./http-client";
+import { isComputed } from "./turns";
 
 export interface QueryResult<T> {
   data: T | undefined;
@@ -20,6 +21,8 @@ const RETRY_MS = 1000;
 /** Until a retry after an error [ms]: soon at first, since a single failed attempt is not reported. */
 const RETRY_SOON_MS = 3000;
 const RETRY_LATER_MS = 10_000;
+/** Until what the service could not compute is asked for again: it would try as long as it did [ms]. */
+const RETRY_COMPUTED_MS = 120_000;
 /** Data are stale when newer ones could not be loaded for so long [ms]. */
 const STALE_AFTER_MS = 2500;
 
@@ -34,6 +37,7 @@ class Resource {
   /** When the first of the latest errors in a row occurred that concern this request alone; null without one [ms]. */
   private failingSince: number | null = null;
   private retry: number | undefined;
+  private abort = new AbortController();
 
   constructor(readonly path: string) {}
 
@@ -50,21 +54,29 @@ class Resource {
     }
     this.inFlight = true;
     this.requestedAt = Date.now();
+    this.abort = new AbortController();
+    const { signal } = this.abort;
     try {
-      this.result.set({ data: await get(this.path), failure: undefined });
+      this.result.set({ data: await get(this.path, signal), failure: undefined });
       this.receivedAt = Date.now();
       this.failingSince = null;
       window.clearTimeout(this.retry);
     } catch (error) {
-      this.fail(error instanceof ApiError ? error : new ApiError(0, String(error)));
+      if (signal.aborted) this.requestedAt = 0;
+      else this.fail(error instanceof ApiError ? error : new ApiError(0, String(error)));
     } finally {
       this.inFlight = false;
     }
-    const again = this.refetchQueued;
+    const again = this.refetchQueued || (signal.aborted && this.subscribers > 0);
     this.refetchQueued = false;
     if (!again) return;
     if (this.subscribers > 0) void this.fetch();
     else this.requestedAt = 0; // the next subscriber requests at once
+  }
+
+  /** Give up a request that the service may still compute for: it keeps the result of what it has begun. */
+  abandon(): void {
+    if (this.inFlight && isComputed(this.path)) this.abort.abort();
   }
 
   private fail(failure: ApiError): void {
@@ -76,6 +88,7 @@ class Resource {
     const { state } = connection.value;
     if (state === "lost" || state === "degraded") return; // everything is requested again when that is over
     if (failure.status === 0) this.scheduleRetry(RETRY_MS);
+    else if (failure.status === 503 && isComputed(this.path)) this.scheduleRetry(failure.retryAfterMs ?? RETRY_COMPUTED_MS);
     else if (data !== undefined || !failure.rejected) this.scheduleRetry(isStale ? RETRY_LATER_MS : RETRY_SOON_MS);
   }
 
@@ -117,7 +130,10 @@ export function refetch(text: string): void {
   }
 }
 
-reconnects.subscribe(() => refetch(""));
+reconnects.subscribe(() => {
+  for (const one of resources.values()) one.abandon(); // the connection that its answer was to come by may be gone
+  refetch("");
+});
 latestAlertEvent.subscribe(() => {
   refetch("/alerts");
   refetch("/deviations");
@@ -139,7 +155,10 @@ function subscribe(resource: Resource, everyMs: number): () => void {
   return () => {
     resource.subscribers -= 1;
     window.clearInterval(timer);
-    queueMicrotask(evictUnused);
+    queueMicrotask(() => {
+      if (resource.subscribers === 0) resource.abandon();
+      evictUnused();
+    });
   };
 }
 

@@ -7,6 +7,11 @@ export function elementName(element: string): string {
   return [term(kind!), ...id].join(" ");
 }
 
+/** `bearing.B1` from `bearing.B1.kxx`. */
+export function elementOf(parameter: string): string {
+  return parameter.split(".").slice(0, 2).join(".");
+}
+
 /** `kxx` from `bearing.B1.kxx`. */
 export function termName(parameter: string): string {
   return parameter.split(".").slice(2).join(".") || parameter;

@@ -12,6 +12,9 @@ const PREFIXES: [number, string][] = [
 ];
 const SYMBOLS: Record<string, string> = { "kg m": "g·mm", "N/m": "N/m", "N s/m": "N·s/m", "N m/rad": "N·m/rad", "N m s/rad": "N·m·s/rad", "N m": "N·m", "Pa s": "Pa·s" };
 
+/** Between thousands: narrow, and no line breaks there. */
+const THOUSANDS = "\u202f";
+
 export interface Scale {
   /** The value in SI times this is the number shown. */
   factor: number;
@@ -58,5 +61,5 @@ export function percent(part: number, digits = 2): string {
 }
 
 export function rpm(value: number | null | undefined): string {
-  return value === null || value === undefined ? "–" : `${Math.round(value).toLocaleString("en-GB").replaceAll(",", " ")} ${t("rpm")}`;
+  return value === null || value === undefined ? "–" : `${Math.round(value).toLocaleString("en-GB").replaceAll(",", THOUSANDS)} ${t("rpm")}`;
 }

@@ -98,7 +98,7 @@ function TargetCell({ target: { state, target, off, beyond }, unit }: { target: 
 }
 
 function Cell({ told: { value, lower, upper, reason }, unit }: { told: Determined; unit: string }) {
-  if (value === null) return <td class="number muted">{t("notDeterminedBecause", { reason })}</td>;
+  if (value === null) return <td class="number muted">{t("notDeterminedBecause", { reason: reason && stored(reason) })}</td>;
   const scale = scaleOf(Math.max(...[value, lower, upper].map((one) => Math.abs(one ?? 0))), unit);
   const shown = (one: number | null) => number(one === null ? null : one * scale.factor);
   return (

@@ -4,7 +4,7 @@ import { Empty, Panel } from "../components/panel";
 import { Scroll } from "../components/scroll";
 import { useResource } from "../data/resource";
 import { whirlName } from "../format/angles";
-import { number, rpm } from "../format/numbers";
+import { decimal, number, rpm } from "../format/numbers";
 import { t } from "../messages/messages";
 import type { Document } from "../schemas/machines";
 import type { CriticalSpeed, CriticalSpeeds } from "../schemas/model";
@@ -44,13 +44,20 @@ export function CriticalSpeedsPanel({ machine, path }: { machine: Document; path
   );
 }
 
+/** With as many digits as tell the interval's ends apart. */
+function bound(value: number | null, { lower, upper }: CriticalSpeed): string {
+  if (value === null) return "–";
+  const isNarrow = lower !== null && upper !== null && upper - lower < 2;
+  return isNarrow ? decimal(value.toFixed(upper - lower < 0.2 ? 2 : 1)) : String(Math.round(value));
+}
+
 function Row({ one, machine }: { one: CriticalSpeed; machine: Document }) {
   const { minimum_rpm: low, maximum_rpm: high } = machine.speed_range;
   return (
     <tr>
       <td class="number">{rpm(one.speed)}</td>
       <td class="number muted">
-        {one.lower === null ? "–" : Math.round(one.lower)} … {one.upper === null ? "–" : Math.round(one.upper)}
+        {bound(one.lower, one)} … {bound(one.upper, one)}
       </td>
       <td class="number">{number(100 * one.damping_ratio)} %</td>
       <td class="number">{number(one.log_decrement)}</td>

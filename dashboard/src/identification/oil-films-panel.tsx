@@ -96,7 +96,7 @@ function FilmFigure({ film, documented }: { film: OilFilm; documented: DocumentF
     <figure>
       <figcaption>
         <strong>{film.bearing}</strong>
-        {film.radius !== null && <SaveDrawing label={`Oil film of bearing ${film.bearing}`} columns={() => columnsOf(rows)} />}
+        {film.radius !== null && <SaveDrawing label={t("oilFilmLabel", { bearing: film.bearing })} columns={() => columnsOf(rows)} />}
       </figcaption>
       <div class="film">
         {film.radius !== null && (
@@ -126,11 +126,11 @@ function FilmFigure({ film, documented }: { film: OilFilm; documented: DocumentF
 
 function columnsOf(rows: [string, Bounded][]): DataColumn[] {
   return [
-    { name: "quantity", values: rows.map(([name]) => name) },
-    { name: "value", values: rows.map(([, one]) => one.value) },
-    { name: "lower", values: rows.map(([, one]) => one.lower) },
-    { name: "upper", values: rows.map(([, one]) => one.upper) },
-    { name: "unit", values: rows.map(([, one]) => one.unit) },
+    { name: t("csvQuantity"), values: rows.map(([name]) => name) },
+    { name: t("csvValue"), values: rows.map(([, one]) => one.value) },
+    { name: t("csvLower"), values: rows.map(([, one]) => one.lower) },
+    { name: t("csvUpper"), values: rows.map(([, one]) => one.upper) },
+    { name: t("csvUnit"), values: rows.map(([, one]) => one.unit) },
   ];
 }
 

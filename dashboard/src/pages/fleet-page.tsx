@@ -91,14 +91,15 @@ function Totals({ machines }: { machines: FleetMachine[] }) {
   const open = (severity: string) => machines.filter((one) => (one.open_alerts[severity] ?? 0) > 0).length;
   const turning = machines.filter((one) => !["stopped", "unknown"].includes(one.state)).length;
   const unacknowledged = machines.reduce((sum, one) => sum + one.unacknowledged, 0);
+  const needing = machines.filter((one) => needs(one).length > 0).length;
   const figures: [number, string][] = [
     [machines.length, machines.length === 1 ? t("oneMachine") : t("machinesCount")],
     [turning, t("turning")],
     [machines.filter((one) => one.open_run).length, t("inARun")],
     [open("danger"), t("inDanger")],
     [open("alert"), t("withAnAlert")],
-    [unacknowledged, t("alertsNotAcknowledged")],
-    [machines.filter((one) => needs(one).length > 0).length, t("needAPerson")],
+    [unacknowledged, unacknowledged === 1 ? t("alertNotAcknowledged") : t("alertsNotAcknowledged")],
+    [needing, needing === 1 ? t("needsAPerson") : t("needAPerson")],
   ];
   return (
     <dl class="totals">

@@ -36,7 +36,7 @@ export function ResponseTab({ machine }: { machine: Document }) {
           <OtherMachineSelect machine={machine} chosen={other} label={t("newestRunOf")} />
           <ChannelButtons machine={machine} chosen={chosen} />
           <OrderButtons order={order} />
-          <SlowRollSwitch checked={query.get("slow_roll") !== "none"} />
+          <SlowRollSwitch machine={machine.id} checked={query.get("slow_roll") !== "none"} />
         </div>
         <BesideAlert beside={beside} isPending={isPending} />
       </Panel>
@@ -71,10 +71,12 @@ function useNewestRun(machine: string | undefined): Run | undefined {
   return runs?.find((one) => one.state === "closed" && one.samples !== 0);
 }
 
-function SlowRollSwitch({ checked }: { checked: boolean }) {
+/** Off and not to be switched on where there is nothing to subtract. */
+function SlowRollSwitch({ machine, checked }: { machine: string; checked: boolean }) {
+  const isNone = useResource<{ versions: unknown[] }>(`/machines/${machine}/slow-roll?limit=1`).data?.versions.length === 0;
   return (
-    <label class="switch">
-      <input type="checkbox" checked={checked} onChange={(event) => replaceQuery({ slow_roll: event.currentTarget.checked ? null : "none" })} />
+    <label class="switch" title={isNone ? t("noSlowRollVectors") : undefined}>
+      <input type="checkbox" checked={checked && !isNone} disabled={isNone} onChange={(event) => replaceQuery({ slow_roll: event.currentTarget.checked ? null : "none" })} />
       {t("slowRollSubtracted")}
     </label>
   );

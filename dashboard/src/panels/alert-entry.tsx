@@ -8,7 +8,7 @@ import { Time } from "../components/time";
 import { MAX_EVENTS } from "../data/alerts-at-time";
 import { useResource } from "../data/resource";
 import { causeLabel, findingLabel } from "../findings/findings";
-import { elementName, parameterName, words } from "../format/names";
+import { elementName, elementOf, parameterName, words } from "../format/names";
 import { number, quantity } from "../format/numbers";
 import { utc } from "../format/times";
 import { rich, t } from "../messages/messages";
@@ -74,7 +74,7 @@ function EvidenceList({ evidence }: { evidence: Partial<Evidence> }) {
         {rich("inConsecutiveRuns", { time: <Time at={since} />, runs })}
       </dd>
       <dt>{t("largestChanges")}</dt>
-      <dd>{moved.map((one) => `${parameterName(one.parameter)} ${one.sigma > 0 ? "+" : "−"}${number(Math.abs(one.sigma), 2)} σ`).join(", ")}</dd>
+      <dd>{largestOfEach(moved).map((one) => `${parameterName(one.parameter)} ${one.sigma > 0 ? "+" : "−"}${number(Math.abs(one.sigma), 2)} σ`).join(", ")}</dd>
       {typeof force === "number" && (
         <>
           <dt>{t("misalignmentForce")}</dt>
@@ -89,6 +89,16 @@ function EvidenceList({ evidence }: { evidence: Partial<Evidence> }) {
       )}
     </dl>
   );
+}
+
+/** Of each element what has moved most certainly: what it has moved by as a whole is said above. */
+function largestOfEach(moved: Evidence["moved"]): Evidence["moved"] {
+  const largest = new Map<string, Evidence["moved"][number]>();
+  for (const one of moved) {
+    const element = elementOf(one.parameter);
+    if (Math.abs(one.sigma) > Math.abs(largest.get(element)?.sigma ?? 0)) largest.set(element, one);
+  }
+  return [...largest.values()];
 }
 
 function History({ alert }: { alert: Alert }) {

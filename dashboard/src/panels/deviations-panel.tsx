@@ -11,7 +11,7 @@ import { number } from "../format/numbers";
 import { rich, stored, t, term } from "../messages/messages";
 import type { Document } from "../schemas/machines";
 import type { Deviations } from "../schemas/trends";
-import { chanceText, CHANGED, changeText, deviationText, largestDeviation } from "../words/deviations";
+import { chanceText, CHANGED, changeText, deviationText, largestDeviation, togetherText } from "../words/deviations";
 
 const TITLE = t("deviationFromTheBaseline");
 
@@ -84,6 +84,7 @@ function Table({ machine, found }: { machine: string; found: Deviations }) {
 
 function Row({ machine, found, one }: { machine: string; found: Deviations; one: Deviations["elements"][number] }) {
   const largest = largestDeviation(found, one.element);
+  const together = togetherText(found, one.element);
   return (
     <tr>
       <td>
@@ -94,7 +95,10 @@ function Row({ machine, found, one }: { machine: string; found: Deviations; one:
         )}
         <a href={link(["machines", machine, "trends"], { element: one.element })}>{elementName(one.element)}</a>
       </td>
-      <td>{largest ? deviationText(largest) : "–"}</td>
+      <td>
+        {together}
+        {largest ? together ? <small class="muted">{t("byItselfLargest", { largest: deviationText(largest) })}</small> : deviationText(largest) : !together && "–"}
+      </td>
       <td class="number">{t("timesScatter", { times: number(one.distance / Math.sqrt(one.degrees_of_freedom), 2) })}</td>
       <td title={t("unchangedElementIsAsFar", { chance: chanceText(one.probability) })}>{changeText(one.probability)}</td>
     </tr>

@@ -57,21 +57,21 @@ function Row({ one }: { one: FleetMachine }) {
           <div key={words}>{words}</div>
         ))}
       </td>
-      <td>
+      <td data-label={t("state")}>
         <OperatingState state={one.state} />
         <div class="muted">
           <Time at={one.state_since} />
         </div>
       </td>
-      <td class="number"><Speed rpm={one.speed_rpm} /></td>
-      <td>
+      <td class="number" data-label={t("speed")}><Speed rpm={one.speed_rpm} /></td>
+      <td data-label={t("lastRun")}>
         <LastRun one={one} />
       </td>
-      <td title={one.last_identification ? stored(one.last_identification.verdict) : undefined}>
+      <td data-label={t("lastIdentification")} title={one.last_identification ? stored(one.last_identification.verdict) : undefined}>
         {one.last_identification ? (one.last_identification.accepted ? t("accepted") : t("crossNotAccepted")) : <span class="muted">{t("none")}</span>}
         <div class="muted">{one.last_identification && <Time at={one.last_identification.measured_at} />}</div>
       </td>
-      <td>{changesOf(one)}</td>
+      <td data-label={t("sinceYesterday")}>{changesOf(one)}</td>
     </tr>
   );
 }

@@ -99,8 +99,8 @@ function spoken(line: JournalLine, speedUnit: string): string {
 function columnsOf(lines: JournalLine[], speedUnit: string): DataColumn[] {
   const rows = lines.flatMap((line) => placesOf(line).map((one) => ({ ...one, name: line.name })));
   return [
-    { name: "line", values: rows.map((one) => one.name) },
-    { name: `speed [${speedUnit}]`, values: rows.map((one) => one.speed) },
+    { name: t("csvLine"), values: rows.map((one) => one.name) },
+    { name: t("csvSpeedIn", { unit: speedUnit }), values: rows.map((one) => one.speed) },
     { name: "x [µm]", values: rows.map((one) => one.x) },
     { name: "y [µm]", values: rows.map((one) => one.y) },
   ];

@@ -50,7 +50,7 @@ export function CorrelationMatrix({ found }: { found: Correlation }) {
 }
 
 function columnsOf({ coordinates, correlation }: Correlation): DataColumn[] {
-  return [{ name: "estimate", values: coordinates }, ...coordinates.map((name, column) => ({ name, values: correlation.map((row) => row[column]!) }))];
+  return [{ name: t("csvEstimate"), values: coordinates }, ...coordinates.map((name, column) => ({ name, values: correlation.map((row) => row[column]!) }))];
 }
 
 /** A square for a positive correlation, a diamond for a negative one. */

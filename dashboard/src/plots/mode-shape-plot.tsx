@@ -23,7 +23,7 @@ export function ModeShapePlot({ mode, drawing }: { mode: ModeShape; drawing: Dra
         <span class="muted">
           {t("dampingText", { ratio: number(100 * mode.damping_ratio), whirl, unstable: mode.damping_ratio < 0 && t("unstable") })}
         </span>
-        <SaveDrawing label={`Mode shape at ${frequency}, ${whirl}`} columns={() => columnsOf(mode)} />
+        <SaveDrawing label={t("modeShapeAt", { frequency, whirl })} columns={() => columnsOf(mode)} />
       </figcaption>
       <svg viewBox={`0 0 ${WIDTH} ${HEIGHT}`} role="img" aria-label={t("modeShapeAt", { frequency, whirl })}>
         <path class="grid" d={`M${MARGIN} ${HEIGHT / 2}H${WIDTH - MARGIN}`} />
@@ -64,14 +64,14 @@ function Shafts({ mode, at }: { mode: ModeShape; at: (z: number) => number }) {
 function columnsOf({ shafts }: ModeShape): DataColumn[] {
   const all = (of: (shaft: ModeShape["shafts"][number]) => number[]) => shafts.flatMap(of);
   return [
-    { name: "shaft", values: shafts.flatMap((one) => one.at.map(() => one.shaft)) },
+    { name: t("csvShaft"), values: shafts.flatMap((one) => one.at.map(() => one.shaft)) },
     { name: "z [m]", values: all((one) => one.at) },
-    { name: "x, real", values: all((one) => one.x.real) },
-    { name: "x, imaginary", values: all((one) => one.x.imaginary) },
-    { name: "y, real", values: all((one) => one.y.real) },
-    { name: "y, imaginary", values: all((one) => one.y.imaginary) },
-    { name: "semi-major axis", values: all((one) => one.semi_major) },
-    { name: "semi-minor axis", values: all((one) => one.semi_minor) },
+    { name: t("csvReal", { axis: "x" }), values: all((one) => one.x.real) },
+    { name: t("csvImaginary", { axis: "x" }), values: all((one) => one.x.imaginary) },
+    { name: t("csvReal", { axis: "y" }), values: all((one) => one.y.real) },
+    { name: t("csvImaginary", { axis: "y" }), values: all((one) => one.y.imaginary) },
+    { name: t("csvSemiMajor"), values: all((one) => one.semi_major) },
+    { name: t("csvSemiMinor"), values: all((one) => one.semi_minor) },
   ];
 }
 

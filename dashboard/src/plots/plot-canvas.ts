@@ -19,11 +19,16 @@ export function drawBands(plot: uPlot, { bands }: PlotProps): void {
   ctx.restore();
 }
 
+/** Height of a limit's name [px]. */
+const LABEL = 11;
+
 export function drawLimits(plot: uPlot, { limits }: PlotProps): void {
   const { ctx, bbox } = plot;
   ctx.save();
   ctx.font = `${11 * devicePixelRatio}px system-ui, sans-serif`;
   ctx.textAlign = "left";
+  ctx.textBaseline = "alphabetic"; // axes leave another one
+  const written: [right: number, y: number][] = [];
   for (const one of limits ?? []) {
     const y = plot.valToPos(one.y, "y", true);
     if (y < bbox.top || y > bbox.top + bbox.height) continue;
@@ -33,7 +38,13 @@ export function drawLimits(plot: uPlot, { limits }: PlotProps): void {
     ctx.moveTo(bbox.left, y);
     ctx.lineTo(bbox.left + bbox.width, y);
     ctx.stroke();
-    ctx.fillText(one.words, bbox.left + 4 * devicePixelRatio, y - 3 * devicePixelRatio);
+    const gap = 4 * devicePixelRatio;
+    // Beside one that is as high: lines that lie close together are named one after another.
+    const beside = written.filter(([, other]) => Math.abs(other - y) < LABEL * devicePixelRatio).map(([right]) => right);
+    const left = Math.max(bbox.left + gap, ...beside);
+    const baseline = y - gap < bbox.top + LABEL * devicePixelRatio ? y + LABEL * devicePixelRatio : y - gap;
+    ctx.fillText(one.words, left, baseline);
+    written.push([left + ctx.measureText(one.words).width + 2 * gap, y]);
   }
   ctx.restore();
 }

@@ -87,7 +87,7 @@ function axes(props: PlotProps): uPlot.Axis[] {
   const x = props.xUnit ? titled(props.xUnit, 30, 14) : { size: 34 };
   return [
     { ...axis, ...x, values: props.time ? DATES : (_, ticks) => ticks.map((tick) => decimal(String(tick))) },
-    { ...axis, ...titled(props.yUnit, 54, 16), ...(props.turn ? { incrs: TURN_STEPS, space: TURN_SPACE } : {}), values: (_, ticks) => ticks.map((tick) => tickLabel(props.turn ? withinTurn(tick, props.turn) : tick)) },
+    { ...axis, ...titled(props.yUnit, 54, 16), ...(props.turn ? { incrs: TURN_STEPS, space: TURN_SPACE } : {}), values: (_, ticks) => tickLabels(props.turn ? ticks.map((tick) => withinTurn(tick, props.turn!)) : ticks) },
   ];
 }
 
@@ -96,8 +96,21 @@ function titled(label: string, size: number, labelSize: number): uPlot.Axis {
   return { label, size, labelSize, labelFont: FONT, labelGap: 0 };
 }
 
-function tickLabel(tick: number): string {
-  const text = number(tick, 4);
+/** Relative difference below which values are the same for the eye [-]. */
+const FLAT = 1e-6;
+const MOST_DIGITS = 9;
+
+/** With as many digits as tell neighbours apart. */
+function tickLabels(ticks: number[]): string[] {
+  for (let digits = 4; digits < MOST_DIGITS; digits += 1) {
+    const labels = ticks.map((tick) => tickLabel(tick, digits));
+    if (ticks.every((tick, at) => at === 0 || tick === ticks[at - 1] || labels[at] !== labels[at - 1])) return labels;
+  }
+  return ticks.map((tick) => tickLabel(tick, MOST_DIGITS));
+}
+
+function tickLabel(tick: number, digits: number): string {
+  const text = number(tick, digits);
   return /[.,]/.test(text) && !text.includes("e") ? text.replace(/[.,]?0+$/, "") : text;
 }
 
@@ -126,6 +139,8 @@ function yRange(props: PlotProps, min: number | null, max: number | null): [numb
   if (min === null || max === null) return [0, 1];
   const low = Math.min(min, ...(props.bands ?? []).map((one) => one.low), ...(props.limits ?? []).map((one) => one.y));
   const high = Math.max(max, ...(props.bands ?? []).map((one) => one.high), ...(props.limits ?? []).map((one) => one.y));
-  const margin = 0.06 * (high - low || Math.abs(high) || 1);
+  const size = Math.max(Math.abs(low), Math.abs(high));
+  // What hardly differs is drawn flat: an axis of the last digits would show nothing but rounding.
+  const margin = high - low > FLAT * size ? 0.06 * (high - low) : 0.06 * (size || 1);
   return [low >= 0 && low - margin < 0 ? 0 : low - margin, high + margin];
 }

@@ -15,7 +15,7 @@ import type { Document, TimelineEntry } from "../schemas/machines";
 import type { Run } from "../schemas/runs";
 import { wasOpenAt } from "../words/alert-states";
 import { elementsOfEstimates } from "../words/elements";
-import { AlertsOfPeriod, MarkedTrain, Summary, TimelineOfPeriod } from "./report-panels";
+import { AlertsOfPeriod, MarkedTrain, Summary, TimelineOfPeriod, WhatToDo } from "./report-panels";
 
 /** The API's limit for a page of any list. */
 const LIMIT = 1000;
@@ -40,6 +40,7 @@ export function ReportBody({ machine, from, to }: { machine: Document; from: str
         {identifications.data?.length === 0 && <p class="muted">{t("noIdentificationInThisPeriod")}</p>}
         <MarkedTrain machine={machine} newest={newest} open={during.filter((one) => wasOpenAt(one, to))} />
       </Panel>
+      <WhatToDo open={during.filter((one) => wasOpenAt(one, to))} />
       <AlertsOfPeriod
         result={{ data: then.data, failure: alerts.failure ?? then.failure, asOf: alerts.asOf ?? then.asOf }}
         alerts={during}

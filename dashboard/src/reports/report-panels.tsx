@@ -9,6 +9,7 @@ import { useResource, type QueryResult } from "../data/resource";
 import { elementName } from "../format/names";
 import { rpm } from "../format/numbers";
 import { rich, stored, t, term } from "../messages/messages";
+import { AlertAdvice } from "../panels/alert-advice";
 import type { Alert } from "../schemas/alerts";
 import type { Identification, IdentificationSummary } from "../schemas/identifications";
 import type { Document, Drawing, TimelineEntry } from "../schemas/machines";
@@ -17,7 +18,7 @@ import type { Deviations } from "../schemas/trends";
 import { elementMarks } from "../train/marks";
 import { TrainDrawing } from "../train/train-drawing";
 import { TrainLegend } from "../train/train-legend";
-import { alertStateLabel, wasOpenAt } from "../words/alert-states";
+import { alertStateLabel, alertTitle, wasOpenAt } from "../words/alert-states";
 
 interface SummaryProps {
   runs: Run[] | undefined;
@@ -86,6 +87,24 @@ export function AlertsOfPeriod({ result, alerts }: { result: QueryResult<Alert[]
   return (
     <Panel title={t("alertsOfThePeriod")}>
       <Loaded result={result}>{() => <AlertTable alerts={alerts} />}</Loaded>
+    </Panel>
+  );
+}
+
+/** Of each alert that was open at the end: how far, how urgent, what to do. */
+export function WhatToDo({ open }: { open: Alert[] }) {
+  const told = open.filter((one) => one.advice);
+  if (told.length === 0) return null;
+  return (
+    <Panel title={t("whatIsToBeDone")}>
+      {told.map((one) => (
+        <section key={one.id}>
+          <h3>
+            <Severity severity={one.severity} /> {alertTitle(one)}
+          </h3>
+          <AlertAdvice advice={one.advice!} />
+        </section>
+      ))}
     </Panel>
   );
 }

@@ -62,6 +62,7 @@ export interface AlertEvent {
   state: string;
   severity: string;
   message: string;
+  advice?: Advice | null;
   by: string;
   comment: string;
 }

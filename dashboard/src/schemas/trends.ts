@@ -48,6 +48,18 @@ export interface ParameterDeviation {
   reaches: string | null;
 }
 
+/** A figure of what an element has changed by as a whole, the mean of so many runs. */
+export interface ElementSize {
+  name: string;
+  unit: string;
+  value: number;
+  lower: number;
+  upper: number;
+  runs: number | null;
+  /** In the baseline; null where only the change is told. */
+  before: number | null;
+}
+
 export interface Deviations {
   identification: number;
   measured_at: string;
@@ -56,7 +68,7 @@ export interface Deviations {
   missing: string | null;
   left_out: Record<string, string>;
   parameters: ParameterDeviation[];
-  elements: { element: string; distance: number; degrees_of_freedom: number; probability: number }[];
+  elements: { element: string; distance: number; degrees_of_freedom: number; probability: number; together: ElementSize[] }[];
 }
 
 export interface TrendTest {
@@ -74,6 +86,8 @@ export interface ControlChart {
   limit: number;
   passed: boolean;
   began: string | null;
+  /** From its first one on; null without a step. */
+  runs?: number | null;
 }
 
 export interface Drift {

@@ -53,7 +53,7 @@ export function TrainDrawing({ name, drawing, marks, onChoose }: Props) {
     if (box) whole.scrollLeft += box.left + box.width / 2 - whole.getBoundingClientRect().left - whole.clientWidth / 2;
   }, [worst]);
   return (
-    <figure class="train" ref={figure}>
+    <figure class="train scroll" ref={figure}>
       <SaveDrawing label={t("trainNamed", { name })} columns={() => columnsOf(drawing, marks)} />
       <svg viewBox={`0 0 ${WIDTH} ${scale.height}`} role="group" aria-label={t("drawnToScale", { name })}>
         <line class="axis" x1={MARGIN / 2} x2={WIDTH - MARGIN / 2} y1={scale.axis} y2={scale.axis} />
@@ -76,10 +76,10 @@ function columnsOf(drawing: Drawing, marks: Map<string, Mark>): DataColumn[] {
   const elements = [...discs, ...bearings, ...seals, ...pedestals, ...couplings].sort((one, other) => one.at - other.at);
   const mark = (element: string) => marks.get(element) ?? UNKNOWN;
   return [
-    { name: "element", values: elements.map((one) => one.element) },
+    { name: t("csvElement"), values: elements.map((one) => one.element) },
     { name: "z [m]", values: elements.map((one) => one.at) },
-    { name: "mark", values: elements.map((one) => mark(one.element).level) },
-    { name: "words", values: elements.map((one) => mark(one.element).words) },
+    { name: t("csvMark"), values: elements.map((one) => mark(one.element).level) },
+    { name: t("csvWords"), values: elements.map((one) => mark(one.element).words) },
   ];
 }
 

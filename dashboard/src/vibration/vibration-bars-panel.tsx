@@ -125,15 +125,15 @@ function Gap({ gap, full }: { gap: number; full: number }) {
 
 function columnsOf(probes: ProbeVibration[]): DataColumn[] {
   return [
-    { name: "channel", values: probes.map((one) => one.channel) },
-    { name: "time", values: probes.map((one) => one.time) },
-    { name: "speed [rpm]", values: probes.map((one) => one.speed_rpm) },
+    { name: t("csvChannel"), values: probes.map((one) => one.channel) },
+    { name: t("csvTime"), values: probes.map((one) => one.time) },
+    { name: t("csvSpeedIn", { unit: t("rpm") }), values: probes.map((one) => one.speed_rpm) },
     { name: "1× [µm pp]", values: probes.map((one) => one.first?.amplitude_um_pp ?? null) },
-    { name: "1× lag [°]", values: probes.map((one) => one.first?.phase_lag_deg ?? null) },
+    { name: t("csvLag", { order: "1×" }), values: probes.map((one) => one.first?.phase_lag_deg ?? null) },
     { name: "2× [µm pp]", values: probes.map((one) => one.second?.amplitude_um_pp ?? null) },
-    { name: "2× lag [°]", values: probes.map((one) => one.second?.phase_lag_deg ?? null) },
-    { name: "overall [µm pp]", values: probes.map((one) => one.overall_um_pp) },
-    { name: "zone", values: probes.map((one) => one.zone) },
-    { name: "gap [µm]", values: probes.map((one) => one.gap_um) },
+    { name: t("csvLag", { order: "2×" }), values: probes.map((one) => one.second?.phase_lag_deg ?? null) },
+    { name: t("csvOverall"), values: probes.map((one) => one.overall_um_pp) },
+    { name: t("csvZone"), values: probes.map((one) => one.zone) },
+    { name: t("csvGap"), values: probes.map((one) => one.gap_um) },
   ];
 }

@@ -1,8 +1,8 @@
 // How far an element is from its baseline, in words.
-import { isCrossCoupled, isUnbalance, quantityName } from "../format/names";
+import { isCrossCoupled, isUnbalance, parameterName, quantityName } from "../format/names";
 import { number, percent, quantity } from "../format/numbers";
 import { t } from "../messages/messages";
-import type { Deviations, ParameterDeviation } from "../schemas/trends";
+import type { Deviations, ElementSize, ParameterDeviation } from "../schemas/trends";
 
 /** Elements less probable than this in the baseline state have changed. */
 export const CHANGED = 1e-3;
@@ -36,6 +36,23 @@ export function deviationText(one: ParameterDeviation): string {
     return t("addedAt2", { term, added: quantity(one.added, "kg m"), angle: Math.round(one.added_angle_deg ?? 0) % 360, part, sigma });
   }
   return `${term} ${percent(one.per_cent / 100)}${isCrossCoupled(one.parameter) ? t("ofDirectTerms") : ""} (${sigma})`;
+}
+
+const SIZE_UNITS: Record<string, string> = { um: "µm", urad: "µrad", "g mm": "g·mm", "N m": "N·m" };
+
+/** What an element has changed by as a whole, as its alert says it; null where no diagnosis says that it has. */
+export function togetherText(deviations: Deviations, element: string): string | null {
+  const all = deviations.elements.find((one) => one.element === element)?.together ?? [];
+  // What is told from what to what, such as a load that follows from the coefficients, is left to the alert.
+  const together = all.some((one) => one.before === null) ? all.filter((one) => one.before === null) : all;
+  return together.length > 0 ? together.map(sizeText).join("; ") : null;
+}
+
+function sizeText({ name, unit, value, lower, upper, runs }: ElementSize): string {
+  const signed = (one: number) => `${one > 0 ? "+" : ""}${number(one, 2)}`;
+  const told = t("sizeWithInterval", { value: signed(value), unit: SIZE_UNITS[unit] ?? unit, lower: signed(lower), upper: signed(upper) });
+  const size = name.endsWith(".coefficients") ? t("allCoefficientsTogether", { size: told }) : `${parameterName(name)} ${told}`;
+  return runs !== null && runs > 1 ? t("meanOfNewestRuns", { size, runs }) : size;
 }
 
 export function largestDeviation(deviations: Deviations, element: string): ParameterDeviation | undefined {

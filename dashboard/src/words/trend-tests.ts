@@ -3,10 +3,12 @@ import { isCrossCoupled } from "../format/names";
 import { number, percent } from "../format/numbers";
 import { when } from "../format/times";
 import { t } from "../messages/messages";
-import type { Drift, TrendTest } from "../schemas/trends";
+import type { ControlChart, Drift, TrendTest } from "../schemas/trends";
 
 /** Drifts that chance would make more often than this are not stated. */
 const SIGNIFICANT = 0.01;
+/** So many runs that grow one after another make a drift that is stated: fewer may be its beginning, or a step. */
+const TELL_A_STEP = 6;
 const COMPONENTS: Record<string, string> = { real: t("realPart"), imaginary: t("imaginaryPart") };
 
 /** One sentence for each test that was passed over its limit. */
@@ -28,11 +30,13 @@ function reference(parameter: string, component: string): string {
 }
 
 function steps(test: TrendTest): string[] {
-  const since = (began: string | null) => (began ? t("mostLikelySince", { began: when(began) }) : "");
-  return [
-    ...(test.step_up.passed ? [t("stepUp", { since: since(test.step_up.began) })] : []),
-    ...(test.step_down?.passed ? [t("stepDown", { since: since(test.step_down.began) })] : []),
-  ];
+  return [...step(test.step_up, "stepUp", "higherSince"), ...step(test.step_down, "stepDown", "lowerSince")];
+}
+
+function step(chart: ControlChart | null, told: "stepUp" | "stepDown", young: "higherSince" | "lowerSince"): string[] {
+  if (!chart?.passed) return [];
+  const since = chart.began ? t("mostLikelySince", { began: when(chart.began) }) : "";
+  return [t((chart.runs ?? TELL_A_STEP) < TELL_A_STEP ? young : told, { since })];
 }
 
 /** Since when a drift shows. */

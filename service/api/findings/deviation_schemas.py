@@ -81,6 +81,7 @@ class ChartOut(BaseModel):
     limit: float
     passed: bool
     began: datetime | None = Field(description="of a step that is there: its likeliest first run")
+    runs: int | None = Field(description="from that one on; fewer than six do not tell a step from a drift")
 
 
 class AheadOut(BaseModel):

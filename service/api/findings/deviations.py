@@ -278,7 +278,7 @@ def _test(one: TrendTest, newest: float, drift: schemas.DriftOut | None) -> sche
 
 def _chart(one: Chart) -> schemas.ChartOut:
     began = None if one.began is None else to_datetime(round(one.began * WEEK))
-    return schemas.ChartOut(value=one.value, limit=one.limit, passed=one.passed, began=began)
+    return schemas.ChartOut(value=one.value, limit=one.limit, passed=one.passed, began=began, runs=one.runs)
 
 
 def _ahead(drift: Drift, level: Level | None, direct: bool) -> schemas.AheadOut | None:

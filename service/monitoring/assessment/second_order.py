@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from estimator.machine.coupling_neighbours import neighbouring_bearings
+from estimator.machine.coupling_neighbours import probes_beside
 from estimator.machine.parameter_description import describe
 from service.monitoring.assessment.context import AssessmentContext, SecondOrderGrowth
 from service.monitoring.assessment.load_changes import change_beyond_band
@@ -20,8 +20,6 @@ from service.monitoring.rules.diagnosis_rules import delays
 if TYPE_CHECKING:
     from estimator.diagnosis.bayes_factors import Diagnosis
     from estimator.diagnosis.finding_kind import Cause
-    from estimator.machine.document import Machine
-    from estimator.machine.parts import Probe
 
 CLOSE = 3.0
 """Lead in evidence up to which the next explanation is worth a thought [-]: a factor of 20."""
@@ -68,7 +66,8 @@ def second_order_growth(context: AssessmentContext, cause: "Cause") -> SecondOrd
     """Return the largest growth of the 2× beside a misaligned coupling; None where there is none, or another one elsewhere."""
     if cause.kind != MISALIGNMENT.name:
         return None
-    beside = set(_probes_beside(context.machine, cause.element))
+    coupling = next(one for one in context.machine.couplings if f"coupling.{one.id}" == cause.element)
+    beside = set(probes_beside(context.machine, coupling))
     grown = list(_grown(context))
     if not grown or any(one.probe not in beside for one in grown):
         return None
@@ -81,18 +80,3 @@ def _grown(context: AssessmentContext) -> Iterator[SecondOrderGrowth]:
         change = change_beyond_band(one)
         if change is not None and change.before is not None and change.value > LEAST_GROWTH * change.before > 0.0:
             yield SecondOrderGrowth(describe(one.element).element_id, change.before, one.newest)
-
-
-def _probes_beside(machine: "Machine", element: str) -> Iterator[str]:
-    """Yield the probes at the bearings on either side of a coupling."""
-    coupling = next(one for one in machine.couplings if f"coupling.{one.id}" == element)
-    bearings = neighbouring_bearings(machine, coupling)
-    yield from (probe.id for probe in machine.probes if _nearest_bearing(machine, probe) in bearings)
-
-
-def _nearest_bearing(machine: "Machine", probe: "Probe") -> str | None:
-    """Return the bearing that a probe is mounted on, else the nearest one of its shaft."""
-    own = [one for one in machine.bearings if one.shaft == probe.shaft]
-    if probe.mounted_on is not None or not own:
-        return probe.mounted_on
-    return min(own, key=lambda one: abs(one.station - probe.station)).id

@@ -57,6 +57,7 @@ def test_a_step_is_found_with_the_run_in_which_it_began() -> None:
     assert found.step_up.began == 13.0
     assert found.step_down is not None
     assert (found.step_down.passed, found.step_down.began) == (False, None)
+    assert (found.step_up.runs, found.step_down.runs) == (2, None)
     assert found.newest == pytest.approx(0.1)
     assert found.runs == 5
     down = of(NAME, trend_tests(BASELINE, readings([0.0, -0.1, -0.1]))).step_down

@@ -4,11 +4,13 @@ import json
 import threading
 from pathlib import Path
 
+import numpy as np
 import pytest
 import yaml
 import zenoh
 
 from estimator.machine.document import Machine, parse_machine
+from estimator.simulation.simulated_second_order import PART
 from formats.wire import ALL_SAMPLES, Key, SampleBatch, decode_batch, to_samples
 from service.sources.simulator import SimulationPlan, simulate
 from tests.paths import EXAMPLES
@@ -88,3 +90,15 @@ def test_overall_levels_are_sent_that_hold_the_1x_and_none_beyond_what_a_probe_s
     samples, _, faults = to_samples(heard[0], train, received_at=heard[0].time_ns[-1])
     assert faults == []
     assert samples.overall.shape == samples.phasor.shape
+
+
+def test_the_2x_is_sent_beside_the_1x(router: zenoh.Session, client: zenoh.Session, tmp_path: Path) -> None:
+    train = machine(id="second")
+    heard = published(router, client, train, tmp_path / "truth.jsonl")
+    assert all(one.amplitude_2x is not None and one.phase_2x is not None for one in heard)
+    samples, _, faults = to_samples(heard[-1], train, received_at=heard[-1].time_ns[-1])
+    assert faults == []
+    large = np.abs(samples.phasor) > 20e-6
+    assert large.any()
+    over = np.abs(samples.second)[large] / np.abs(samples.phasor)[large]
+    assert np.median(over) == pytest.approx(PART, rel=0.3)

@@ -194,6 +194,7 @@ def test_a_step_is_dated_and_its_element_too(plant: Database, api: httpx.Client)
     for name in ("coupling.C1.kxx", "coupling.C1"):
         assert tests[name]["step_up"]["passed"]
         assert datetime.fromisoformat(tests[name]["step_up"]["began"]) == BEGAN + timedelta(weeks=BASELINE + 4)
+        assert tests[name]["step_up"]["runs"] == 2
     assert tests["coupling.C1"]["step_down"] is None
     assert not tests["bearing.B1.kxx"]["step_up"]["passed"]
     assert tests["coupling.C1.kxx"]["newest"] == pytest.approx(30.0)
