@@ -20,6 +20,7 @@ from service.advice.site_texts import SiteTexts
 from service.configuration.settings import Settings
 from service.opcua.alert_conditions import AlertConditions
 from service.opcua.browsing import Browsing
+from service.opcua.capabilities import tell_capabilities
 from service.opcua.client_requests import LARGEST_CHUNK, ListeningServer
 from service.opcua.client_session import ClientSession
 from service.opcua.client_trust import ClientTrust, application_uri, load_own
@@ -173,6 +174,7 @@ class PlantServer:
         self._use_certificate()
         await self._server.init()
         await self._describe()
+        await tell_capabilities(self._core)
         index = await self._server.register_namespace(NAMESPACE)
         self._core.names = NodeNames(index)
         tree = NodeTree(self._core, self._core.names)

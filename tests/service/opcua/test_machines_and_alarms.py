@@ -246,5 +246,20 @@ def test_what_has_become_worse_is_not_acknowledged_by_an_old_event(
     assert read(operator, f"{MACHINE}/Alerts/HighestSeverity")["value"] == 900
 
 
+LIMITS = {"i=11705": 10_000, "i=11710": 1_000, "i=11712": 1_000, "i=11709": 100, "i=12165": 100, "i=11714": 5_000}
+"""MaxNodesPerRead, -Browse, -TranslateBrowsePathsToNodeIds, -MethodCall, -HistoryReadData, MaxMonitoredItemsPerCall."""
+
+
+def test_the_limits_that_clients_are_told_are_those_that_hold(operator: SecondStack) -> None:
+    """A client that keeps to them is never refused: another stack cuts its requests by them."""
+    assert {node: read(operator, node)["value"] for node in LIMITS} == LIMITS
+    history = {name: f"i={number}" for name, number in (("data", 11193), ("events", 11242), ("page", 11273))}
+    assert {name: read(operator, node)["value"] for name, node in history.items()} == {
+        "data": True,
+        "events": False,
+        "page": 1000,
+    }
+
+
 def test_a_stacks_own_alarm_list_shows_the_alert(operator: SecondStack) -> None:
     assert "misalignment coupling.C1" in [one["name"] for one in operator.ask("alarms")]
