@@ -92,7 +92,7 @@ def test_each_group_has_value_unit_interval_quality_source_time_and_history(clie
         assert read(client, f"{node}/EngineeringUnits")["value"]["displayName"] == one.unit
         told = client.ask("history", node=node, begin="2020-01-01", end="2030-01-01")
         assert [(each["value"], each["source"]) for each in told["values"]] == [(one.value, ENDED)]
-    assert read(client, f"{UNBALANCE}/AngleDeg")["value"] == pytest.approx(26.565, abs=1e-3)
+    assert read(client, f"{UNBALANCE}/AngleDeg")["value"] == pytest.approx(333.435, abs=1e-3)
     assert read(client, f"{MACHINE}/Identification/Id") == {"value": number, "status": "Good", "source": ENDED}
     last = f"2023-11-14T22:13:{20 + 9}.000Z"
     for name, value in (("Id", ran), ("Kind", "run-down"), ("State", "closed"), ("EndedAt", last)):
