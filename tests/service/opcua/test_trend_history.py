@@ -101,14 +101,16 @@ def test_the_end_does_not_belong_to_a_read_and_bounds_are_told_when_asked(
     trends: TrendHistory, begin: int, end: int, values: list[float | str], bounded: list[float | str]
 ) -> None:
     """Who reads stretch after stretch gets nothing twice; the table of OPC 10000-11, 6.5.3.2, has such cases."""
-    asked = {"begin": at(begin), "end": at(end)}
+    asked: dict[str, Any] = {"begin": at(begin), "end": at(end)}
     assert told(read(trends, **asked)[0]) == values
     assert told(read(trends, bounds=True, **asked)[0]) == bounded
 
 
 def test_bounds_come_once_over_pages(trends: TrendHistory, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(trend_history, "PAGE", 2)
-    asked, continuation, found = {"begin": at(2), "end": at(5), "bounds": True}, None, []
+    asked: dict[str, Any] = {"begin": at(2), "end": at(5), "bounds": True}
+    continuation: Any = None
+    found: list[list[float | str]] = []
     while continuation is not None or not found:
         (one,) = read(trends, continuation=continuation, **asked)
         found.append(told(one))
