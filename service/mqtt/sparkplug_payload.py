@@ -20,7 +20,7 @@ REBIRTH = "Node Control/Rebirth"
 QUALITY, GOOD = b"Quality", 192
 """Property that says what a value is worth (§6.4.18: 0 bad, 192 good, 500 stale), and its value where all is well."""
 COMPRESSED = b"SPBV1.0_COMPRESSED"
-"""What a payload calls itself whose body is compressed (Eclipse Tahu)."""
+"""Name by which a payload says that its body is compressed (Eclipse Tahu)."""
 VARINT, FIXED64, BYTES, FIXED32 = 0, 1, 2, 5
 
 Field = tuple[int, int, int | bytes]

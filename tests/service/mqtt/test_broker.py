@@ -1,4 +1,4 @@
-"""What waits here of the messages that no broker holds back."""
+"""Limits of the messages that no broker holds back and that wait here."""
 
 import asyncio
 

@@ -17,7 +17,7 @@ from tests.service.security.two_plants import HIDDEN, Ids, fill
 
 @pytest.fixture
 def ids(database: Database) -> tuple[Ids, Ids]:
-    """What two plants have."""
+    """Objects of two plants."""
     return fill(database)
 
 

@@ -34,7 +34,7 @@ VALUES = [
     Derived("critical_speed.1", "rad/s", 150.0, 149.0, 151.0),
 ]
 ENDED = "2023-11-15T03:14:00.000Z"
-"""When the run ended: its source time."""
+"""End of the run: its source time."""
 
 
 @pytest.fixture(scope="module")
