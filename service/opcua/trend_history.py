@@ -1,8 +1,8 @@
 """History of parameters: the points of trends, in pages.
 
-Source: OPC 10000-11, 6.5.3 (ReadRawModifiedDetails). A continuation point holds all that the rest of a read needs: nothing is
-kept for clients that never come back. Raw values, one a run, and aggregates of them are read (`trend_aggregates.py`); modified
-and interpolated ones are not kept.
+Source: OPC 10000-11, 6.5.3 (ReadRawModifiedDetails), 3.1.9 and 4.6 (time domain, bounding values). A continuation point holds
+all that the rest of a read needs: nothing is kept for clients that never come back. Raw values, one a run, and aggregates of them
+are read (`trend_aggregates.py`); modified and interpolated ones are not kept.
 """
 
 import asyncio
@@ -77,7 +77,7 @@ class PageRequest:
     def of_request(cls, details: ua.ReadRawModifiedDetails) -> "PageRequest":
         """Return the page that a request begins with. Raises ValueError unless two of begin, end and number are given.
 
-        Of begin and end the begin belongs to it, the end does not (OPC 10000-11, 6.5.3.2), unless they are the same.
+        Of begin and end the begin belongs to it, the end does not (OPC 10000-11, 3.1.9), unless they are the same.
         """
         begin, end, count = _time(details.StartTime), _time(details.EndTime), details.NumValuesPerNode
         if begin is not None and end is not None:

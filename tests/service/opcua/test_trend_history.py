@@ -100,7 +100,7 @@ def told(one: Any) -> list[float | str]:
 def test_the_end_does_not_belong_to_a_read_and_bounds_are_told_when_asked(
     trends: TrendHistory, begin: int, end: int, values: list[float | str], bounded: list[float | str]
 ) -> None:
-    """Reading stretch after stretch gives nothing twice; the table of OPC 10000-11, 6.5.3.2, has such cases."""
+    """Reading stretch after stretch gives everything once, as OPC 10000-11, 3.1.9, asks."""
     asked: dict[str, Any] = {"begin": at(begin), "end": at(end)}
     assert told(read(trends, **asked)[0]) == values
     assert told(read(trends, bounds=True, **asked)[0]) == bounded
