@@ -1,8 +1,8 @@
 """History of parameters: the points of trends, in pages.
 
 Source: OPC 10000-11, 6.5.3 (ReadRawModifiedDetails), 3.1.9 and 4.6 (time domain, bounding values). A continuation point holds
-all that the rest of a read needs: nothing is kept for clients that never come back. Raw values, one a run, and aggregates of them
-are read (`trend_aggregates.py`); modified and interpolated ones are not kept.
+all that the rest of a read needs: nothing is kept for clients that never come back. Raw values, one a run, and aggregates of
+them are read (`trend_aggregates.py`); modified and interpolated ones are not kept.
 """
 
 import asyncio
