@@ -261,7 +261,7 @@ async def _in_thread(function: Callable[..., T], *arguments: object) -> T:
 
 
 async def _shown(what: str, showing: Awaitable[None]) -> None:
-    """Wait until something is shown; what cannot be is logged, and holds up nothing else: it is not read again."""
+    """Wait until something is shown; what cannot be is logged, and holds up nothing else."""
     try:
         await showing
     except (NodeRefused, KeyError, ValueError, TypeError):

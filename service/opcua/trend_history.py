@@ -82,15 +82,15 @@ class PageRequest:
         begin, end, count = _time(details.StartTime), _time(details.EndTime), details.NumValuesPerNode
         if begin is not None and end is not None:
             if begin == end:
-                return cls(False, begin, begin + MICROSECOND - 1, count)
+                return cls(False, begin, _within(begin), count)
             if begin > end:
-                return cls(True, end + MICROSECOND, begin + MICROSECOND - 1, count, bounds=details.ReturnBounds)
+                return cls(True, end + MICROSECOND, _within(begin), count, bounds=details.ReturnBounds)
             return cls(False, begin, end - 1, count, bounds=details.ReturnBounds)
         if count == 0 or (begin is None and end is None):
             raise ValueError("two of begin, end and number are needed")
         if begin is not None:
             return cls(False, begin, LATEST, count)
-        return cls(True, EARLIEST, (end or 0) + MICROSECOND - 1, count)
+        return cls(True, EARLIEST, _within(end or 0), count)
 
     @property
     def begin(self) -> int:
@@ -242,6 +242,11 @@ class TrendHistory:
                 descending=wanted.descending,
                 limit=limit,
             )
+
+
+def _within(time: int) -> int:
+    """Return the last nanosecond of what clients are told as one time [ns]."""
+    return min(time + MICROSECOND - 1, LATEST)
 
 
 def _value(point: HistoryPoint, bound: str) -> ua.DataValue:

@@ -106,6 +106,14 @@ def test_the_end_does_not_belong_to_a_read_and_bounds_are_told_when_asked(
     assert told(read(trends, bounds=True, **asked)[0]) == bounded
 
 
+def test_a_read_from_the_end_of_all_time_has_pages_as_well(trends: TrendHistory, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(trend_history, "PAGE", 10)
+    last, first = datetime(9999, 12, 31, tzinfo=UTC), datetime(1970, 1, 1, tzinfo=UTC)
+    for begin, end in ((last, first), (first, last)):
+        assert [len(one) for one in pages(trends, begin=begin, end=end)] == [10, 10, 5]
+    assert [len(one) for one in pages(trends, begin=None, end=last, count=12)] == [10, 2]
+
+
 def test_bounds_come_once_over_pages(trends: TrendHistory, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(trend_history, "PAGE", 2)
     asked: dict[str, Any] = {"begin": at(2), "end": at(5), "bounds": True}
