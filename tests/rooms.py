@@ -97,9 +97,9 @@ service/runs: estimator estimator/machine estimator/runs service/replication ser
     storage/encoding storage/findings storage/machines storage/measurements storage/tables
 service/security: estimator service/configuration service/http service/resilience service/wording storage
     storage/database storage/encoding storage/operation storage/tables
-service/opcua: estimator estimator/rotor estimator/updated_model rotorundown/environment service/advice service/alerts
-    service/configuration service/resilience service/runs service/security storage storage/alerts storage/database
-    storage/findings storage/machines storage/operation storage/tables
+service/opcua: estimator estimator/machine estimator/rotor estimator/updated_model rotorundown/environment
+    service/advice service/alerts service/configuration service/resilience service/runs service/security storage
+    storage/alerts storage/database storage/findings storage/machines storage/operation storage/tables
 service/identification: estimator estimator/calibration estimator/fit estimator/identification estimator/machine
     estimator/modes estimator/phasors estimator/updated_model rotorundown/environment service/balancing
     service/configuration service/monitoring service/replication service/resilience service/workers storage

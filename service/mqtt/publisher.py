@@ -27,7 +27,7 @@ from storage.database.engine import Database
 from storage.findings import filed_estimates
 from storage.findings.jobs import RUN
 from storage.machines import machines
-from storage.tables.alerting import SubscriptionRow
+from storage.tables.alerting import AlertEventRow, SubscriptionRow
 from storage.tables.findings import IdentificationRow
 
 logger = logging.getLogger(__name__)
@@ -44,6 +44,9 @@ LARGEST_LAST_STATES = 10_000
 """Most alerts whose last state is published at a connection, the newest first."""
 OVERLAP = 50
 """Identifications before the last one that are looked at again: several replicas file at once."""
+
+SubscriptionMarks = frozenset[tuple[int, tuple[str, ...] | None]]
+"""Subscriptions by their ids, with the plants that each asks for; None for all."""
 
 
 class BrokerAway(ConnectionError):
@@ -73,6 +76,7 @@ class MqttAlerts(MqttThread):
         self._newest: dict[str, int] = {}  # number of the newest event by topic
         self._seen: dict[int, None] = {}  # identifications that were looked at, in order
         self._newest_measured: dict[str, int] = {}
+        self._told: SubscriptionMarks = frozenset()  # for whom the last states were told
         self._published = 0
 
     @property
@@ -126,9 +130,9 @@ class MqttAlerts(MqttThread):
         await client.publish(self._topics.status(self._settings.mqtt_client_id), b"online", qos=1, retain=True)
         self._ready = client
         self.note_connected()
-        await asyncio.to_thread(self._retry_deliveries)
+        await asyncio.to_thread(_retry_deliveries, self._database)
         while True:
-            await self._publish_all(client, await asyncio.to_thread(self._new_trends))
+            await self._publish_all(client, await asyncio.to_thread(self._news))
             await asyncio.sleep(LOOK_S)
 
     async def _publish_all(self, client: aiomqtt.Client, messages: Sequence[RetainedMessage]) -> None:
@@ -150,19 +154,33 @@ class MqttAlerts(MqttThread):
     def _last_states(self) -> list[RetainedMessage]:
         """Return the last event of each alert and the newest identification of each machine, of plants with subscriptions."""
         with self._database.reading() as session:
-            told = [row for row in deliveries.list_subscriptions(session) if _is_active(row)]
+            told = _subscribed(session)
+            self._told = _marks(told)
+            self._seen = {filed_estimates.newest_id(session): None}
             if not told:
                 return []
             plants = {row.id: row.plant for row in machines.list_all(session) if _covers(told, row.plant)}
-            found = [
-                self._message_of(plants[row.machine_id], alert_event(row, self._texts))
-                for row in alerts.last_events(session, limit=LARGEST_LAST_STATES)
-                if row.machine_id in plants
-            ]
+            rows = [one for one in alerts.last_events(session, limit=LARGEST_LAST_STATES) if one.machine_id in plants]
+            last = (self._last_state(plants[one.machine_id], one) for one in rows)
+            found = [one for one in last if one is not None]
             newest = filed_estimates.newest_of_each_machine(session)
-            self._seen = dict.fromkeys([filed_estimates.newest_id(session), *(one.id for one in newest)])
+            self._seen |= dict.fromkeys(one.id for one in newest)
             messages = self._trends_of(session, [one for one in newest if one.machine_id in plants], plants)
         return found + messages
+
+    def _last_state(self, plant: str, row: AlertEventRow) -> RetainedMessage | None:
+        """Return the message of an alert's last event; None for what cannot be told, which must not hold up the others."""
+        try:
+            return self._message_of(plant, alert_event(row, self._texts))
+        except (ValueError, TypeError, KeyError, OverflowError):
+            logger.exception("the last event of alert %d cannot be published", row.alert_id)
+            return None
+
+    def _news(self) -> list[RetainedMessage]:
+        """Return the identifications since the last look, and all last states where other subscriptions ask by now."""
+        with self._database.reading() as session:
+            asked = _marks(_subscribed(session))
+        return self._new_trends() + ([] if asked == self._told else self._last_states())
 
     def _new_trends(self) -> list[RetainedMessage]:
         """Return the identifications that were filed since the last look."""
@@ -170,7 +188,7 @@ class MqttAlerts(MqttThread):
             after = max(self._seen, default=0) - OVERLAP
             filed = filed_estimates.filed(session, after=after, limit=2 * AT_ONCE, held_back_ns=0)
             rows = [row for row in filed if row.id not in self._seen]
-            told = [row for row in deliveries.list_subscriptions(session) if _is_active(row)] if rows else []
+            told = _subscribed(session) if rows else []
             plants = {row.id: row.plant for row in machines.list_all(session) if _covers(told, row.plant)} if told else {}
             messages = self._trends_of(session, [row for row in rows if row.machine_id in plants], plants)
         self._seen |= dict.fromkeys(row.id for row in rows)
@@ -194,10 +212,11 @@ class MqttAlerts(MqttThread):
             )
         return found
 
-    def _retry_deliveries(self) -> None:
-        """Make deliveries due that failed while the broker was away."""
-        with self._database.transaction() as session:
-            deliveries.retry_now(session, KIND)
+
+def _retry_deliveries(database: Database) -> None:
+    """Make deliveries due that failed while the broker was away."""
+    with database.transaction() as session:
+        deliveries.retry_now(session, KIND)
 
 
 async def _until_it_ends(client: aiomqtt.Client) -> None:
@@ -206,8 +225,15 @@ async def _until_it_ends(client: aiomqtt.Client) -> None:
         pass
 
 
-def _is_active(row: SubscriptionRow) -> bool:
-    return row.kind == KIND and row.state == deliveries.ACTIVE
+def _subscribed(session: Session) -> list[SubscriptionRow]:
+    """Return the active subscriptions over MQTT."""
+    return [row for row in deliveries.list_subscriptions(session) if row.kind == KIND and row.state == deliveries.ACTIVE]
+
+
+def _marks(told: Sequence[SubscriptionRow]) -> SubscriptionMarks:
+    """Return marks that differ as soon as other subscriptions, or other plants, are active."""
+    plants = ((row.id, deliveries.subscribed_plants(row)) for row in told)
+    return frozenset((number, None if some is None else tuple(sorted(some))) for number, some in plants)
 
 
 def _covers(told: Sequence[SubscriptionRow], plant: str) -> bool:

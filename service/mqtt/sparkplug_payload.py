@@ -19,6 +19,8 @@ REBIRTH = "Node Control/Rebirth"
 """Name of the metric that asks a node for its names again."""
 QUALITY, GOOD = b"Quality", 192
 """Property that says what a value is worth (§6.4.18: 0 bad, 192 good, 500 stale), and its value where all is well."""
+COMPRESSED = b"SPBV1.0_COMPRESSED"
+"""Name by which a payload says that its body is compressed (Eclipse Tahu)."""
 VARINT, FIXED64, BYTES, FIXED32 = 0, 1, 2, 5
 
 Field = tuple[int, int, int | bytes]
@@ -60,6 +62,8 @@ def decoded(body: bytes) -> SparkplugPayload:
             metrics.append(_metric(value))
         elif number == 3 and isinstance(value, int) and kind == VARINT:
             sequence = value % 256
+        elif number == 4 and value == COMPRESSED:
+            raise Rejected("undecodable", "a compressed Sparkplug payload is not read: let the node send it as it is")
     return SparkplugPayload(timestamp, sequence, metrics)
 
 

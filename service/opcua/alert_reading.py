@@ -1,6 +1,6 @@
 """An alert as OPC UA clients see it: its state, and the event that led to it."""
 
-from collections.abc import Sequence
+import logging
 from dataclasses import dataclass
 
 from sqlalchemy.orm import Session
@@ -12,6 +12,8 @@ from service.alerts.transitions import status_of
 from storage.alerts import alerts, suppressions
 from storage.machines import machines
 from storage.tables.alerting import AlertEventRow, AlertRow
+
+logger = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -44,19 +46,37 @@ class AlertReading:
         return f"{self.rule} {self.element}".strip()
 
 
+@dataclass(frozen=True)
+class AlertNews:
+    """Alerts of the events behind one, oldest first; last: the last of these events, many: how many there were."""
+
+    readings: list[AlertReading]
+    last: int
+    many: int
+
+
 def open_readings(session: Session, texts: SiteTexts) -> list[AlertReading]:
     """Read every open alert, with its last event."""
     rows = alerts.all_open(session)
-    return [_reading(session, row, alerts.last_event(session, row.id), texts) for row in rows]
+    found = (_readable(session, row.id, alerts.last_event(session, row.id), texts) for row in rows)
+    return [one for one in found if one is not None]
 
 
-def events_since(session: Session, event: int, texts: SiteTexts, *, limit: int) -> list[AlertReading]:
-    """Read the alerts of the events behind one, oldest first; each with the standing that the alert has now."""
-    return _readings(session, alerts.events_after(session, event, limit=limit), texts)
+def events_since(session: Session, event: int, texts: SiteTexts, *, limit: int) -> AlertNews:
+    """Read the alerts of the events behind one; each with the standing that the alert has now."""
+    events = alerts.events_after(session, event, limit=limit)
+    found = (_readable(session, one.alert_id, one, texts) for one in events)
+    last = events[-1].id if events else event
+    return AlertNews([one for one in found if one is not None], last, len(events))
 
 
-def _readings(session: Session, events: Sequence[AlertEventRow], texts: SiteTexts) -> list[AlertReading]:
-    return [_reading(session, alerts.get(session, one.alert_id), one, texts) for one in events]
+def _readable(session: Session, alert: int, event: AlertEventRow, texts: SiteTexts) -> AlertReading | None:
+    """Return an alert after one of its events; None for what cannot be told, which must not hold up the others."""
+    try:
+        return _reading(session, alerts.get(session, alert), event, texts)
+    except (ValueError, TypeError, KeyError, OverflowError):
+        logger.exception("event %d of alert %d is not told over OPC UA", event.id, alert)
+        return None
 
 
 def _reading(session: Session, row: AlertRow, event: AlertEventRow, texts: SiteTexts) -> AlertReading:

@@ -6,6 +6,7 @@ Objects / Rundown / PLANT / MACHINE
     Alerts      counts, and a condition for each open alert
 """
 
+from collections.abc import Mapping
 from datetime import UTC, datetime
 from typing import Any
 
@@ -38,6 +39,8 @@ FIGURES: dict[str, dict[str, ua.VariantType]] = {
     "Alerts": {"Open": WHOLE, "Unacknowledged": WHOLE, "HighestSeverity": ua.VariantType.UInt16},
 }
 """Variables of a machine's folders that are no measured quantity."""
+OWN_FIGURES = {"Name": TEXT, "Revision": WHOLE}
+"""Those of the machine itself."""
 SPEED = "Speed"
 AGGREGATE_FOLDERS = (
     ua.ObjectIds.Server_ServerCapabilities_AggregateFunctions,
@@ -46,6 +49,7 @@ AGGREGATE_FOLDERS = (
 """Folders in which clients look for aggregates."""
 NOTIFIER = ua.ObjectIds.HasNotifier
 """Reference from a plant to its machines: whose events pass on to it. It is hierarchical, as Organizes is."""
+GONE = "the newest identification has no such quantity"
 LOWER, UPPER, ANGLE, QUALITY, REASON, UNIT = "Lower95", "Upper95", "AngleDeg", "Quality", "Reason", "EngineeringUnits"
 
 
@@ -87,8 +91,10 @@ class MachineNodes:
             if (one.folder, one.name) not in before:
                 self._add_value(reading.id, one)
             await self._show_value(reading.id, one)
+        at = None if reading.identification is None else reading.identification.measured_at
         for folder, name in before - found:
-            await self._write(self.node_of(reading.id, folder, name), None, FLOAT, status=ua.StatusCodes.BadDataUnavailable)
+            gone = ValueReading(folder, name, "", None, None, None, None, machine_reading.NOT_ESTIMABLE, GONE, at)
+            await self._show_value(reading.id, gone)
         self._shown[reading.id] = before | found
 
     async def show_standing(self, machine: str, standing: CollectionState) -> None:
@@ -123,7 +129,7 @@ class MachineNodes:
             description=described,
         )
         self._plants[reading.id] = plant
-        for name, variant in (("Name", TEXT), ("Revision", WHOLE)):
+        for name, variant in OWN_FIGURES.items():
             tree.add_variable(names.node(plant, reading.id, name), machine, names.qualified(name), variant, reference=PROPERTY)
         for name in (*FIGURES, *machine_reading.FOLDERS):
             place = names.node(plant, reading.id, name)
@@ -151,8 +157,7 @@ class MachineNodes:
         path = (self._plants[machine], machine, one.folder, one.name)
         self._add_measured(self.node_of(machine, one.folder), path, one.name, one.unit, history=True)
         node = self._names.node(*path)
-        kinds = {LOWER: FLOAT, UPPER: FLOAT, QUALITY: TEXT, REASON: TEXT}
-        for name, variant in (kinds if one.angle_deg is None else kinds | {ANGLE: FLOAT}).items():
+        for name, variant in ((LOWER, FLOAT), (UPPER, FLOAT), (QUALITY, TEXT), (REASON, TEXT)):
             place = self._names.node(*path, name)
             self._tree.add_variable(
                 place, node, self._names.qualified(name), variant, reference=PROPERTY, history=name in (LOWER, UPPER)
@@ -163,35 +168,38 @@ class MachineNodes:
         at = None if one.measured_at is None else to_datetime(one.measured_at)
         node = self.node_of(machine, one.folder, one.name)
         await self._write(node, one.value, FLOAT, status=status, at=at)
-        for name, bound in ((LOWER, one.lower), (UPPER, one.upper), (ANGLE, one.angle_deg)):
-            place = self.node_of(machine, one.folder, one.name, name)
-            if name != ANGLE or self._tree.holds(place):
-                await self._write(place, bound, FLOAT, status=status, at=at)
+        for name, bound in ((LOWER, one.lower), (UPPER, one.upper)):
+            await self._write(self.node_of(machine, one.folder, one.name, name), bound, FLOAT, status=status, at=at)
+        place = self.node_of(machine, one.folder, one.name, ANGLE)
+        if one.has_angle and not self._tree.holds(place):  # some turn out to be vectors with their first value
+            self._tree.add_variable(place, node, self._names.qualified(ANGLE), FLOAT, reference=PROPERTY)
+        if self._tree.holds(place):
+            await self._write(place, one.angle_deg, FLOAT, status=status, at=at)
         await self._write(self.node_of(machine, one.folder, one.name, QUALITY), one.quality, TEXT, at=at)
         await self._write(self.node_of(machine, one.folder, one.name, REASON), one.reason, TEXT, at=at)
 
     async def _show_glance(self, reading: MachineReading) -> None:
-        glance = reading.glance
-        run, last = glance.last_run, glance.last_identification
+        glance, last = reading.glance, reading.identification
         worst = max((severity for severity, count in glance.open_alerts.items() if count), default=None)
-        figures: dict[tuple[str, ...], tuple[Any, ua.VariantType]] = {
-            ("Name",): (glance.machine.name, TEXT),
-            ("Revision",): (glance.machine.revision, WHOLE),
-            ("Alerts", "Open"): (sum(glance.open_alerts.values()), WHOLE),
-            ("Alerts", "Unacknowledged"): (glance.unacknowledged, WHOLE),
-            ("Alerts", "HighestSeverity"): (
-                0 if worst is None else SEVERITIES[Severity(worst)],
-                ua.VariantType.UInt16,
-            ),
-        }
-        if run is not None:
-            figures |= _under("Runs", Id=run.id, Kind=run.kind, State=run.state)
+        highest = 0 if worst is None else SEVERITIES[Severity(worst)]
+        figures: dict[tuple[str, ...], Any] = {("Name",): glance.machine.name, ("Revision",): glance.machine.revision}
+        figures |= _under("Alerts", Open=sum(glance.open_alerts.values()), Unacknowledged=glance.unacknowledged)
+        figures |= _under("Alerts", HighestSeverity=highest)
+        await self._write_figures(reading.id, figures, None)
+        if (run := glance.last_run) is not None:
+            figures = _under("Runs", Id=run.id, Kind=run.kind, State=run.state)
             figures |= _under("Runs", StartedAt=to_datetime(run.time_first), EndedAt=_time_or_none(run.time_last))
+            await self._write_figures(reading.id, figures, run.time_first if run.time_last is None else run.time_last)
         if last is not None:
-            figures |= _under("Identification", Id=last.id, MeasuredAt=to_datetime(last.measured_at))
+            figures = _under("Identification", Id=last.id, MeasuredAt=to_datetime(last.measured_at))
             figures |= _under("Identification", Accepted=last.accepted, Verdict=last.verdict)
-        for path, (value, variant) in figures.items():
-            await self._write(self.node_of(reading.id, *path), value, variant)
+            await self._write_figures(reading.id, figures, last.measured_at)
+
+    async def _write_figures(self, machine: str, figures: Mapping[tuple[str, ...], Any], at: int | None) -> None:
+        """Write variables that are no measured quantity. at: their source time [ns]; None: when they change."""
+        for path, value in figures.items():
+            variant = FIGURES[path[0]][path[1]] if len(path) > 1 else OWN_FIGURES[path[0]]
+            await self._write(self.node_of(machine, *path), value, variant, at=None if at is None else to_datetime(at))
 
     async def _write(
         self,
@@ -210,8 +218,8 @@ class MachineNodes:
         await self._tree.write(node, written)
 
 
-def _under(folder: str, **values: Any) -> dict[tuple[str, ...], tuple[Any, ua.VariantType]]:
-    return {(folder, name): (value, FIGURES[folder][name]) for name, value in values.items()}
+def _under(folder: str, **values: Any) -> dict[tuple[str, ...], Any]:
+    return {(folder, name): value for name, value in values.items()}
 
 
 def _time_or_none(at: int | None) -> datetime | None:

@@ -7,11 +7,19 @@ from dataclasses import dataclass
 import numpy as np
 from sqlalchemy.orm import Session
 
-from estimator.rotor.parameter_names import ALIGNMENT_UNITS, JOURNAL_UNITS, STATIC_LOAD_UNITS, parameter_units
+from estimator.machine.document import Machine
+from estimator.machine.parameter_description import describe
+from estimator.rotor.parameter_names import (
+    ALIGNMENT_UNITS,
+    JOURNAL_UNITS,
+    STATIC_LOAD_UNITS,
+    derived_units,
+    parameter_units,
+)
 from estimator.updated_model.vector_angle import angle_deg
 from storage.findings import derived, identifications
 from storage.machines import machines
-from storage.machines.fleet import MachineGlance
+from storage.machines.fleet import IdentificationGlance, MachineGlance
 from storage.tables.findings import DerivedRow, EstimateRow, IdentificationRow
 
 ACCEPTED = "accepted"
@@ -31,6 +39,8 @@ LOAD_NAMES = (
         "misalignment_moment",
     }
 )
+UNBALANCE = "unbalance"
+"""Quantity that is a vector whether or not it has a value."""
 
 
 @dataclass(frozen=True)
@@ -52,12 +62,18 @@ class ValueReading:
     reason: str
     measured_at: int | None
 
+    @property
+    def has_angle(self) -> bool:
+        """Return whether it is a vector, whose value is the magnitude."""
+        return self.angle_deg is not None or describe(self.name).quantity == UNBALANCE
+
 
 @dataclass(frozen=True)
 class MachineReading:
-    """A machine with the values of its newest identification of a single run."""
+    """A machine with the values of its newest identification of a single run, and that identification itself."""
 
     glance: MachineGlance
+    identification: IdentificationGlance | None
     values: tuple[ValueReading, ...]
 
     @property
@@ -74,18 +90,28 @@ class MachineReading:
 def read_machine(session: Session, glance: MachineGlance) -> MachineReading:
     """Read a machine's newest values; those that its document names and no run has determined yet are there as well."""
     row = identifications.newest_of_single_run(session, glance.machine.id, accepted=False)
-    found: dict[str, ValueReading] = {}
+    newest, found = None, {}
     if row is not None:
+        newest = IdentificationGlance(row.id, row.measured_at, row.accepted, row.verdict)
         estimates = identifications.estimates(session, row.id)
         quantities = derived.of_identification(session, row.id)
         found = {one.name: one for one in (*_of_estimates(row, estimates), *_of_derived(row, quantities))}
     document = machines.document(session, glance.machine.id)
-    waiting = [
-        ValueReading(PARAMETERS, name, unit, None, None, None, None, NOT_IDENTIFIED, "no run is identified yet", None)
-        for name, unit in parameter_units(document).items()
-        if name not in found
-    ]
-    return MachineReading(glance, (*found.values(), *waiting))
+    waiting = (one for one in _without_value(document, row) if one.name not in found)
+    return MachineReading(glance, newest, (*found.values(), *waiting))
+
+
+def _without_value(document: Machine, row: IdentificationRow | None) -> Iterator[ValueReading]:
+    """Yield what a document names, parameters, alignment and loads, as far as the newest identification has it not."""
+    why = "no run is identified yet" if row is None else "no run is identified yet since the machine has it"
+    for name, unit in parameter_units(document).items():
+        yield ValueReading(PARAMETERS, name, unit, None, None, None, None, NOT_IDENTIFIED, why, None)
+    quality, at = NOT_IDENTIFIED, None
+    if row is not None and not row.accepted:
+        quality, why, at = NOT_ESTIMABLE, f"it follows from an accepted identification only: {row.verdict}", row.measured_at
+    for name, unit in derived_units(document).items():
+        if (folder := folder_of(name)) != DERIVED:
+            yield ValueReading(folder, name, unit, None, None, None, None, quality, why, at)
 
 
 def _of_estimates(row: IdentificationRow, estimates: Sequence[EstimateRow]) -> Iterator[ValueReading]:

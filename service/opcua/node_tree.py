@@ -1,6 +1,7 @@
 """Adds nodes to the server's address space, and writes their values."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from asyncua import ua
@@ -119,10 +120,15 @@ class NodeTree:
             _check(self._server.node_mgt_service.add_references([item]), source)
 
     async def write(self, node: ua.NodeId, value: ua.DataValue) -> None:
-        """Write a value if it differs from the stored one; subscribers of the node are notified."""
+        """Write a value if it differs from the stored one; subscribers of the node are notified.
+
+        Without a source time it has that of the change.
+        """
         held = self._server.aspace[node].attributes[ua.AttributeIds.Value].value
         if held is not None and _same(held, value):
             return
+        if value.SourceTimestamp is None:
+            value = replace(value, SourceTimestamp=value.ServerTimestamp)
         status = await self._server.aspace.write_attribute_value(node, ua.AttributeIds.Value, value)
         if not status.is_good():
             raise NodeRefused(f"node {node.to_string()} takes no {value.Value}: {status.name}")
@@ -150,7 +156,8 @@ class NodeTree:
 
 
 def _same(held: ua.DataValue, value: ua.DataValue) -> bool:
-    return held.Value == value.Value and held.StatusCode == value.StatusCode and held.SourceTimestamp == value.SourceTimestamp
+    same_time = value.SourceTimestamp in (None, held.SourceTimestamp)
+    return held.Value == value.Value and held.StatusCode == value.StatusCode and same_time
 
 
 def _check(found: Sequence[ua.StatusCode], node: ua.NodeId) -> None:

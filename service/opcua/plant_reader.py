@@ -81,11 +81,11 @@ class PlantReader:
         if mark is not None and mark == self._mark and aged is None:
             return found
         with self._database.reading() as session:
-            found.alerts = events_since(session, self._event, self._alert_texts, limit=EVENTS)
+            told = events_since(session, self._event, self._alert_texts, limit=EVENTS)
             found.machines = self._machines(session, aged)
-        self._event = max((one.event for one in found.alerts), default=self._event)
+        found.alerts, self._event = told.readings, told.last
         # As long as a look is full, there may be more behind it.
-        self._mark = mark if len(found.alerts) < EVENTS else None
+        self._mark = mark if told.many < EVENTS else None
         return found
 
     def _machines(self, session: Session, aged: str | None) -> list[MachineReading]:
@@ -122,4 +122,14 @@ class PlantReader:
         self._standings_mark = mark
         changed = {name: text for name, text in texts.items() if self._texts.get(name) != text}
         self._texts |= changed
-        return {name: CollectionState.restored(msgspec.json.decode(text)) for name, text in changed.items()}
+        found = ((name, _standing(name, text)) for name, text in changed.items())
+        return {name: one for name, one in found if one is not None}
+
+
+def _standing(machine: str, text: str) -> CollectionState | None:
+    """Return the state of a machine's run collection; None where it cannot be read."""
+    try:
+        return CollectionState.restored(msgspec.json.decode(text))
+    except (ValueError, TypeError, KeyError, AttributeError) as error:
+        logger.error("the state of machine '%s' is not shown over OPC UA: it cannot be read: %r", machine, error)
+        return None

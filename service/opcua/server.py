@@ -3,7 +3,7 @@
 import asyncio
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Awaitable, Callable
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, TypeVar
@@ -20,6 +20,7 @@ from service.advice.site_texts import SiteTexts
 from service.configuration.settings import Settings
 from service.opcua.alert_conditions import AlertConditions
 from service.opcua.browsing import Browsing
+from service.opcua.capabilities import tell_capabilities
 from service.opcua.client_requests import LARGEST_CHUNK, ListeningServer
 from service.opcua.client_session import ClientSession
 from service.opcua.client_trust import ClientTrust, application_uri, load_own
@@ -28,7 +29,7 @@ from service.opcua.condition_methods import ConditionMethods
 from service.opcua.issued_tokens import text_of, token_policy
 from service.opcua.machine_nodes import MachineNodes
 from service.opcua.names import NAMESPACE, NodeNames
-from service.opcua.node_tree import NodeTree
+from service.opcua.node_tree import NodeRefused, NodeTree
 from service.opcua.own_subscriptions import MOST_QUEUED
 from service.opcua.plant_reader import PlantNews, PlantReader
 from service.opcua.trend_history import TrendHistory
@@ -173,6 +174,7 @@ class PlantServer:
         self._use_certificate()
         await self._server.init()
         await self._describe()
+        await tell_capabilities(self._core)
         index = await self._server.register_namespace(NAMESPACE)
         self._core.names = NodeNames(index)
         tree = NodeTree(self._core, self._core.names)
@@ -183,7 +185,7 @@ class PlantServer:
         standing = await _in_thread(self._reader.open_alerts)
         await self._show(await _in_thread(self._reader.read_changes))
         for alert in standing:
-            await self._conditions.show(alert, tell=False)
+            await _shown(f"alert {alert.id}", self._conditions.show(alert, tell=False))
         await self._server.start()
 
     async def update(self) -> None:
@@ -217,12 +219,12 @@ class PlantServer:
         assert machines is not None
         assert conditions is not None
         for reading in news.machines:
-            await machines.show(reading)
+            await _shown(f"machine '{reading.id}'", machines.show(reading))
             await _others_first()
         for machine, standing in news.standings.items():
-            await machines.show_standing(machine, standing)
+            await _shown(f"the state of machine '{machine}'", machines.show_standing(machine, standing))
         for alert in news.alerts:
-            await conditions.show(alert)
+            await _shown(f"alert {alert.id}", conditions.show(alert))
 
     def _use_certificate(self) -> None:
         settings, server = self._settings, self._server
@@ -256,6 +258,14 @@ class PlantServer:
 
 async def _in_thread(function: Callable[..., T], *arguments: object) -> T:
     return await asyncio.to_thread(function, *arguments)
+
+
+async def _shown(what: str, showing: Awaitable[None]) -> None:
+    """Wait until something is shown; what cannot be is logged, and holds up nothing else."""
+    try:
+        await showing
+    except (NodeRefused, KeyError, ValueError, TypeError):
+        logger.exception("%s is not shown over OPC UA", what)
 
 
 async def _others_first() -> None:

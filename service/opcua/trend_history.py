@@ -1,8 +1,8 @@
 """History of parameters: the points of trends, in pages.
 
-Source: OPC 10000-11, 6.5.3 (ReadRawModifiedDetails). A continuation point holds all that the rest of a read needs: nothing is
-kept for clients that never come back. Raw values, one a run, and aggregates of them are read (`trend_aggregates.py`); modified
-and interpolated ones are not kept.
+Source: OPC 10000-11, 6.5.3 (ReadRawModifiedDetails), 3.1.9 and 4.6 (time domain, bounding values). A continuation point holds
+all that the rest of a read needs: nothing is kept for clients that never come back. Raw values, one a run, and aggregates of
+them are read (`trend_aggregates.py`); modified and interpolated ones are not kept.
 """
 
 import asyncio
@@ -36,48 +36,77 @@ MOST_WAITING = 20
 EARLIEST, LATEST = 0, 2**62
 UNSET = datetime(1601, 1, 2, tzinfo=UTC)
 """Times before this are OPC UA's way of saying none."""
-_CONTINUATION = struct.Struct(">B?qqIqq")
+_CONTINUATION = struct.Struct(">B??qqIqq")
 _INTERVAL = struct.Struct(">BQ")
 """Continuation point of aggregates: the next interval."""
 VERSION = 1
+MICROSECOND = 1_000
+"""Resolution in which clients are told times [ns]: a value's time is at most so much later than they know."""
 
 
 @dataclass(frozen=True)
 class PageRequest:
-    """The rest of a read: between two times [ns], newest first or not, behind a point, so many values; 0 for all."""
+    """The rest of a read: between two times [ns], newest first or not, behind a point, so many values; 0 for all.
+
+    bounds: whether the values before and behind these times are asked for, too.
+    """
 
     descending: bool
     first: int
     last: int
     left: int
     after: tuple[int, int] | None = None
+    bounds: bool = False
 
     def continuation(self) -> bytes:
         """Return it as a continuation point."""
         time, number = self.after or (0, 0)
-        return _CONTINUATION.pack(VERSION, self.descending, self.first, self.last, self.left, time, number)
+        return _CONTINUATION.pack(VERSION, self.descending, self.bounds, self.first, self.last, self.left, time, number)
 
     @classmethod
     def continued(cls, point: bytes) -> "PageRequest":
         """Return the rest behind a continuation point. Raises ValueError."""
         if len(point) != _CONTINUATION.size or point[0] != VERSION:
             raise ValueError("no continuation point of this server")
-        _, descending, first, last, left, time, number = _CONTINUATION.unpack(point)
+        _, descending, bounds, first, last, left, time, number = _CONTINUATION.unpack(point)
         if not EARLIEST <= first <= last <= LATEST:
             raise ValueError("no continuation point of this server")
-        return cls(descending, first, last, left, (time, number))
+        return cls(descending, first, last, left, (time, number), bounds)
 
     @classmethod
     def of_request(cls, details: ua.ReadRawModifiedDetails) -> "PageRequest":
-        """Return the page that a request begins with. Raises ValueError unless two of begin, end and number are given."""
+        """Return the page that a request begins with. Raises ValueError unless two of begin, end and number are given.
+
+        Of begin and end the begin belongs to it, the end does not (OPC 10000-11, 3.1.9), unless they are the same.
+        """
         begin, end, count = _time(details.StartTime), _time(details.EndTime), details.NumValuesPerNode
         if begin is not None and end is not None:
-            return cls(begin > end, min(begin, end), max(begin, end), count)
+            if begin == end:
+                return cls(False, begin, _within(begin), count)
+            if begin > end:
+                return cls(True, end + MICROSECOND, _within(begin), count, bounds=details.ReturnBounds)
+            return cls(False, begin, end - 1, count, bounds=details.ReturnBounds)
         if count == 0 or (begin is None and end is None):
             raise ValueError("two of begin, end and number are needed")
         if begin is not None:
             return cls(False, begin, LATEST, count)
-        return cls(True, EARLIEST, end or 0, count)
+        return cls(True, EARLIEST, _within(end or 0), count)
+
+    @property
+    def begin(self) -> int:
+        """Return the time at which it begins [ns]."""
+        return self.last - MICROSECOND + 1 if self.descending else self.first
+
+    @property
+    def end(self) -> int:
+        """Return the time before which it ends [ns]."""
+        return self.first - MICROSECOND if self.descending else self.last + 1
+
+    def beyond(self, *, end: bool) -> "PageRequest":
+        """Return the request of the next value beyond its begin or its end."""
+        if end == self.descending:
+            return PageRequest(True, EARLIEST, self.first - 1, 1)
+        return PageRequest(False, self.last + 1, LATEST, 1)
 
 
 class TrendHistory:
@@ -139,14 +168,27 @@ class TrendHistory:
         size = min(page, wanted.left or page)
         points = self._points(path, wanted, size + 1)
         shown = points[:size]
-        result = ua.HistoryReadResult()
-        result.HistoryData = ua.HistoryData([_value(one, path[4] if path[4:] else "") for one in shown])
+        result, bound = ua.HistoryReadResult(), path[4] if path[4:] else ""
+        values = [_value(one, bound) for one in shown]
         left = wanted.left - len(shown) if wanted.left else 0
         if len(points) > size and (left or not wanted.left):
             last = shown[-1]
             rest = replace(wanted, left=left, after=(last.measured_at, last.identification))
             result.ContinuationPoint = rest.continuation()
+        if wanted.bounds and not given and not (shown and shown[0].measured_at // MICROSECOND == wanted.begin // MICROSECOND):
+            values.insert(0, self._beyond(path, wanted, bound, end=False))
+        if wanted.bounds and len(points) <= size:
+            values.append(self._beyond(path, wanted, bound, end=True))
+        result.HistoryData = ua.HistoryData(values)
         return result
+
+    def _beyond(self, path: list[str], wanted: PageRequest, bound: str, *, end: bool) -> ua.DataValue:
+        """Return the value at or beyond an end of a read, or that there is none there."""
+        for one in self._points(path, wanted.beyond(end=end), 1):
+            return _value(one, bound)
+        at = to_datetime(wanted.end if end else wanted.begin)
+        none = ua.Variant(None, ua.VariantType.Null)
+        return ua.DataValue(none, ua.StatusCode(ua.StatusCodes.BadBoundNotFound), SourceTimestamp=at)
 
     def _processed(
         self,
@@ -200,6 +242,11 @@ class TrendHistory:
                 descending=wanted.descending,
                 limit=limit,
             )
+
+
+def _within(time: int) -> int:
+    """Return the last nanosecond of what clients are told as one time [ns]."""
+    return min(time + MICROSECOND - 1, LATEST)
 
 
 def _value(point: HistoryPoint, bound: str) -> ua.DataValue:

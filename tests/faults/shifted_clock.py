@@ -18,25 +18,25 @@ class ShiftedService(Service):
 
     def __init__(self, folder: Path, **environment: str) -> None:
         super().__init__(folder, **environment)
-        self._file = folder / "offset"
+        self._offset_file = folder / "offset"
         self.offset_s = 0.0
 
     @property
     def offset_s(self) -> float:
         """Return how far its clock is off [s]."""
-        return float(self._file.read_text())
+        return float(self._offset_file.read_text())
 
     @offset_s.setter
     def offset_s(self, seconds: float) -> None:
         # Replaced at once: half a number would be another time.
-        new = self._file.with_suffix(".new")
+        new = self._offset_file.with_suffix(".new")
         new.write_text(str(seconds))
-        new.replace(self._file)
+        new.replace(self._offset_file)
 
     def started(self) -> AbstractContextManager[Popen[bytes]]:
         """As of Service."""
         flags = ["--database", self.database, "--port", str(self.port), "--zenoh-listen", self.endpoint]
-        arguments = ["-m", "tests.faults.shifted_clock", str(self._file), "serve", *flags]
+        arguments = ["-m", "tests.faults.shifted_clock", str(self._offset_file), "serve", *flags]
         return python(self.log, *arguments, **self._environment)
 
     def figure(self, name: str) -> float:

@@ -109,6 +109,30 @@ def test_trends_are_published_when_an_identification_is_filed(own_broker: Mosqui
     assert found["lower"] < found["value"] < found["upper"]
 
 
+def test_whoever_subscribes_later_is_told_of_what_stands_already(own_broker: Mosquitto, plant: Database) -> None:
+    """At once, not at the next connection; what cannot be told of one alert holds up no other."""
+    with plant.transaction() as session:
+        store_identification(session, identification(), run_id=1, measured_at=START)
+    raised(plant)
+    with plant.transaction() as session:
+        finding = AlertFinding({}, 1, START)
+        other = alerting.raise_alert(session, KEY.machine, rule="looseness", element="bearing.B1", finding=finding)
+        alerts.last_event(session, other.id).evidence = {"measured_at": "yesterday"}
+    publisher = MqttAlerts(settings_of(own_broker), plant, WholeShare())
+    publisher.start()
+    try:
+        wait_until(lambda: publisher.trouble is None)
+        with own_broker.connected("hmi", "", "rundown/v1/#") as hmi:
+            wait_until(lambda: hmi.last("rundown/v1/status/rundown") == b"online")
+            assert hmi.last(ALERT) is None, "nobody has asked for it"
+            with plant.transaction() as session:
+                deliveries.subscribe(session, kind="mqtt", name="broker", target="", secret=None)
+            wait_until(lambda: state(hmi.last(ALERT)) == "unacknowledged" and hmi.last(TRENDS) is not None, seconds=15.0)
+        assert publisher.trouble is None
+    finally:
+        publisher.stop()
+
+
 def test_an_older_event_does_not_replace_the_last_state(own_broker: Mosquitto, publishing: MqttAlerts) -> None:
     topic = "rundown/v1/a/b/alerts/c/d"
     assert publishing._loop is not None

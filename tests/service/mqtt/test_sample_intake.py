@@ -13,6 +13,7 @@ from formats.wire import BINARY, JSON, MESSAGEPACK, encode_body
 from service.ingest.ingest_thread import Ingest
 from service.journal.http_queue import Submissions
 from service.journal.journal import Journal
+from service.mqtt.broker import LARGEST_PACKET
 from service.mqtt.sample_intake import MqttSamples, PublishedBody
 from service.replication.work_share import WholeShare
 from service.runs.collector import Collector
@@ -48,6 +49,20 @@ def test_missing_numbers_are_counted_and_repeated_ones_stored_once(mosquitto: Mo
             edge.publish(TOPIC, body(first, first + 5))
         wait_until(lambda: received(taking.database) == 20 and sum(row.duplicates for row in rows(taking.database)) == 10)
     assert counts(taking.database) == (25, 20, 5)
+
+
+def test_every_quality_is_taken_and_of_a_message_that_is_too_large_the_numbers_are_missing(
+    mosquitto: Mosquitto, taking: Taking
+) -> None:
+    """The broker keeps what is larger than the service takes to itself; the next one comes."""
+    with mosquitto.connected("edge") as edge:
+        for qos in (0, 1, 2):
+            edge.publish(TOPIC, body(5 * qos, 5 * qos + 5), qos=qos).wait_for_publish(5.0)
+        edge.publish(TOPIC, body(15, 20) + b" " * LARGEST_PACKET)
+        edge.publish(TOPIC, body(20, 25))
+        wait_until(lambda: counts(taking.database)[0] == 25)
+    assert counts(taking.database) == (25, 20, 5)
+    assert taking.samples.trouble is None
 
 
 def test_what_is_wrong_is_refused_in_words(mosquitto: Mosquitto, taking: Taking) -> None:

@@ -5,11 +5,18 @@ import sys
 from pathlib import Path
 
 import httpx
+import pytest
 
+from service.alerts import transitions
+from service.alerts.transitions import AlertFinding, Person
 from service.doctor.checks import _broker
+from storage.alerts import alerts
+from storage.database.engine import Database
 from tests.end_to_end.processes import Service, until
 from tests.mosquitto import Mosquitto
+from tests.plant import KEY, START, document, identification, store_identification
 from tests.service.mqtt.conftest import settings_of
+from tests.service.mqtt.test_publisher import ALERT, TRENDS, state
 
 
 def test_a_service_whose_broker_is_away_is_ready_and_says_so(tmp_path: Path) -> None:
@@ -25,6 +32,40 @@ def test_a_service_whose_broker_is_away_is_ready_and_says_so(tmp_path: Path) -> 
             metrics = service.client.get(f"http://127.0.0.1:{service.port}/metrics").text
             assert "\nrundown_mqtt_samples_connected 1.0" in metrics
             assert 'rundown_part_ok{part="mqtt_alerts"} 1.0' in metrics
+    finally:
+        service.client.close()
+        one.kill()
+
+
+@pytest.mark.long
+def test_the_last_state_is_right_after_a_kill_of_the_service_and_of_a_broker_that_forgets(tmp_path: Path) -> None:
+    """An alert changes while nobody can tell of it."""
+    one = Mosquitto(tmp_path / "mosquitto", tls=False)
+    one.start()
+    service = Service(tmp_path, **one.environment)
+    status = "rundown/v1/status/rundown"
+    try:
+        with service.running() as process, one.connected("hmi", "", "rundown/v1/#") as hmi:
+            assert service.client.post("/machines", json=document()).status_code == 201
+            assert service.client.post("/subscriptions", json={"kind": "mqtt", "name": "broker"}).status_code == 201
+            database = Database(service.database)
+            with database.transaction() as session:
+                number = store_identification(session, identification(), run_id=1, measured_at=START).id
+                finding = AlertFinding({}, number, START)
+                rule = {"rule": "misalignment", "element": "coupling.C1"}
+                alert = transitions.raise_alert(session, KEY.machine, **rule, finding=finding).id
+            until(lambda: state(hmi.last(ALERT)) == "unacknowledged", within_s=30, what="the alert is told")
+            process.kill()
+            until(lambda: hmi.last(status) == b"offline", within_s=60, what="the broker tells that the service is gone")
+        with database.transaction() as session:
+            transitions.acknowledge(session, alerts.get(session, alert, to_change=True), Person("anna"))
+        database.close()
+        one.kill()
+        (one.folder / "mosquitto.db").unlink(missing_ok=True)
+        one.start()
+        with service.running(), one.connected("hmi", "", "rundown/v1/#") as hmi:
+            until(lambda: state(hmi.last(ALERT)) == "acknowledged", within_s=30, what="the last state is told")
+            until(lambda: hmi.last(status) == b"online" and hmi.last(TRENDS), within_s=30, what="and the newest trends")
     finally:
         service.client.close()
         one.kill()

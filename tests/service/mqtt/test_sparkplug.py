@@ -201,6 +201,14 @@ def test_unknown_aliases_nodes_and_kinds_make_no_samples() -> None:
         one.batches(DEVICE.format("DDATA"), Payload(timestamp=1).SerializeToString())
 
 
+def test_a_compressed_payload_is_refused_in_words() -> None:
+    """Without a word it would be a message without metrics."""
+    one = nodes()
+    compressed = Payload(timestamp=1, seq=0).SerializeToString() + b"\x22\x12SPBV1.0_COMPRESSED" + b"\x2a\x03abc"
+    with pytest.raises(Rejected, match="compressed"):
+        one.batches(DEVICE.format("DDATA"), compressed)
+
+
 def test_a_message_that_the_broker_sends_again_is_no_sample_and_no_gap() -> None:
     """After a broken connection those of quality 1 come again, several in a row."""
     one = nodes()

@@ -1,5 +1,7 @@
 """The address space in words, as docs/opcua-address-space.json holds it: every node of one machine, without values.
 
+Of alignment, loads and what else follows from an identification it holds one each.
+
 `python -m tests.service.opcua.address_space docs/opcua-address-space.json` writes it anew.
 """
 
@@ -11,14 +13,30 @@ from typing import Any
 
 from asyncua import ua
 
+from estimator.updated_model.derived_quantities import Derived
 from service.configuration.settings import Settings
 from service.opcua.serving import OpcUaServing
 from storage.database.engine import Database
+from storage.findings import derived, identifications
 from tests.plant import KEY, wait_until
 from tests.ports import free_port
 from tests.service.security.two_plants import fill
 
 FILE = Path(__file__).parents[3] / "docs" / "opcua-address-space.json"
+
+
+FOLLOWING = (
+    Derived("coupling.C1.offset_vertical", "m", 1.2e-4, 1.0e-4, 1.4e-4),
+    Derived("bearing.B1.load_vertical", "N", 800.0, 750.0, 850.0),
+    Derived("critical_speed.1", "rad/s", 150.0, 149.0, 151.0),
+)
+
+
+def fill_store(database: Database) -> None:
+    """Write a store with two plants, and what follows from the newest identification of the first."""
+    harbour, _ = fill(database)
+    with database.transaction() as session:
+        derived.add(session, identifications.get(session, harbour.identification_id), FOLLOWING)
 
 
 def text(serving: OpcUaServing) -> str:
@@ -65,7 +83,7 @@ def write(path: Path) -> None:
     """Write the file."""
     with tempfile.TemporaryDirectory() as folder:
         database = Database(f"sqlite:///{folder}/rundown.db")
-        fill(database)
+        fill_store(database)
         endpoint = f"opc.tcp://127.0.0.1:{free_port()}"
         serving = OpcUaServing(database, Settings(opcua_listen=endpoint, opcua_allow_unencrypted=True))
         serving.start()

@@ -92,6 +92,12 @@ def test_an_expired_or_foreign_certificate_is_refused(
     assert words in found or "certificate" in found.lower()
 
 
+@pytest.mark.parametrize("policy", ["Aes128_Sha256_RsaOaep", "Aes256_Sha256_RsaPss"])
+def test_each_policy_that_encrypts_is_taken(served: ServedPlants, folder: Path, policy: str) -> None:
+    with second_stack(served.endpoint, folder, **(served.client("operator") | {"security": policy})) as client:
+        assert client.ask("read", nodes=[f"{MACHINE}/Name"])[0]["value"] == "Pump 7"
+
+
 def test_without_security_nobody_gets_in(served: ServedPlants, folder: Path) -> None:
     assert refused(served, folder, **(served.client("operator") | {"security": "none"}))
 

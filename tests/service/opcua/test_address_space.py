@@ -15,14 +15,13 @@ from storage.database.engine import Database
 from tests.paths import ROOT
 from tests.plant import wait_until
 from tests.ports import free_port
-from tests.service.opcua.address_space import FILE, text
+from tests.service.opcua.address_space import FILE, fill_store, text
 from tests.service.opcua.second_stack import FOLDER, require_node
-from tests.service.security.two_plants import fill
 
 
 @pytest.fixture
 def serving(database: Database) -> Iterator[OpcUaServing]:
-    fill(database)
+    fill_store(database)
     endpoint = f"opc.tcp://127.0.0.1:{free_port()}"
     one = OpcUaServing(database, Settings(opcua_listen=endpoint, opcua_allow_unencrypted=True))
     one.start()

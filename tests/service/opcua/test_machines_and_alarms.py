@@ -158,7 +158,8 @@ def test_comment_shelve_unshelve_and_confirm_change_the_alerts_life(
 
     event = read(operator, f"{ALERT}/EventId")["value"]
     assert operator.ask("comment", condition=ALERT, event=event, comment="pump is hot") == "Good"
-    assert operator.ask("comment", condition=ALERT, event=event, comment="") == "BadInvalidArgument"
+    for words in ("", " ", "x" * 2001):
+        assert operator.ask("comment", condition=ALERT, event=event, comment=words) == "BadInvalidArgument"
     shelving = f"{ALERT}/ShelvingState"
     (shelve,) = operator.ask("find", node=ALERT, path=".ShelvingState.TimedShelve")["nodes"]
     too_long = 31 * 86_400_000.0
@@ -186,7 +187,32 @@ def test_comment_shelve_unshelve_and_confirm_change_the_alerts_life(
     wait_until(lambda: operator.heard(lambda one: one["ConditionId"] == ALERT and not one["Retain"]))
     with store.reading() as session:
         kinds = [one.kind for one in alerts.history(session, served.harbour.alert_id)]
+        done = {
+            one.operation
+            for one in audit.newest(session, limit=50)
+            if one.who.startswith("operator (key ") and one.outcome == "done" and KEY.machine in one.target
+        }
     assert kinds[-2:] == ["acknowledged", "reset"]
+    assert done == {"acknowledge_alert", "comment_alert", "shelve_alert", "unshelve_alert", "reset_alert"}
+
+
+def test_the_method_reset_resets_what_is_latched_and_acknowledged(
+    operator: SecondStack, served: ServedPlants, store: Database
+) -> None:
+    with store.transaction() as session:
+        finding = AlertFinding({}, served.harbour.identification_id, now(), latching=True)
+        row = transitions.raise_alert(session, KEY.machine, rule="looseness", element="bearing.B2", finding=finding)
+        transitions.clear_alert(session, row)
+        number = row.id
+    condition = f"{MACHINE}/Alerts/looseness bearing.B2"
+    wait_until(lambda: read(operator, f"{condition}/LatchedState/Id")["value"] is True)
+    (reset,) = operator.ask("find", node=condition, path=".Reset")["nodes"]
+    assert operator.ask("call", object=condition, method=reset) == "BadInvalidState", "nobody has seen it"
+    event = read(operator, f"{condition}/EventId")["value"]
+    assert operator.ask("acknowledge", condition=condition, event=event, comment="") == "Good"
+    assert operator.ask("call", object=condition, method=reset) == "Good"
+    with store.reading() as session:
+        assert (alerts.get(session, number).state, alerts.last_event(session, number).by) == ("normal", "operator")
 
 
 def test_one_shot_shelving_ends_with_the_cause_and_a_new_one_calls(
@@ -244,6 +270,21 @@ def test_what_has_become_worse_is_not_acknowledged_by_an_old_event(
     wait_until(lambda: read(operator, f"{ALERT}/Severity")["value"] == 900)
     assert operator.ask("acknowledge", condition=ALERT, event=before, comment="") == "BadEventIdUnknown"
     assert read(operator, f"{MACHINE}/Alerts/HighestSeverity")["value"] == 900
+
+
+LIMITS = {"i=11705": 10_000, "i=11710": 1_000, "i=11712": 1_000, "i=11709": 100, "i=12165": 100, "i=11714": 5_000}
+"""MaxNodesPerRead, -Browse, -TranslateBrowsePathsToNodeIds, -MethodCall, -HistoryReadData, MaxMonitoredItemsPerCall."""
+
+
+def test_the_limits_that_clients_are_told_are_those_that_hold(operator: SecondStack) -> None:
+    """A client that keeps to them is never refused: another stack cuts its requests by them."""
+    assert {node: read(operator, node)["value"] for node in LIMITS} == LIMITS
+    history = {name: f"i={number}" for name, number in (("data", 11193), ("events", 11242), ("page", 11273))}
+    assert {name: read(operator, node)["value"] for name, node in history.items()} == {
+        "data": True,
+        "events": False,
+        "page": 1000,
+    }
 
 
 def test_a_stacks_own_alarm_list_shows_the_alert(operator: SecondStack) -> None:

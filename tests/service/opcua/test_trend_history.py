@@ -10,6 +10,7 @@ from asyncua.common.utils import ServiceError
 
 from service.opcua import trend_history
 from service.opcua.trend_history import TrendHistory
+from storage.clock import to_datetime
 from storage.database.engine import Database
 from storage.machines import machines
 from tests.plant import KEY, SECOND, START, identification, machine, store_identification
@@ -36,6 +37,7 @@ def read(trends: TrendHistory, *, nodes: int = 1, continuation: Any = None, rele
         EndTime=details.get("end", TEN_YEARS[1]),
         NumValuesPerNode=details.get("count", 0),
         IsReadModified=details.get("modified", False),
+        ReturnBounds=details.get("bounds", False),
     )
     params.ReleaseContinuationPoints = release
     params.NodesToRead = [ua.HistoryReadValueId(NodeId=NODE, ContinuationPoint=continuation) for _ in range(nodes)]
@@ -72,6 +74,58 @@ def test_a_number_of_values_ends_over_pages_as_well(trends: TrendHistory, monkey
     assert last == pytest.approx([2e6 * RUNS])
 
 
+def at(number: int) -> datetime:
+    """Time of the runs 2·number and 2·number + 1."""
+    return to_datetime(START + number * SECOND)
+
+
+def told(one: Any) -> list[float | str]:
+    """The values of an answer in 2 MN/m, its status codes where there are none."""
+    found = one.HistoryData.DataValues
+    return [value.StatusCode.name if value.Value.Value is None else round(value.Value.Value / 2e6) for value in found]
+
+
+@pytest.mark.parametrize(
+    ("begin", "end", "values", "bounded"),
+    [
+        (2, 4, [5, 6, 7, 8], [5, 6, 7, 8, 9]),
+        (4, 2, [10, 9, 8, 7], [10, 9, 8, 7, 6]),
+        (-5, 1, [1, 2], ["BadBoundNotFound", 1, 2, 3]),
+        (12, 99, [25], [25, "BadBoundNotFound"]),
+        (99, 12, [], ["BadBoundNotFound", 25]),
+        (50, 60, [], [25, "BadBoundNotFound"]),
+        (3, 3, [7, 8], [7, 8]),
+    ],
+)
+def test_the_end_does_not_belong_to_a_read_and_bounds_are_told_when_asked(
+    trends: TrendHistory, begin: int, end: int, values: list[float | str], bounded: list[float | str]
+) -> None:
+    """Reading stretch after stretch gives everything once, as OPC 10000-11, 3.1.9, asks."""
+    asked: dict[str, Any] = {"begin": at(begin), "end": at(end)}
+    assert told(read(trends, **asked)[0]) == values
+    assert told(read(trends, bounds=True, **asked)[0]) == bounded
+
+
+def test_a_read_from_the_end_of_all_time_has_pages_as_well(trends: TrendHistory, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(trend_history, "PAGE", 10)
+    last, first = datetime(9999, 12, 31, tzinfo=UTC), datetime(1970, 1, 1, tzinfo=UTC)
+    for begin, end in ((last, first), (first, last)):
+        assert [len(one) for one in pages(trends, begin=begin, end=end)] == [10, 10, 5]
+    assert [len(one) for one in pages(trends, begin=None, end=last, count=12)] == [10, 2]
+
+
+def test_bounds_come_once_over_pages(trends: TrendHistory, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(trend_history, "PAGE", 2)
+    asked: dict[str, Any] = {"begin": at(2), "end": at(5), "bounds": True}
+    continuation: Any = None
+    found: list[list[float | str]] = []
+    while continuation is not None or not found:
+        (one,) = read(trends, continuation=continuation, **asked)
+        found.append(told(one))
+        continuation = one.ContinuationPoint or None
+    assert found == [[5, 6], [7, 8], [9, 10, 11]]
+
+
 def test_many_nodes_share_what_one_answer_may_hold(trends: TrendHistory, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(trend_history, "MOST_VALUES", 30)
     found = read(trends, nodes=10)
@@ -89,7 +143,7 @@ def test_many_nodes_share_what_one_answer_may_hold(trends: TrendHistory, monkeyp
         ({"begin": None, "end": None, "count": 5}, "BadHistoryOperationInvalid"),
         ({"end": None}, "BadHistoryOperationInvalid"),
         ({"continuation": b"forged"}, "BadContinuationPointInvalid"),
-        ({"continuation": b"\x01" + b"\xff" * 37}, "BadContinuationPointInvalid"),
+        ({"continuation": b"\x01" + b"\xff" * 38}, "BadContinuationPointInvalid"),
         ({"release": True}, "Good"),
     ],
 )

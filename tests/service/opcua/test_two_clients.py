@@ -15,6 +15,7 @@ from storage.clock import now
 from storage.database.engine import Database
 from storage.operation import audit
 from tests.plant import KEY, SECOND, START, identification, store_identification, wait_until
+from tests.service.opcua.cut_line import cut_line
 from tests.service.opcua.second_stack import SecondStack, second_stack
 from tests.service.opcua.served_plants import ServedPlants, add_key
 from tests.service.opcua.test_machines_and_alarms import ALERT, MACHINE, STIFFNESS, read
@@ -138,6 +139,31 @@ def test_who_may_not_is_refused_by_every_method(served: ServedPlants, store: Dat
         }
     assert newer == (["commented"] if role is Role.ANALYST else [])
     assert {"acknowledge_alert", "reset_alert", "shelve_alert", "unshelve_alert"} <= noted
+
+
+def test_a_client_whose_line_breaks_goes_on_and_misses_nothing_that_is_open(
+    colleague: SecondStack, served: ServedPlants, store: Database, folder: Path
+) -> None:
+    """Its session outlives the line; what was told into it meanwhile is asked for again."""
+    port = served.settings.opcua_address[1]
+    with cut_line(port) as line:
+        endpoint = f"opc.tcp://127.0.0.1:{line.port}"
+        with second_stack(endpoint, folder, reconnects=True, **served.client("operator")) as client:
+            assert client.ask("listen", node="i=2253") == "Good"
+            number = found(store, served, element="bearing.B4")
+            condition = f"{MACHINE}/Alerts/looseness bearing.B4"
+            wait_until(lambda: client.heard(lambda one: one["ConditionId"] == condition))
+            line.cut()
+            with store.transaction() as session:
+                transitions.acknowledge(session, alerts.get(session, number, to_change=True), Person("anna"))
+            wait_until(lambda: read(colleague, f"{condition}/AckedState/Id")["value"] is True)
+            line.mend()
+            wait_until(lambda: any(one["told"] == "reconnected" for one in client.told), seconds=30.0)
+            if not client.heard(lambda one: one["ConditionId"] == condition and one["AckedState.Id"]):
+                assert client.ask("refresh") == "Good"
+            wait_until(lambda: client.heard(lambda one: one["ConditionId"] == condition and one["AckedState.Id"]))
+            event = read(client, f"{condition}/EventId")["value"]
+            assert client.ask("comment", condition=condition, event=event, comment="back again") == "Good"
 
 
 @pytest.mark.long
