@@ -108,7 +108,7 @@ service/maintenance: service/configuration service/replication service/resilienc
 service/api/conventions: estimator estimator/machine formats/files service/http service/identification service/secrets
     service/security service/wording storage storage/findings
 service/recovery: formats/wire service/journal service/replication service/resilience storage/encoding
-service/api/cache: estimator service/api/conventions service/http storage/database
+service/api/cache: estimator estimator/machine service/api/conventions service/http service/workers storage/database
 service/api/measurements: estimator estimator/machine estimator/phasors estimator/trends formats/wire
     service/api/conventions service/http service/identification service/journal service/security storage
     storage/encoding storage/machines storage/measurements storage/tables
@@ -120,8 +120,8 @@ service/ingest: formats/wire service/journal service/recovery service/replicatio
 service/api/findings: estimator estimator/alignment estimator/calibration estimator/diagnosis estimator/fit
     estimator/machine estimator/modes estimator/phasors estimator/rotor estimator/trends estimator/updated_model
     service/advice service/alerts service/api/cache service/api/conventions service/http service/identification
-    service/monitoring service/security service/wording service/workers storage storage/alerts storage/findings
-    storage/machines storage/tables
+    service/monitoring service/security service/wording storage storage/alerts storage/findings storage/machines
+    storage/tables
 service/api/machines: estimator estimator/calibration estimator/machine estimator/phasors estimator/runs
     estimator/updated_model service/alerts service/api/cache service/api/conventions service/balancing service/http
     service/identification service/monitoring service/reports service/runs service/security service/wording storage

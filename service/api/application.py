@@ -19,6 +19,7 @@ from service.api.alerts.subscriptions import TryOut
 from service.api.alerts.subscriptions import router as subscriptions
 from service.api.alerts.suppressions import router as suppressions
 from service.api.cache.computed_cache import ComputedCache
+from service.api.cache.model_process import ModelProcess
 from service.api.cache.response_cache import ResponseCache
 from service.api.conventions.error_handlers import add_handlers
 from service.api.conventions.lent_threads import another_thread
@@ -32,7 +33,6 @@ from service.api.findings.diagnoses import router as diagnoses
 from service.api.findings.gained_unbalance import router as gained_unbalance
 from service.api.findings.identifications import router as identifications
 from service.api.findings.model import router as model
-from service.api.findings.model_process import ModelProcess
 from service.api.findings.shaft_line import router as shaft_line
 from service.api.machines.balancings import router as balancings
 from service.api.machines.baselines import router as baselines
