@@ -75,6 +75,16 @@ def test_storing_and_closing_need_no_model_of_the_machine(module: str) -> None:
         ("service.identification.task_builder", {"estimator.fit.identification", "estimator.machine.document"}),
         ("service.identification.job_options", {"estimator.fit.identification", "estimator.machine.rules"}),
         (
+            "service.identification.calibration_jobs",
+            {
+                "estimator.calibration.calibrated_document",
+                "estimator.calibration.calibrated_document.calibrated_document",  # documents made of and compared with others
+                "estimator.calibration.calibrated_document.is_the_same_but_for_calibrations",
+                "estimator.calibration.calibration_runs",
+                "estimator.machine.document",
+            },
+        ),
+        (
             "service.api.machines.balancings",
             {
                 "estimator.calibration.field_balancing",

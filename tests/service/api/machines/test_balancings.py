@@ -2,10 +2,11 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
+from sqlalchemy.pool import QueuePool
 
 from estimator.machine.document import parse_machine
 from service.alerts import transitions
@@ -261,7 +262,7 @@ def test_a_correction_is_computed_in_another_process_and_in_no_transaction(
     compute = process.compute
 
     def noting(work: Any, *given: Any) -> Any:
-        found.append((work.__name__, store._turn._lock.locked(), store.engine.pool.checkedout()))
+        found.append((work.__name__, store._turn._lock.locked(), cast(QueuePool, store.engine.pool).checkedout()))
         return compute(work, *given)
 
     monkeypatch.setattr(process, "compute", noting)
