@@ -21,9 +21,10 @@ from service.api.alerts.suppressions import router as suppressions
 from service.api.cache.computed_cache import ComputedCache
 from service.api.cache.model_process import ModelProcess
 from service.api.cache.response_cache import ResponseCache
+from service.api.conventions.changes_in_turn import CHANGE_IN_TURN
 from service.api.conventions.error_handlers import add_handlers
 from service.api.conventions.lent_threads import another_thread
-from service.api.conventions.reading_places import ReadingPlaces
+from service.api.conventions.request_places import READERS, WRITERS, RequestPlaces
 from service.api.conventions.unknown_parameters import reject_unknown_parameters
 from service.api.findings.alignment import router as alignment
 from service.api.findings.bode import router as bode
@@ -171,7 +172,8 @@ def application(
     app.state.gauges = gauges
     app.state.machine_list = MachineList()
     app.state.overview = Overview(database)
-    app.state.reading_places = ReadingPlaces()
+    app.state.reading_places = RequestPlaces(READERS)
+    app.state.changing_places = RequestPlaces(WRITERS)
     app.state.computed_cache = ComputedCache(another_thread)
     app.state.model_process = ModelProcess()
     app.state.report_cache = ComputedCache(another_thread, entries=REPORTS)
@@ -272,7 +274,7 @@ def _routes() -> list[BaseRoute]:
         audit,
     ):
         # Not through another router: the framework rebuilds each operation for every level.
-        router.include_router(part, prefix=PREFIX, dependencies=[Depends(reject_unknown_parameters)])
+        router.include_router(part, prefix=PREFIX, dependencies=[Depends(reject_unknown_parameters), CHANGE_IN_TURN])
     router.include_router(metrics)
     router.include_router(dashboard)
     router.include_router(login)

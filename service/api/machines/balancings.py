@@ -21,6 +21,7 @@ from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model.balance_quality import GRAM_MILLIMETRE
 from service.api.cache.computing_apart import computed_apart
 from service.api.cache.model_process import ModelProcess
+from service.api.conventions.changes_in_turn import takes_turns_of_its_own
 from service.api.conventions.dependencies import MachineId, Number, Reading, database
 from service.api.conventions.paging import ById
 from service.api.conventions.problems import CHANGES, RESPONSES, Unsuitable
@@ -113,6 +114,7 @@ def add_trial(request: Request, machine_id: MachineId, balancing_id: Number, sai
 @router.post(
     "/{balancing_id}/correction", operation_id="compute_balancing_correction", dependencies=[ANALYST], responses=CHANGES
 )
+@takes_turns_of_its_own
 def compute_correction(
     request: Request, machine_id: MachineId, balancing_id: Number, said: schemas.CorrectionIn
 ) -> schemas.BalancingOut:
@@ -139,6 +141,7 @@ def compute_correction(
 
 
 @router.post("/{balancing_id}/check", operation_id="check_balancing", dependencies=[ANALYST], responses=CHANGES)
+@takes_turns_of_its_own
 def check_correction(
     request: Request, machine_id: MachineId, balancing_id: Number, said: schemas.CheckIn
 ) -> schemas.BalancingOut:

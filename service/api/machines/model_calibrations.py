@@ -9,6 +9,7 @@ from estimator.machine.disc_scale import DiscScale
 from estimator.machine.document import parse_machine
 from service.api.cache.computing_apart import computed_apart
 from service.api.cache.model_process import ModelProcess
+from service.api.conventions.changes_in_turn import takes_turns_of_its_own
 from service.api.conventions.dependencies import MachineId, Number, Reading, database, requester
 from service.api.conventions.paging import ById
 from service.api.conventions.problems import CHANGES, RESPONSES, WAIT, Unsuitable
@@ -50,6 +51,7 @@ def read_model_calibration(session: Reading, machine_id: MachineId, calibration_
     status_code=status.HTTP_202_ACCEPTED,
     responses=WAIT,
 )
+@takes_turns_of_its_own
 def request_model_calibration(
     request: Request, response: Response, machine_id: MachineId, said: schemas.ModelCalibrationIn
 ) -> schemas.ModelCalibrationOut:
