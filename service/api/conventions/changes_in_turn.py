@@ -5,16 +5,18 @@ request is answered.
 """
 
 import inspect
-from collections.abc import AsyncIterator, Callable
+from collections.abc import Callable
 from contextlib import AsyncExitStack
 from typing import TypeVar, cast
 
-from fastapi import Depends, Request
+from fastapi import Request
+from starlette.types import ASGIApp, Receive, Scope, Send
 
 from service.api.conventions.dependencies import principal
 from service.api.conventions.request_places import RequestPlaces
 
 READING = frozenset({"GET", "HEAD", "OPTIONS"})
+HELD = "held_until_answered"
 
 E = TypeVar("E", bound=Callable[..., object])
 
@@ -27,16 +29,27 @@ def takes_turns_of_its_own(endpoint: E) -> E:
     return endpoint
 
 
-async def _change_in_turn(request: Request) -> AsyncIterator[None]:
+class HeldPlaces:
+    """ASGI middleware that gives the place of a change to the next when it is answered."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on."""
+        if scope["type"] != "http" or scope["method"] in READING:
+            await self._app(scope, receive, send)
+            return
+        async with AsyncExitStack() as held:
+            scope[HELD] = held
+            await self._app(scope, receive, send)
+
+
+async def wait_for_turn(request: Request) -> None:
+    """Wait for a place if the request changes something, when all of it has come; it is held until the answer is sent."""
     endpoint = request.scope["endpoint"]
     # An asynchronous one takes no thread while it waits.
-    elsewhere = inspect.iscoroutinefunction(endpoint) or endpoint in _in_turns_of_their_own
-    async with AsyncExitStack() as held:
-        if request.method not in READING and not elsewhere:
-            places = cast(RequestPlaces, request.app.state.changing_places)
-            await held.enter_async_context(places.place(principal(request).identity))
-        yield
-
-
-CHANGE_IN_TURN = Depends(_change_in_turn, scope="function")
-"""Dependency of all operations."""
+    if request.method in READING or inspect.iscoroutinefunction(endpoint) or endpoint in _in_turns_of_their_own:
+        return
+    places, held = cast(RequestPlaces, request.app.state.changing_places), cast(AsyncExitStack, request.scope[HELD])
+    await held.enter_async_context(places.place(principal(request).identity))
