@@ -8,7 +8,7 @@ import httpx
 from fastapi import FastAPI
 
 from service.api.application import application
-from service.api.findings.model_process import ModelProcess
+from service.api.cache.model_process import ModelProcess
 from service.delivery.signing_secrets import SigningSecrets
 from service.reports.report_process import ReportProcess
 from service.secrets.sealing import Sealing

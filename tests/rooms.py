@@ -100,10 +100,10 @@ service/security: estimator service/configuration service/http service/resilienc
 service/opcua: estimator estimator/machine estimator/rotor estimator/updated_model rotorundown/environment
     service/advice service/alerts service/configuration service/resilience service/runs service/security storage
     storage/alerts storage/database storage/findings storage/machines storage/operation storage/tables
-service/identification: estimator estimator/calibration estimator/fit estimator/identification estimator/machine
-    estimator/modes estimator/phasors estimator/updated_model rotorundown/environment service/balancing
-    service/configuration service/monitoring service/replication service/resilience service/workers storage
-    storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
+service/identification: estimator estimator/balancing estimator/calibration estimator/fit estimator/identification
+    estimator/machine estimator/modes estimator/phasors estimator/updated_model rotorundown/environment
+    service/balancing service/configuration service/monitoring service/replication service/resilience service/workers
+    storage storage/database storage/encoding storage/findings storage/machines storage/measurements storage/tables
 service/reports: estimator estimator/alignment estimator/machine estimator/phasors estimator/statics
     estimator/updated_model service/advice service/alerts service/balancing service/configuration service/delivery
     service/identification service/monitoring service/monitoring/rules service/replication service/resilience
@@ -119,7 +119,8 @@ service/maintenance: service/configuration service/replication service/resilienc
 service/api/conventions: estimator estimator/machine formats/files service/http service/identification service/secrets
     service/security service/wording storage storage/findings
 service/recovery: formats/wire service/journal service/replication service/resilience storage/encoding
-service/api/cache: estimator service/api/conventions service/http storage/database
+service/api/cache: estimator estimator/machine estimator/machine/checks service/api/conventions service/http
+    service/workers storage/database
 service/api/measurements: estimator estimator/machine estimator/phasors estimator/trends formats/wire
     service/api/conventions service/http service/identification service/journal service/security storage
     storage/encoding storage/machines storage/measurements storage/tables
@@ -129,15 +130,15 @@ service/api/operation: formats/wire rotorundown/environment service/api/conventi
 service/ingest: formats/wire service/journal service/recovery service/replication service/resilience storage
     storage/database storage/machines storage/measurements
 service/api/findings: estimator estimator/alignment estimator/calibration estimator/diagnosis estimator/fit
-    estimator/machine estimator/machine/checks estimator/modes estimator/phasors estimator/rotor estimator/trends
-    estimator/updated_model service/advice service/alerts service/api/cache service/api/conventions service/http
-    service/identification service/monitoring service/monitoring/assessment service/monitoring/rules service/security
-    service/wording service/workers storage storage/alerts storage/findings storage/machines storage/tables
-service/api/machines: estimator estimator/balancing estimator/machine estimator/machine/checks estimator/phasors
-    estimator/runs estimator/updated_model service/alerts service/api/cache service/api/conventions service/balancing
-    service/http service/identification service/monitoring service/monitoring/rules service/reports service/runs
-    service/security service/wording storage storage/database storage/encoding storage/findings storage/machines
-    storage/measurements storage/tables
+    estimator/machine estimator/modes estimator/phasors estimator/rotor estimator/trends estimator/updated_model
+    service/advice service/alerts service/api/cache service/api/conventions service/http service/identification
+    service/monitoring service/monitoring/assessment service/monitoring/rules service/security service/wording storage
+    storage/alerts storage/findings storage/machines storage/tables
+service/api/machines: estimator estimator/balancing estimator/calibration estimator/machine estimator/machine/checks
+    estimator/phasors estimator/runs estimator/updated_model service/alerts service/api/cache service/api/conventions
+    service/balancing service/http service/identification service/monitoring service/monitoring/rules service/reports
+    service/runs service/security service/wording storage storage/database storage/encoding storage/findings
+    storage/machines storage/measurements storage/tables
 service/api/trends: estimator estimator/trends estimator/updated_model service/api/cache service/api/conventions
     service/export service/monitoring service/security storage storage/database storage/findings storage/machines
     storage/tables

@@ -26,6 +26,7 @@ ATTACKS = {
     "documents with thousands of problems": ["tests/faults/test_wrong_documents.py"],
     "own clock a year ahead and a year behind": ["tests/faults/test_service_clock.py"],
     "one impatient person: jobs and reads without end": ["tests/faults/test_one_impatient_person.py"],
+    "one impatient person: valid requests that are dear": ["tests/faults/test_expensive_requests.py"],
     "two alike on one database: one frozen, one killed, a key revoked": ["tests/distribution/test_two_alike.py"],
     "more jobs than are taken, and workers stopped": ["tests/end_to_end/test_stopped_workers.py"],
     "the write-ahead log deleted or damaged, the file overwritten": ["tests/faults/test_deleted_logs.py"],

@@ -20,7 +20,7 @@ from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine
 from estimator.machine.parts import Bearing
 from estimator.rotor.assembly import Rotor, assemble_rotor
-from estimator.rotor.shaft_element import NODE_DOFS
+from estimator.rotor.shaft_element import PLANE_DOFS
 from estimator.units import rad_per_s_to_rpm
 from estimator.updated_model.model import UpdatedModel
 from estimator.updated_model.uncertainty import PhasorBand, phasor_band
@@ -223,15 +223,16 @@ def mass_and_centre(rotor: Rotor, shaft: str) -> tuple[float, float]:
         Mass [kg] and station of the centre of mass [m].
     """
     stations = rotor.stations[shaft]
-    first = NODE_DOFS * rotor.first_node[shaft]
-    along, about = np.zeros(rotor.size), np.zeros(rotor.size)
-    span = slice(first, first + NODE_DOFS * stations.size)
-    along[span][0::NODE_DOFS] = 1.0
+    first, size = PLANE_DOFS * rotor.first_node[shaft], PLANE_DOFS * stations.size
+    own = slice(first, first + size)
+    along, about = np.zeros(size), np.zeros(size)
+    along[0::PLANE_DOFS] = 1.0
     # Turning about the driver-side end: x = z θy.
-    about[span][0::NODE_DOFS] = stations
-    about[span][3::NODE_DOFS] = 1.0
-    mass = float(along @ rotor.mass @ along)
-    return mass, float(along @ rotor.mass @ about) / mass
+    about[0::PLANE_DOFS] = stations
+    about[1::PLANE_DOFS] = 1.0
+    pull = along @ (rotor.discs.mass[own, own] + sum(part.mass[own, own] for part in rotor.materials.values()))
+    mass = float(pull @ along)
+    return mass, float(pull @ about) / mass
 
 
 def _levers(station: float, ends: tuple[Bearing, Bearing]) -> tuple[float, float]:

@@ -79,18 +79,21 @@ class HostUnknown(TargetRefused):
 
 
 async def require_permitted(text: str, allowed: tuple[Network, ...]) -> None:
-    """Require of a URL that deliveries to it are permitted; one whose host is not known yet is. Raises TargetRefused."""
+    """Require of a URL that deliveries to it are permitted; one whose host is not known yet is. Raises TargetRefused.
+
+    Names that are looked up for deliveries do not wait for these, of which only so many wait: each delivery checks again.
+    """
     parsed(text)
     with suppress(HostUnknown, TimeoutError):
-        await asyncio.wait_for(checked(text, allowed), LONGEST_LOOK_UP_S)
+        await asyncio.wait_for(checked(text, allowed, NEW_NAMES), LONGEST_LOOK_UP_S)
 
 
-async def checked(text: str, allowed: tuple[Network, ...]) -> Target:
-    """Resolve a URL's host and check each of its addresses. Raises TargetRefused."""
+async def checked(text: str, allowed: tuple[Network, ...], look_ups: "LookUps | None" = None) -> Target:
+    """Resolve a URL's host and check each of its addresses. look_ups: by default those of deliveries. Raises TargetRefused."""
     url = parsed(text)
     name = url.host or ""
     try:
-        found = await _addresses_of(name, url.port)
+        found = await _addresses_of(name, url.port, look_ups or NAMES)
     except (OSError, UnicodeError) as error:
         raise HostUnknown(f"the host {name} is not known: {error}") from error
     addresses = [_address(one) for one in found]
@@ -99,20 +102,36 @@ async def checked(text: str, allowed: tuple[Network, ...]) -> Target:
     return Target(url.with_host(str(addresses[0])), name, url.authority)
 
 
-_under_way: dict[tuple[str, int | None], Future[list[str]]] = {}
-"""Pending look-ups, one per name: a hanging name blocks one thread, however many deliveries go there."""
+class LookUps:
+    """Look-ups of names in threads of their own, one per name: a hanging name blocks one thread, however many wait for it."""
+
+    def __init__(self, threads: DaemonThreads, *, most: int | None = None) -> None:
+        """Set up. most: number of names that may be looked up or wait; further ones count as unknown. None: without bound."""
+        self._threads = threads
+        self._most = most
+        self._under_way: dict[tuple[str, int | None], Future[list[str]]] = {}
+
+    async def addresses(self, name: str, port: int | None) -> list[str]:
+        """Return all addresses of a name. Raises OSError, HostUnknown."""
+        answer = self._under_way.get((name, port))
+        if answer is None or answer.done():
+            if self._most is not None and len(self._under_way) >= self._most:
+                raise HostUnknown(f"the host {name} is not known: {self._most} other names are being looked up")
+            answer = self._under_way[name, port] = self._threads.submit(_resolve, name, port)
+            answer.add_done_callback(lambda _: self._under_way.pop((name, port), None))
+        return await asyncio.shield(asyncio.wrap_future(answer))
 
 
-async def _addresses_of(name: str, port: int | None) -> list[str]:
+NAMES = LookUps(LOOK_UPS)
+NEW_NAMES = LookUps(DaemonThreads(4, name="look-up of a new target"), most=16)
+
+
+async def _addresses_of(name: str, port: int | None, look_ups: LookUps) -> list[str]:
     """Return all addresses of a host. A literal address needs no name server."""
     try:
         return _resolve(name, port, socket.AI_NUMERICHOST)
     except socket.gaierror:
-        answer = _under_way.get((name, port))
-        if answer is None or answer.done():
-            answer = _under_way[name, port] = LOOK_UPS.submit(_resolve, name, port)
-            answer.add_done_callback(lambda _: _under_way.pop((name, port), None))
-        return await asyncio.shield(asyncio.wrap_future(answer))
+        return await look_ups.addresses(name, port)
 
 
 def _resolve(name: str, port: int | None, flags: int = 0) -> list[str]:

@@ -5,6 +5,7 @@ and is held by.
 """
 
 import logging
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
@@ -13,7 +14,7 @@ import numpy as np
 from sqlalchemy.orm import Session
 
 from estimator.calibration.calibrated_document import calibrated_document, is_the_same_but_for_calibrations
-from estimator.calibration.calibration_runs import CalibrationRun, check_runs
+from estimator.calibration.calibration_runs import CalibrationRun
 from estimator.errors import Conflict, Invalid
 from estimator.machine.document import Machine, parse_machine
 from rotorundown.environment.release import VERSION
@@ -40,6 +41,10 @@ class CalibrationRunUnsuitable(Invalid):
     """Raised for a run that cannot be part of a calibration: open, named twice, of another machine or of another train."""
 
 
+class DocumentMoved(Conflict):
+    """Raised when a document was changed while runs were checked under it."""
+
+
 class NotToPutInForce(Conflict):
     """Raised when a calibration cannot be put in force; the message states the reason."""
 
@@ -54,38 +59,53 @@ class CalibrationRunAsked:
     steady: bool = False
 
 
+def require_place(session: Session, machine_id: str, asker: Requester) -> None:
+    """Raise QuotaExceeded unless another calibration may be asked for."""
+    asker.quota.require(session, by=asker.identity[:LONGEST_IDENTITY], machine_id=machine_id)
+
+
+def read_runs(
+    session: Session, machine_id: str, revision: int, asked: Sequence[CalibrationRunAsked]
+) -> tuple[Machine, list[CalibrationRun]]:
+    """Return a machine and the runs that shall calibrate it, for `check_runs` of the estimator.
+
+    Raises MachineUnknown, RunUnknown, CalibrationRunUnsuitable, SamplesReleased.
+    """
+    numbers = Counter(one.run for one in asked)
+    twice = sorted(run for run, times in numbers.items() if times > 1)
+    if twice:
+        raise CalibrationRunUnsuitable(f"run {twice[0]} stands twice in the calibration: each run counts once")
+    machine = machines.document(session, machine_id, revision)
+    return machine, [_checked(session, machine, one) for one in asked]
+
+
 def request_calibration(
     session: Session,
     machine_id: str,
     asked: Sequence[CalibrationRunAsked],
     asker: Requester,
     *,
+    revision: int,
     seed: int,
     by: str,
     comment: str,
 ) -> ModelCalibrationRow:
-    """Queue a calibration from stored runs, checked as far as that costs no fit.
+    """Queue a calibration from stored runs, which were checked under a revision of the document as far as that costs no fit.
 
-    Raises MachineUnknown, RunUnknown, CalibrationRunUnsuitable, CalibrationImpossible, SamplesReleased, QuotaExceeded.
+    Raises MachineUnknown, DocumentMoved, QuotaExceeded.
     """
-    numbers = [one.run for one in asked]
-    twice = sorted({one for one in numbers if numbers.count(one) > 1})
-    if twice:
-        raise CalibrationRunUnsuitable(f"run {twice[0]} stands twice in the calibration: each run counts once")
-    revision = machines.get(session, machine_id).revision
-    machine = machines.document(session, machine_id, revision)
-    check_runs(machine, [_checked(session, machine, one) for one in asked])
-    identity = asker.identity[:LONGEST_IDENTITY]
-    asker.quota.require(session, by=identity, machine_id=machine_id)
+    if machines.get(session, machine_id).revision != revision:
+        raise DocumentMoved(f"the document of machine '{machine_id}' was changed meanwhile: ask again")
+    require_place(session, machine_id, asker)
     stored = {"runs": [asdict(one) for one in asked], "seed": seed}
     row = model_calibrations.add(session, machine_id, revision=revision, asked=stored, by=by, comment=comment)
     job = jobs.enqueue(
         session,
         machine_id,
         scope=jobs.CALIBRATION,
-        run_ids=numbers,
+        run_ids=[one.run for one in asked],
         options={CALIBRATION: row.id},
-        asked_by=identity,
+        asked_by=asker.identity[:LONGEST_IDENTITY],
         priority=asker.priority,
     )
     assert job is not None

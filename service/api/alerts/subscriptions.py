@@ -1,10 +1,10 @@
 """Serves subscriptions to alert events and the deliveries to them."""
 
-import asyncio
 from collections.abc import Awaitable, Callable
 from typing import cast
 
 from fastapi import APIRouter, Request, Response, status
+from fastapi.concurrency import run_in_threadpool
 
 from estimator.errors import Invalid, NotAllowed
 from service.alerts.lifecycle import Forbidden
@@ -14,6 +14,7 @@ from service.api.conventions.dependencies import Number, Reading, database, prin
 from service.api.conventions.paging import ById
 from service.api.conventions.preconditions import IfMatch, require, tagged
 from service.api.conventions.problems import CHANGES, RESPONSES
+from service.api.conventions.request_places import RequestPlaces
 from service.delivery.addresses import require_permitted
 from service.delivery.channel import DeliveryOutcome
 from service.delivery.channels import channel_kind
@@ -41,21 +42,26 @@ def list_subscriptions(request: Request, session: Reading, paging: ById) -> list
 
 
 @router.post("", operation_id="subscribe", dependencies=[ADMIN], status_code=status.HTTP_201_CREATED, responses=CHANGES)
-def subscribe(request: Request, said: schemas.SubscriptionIn) -> schemas.SubscriptionCreated:
+async def subscribe(request: Request, said: schemas.SubscriptionIn) -> schemas.SubscriptionCreated:
     """Subscribe to every event from now on. A webhook's secret is shown here, once.
 
     A URL at an address to which nothing is delivered is refused here already.
     """
-    declared = channel_kind(said.kind)
-    if declared.url_target:
-        asyncio.run(require_permitted(said.target, request.app.state.delivery_networks))  # in a thread of its own, as this is
+    if channel_kind(said.kind).url_target:  # before a thread is taken, as a name may take seconds
+        await require_permitted(said.target, request.app.state.delivery_networks)
+    places: RequestPlaces = request.app.state.changing_places
+    async with places.place(principal(request).identity):
+        return await run_in_threadpool(_subscribed, request, said)
+
+
+def _subscribed(request: Request, said: schemas.SubscriptionIn) -> schemas.SubscriptionCreated:
     who = principal(request)
     plants = said.plants if said.plants is not None or who.plants is None else sorted(who.plants)
     for plant in plants or ():
         if not who.sees(plant):
             raise NotAllowed(f"plant '{plant}' is not one of those of {who.name}")
     kept, secrets = _reference(request, said), _secrets(request)
-    secret = new_secret() if declared.signed and kept is None else None
+    secret = new_secret() if channel_kind(said.kind).signed and kept is None else None
     with database(request).transaction() as session:
         row = deliveries.subscribe(
             session,

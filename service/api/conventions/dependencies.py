@@ -12,7 +12,7 @@ from fastapi import Depends, Path, Query, Request
 from fastapi.exceptions import RequestValidationError
 from sqlalchemy.orm import Session
 
-from service.api.conventions.reading_places import ReadingPlaces
+from service.api.conventions.request_places import RequestPlaces
 from service.api.conventions.times import Time
 from service.identification.job_options import Requester
 from service.identification.job_quota import JobQuota
@@ -41,7 +41,7 @@ def requester(request: Request, priority: int = ASKED) -> Requester:
 
 
 async def _reading(request: Request) -> AsyncIterator[Session]:
-    places = cast(ReadingPlaces, request.app.state.reading_places)
+    places = cast(RequestPlaces, request.app.state.reading_places)
     async with places.place(principal(request).identity):
         # Opening a session asks the database nothing yet; closing it may, and is left to a thread, whatever happens meanwhile.
         with ExitStack() as opened:

@@ -10,7 +10,6 @@ from functools import partial
 from typing import Annotated, Any, TypeVar
 
 import numpy as np
-from anyio import from_thread
 from fastapi import APIRouter, Query, Request
 
 from estimator.arrays import Floats
@@ -26,12 +25,13 @@ from estimator.updated_model.coupling_loads import CouplingForce, coupling_force
 from estimator.updated_model.modal_uncertainty import critical_speed_errors, modes_at, natural_frequency_errors
 from estimator.updated_model.uncertainty import PhasorBand
 from service.api.cache.computed_cache import ComputedCache
-from service.api.conventions.dependencies import Number, database, principal
+from service.api.cache.computing_apart import caller_of, has_gone
+from service.api.cache.model_process import ModelProcess, is_long
+from service.api.conventions.dependencies import Number, database
 from service.api.conventions.problems import RESPONSES, Unsuitable
 from service.api.conventions.units import UnitChoice, Units, column
 from service.api.conventions.values import direction
 from service.api.findings import model_schemas as schemas
-from service.api.findings.model_process import ModelProcess, is_long
 from service.identification.stored_model import Identified, identified
 from service.security.requirement import VIEWER
 
@@ -185,8 +185,8 @@ def cached_result(
         # A copy without cached properties: they need not be sent, and some cannot be pickled.
         return process.compute(compute, replace(one), *read) if apart else compute(one, *read)
 
-    caller = (principal(request).identity, request.client.host if request.client else None)
-    return one, cache.compute_queued(key, work, long=slow or apart, caller=caller, wanted=lambda: not _has_gone(request))
+    caller = caller_of(request)
+    return one, cache.compute_queued(key, work, long=slow or apart, caller=caller, wanted=lambda: not has_gone(request))
 
 
 def read_identified(request: Request, identification_id: int) -> Identified:
@@ -198,11 +198,6 @@ def read_identified(request: Request, identification_id: int) -> Identified:
             return identified(session, identification_id)
 
     return cache.get_or_compute((identification_id,), read)
-
-
-def _has_gone(request: Request) -> bool:
-    """Check whether the client of a request, which is served by a thread, has gone."""
-    return from_thread.run(request.is_disconnected)
 
 
 def head(one: Identified, units: Units) -> dict[str, Any]:

@@ -1,8 +1,9 @@
 """Field balancings of a machine: initial run, trial runs, correction and check run, each step stored.
 
-Computations read in one transaction and are stored in another, which nobody waits for meanwhile.
+What a computation needs is read in one transaction, computed in a worker process in no transaction, and stored in another.
 """
 
+import json
 import math
 from dataclasses import asdict
 from typing import Any
@@ -11,31 +12,26 @@ import numpy as np
 from fastapi import APIRouter, Request, status
 from sqlalchemy.orm import Session
 
-from estimator.balancing.balancing_check import check_balancing
-from estimator.balancing.field_balancing import (
-    BalancingOptions,
-    BalancingRun,
-    FieldBalancing,
-    ModelInfluence,
-    balance_from_trials,
-    mass_of_rotors,
-)
-from estimator.balancing.trial_runs import require_plausible_weight
+from estimator.balancing.field_balancing import BalancingOptions, BalancingRun
 from estimator.balancing.weight_places import WeightPlaces
 from estimator.errors import Conflict
 from estimator.machine.disc_scale import DiscScale
 from estimator.machine.document import Machine
 from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model.balance_quality import GRAM_MILLIMETRE
-from estimator.updated_model.balancing import BalancingFailed, influence_coefficients
+from service.api.cache.computing_apart import computed_apart
+from service.api.cache.model_process import ModelProcess
+from service.api.conventions.changes_in_turn import takes_turns_of_its_own
 from service.api.conventions.dependencies import MachineId, Number, Reading, database
 from service.api.conventions.paging import ById
 from service.api.conventions.problems import CHANGES, RESPONSES, Unsuitable
 from service.api.machines import balancing_schemas as schemas
 from service.balancing.open_causes import require_nothing_else
-from service.balancing.rendering import check_fields, correction_fields, on_scale
+from service.balancing.rendering import on_scale
 from service.balancing.stored_runs import StoredWeight, balancing_run, read_weights
-from service.identification.stored_model import identified
+from service.identification import balancing_computation
+from service.identification.balancing_computation import BalancingTask
+from service.identification.stored_model import Identified, identified
 from service.monitoring.rules.finding_catalogue import finding_name
 from service.security.requirement import ANALYST, VIEWER
 from storage.clock import now, to_datetime
@@ -105,8 +101,9 @@ def add_trial(request: Request, machine_id: MachineId, balancing_id: Number, sai
             raise Unsuitable(f"run {said.run} is part of this balancing already")
         if len(row.steps["trials"]) >= MOST_TRIALS:
             raise TooManyTrials(f"balancing {balancing_id} has {MOST_TRIALS} trial runs, as many as may be: begin another one")
+        machine = machines.document(session, machine_id, row.revision)
         tried = balancing_run(session, machine_id, row.revision, said.run, weights)
-        _require_plausible(machines.document(session, machine_id, row.revision), tried)
+    balancing_computation.require_plausible_trial(machine, tried)
     with database(request).transaction() as session:
         row = _unmoved(session, machine_id, balancing_id, read)
         trial = {"run": said.run, "weights": [asdict(one) for one in weights], "by": said.by}
@@ -117,6 +114,7 @@ def add_trial(request: Request, machine_id: MachineId, balancing_id: Number, sai
 @router.post(
     "/{balancing_id}/correction", operation_id="compute_balancing_correction", dependencies=[ANALYST], responses=CHANGES
 )
+@takes_turns_of_its_own
 def compute_correction(
     request: Request, machine_id: MachineId, balancing_id: Number, said: schemas.CorrectionIn
 ) -> schemas.BalancingOut:
@@ -124,13 +122,17 @@ def compute_correction(
 
     Answers 409 and proposes no masses while an open alert says that something else than unbalance is wrong.
     """
+    asked = said.model_dump(mode="json", exclude={"by"})
     with database(request).reading() as session:
         require_nothing_else(session, machine_id, finding_name)
-        row = balancings.get(session, machine_id, balancing_id)
-        read = row.updated_at
-        found = _computed(session, row, said.model_dump(mode="json", exclude={"by"}))
-    result = correction_fields(found)
-    asked = said.model_dump(mode="json", exclude={"by"})
+        key, read = _stamp(session, machine_id, balancing_id)
+
+    def work(process: ModelProcess) -> dict[str, Any]:
+        with database(request).reading() as reading:
+            task = _task(reading, balancings.get(reading, machine_id, balancing_id), asked)
+        return process.compute(balancing_computation.compute_correction, task)
+
+    result = computed_apart(request, ("balancing correction", *key, json.dumps(asked)), work)
     step = {"asked": asked, "by": said.by, "at": now(), "result": result}
     with database(request).transaction() as session:
         row = _unmoved(session, machine_id, balancing_id, read)
@@ -139,25 +141,33 @@ def compute_correction(
 
 
 @router.post("/{balancing_id}/check", operation_id="check_balancing", dependencies=[ANALYST], responses=CHANGES)
+@takes_turns_of_its_own
 def check_correction(
     request: Request, machine_id: MachineId, balancing_id: Number, said: schemas.CheckIn
 ) -> schemas.BalancingOut:
     """Compare a run after the correction with what was promised, and say what to trim."""
     with database(request).reading() as session:
         row = balancings.get(session, machine_id, balancing_id)
-        read = row.updated_at
         weights = None if said.weights is None else _weights(session, row, said.weights)
         if row.steps["correction"] is None:
             raise StepMissing(f"balancing {balancing_id} has no correction yet, which a check run could keep")
-        found = _computed(session, row, row.steps["correction"]["asked"])
-        run = balancing_run(session, machine_id, row.revision, said.run, weights)
-    result = check_fields(found, check_balancing(found, run))
+        asked = row.steps["correction"]["asked"]
+        key, read = _stamp(session, machine_id, balancing_id)
+
+    def work(process: ModelProcess) -> dict[str, Any]:
+        with database(request).reading() as reading:
+            row = balancings.get(reading, machine_id, balancing_id)
+            task = _task(reading, row, asked)
+            run = balancing_run(reading, machine_id, row.revision, said.run, weights)
+        return process.compute(balancing_computation.compute_check, task, run)
+
+    whole = ("balancing check", *key, said.run, None if weights is None else tuple(weights))
     step = {
         "run": said.run,
         "weights": None if weights is None else [asdict(one) for one in weights],
         "by": said.by,
         "at": now(),
-        "result": result,
+        "result": computed_apart(request, whole, work),
     }
     with database(request).transaction() as session:
         row = _unmoved(session, machine_id, balancing_id, read)
@@ -165,11 +175,10 @@ def check_correction(
         return _rendered(session, row)
 
 
-def _require_plausible(machine: Machine, run: BalancingRun) -> None:
-    """Raise TrialsUnusable for a weight in a wrong unit, before the next run is made."""
-    mass, added = mass_of_rotors(machine), run.added
-    for disc, one in zip(machine.discs, [] if added is None else np.abs(added).tolist(), strict=True):
-        require_plausible_weight(one, name=run.name, plane=disc.id, mass=mass)
+def _stamp(session: Session, machine_id: str, balancing_id: int) -> tuple[tuple[int, int, int | None], int]:
+    """Return what a balancing's computations depend on beside what is asked, and when the balancing was changed last."""
+    read = balancings.get(session, machine_id, balancing_id).updated_at
+    return (balancing_id, read, machines.get(session, machine_id).slow_roll_version), read
 
 
 def _unmoved(session: Session, machine_id: str, balancing_id: int, read: int) -> BalancingRow:
@@ -180,8 +189,8 @@ def _unmoved(session: Session, machine_id: str, balancing_id: int, read: int) ->
     return row
 
 
-def _computed(session: Session, row: BalancingRow, asked: dict[str, Any]) -> FieldBalancing:
-    """Return the correction from a balancing's stored runs. Raises StepMissing, TrialsUnusable, NoCommonSpeed, Unsuitable."""
+def _task(session: Session, row: BalancingRow, asked: dict[str, Any]) -> BalancingTask:
+    """Return the correction to compute from a balancing's stored runs. Raises StepMissing, Unsuitable, RunUnsuitable."""
     if not row.steps["trials"]:
         raise StepMissing(f"balancing {row.id} has no trial run yet: add one with a weight on each plane")
     machine = machines.document(session, row.machine_id, row.revision)
@@ -189,23 +198,23 @@ def _computed(session: Session, row: BalancingRow, asked: dict[str, Any]) -> Fie
     def run(run_id: int, weights: list[StoredWeight]) -> BalancingRun:
         return balancing_run(session, row.machine_id, row.revision, run_id, weights)
 
-    initial = [run(one, []) for one in row.steps["initial"]]
-    trials = [run(one["run"], read_weights(one["weights"])) for one in row.steps["trials"]]
-    model = _model(session, machine, asked.get("identification"))
-    try:
-        return balance_from_trials(machine, initial, trials, options=_options(machine, asked, _scale(row)), model=model)
-    except BalancingFailed as error:
-        raise Unsuitable(str(error)) from error
+    return BalancingTask(
+        machine=machine,
+        initial=tuple(run(one, []) for one in row.steps["initial"]),
+        trials=tuple(run(one["run"], read_weights(one["weights"])) for one in row.steps["trials"]),
+        options=_options(machine, asked, _scale(row)),
+        model=_model(session, machine, asked.get("identification")),
+    )
 
 
-def _model(session: Session, machine: Machine, identification_id: int | None) -> ModelInfluence | None:
-    """Return the influence coefficients of an identification's model. Raises IdentificationUnknown, NoModel, Unsuitable."""
+def _model(session: Session, machine: Machine, identification_id: int | None) -> Identified | None:
+    """Return the identification whose model is compared. Raises IdentificationUnknown, NoModel, Unsuitable."""
     if identification_id is None:
         return None
     one = identified(session, identification_id)
     if one.machine.id != machine.id or one.machine.channels != machine.channels:
         raise Unsuitable(f"identification {identification_id} is not of this machine with its probes")
-    return lambda planes, speed: influence_coefficients(one.model, planes=planes, speed=speed)
+    return one
 
 
 def _options(machine: Machine, asked: dict[str, Any], scale: DiscScale) -> BalancingOptions:

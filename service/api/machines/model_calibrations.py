@@ -3,9 +3,13 @@
 from fastapi import APIRouter, Request, Response, status
 from sqlalchemy.orm import Session
 
+from estimator.calibration.calibration_runs import check_runs
 from estimator.machine.calibration import Calibration
 from estimator.machine.disc_scale import DiscScale
 from estimator.machine.document import parse_machine
+from service.api.cache.computing_apart import computed_apart
+from service.api.cache.model_process import ModelProcess
+from service.api.conventions.changes_in_turn import takes_turns_of_its_own
 from service.api.conventions.dependencies import MachineId, Number, Reading, database, requester
 from service.api.conventions.paging import ById
 from service.api.conventions.problems import CHANGES, RESPONSES, WAIT, Unsuitable
@@ -47,6 +51,7 @@ def read_model_calibration(session: Reading, machine_id: MachineId, calibration_
     status_code=status.HTTP_202_ACCEPTED,
     responses=WAIT,
 )
+@takes_turns_of_its_own
 def request_model_calibration(
     request: Request, response: Response, machine_id: MachineId, said: schemas.ModelCalibrationIn
 ) -> schemas.ModelCalibrationOut:
@@ -55,13 +60,30 @@ def request_model_calibration(
     The weights stand in `runs`, or with the trial runs of a `balancing`. Nothing changes until it is put in force. Answers 429
     while the quota of waiting identifications is used up.
     """
-    with database(request).transaction() as session:
-        direction = machines.document(session, machine_id).direction
+    with database(request).reading() as session:
+        calibration_jobs.require_place(session, machine_id, requester(request))
+        revision = machines.get(session, machine_id).revision
+        direction = machines.document(session, machine_id, revision).direction
         asked = [_calibration_run(one, said.disc_scale, direction) for one in said.runs]
         if said.balancing is not None:
             asked += _of_a_balancing(session, machine_id, said.balancing)
+
+    def check(process: ModelProcess) -> None:
+        with database(request).reading() as reading:
+            machine, runs = calibration_jobs.read_runs(reading, machine_id, revision, asked)
+        process.compute(check_runs, machine, runs)
+
+    computed_apart(request, ("runs of a calibration", machine_id, revision, tuple(asked)), check)
+    with database(request).transaction() as session:
         row = calibration_jobs.request_calibration(
-            session, machine_id, asked, requester(request), seed=said.seed, by=said.by, comment=said.comment
+            session,
+            machine_id,
+            asked,
+            requester(request),
+            revision=revision,
+            seed=said.seed,
+            by=said.by,
+            comment=said.comment,
         )
         response.headers["Location"] = f"/api/v1/machines/{machine_id}/model-calibrations/{row.id}"
         return _rendered(session, row)

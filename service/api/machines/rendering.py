@@ -3,9 +3,9 @@
 from typing import Any
 
 from estimator.machine.checks.document_warnings import document_warnings
-from estimator.machine.document import Machine
 from service.api.machines import schemas
 from storage.clock import to_datetime
+from storage.machines import machines
 from storage.machines.fleet import ListedMachine
 from storage.tables.machines import RevisionRow
 
@@ -23,7 +23,7 @@ def listed_machine(one: ListedMachine) -> dict[str, Any]:
 
 def revision(row: RevisionRow) -> schemas.MachineRevision:
     """Return a revision of a machine's document as the API shows it."""
-    document = Machine.model_validate(row.document)
+    document = machines.parsed(row)
     return schemas.MachineRevision(
         id=row.machine_id,
         revision=row.revision,

@@ -2,11 +2,11 @@
 
 from typing import Annotated, Any, cast
 
-from anyio import from_thread
 from fastapi import APIRouter, Query, Request, Response
 
 from service.api.cache.computed_cache import ComputedCache
-from service.api.conventions.dependencies import MachineId, Period, database, principal
+from service.api.cache.computing_apart import caller_of, has_gone
+from service.api.conventions.dependencies import MachineId, Period, database
 from service.api.conventions.problems import RESPONSES
 from service.api.conventions.reader_language import reader_language
 from service.http.problem import Problem
@@ -64,11 +64,8 @@ def read_report(request: Request, machine_id: MachineId, period: Period, locale:
         return process.printed(contents)
 
     day = moment // DAY_NS if period.last is None else None
-    caller = (principal(request).identity, request.client.host if request.client else None)
     key = (machine_id, period, day, stamp, language)
-    pdf = cache.compute_queued(
-        key, work, long=True, caller=caller, wanted=lambda: not from_thread.run(request.is_disconnected)
-    )
+    pdf = cache.compute_queued(key, work, long=True, caller=caller_of(request), wanted=lambda: not has_gone(request))
     name = f"{machine_id}-{to_datetime(asked.last):%Y-%m-%d}.pdf"
     return Response(
         pdf,

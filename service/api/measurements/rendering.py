@@ -104,10 +104,10 @@ def channel_rows(phasors: schemas.Phasors) -> dict[str, list[Any]]:
     """Return a table with a row for each sample and channel."""
     names = ("time", "channel", "speed_rpm", "amplitude_um_pp", "phase_lag_deg")
     table: dict[str, list[Any]] = {name: [] for name in names}
+    columns = list(zip(phasors.channels, phasors.amplitude_um_pp, phasors.phase_lag_deg, strict=True))
     for number, moment in enumerate(phasors.time):
-        for place, channel in enumerate(phasors.channels):
-            row = phasors.amplitude_um_pp[number], phasors.phase_lag_deg[number]
-            told = (moment.isoformat(), channel, phasors.speed_rpm[number], *(column[place] for column in row))
+        for channel, amplitude, phase in columns:
+            told = (moment.isoformat(), channel, phasors.speed_rpm[number], amplitude[number], phase[number])
             for name, value in zip(names, told, strict=True):
                 table[name].append(value)
     return table

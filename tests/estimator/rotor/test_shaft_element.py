@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from estimator.machine.document import parse_machine
 from estimator.modes.eigenmodes import natural_frequencies
-from estimator.rotor.assembly import PlaneMatrices, across_planes, both_planes
+from estimator.rotor.assembly import PlaneMatrices, across_planes, both_planes, plane_columns
 from estimator.rotor.shaft_element import plane_element, shear_coefficient
 from tests.estimator.trains import few_examples, one_disc_document
 
@@ -261,3 +261,10 @@ def test_shear_coefficient_of_a_thin_tube(nu: float) -> None:
 def test_shear_coefficient_falls_as_the_bore_grows() -> None:
     found = [shear_coefficient(poisson_ratio=0.3, diameter_ratio=ratio) for ratio in np.linspace(0, 0.99, 20)]
     assert np.all(np.diff(found) < 0)
+
+
+def test_a_plane_becomes_whole_matrices_by_the_maps_of_its_columns() -> None:
+    plane = np.random.default_rng(7).normal(size=(6, 6))
+    x_plane, y_plane = plane_columns(12)
+    assert np.array_equal(both_planes(plane), x_plane @ plane @ x_plane.T + y_plane @ plane @ y_plane.T)
+    assert np.array_equal(across_planes(plane), x_plane @ plane @ y_plane.T - y_plane @ plane @ x_plane.T)

@@ -64,7 +64,7 @@ def receiver() -> Iterator[Receiver]:
             state.received.append(Received(self.path, {k.lower(): v for k, v in self.headers.items()}, body))
             kind = self.path.split("/")[1]
             if kind == "hang":
-                state.over.wait(60.0)
+                state.over.wait(600.0)
                 return
             if kind == "late":
                 time.sleep(LATE_S)

@@ -1,6 +1,7 @@
 """Threads that nobody waits for at the end, and names that are looked up once at a time."""
 
 import asyncio
+import ipaddress
 import socket
 import subprocess
 import sys
@@ -65,7 +66,7 @@ def test_a_name_is_looked_up_once_at_a_time(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr(addresses, "_resolve", slow)
 
     async def several() -> list[list[str]]:
-        waiting = [asyncio.create_task(addresses._addresses_of("slow.example", 443)) for _ in range(20)]
+        waiting = [asyncio.create_task(addresses.NAMES.addresses("slow.example", 443)) for _ in range(20)]
         await asyncio.sleep(0.05)
         waiting[0].cancel()
         await asyncio.sleep(0)
@@ -74,4 +75,33 @@ def test_a_name_is_looked_up_once_at_a_time(monkeypatch: pytest.MonkeyPatch) -> 
 
     assert asyncio.run(several()) == [["192.0.2.1"]] * 19
     assert asked == [("slow.example", 443)]
-    wait_until(lambda: not addresses._under_way)
+    wait_until(lambda: not addresses.NAMES._under_way)
+
+
+def test_names_of_new_targets_take_up_no_thread_of_deliveries_and_only_so_many_wait(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Beyond that, as where a name server does not answer: the target is taken, and each delivery looks again."""
+    go = threading.Event()
+
+    def slow(name: str, _port: int | None, *flags: int) -> list[str]:
+        if flags:
+            raise socket.gaierror("a name")
+        if name != "known.example":
+            go.wait(60.0)
+        return ["192.0.2.1"]
+
+    monkeypatch.setattr(addresses, "_resolve", slow)
+    monkeypatch.setattr(addresses, "LONGEST_LOOK_UP_S", 600.0)
+
+    async def several() -> None:
+        network = (ipaddress.ip_network("192.0.2.0/24"),)
+        hanging = [asyncio.create_task(addresses.require_permitted(f"http://new-{n}.example/", network)) for n in range(16)]
+        while len(addresses.NEW_NAMES._under_way) < 16:
+            await asyncio.sleep(0.001)
+        await addresses.require_permitted("http://one-more.example/", network)
+        assert str((await addresses.checked("http://known.example/", network)).url) == "http://192.0.2.1/"
+        assert not any(one.done() for one in hanging)
+        go.set()
+        await asyncio.gather(*hanging)
+
+    asyncio.run(several())
+    wait_until(lambda: not addresses.NEW_NAMES._under_way)

@@ -2,16 +2,20 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
+from sqlalchemy.pool import QueuePool
 
 from estimator.arrays import Complexes
 from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.slow_roll import SlowRoll
 from estimator.simulation.simulated_plant import Truth, draw_truth, measured_phasors
 from estimator.units import rpm_to_rad_per_s
+from service.api.cache.model_process import ModelProcess
+from service.identification import calibration_jobs
+from service.identification.job_quota import JobQuota
 from service.workers.executors import LocalExecutor
 from storage.database.engine import Database
 from storage.findings import identifications, jobs
@@ -33,6 +37,21 @@ def executor() -> Iterator[LocalExecutor]:
     """A worker process for all these tests."""
     with working(1) as one:
         yield one
+
+
+@pytest.fixture(scope="module")
+def process() -> Iterator[ModelProcess]:
+    """Checks runs for all these tests: it takes a second or two to start."""
+    one = ModelProcess()
+    yield one
+    one.close()
+
+
+@pytest.fixture
+def api(database: Database, process: ModelProcess) -> Api:
+    found = Api(database)
+    found.app.state.model_process = process
+    return found
 
 
 class Rig:
@@ -79,9 +98,9 @@ def asked(rig: Rig) -> list[dict[str, object]]:
 
 @pytest.mark.parametrize("with_slow_roll", [False, True])
 def test_a_calibration_is_computed_kept_and_put_in_force(
-    database: Database, executor: LocalExecutor, *, with_slow_roll: bool
+    database: Database, api: Api, executor: LocalExecutor, *, with_slow_roll: bool
 ) -> None:
-    rig, api = Rig(database), Api(database)
+    rig = Rig(database)
     path = f"/machines/{rig.machine.id}/model-calibrations"
     told = api("POST", path, 202, json={"runs": asked(rig), "by": "Ada", "comment": "after the overhaul"})
     assert (told["state"], told["accepted"], told["in_force"]) == ("queued", None, False)
@@ -138,8 +157,8 @@ def _subtract_run_outs(rig: Rig) -> None:
         machines.get(session, rig.machine.id).slow_roll_version = row.version
 
 
-def test_a_calibration_that_was_not_accepted_or_is_of_another_train_is_not_put_in_force(database: Database) -> None:
-    rig, api = Rig(database), Api(database)
+def test_a_calibration_that_was_not_accepted_or_is_of_another_train_is_not_put_in_force(database: Database, api: Api) -> None:
+    rig = Rig(database)
     path = f"/machines/{rig.machine.id}/model-calibrations"
     told = api("POST", path, 202, json={"runs": asked(rig), "by": "Ada"})
     computed: dict[str, Any] = {
@@ -165,8 +184,8 @@ def test_a_calibration_that_was_not_accepted_or_is_of_another_train_is_not_put_i
     assert "which describes another train than the one in force" in detail
 
 
-def test_what_is_asked_for_wrongly_is_said_before_it_costs_a_fit(database: Database) -> None:
-    rig, api = Rig(database), Api(database)
+def test_what_is_asked_for_wrongly_is_said_before_it_costs_a_fit(database: Database, api: Api) -> None:
+    rig = Rig(database)
     path = f"/machines/{rig.machine.id}/model-calibrations"
     right = asked(rig)
     first, second = right[0], right[1]
@@ -192,8 +211,8 @@ def test_what_is_asked_for_wrongly_is_said_before_it_costs_a_fit(database: Datab
     assert api("GET", path) == []
 
 
-def test_runs_and_weights_of_a_balancing_calibrate(database: Database) -> None:
-    rig, api = Rig(database), Api(database)
+def test_runs_and_weights_of_a_balancing_calibrate(database: Database, api: Api) -> None:
+    rig = Rig(database)
     said = asked(rig)
     begun = api("POST", f"/machines/{rig.machine.id}/balancings", 201, json={"runs": [said[0]["run"]], "by": "Ada"})
     path = f"/machines/{rig.machine.id}/model-calibrations"
@@ -205,3 +224,42 @@ def test_runs_and_weights_of_a_balancing_calibrate(database: Database) -> None:
     told = api("POST", path, 202, json=body)
     assert [one["run"] for one in told["runs"]] == [one["run"] for one in said]
     assert [len(one["weights"]) for one in told["runs"]] == [0, 1, 1]
+
+
+def test_runs_are_checked_in_another_process_and_in_no_transaction_and_not_at_all_beyond_the_quota(
+    database: Database, api: Api, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rig = Rig(database)
+    path, said = f"/machines/{rig.machine.id}/model-calibrations", {"runs": asked(rig), "by": "Ada"}
+    process, seen = api.app.state.model_process, []
+    compute = process.compute
+
+    def noting(work: Any, *given: Any) -> Any:
+        seen.append((work.__name__, database._turn._lock.locked(), cast(QueuePool, database.engine.pool).checkedout()))
+        return compute(work, *given)
+
+    monkeypatch.setattr(process, "compute", noting)
+    monkeypatch.setattr(api.app.state, "job_quota", JobQuota(per_principal=2, per_machine=2))
+    for seed in range(2):  # of the same runs they are checked once
+        api("POST", path, 202, json=said | {"seed": seed})
+    assert seen == [("check_runs", False, 0)]
+    monkeypatch.setattr(calibration_jobs, "read_runs", None)
+    assert "ask again when some are done" in api("POST", path, 429, json=said | {"runs": said["runs"][:2]})["detail"]
+
+
+def test_a_document_that_changes_while_runs_are_checked_is_told_of(
+    database: Database, api: Api, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rig = Rig(database)
+    process = api.app.state.model_process
+    compute = process.compute
+
+    def meanwhile(work: Any, *given: Any) -> Any:
+        with database.transaction() as session:
+            machines.revise(session, parse_machine(document(name="Another name", operation={})))
+        return compute(work, *given)
+
+    monkeypatch.setattr(process, "compute", meanwhile)
+    path = f"/machines/{rig.machine.id}/model-calibrations"
+    assert "was changed meanwhile" in api("POST", path, 409, json={"runs": asked(rig), "by": "Ada"})["detail"]
+    assert api("GET", path) == []

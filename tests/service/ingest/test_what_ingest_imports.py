@@ -74,6 +74,28 @@ def test_storing_and_closing_need_no_model_of_the_machine(module: str) -> None:
         ("service.identification.result_filing", {"estimator.fit.identification"}),
         ("service.identification.task_builder", {"estimator.fit.identification", "estimator.machine.document"}),
         ("service.identification.job_options", {"estimator.fit.identification", "estimator.machine.rules"}),
+        (
+            "service.identification.calibration_jobs",
+            {
+                "estimator.calibration.calibrated_document",
+                "estimator.calibration.calibrated_document.calibrated_document",  # documents made of and compared with others
+                "estimator.calibration.calibrated_document.is_the_same_but_for_calibrations",
+                "estimator.calibration.calibration_runs",
+                "estimator.machine.document",
+            },
+        ),
+        (
+            "service.api.machines.balancings",
+            {
+                "estimator.balancing.field_balancing",
+                "estimator.balancing.weight_places",
+                "estimator.machine.disc_scale",
+                "estimator.machine.document",
+                "estimator.units",
+                "estimator.units.rpm_to_rad_per_s",
+                "estimator.updated_model.balance_quality",
+            },
+        ),
     ],
 )
 def test_what_works_within_transactions_asks_workers_and_computes_nothing_itself(module: str, known: set[str]) -> None:

@@ -209,3 +209,13 @@ def test_neither_a_revision_nor_a_read_beside_it_costs_more_with_their_number(
     assert max(documents for documents, _ in few) <= 4
     with plant.reading() as session:
         assert machines.comparable_revisions(session, "pump-7", 60) == list(range(1, 61))
+
+
+def test_a_document_is_parsed_once_and_another_revision_is_another_one(database: Database) -> None:
+    with database.transaction() as session:
+        machines.create(session, machine())
+        first = machines.document(session, machine().id)
+        assert machines.document(session, machine().id) is first
+        machines.revise(session, machine(name="New"))
+        assert machines.document(session, machine().id).name == "New"
+        assert machines.document(session, machine().id, 1) == first == machine()

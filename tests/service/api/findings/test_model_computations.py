@@ -109,7 +109,7 @@ def beside(modelled: Api) -> Api:
 def test_a_process_of_its_own_answers_the_same(modelled: Api, beside: Api, what: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """As for a long train."""
     expected = modelled.value(f"/identifications/1/{what}")
-    monkeypatch.setattr("service.api.findings.model_process.LONG_ELEMENTS", 0)
+    monkeypatch.setattr("service.api.cache.model_process.LONG_ELEMENTS", 0)
     computed = []
     compute = beside.app.state.model_process.compute
 
@@ -125,6 +125,6 @@ def test_a_process_of_its_own_answers_the_same(modelled: Api, beside: Api, what:
 
 
 def test_what_does_not_suit_is_told_by_a_process_of_its_own_as_well(beside: Api, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("service.api.findings.model_process.LONG_ELEMENTS", 0)
+    monkeypatch.setattr("service.api.cache.model_process.LONG_ELEMENTS", 0)
     answer = beside.get("/identifications/1/model/balancing", plane=["nowhere"])
     assert "nowhere" in problem(answer, 422)["detail"]

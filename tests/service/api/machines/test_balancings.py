@@ -1,14 +1,17 @@
 """Field balancing over the API, on stored runs of the dense model: begun, tried, proposed, checked; what it refuses."""
 
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
+from sqlalchemy.pool import QueuePool
 
 from estimator.machine.document import parse_machine
 from service.alerts import transitions
 from service.alerts.transitions import AlertFinding
+from service.api.cache.model_process import ModelProcess
 from service.api.machines import balancings
 from service.balancing.stored_runs import balancing_run
 from storage.database.engine import Database
@@ -58,9 +61,19 @@ def store(database: Database) -> Database:
     return database
 
 
+@pytest.fixture(scope="module")
+def process() -> Iterator[ModelProcess]:
+    """Computes for all tests here: it takes a second or two to start."""
+    one = ModelProcess()
+    yield one
+    one.close()
+
+
 @pytest.fixture
-def api(store: Database) -> Api:
-    return Api(store)
+def api(store: Database, process: ModelProcess) -> Api:
+    found = Api(store)
+    found.app.state.model_process = process
+    return found
 
 
 @pytest.fixture
@@ -239,3 +252,23 @@ def test_runs_are_read_while_others_may_write_and_a_balancing_has_only_so_many_t
     told = api("POST", f"{here}/trials", 409, json=trial | {"run": third})["detail"]
     assert "has 1 trial runs, as many as may be" in told
     assert held == [False, False]
+
+
+def test_a_correction_is_computed_in_another_process_and_in_no_transaction(
+    store: Database, api: Api, begun: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Once for who asks twice for the same of the same steps; an error of the computation is the answer."""
+    process, found = api.app.state.model_process, []
+    compute = process.compute
+
+    def noting(work: Any, *given: Any) -> Any:
+        found.append((work.__name__, store._turn._lock.locked(), cast(QueuePool, store.engine.pool).checkedout()))
+        return compute(work, *given)
+
+    monkeypatch.setattr(process, "compute", noting)
+    api("POST", f"{PATH}/{begun}/correction", json={"by": "Ada"})
+    run = add_run(store, {}, number=9)
+    api("POST", f"{PATH}/{begun}/check", json={"run": run, "by": "Ada"})
+    bare = api("POST", f"{PATH}/{begun}/correction", 422, json={"discs": ["D9"], "by": "Ada"})["detail"]
+    assert "there is no disc D9" in bare
+    assert found == [("compute_correction", False, 0), ("compute_check", False, 0)]

@@ -1,5 +1,7 @@
 """Samples and runs as they are read."""
 
+import csv
+import io
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
@@ -30,6 +32,26 @@ def test_newest_samples(told: Api) -> None:
     assert body["amplitude_um_pp"][0] == pytest.approx([100.0] * 2)
     assert body["phase_lag_deg"][0] == pytest.approx([30.0] * 2)
     assert datetime.fromisoformat(body["time"][-1]) == MOMENT + timedelta(seconds=80)
+
+
+def test_samples_as_a_table_have_a_row_for_each_sample_and_channel(plant: Database, api: Api) -> None:
+    held = samples(6)
+    held.phasor[:, 1] *= np.arange(1.0, 7.0)
+    with plant.transaction() as session:
+        key = SourceKey("pump-7", "monitor", 1)
+        sample_store.add_block(session, key, revision=1, first_sequence=0, samples=held)
+    told = api.value("/machines/pump-7/samples")
+    answer = api.get("/machines/pump-7/samples", format="csv")
+    assert answer.headers["content-type"].startswith("text/csv")
+    rows = list(csv.DictReader(io.StringIO(answer.content.decode("utf-8-sig"))))
+    assert len(rows) == 6 * 4
+    for number, row in enumerate(rows):
+        sample, channel = divmod(number, 4)
+        assert row["channel"] == told["channels"][channel]
+        assert datetime.fromisoformat(row["time"]) == datetime.fromisoformat(told["time"][sample])
+        assert float(row["speed_rpm"]) == pytest.approx(told["speed_rpm"][sample])
+        for name in ("amplitude_um_pp", "phase_lag_deg"):
+            assert (float(row[name]) if row[name] else None) == told[name][channel][sample]
 
 
 def test_samples_before_those_that_were_read(told: Api) -> None:

@@ -13,7 +13,7 @@ from estimator.machine.document import parse_machine
 from estimator.modes.eigenmodes import modes
 from estimator.rotor.system_matrices import system_matrices
 from formats.files.document_files import read_machine
-from service.api.findings.model_process import ModelProcess, NotComputed, is_long
+from service.api.cache.model_process import ModelProcess, NotComputed, is_long
 from service.http.error_status import status_of
 from tests.paths import EXAMPLES
 from tests.plant import machine

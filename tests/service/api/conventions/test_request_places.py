@@ -6,8 +6,14 @@ from typing import Any
 
 import httpx
 import pytest
+from anyio.to_thread import current_default_thread_limiter
 
-from service.api.conventions.reading_places import ReadingPlaces
+from service.api.application import THREADS
+from service.api.conventions.request_places import RequestPlaces
+from service.security import api_keys
+from service.security.configuration import Security
+from service.security.role import Role
+from storage.database.engine import Database
 from tests.api_in_process import PREFIX, Api
 
 AT_ONCE = 120
@@ -29,7 +35,7 @@ def test_more_requests_at_once_than_connections_are_all_answered(api: Api, path:
 
 def test_people_are_served_in_turn() -> None:
     async def served() -> list[str]:
-        places, order = ReadingPlaces(1), []
+        places, order = RequestPlaces(1), []
 
         async def one(who: str) -> None:
             async with places.place(who):
@@ -46,9 +52,27 @@ def test_people_are_served_in_turn() -> None:
     assert max(order.index("anna"), order.index("bert")) <= 4
 
 
+def test_one_caller_cannot_hold_all_places() -> None:
+    async def served() -> None:
+        places, free = RequestPlaces(3), asyncio.Event()
+
+        async def one() -> None:
+            async with places.place("impatient"):
+                await free.wait()
+
+        impatient = [asyncio.create_task(one()) for _ in range(50)]
+        await asyncio.sleep(0)
+        async with asyncio.timeout(1.0), places.place("anna"):
+            pass
+        free.set()
+        await asyncio.wait_for(asyncio.gather(*impatient), 1.0)
+
+    asyncio.run(served())
+
+
 def test_who_gives_up_waiting_leaves_no_place_taken() -> None:
     async def left() -> None:
-        places = ReadingPlaces(1)
+        places = RequestPlaces(1)
         async with places.place("first"):
             waiting = [asyncio.create_task(AsyncExitStack().enter_async_context(places.place("second"))) for _ in range(3)]
             await asyncio.sleep(0)
@@ -63,7 +87,7 @@ def test_who_gives_up_waiting_leaves_no_place_taken() -> None:
 
 def test_a_place_given_to_one_who_has_just_gone_goes_to_the_next() -> None:
     async def passed_on() -> None:
-        places, held = ReadingPlaces(1), AsyncExitStack()
+        places, held = RequestPlaces(1), AsyncExitStack()
         await held.enter_async_context(places.place("first"))
         gone = asyncio.create_task(AsyncExitStack().enter_async_context(places.place("gone")))
         await asyncio.sleep(0)
@@ -94,3 +118,33 @@ def test_who_takes_an_answer_slowly_holds_no_connection(api: Api) -> None:
     asyncio.run(ask())
     assert held
     assert set(held) == {0}
+
+
+def test_one_persons_many_changes_keep_another_persons_one_not_waiting(plant: Database) -> None:
+    order: list[str] = []
+    api = Api(plant, security=Security(required=True))
+    with api.database.transaction() as session:
+        keys = {
+            who: api_keys.create(session, name=who, role=Role.OPERATOR, plants=None, days=1)[1]
+            for who in ("impatient", "anna")
+        }
+
+    async def ask() -> None:
+        current_default_thread_limiter().total_tokens = THREADS
+        transport = httpx.ASGITransport(api.app)
+        async with httpx.AsyncClient(transport=transport, base_url="http://rundown") as client:
+
+            async def change(who: str) -> None:
+                said = {"kind": "note", "at": "2026-01-01T00:00:00Z", "text": who, "by": who}
+                headers = {"authorization": f"Bearer {keys[who]}"}
+                answer = await client.post(f"{PREFIX}/machines/pump-7/timeline", json=said, headers=headers)
+                assert answer.status_code == 201, answer.text
+                order.append(who)
+
+            impatient = [asyncio.create_task(change("impatient")) for _ in range(60)]
+            while not order:
+                await asyncio.sleep(0.001)
+            await asyncio.gather(change("anna"), *impatient)
+
+    asyncio.run(asyncio.wait_for(ask(), PATIENCE_S))
+    assert order.index("anna") < 30

@@ -1,4 +1,4 @@
-"""Computes models of long trains, and of trains on oil films, in a process of their own, within limits of time and memory.
+"""Computes models of long trains, of trains on oil films, and balancings in a process of their own, within time and memory.
 
 LAPACK's eigenvalue solvers hold the interpreter's lock: for a train of 300 sections 0.2 to 0.9 s at a time, in which the
 service's process would answer nobody. Films take seconds for each pad that is not known yet.
@@ -57,7 +57,7 @@ class ModelProcess:
         try:
             return future.result()
         except (MemoryError, OutOfTime) as error:
-            why = f"this model of a long train or of oil films could not be computed {limits}: ask for fewer points"
+            why = f"what was asked could not be computed {limits}: ask for fewer points, or of fewer runs"
             raise NotComputed(why) from error
         except (WorkerStuck, BrokenProcessPool) as error:
             why = f"the process that computes models ended, or did not answer {limits}: ask again"
