@@ -66,7 +66,7 @@ class MqttThread(SupervisedThread):
         return 0.0
 
     def failed(self, error: Exception) -> float:
-        """Say what is wrong with the broker, and try again after a pause."""
+        """Record what is wrong with the broker, and try again after a pause."""
         if not isinstance(error, BrokerError):
             return super().failed(error)
         pause, self._retry_pause = self._retry_pause, min(2.0 * self._retry_pause, LONGEST_RETRY_S)

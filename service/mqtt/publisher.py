@@ -101,7 +101,7 @@ class MqttAlerts(MqttThread):
         return message.topic
 
     async def use(self, client: aiomqtt.Client) -> None:
-        """Tell the last states, then publish what comes until the connection ends."""
+        """Publish the last states, then new events until the connection ends."""
         self._loop = asyncio.get_running_loop()
         watching = asyncio.create_task(_until_it_ends(client))
         working = asyncio.create_task(self._work_with(client))

@@ -103,7 +103,7 @@ class ClientServer(InternalServer):
         return session
 
     def visible(self, who: Principal, node: ua.NodeId) -> bool:
-        """Return whether a principal may know of a node."""
+        """Return whether a principal may see a node."""
         plant = self.names.plant_of(node)
         return plant is None or who.sees(plant)
 
@@ -187,7 +187,7 @@ class PlantServer:
         await self._server.start()
 
     async def update(self) -> None:
-        """Show what has changed in the store, and end sessions that may go on no longer. Raises DBAPIError."""
+        """Update the nodes after the store, and end sessions whose rights have ended. Raises DBAPIError."""
         await self._show(await _in_thread(self._reader.read_changes))
         if time.monotonic() >= self._checked_at + SESSIONS_S:
             self._checked_at = time.monotonic()
