@@ -49,7 +49,7 @@ class MqttThread(SupervisedThread):
     async def use(self, client: aiomqtt.Client) -> None:
         """Work with a connection until it ends or the task is cancelled; call `begun` once it works."""
 
-    async def leave(self) -> None:
+    async def complete_work(self) -> None:
         """Complete what is under way before the connection is closed."""
 
     def note_connected(self) -> None:
@@ -96,7 +96,7 @@ class MqttThread(SupervisedThread):
         while self._goes_on and not using.done():
             await asyncio.wait([using], timeout=LOOK_S)
         if not using.done():
-            await self.leave()
+            await self.complete_work()
             using.cancel()
         with suppress(asyncio.CancelledError):
             await using

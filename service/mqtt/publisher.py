@@ -115,7 +115,7 @@ class MqttAlerts(MqttThread):
             if one.done() and not one.cancelled():
                 one.result()
 
-    async def leave(self) -> None:
+    async def complete_work(self) -> None:
         """Say that the service leaves."""
         client, self._ready = self._ready, None
         if client is not None:
