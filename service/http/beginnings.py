@@ -1,7 +1,7 @@
-"""Lets one request begin in each iteration of the event loop, clients in turn; liveness checks begin at once.
+"""Lets one request begin in each iteration of the event loop, clients in turn; whether the service is alive is told at once.
 
-A request holds the event loop for a millisecond or two until it first waits. If forty arrive at once, the loop would run all
-forty before it serves anybody else, such as a supervisor that checks whether the service is alive.
+Until it first waits, a request holds the event loop for a millisecond or two. Of forty that come at once the loop would run
+all, one after the other, before it looks again who else asks, such as a supervisor who asks whether the service is alive.
 """
 
 import asyncio
