@@ -1,4 +1,4 @@
-"""Names of classes and type aliases: each stands for one thing in the packages and the benchmarks."""
+"""Names: a class or type alias stands for one thing in the packages and the benchmarks, a function has a word of the trade."""
 
 import ast
 from collections import defaultdict
@@ -7,6 +7,12 @@ from collections.abc import Iterator
 from tests.imports import ROOT
 
 PACKAGES = ("estimator", "storage", "formats", "service", "rotorundown", "benchmarks")
+
+_DIALECT = """
+ails anew befalls doubt happen hasten heard lest letter noted news said say some spoken tell tells told
+"""
+DIALECT = frozenset(_DIALECT.split())
+"""Words of no trade, instead of report, send, describe, translate, record, change, event, reason, mail."""
 
 
 def type_names(source: str) -> Iterator[tuple[str, int]]:
@@ -62,3 +68,27 @@ def name() -> None:
     class Inner: ...
 """
     assert [name for name, _ in type_names(source)] == ["Inner", "Level", "Kind", "Number", "Name"]
+
+
+def dialect(source: str) -> list[str]:
+    """Return the functions of a file whose names hold a word of no trade."""
+    functions = (node for node in ast.walk(ast.parse(source)) if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef))
+    return [node.name for node in functions if DIALECT & set(node.name.strip("_").split("_"))]
+
+
+def test_functions_are_called_by_words_of_the_trade() -> None:
+    paths = [path for package in PACKAGES[:-1] for path in sorted((ROOT / package).rglob("*.py"))]
+    assert len(paths) > 500
+    assert {path.relative_to(ROOT).as_posix(): found for path in paths if (found := dialect(path.read_text()))} == {}
+
+
+def test_a_word_of_no_trade_is_seen() -> None:
+    source = """
+def reported(message: str) -> None: ...
+
+
+class Sender:
+    async def _tell_all(self) -> None: ...
+    def told_names(self) -> None: ...
+"""
+    assert sorted(dialect(source)) == ["_tell_all", "told_names"]

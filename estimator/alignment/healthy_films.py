@@ -31,7 +31,7 @@ LEVELS = {"stiffness": 0, "damping": 1}
 VISCOSITIES = ("viscosity", "viscosity_factor")
 """Numbers of films that follow the oil's temperature."""
 KNOWN_RUNS = 10
-"""Number of runs that what is stated counts as much as."""
+"""Weight of the stated values, as a number of runs."""
 STEPS = 6
 """Steps of expectation and maximisation: with a prior of ten runs each takes most of the way that is left."""
 KNOWN_OIL = 2.0

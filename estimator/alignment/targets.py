@@ -15,7 +15,7 @@ from estimator.machine.parameter_description import describe
 from estimator.updated_model.derived_quantities import Derived
 
 Warmth = Literal["cold", "hot"]
-"""State of a machine in which its alignment is told."""
+"""State of a machine for which its alignment is stated."""
 WARMTH_OF_RUNS: dict[str, Warmth] = {"run-up": "cold", "run-down": "hot", "rolling": "hot"}
 """State of the machine in each kind of run."""
 

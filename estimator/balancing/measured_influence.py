@@ -100,7 +100,7 @@ class MeasuredInfluence:
         )
 
     def from_state(self, vector: Complexes, weight: Complexes) -> "MeasuredInfluence":
-        """Return the same coefficients with the vibration without weights that a run with known weights tells.
+        """Return the same coefficients; the vibration without weights follows from a run with known weights.
 
         Args:
             vector: Vectors (K,) of the run; points with NaN are left out [m].

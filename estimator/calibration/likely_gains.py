@@ -20,7 +20,7 @@ MOST = 3
 
 
 def unlikely_gains(gains: Complexes) -> tuple[str, ...]:
-    """Warn where gains are far from one on average, and name the unit of the trial weights that would explain it.
+    """Describe that gains are far from one on average, and name the unit of the trial weights that would explain it.
 
     Args:
         gains: Gains of the channels (m,) [-].

@@ -29,7 +29,7 @@ MODULUS_SPREAD = 0.2
 
 
 def distinct_speeds(speed: Floats) -> Floats:
-    """Return the speeds that tell something new.
+    """Return the distinct speeds: those that add information.
 
     Args:
         speed: Speeds (S,) [rad/s].

@@ -29,7 +29,7 @@ from estimator.rotor.parameters import unknowns
 from estimator.updated_model.model import UpdatedModel, expected_model, model_at
 
 STILL = 1e-3
-"""Run-to-run standard deviation of what stays the same, such as a clearance, as a part of what is believed of it [-]."""
+"""Run-to-run standard deviation of a quantity that does not vary, such as a clearance, relative to its prior's [-]."""
 LEAST = 1e-9
 """Least run-to-run standard deviation of anything, such as an unbalance of zero [kg m]."""
 

@@ -93,7 +93,7 @@ class SizePart:
 
 @dataclass(frozen=True)
 class ChangeSize:
-    """Size of a cause in the units that people reckon in.
+    """Size of a cause in customary units.
 
     Attributes:
         per_cent: Change in per cent of the element's values in the baseline [%]; None where the cause has no size.

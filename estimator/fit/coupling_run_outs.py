@@ -109,6 +109,6 @@ def _run_out_fit(whole: FitProblem, found: FitResult, own: NDArray[np.intp]) -> 
 
 
 def _rank(name: str) -> tuple[str, int, int]:
-    """Return the order in which errors of couplings are told, that of `channel_effects`."""
+    """Return the order in which errors of couplings are reported, that of `channel_effects`."""
     said = describe(name)
     return said.element, ROTATING_ERRORS.index(said.quantity), COMPONENTS.index(said.component or "real")

@@ -74,7 +74,7 @@ def with_gaps(problem: FitProblem, found: FitResult) -> GapVerdict:
         places=placed.numbers,
         fitted=placed.own(found.theta),
     )
-    doubts = [(one, _doubt(problem, found, rows, one)) for one in rows.channels]
+    doubts = [(one, _gap_fault(problem, found, rows, one)) for one in rows.channels]
     remarks = tuple(words for _, words in doubts if words)
     kept = rows.without([one for one, words in doubts if words])
     if kept is None:
@@ -97,7 +97,7 @@ def _fitted(problem: FitProblem, found: FitResult, rows: GapRows, remarks: tuple
     return GapVerdict(whole, replace(again, iterations=found.iterations + again.iterations), (*remarks, words))
 
 
-def _doubt(problem: FitProblem, found: FitResult, rows: GapRows, one: ChannelGaps) -> str:
+def _gap_fault(problem: FitProblem, found: FitResult, rows: GapRows, one: ChannelGaps) -> str:
     """Return why the gaps of a channel are not believed; empty where they are."""
     channel = problem.train.channels[one.channel]
     jump = _jump(one)

@@ -23,7 +23,7 @@ class AlignmentTolerance(Part):
     angle: Annotated[float, Field(gt=0, le=LARGEST_ANGLE)] | None = Field(default=None, description="[rad]")
 
     @model_validator(mode="after")
-    def _says_something(self) -> Self:
+    def _require_content(self) -> Self:
         if self.offset is None and self.angle is None:
             raise ValueError("gives neither offset [m] nor angle [rad]: one is needed")
         return self

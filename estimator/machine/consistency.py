@@ -392,7 +392,7 @@ def _sparkplug_problems(train: Train) -> Iterator[InitErrorDetails]:
 
 
 def _sparkplug_gap_problems(mapping: Sparkplug, probes: Mapping[str, Probe]) -> Iterator[InitErrorDetails]:
-    """Find gaps that a metric is named for and that could not be told for lack of their sign or scale."""
+    """Find gaps with a metric that cannot be converted, since their sign or scale is missing."""
     for name, channel in mapping.channels.items():
         probe = probes.get(name)
         if channel.gap is None or probe is None:

@@ -16,7 +16,7 @@ NOISE = 8.0
 """Standard deviations of a reading below which a change of speed counts as none [-]."""
 
 
-def captured(
+def select_samples(
     *, time: NDArray[np.int64], speed: Floats, delta_speed: float | None = None, delta_time: int | None = None
 ) -> Indices:
     """Pick the samples to keep: the first, and each that differs enough in speed or in time from the last one kept.

@@ -148,13 +148,13 @@ def usual_change(condition: Condition) -> float | None:
         condition: The condition.
 
     Returns:
-        Change [unit of the condition]; None where neither document nor unit tells.
+        Change [unit of the condition]; None where neither document nor unit gives it.
     """
     return condition.usual_change or USUAL_CHANGE.get(condition.unit)
 
 
 def _width(condition: Condition, values: Floats) -> float:
-    """Return the usual change of a condition, by the baseline where nothing else tells it."""
+    """Return the usual change of a condition, else its scatter in the baseline where neither document nor unit gives it."""
     given = usual_change(condition)
     return given if given is not None else float(np.std(values, ddof=1))
 

@@ -102,7 +102,7 @@ def speed_band(text: str) -> tuple[float, float]:
     return lowest, highest
 
 
-def captured(machine: Machine, measurement: Measurement, band: str) -> Capture:
+def captured_slow_roll(machine: Machine, measurement: Measurement, band: str) -> Capture:
     """Capture slow-roll vectors from a band of a recording. Raises NotSlowRoll, ValueError."""
     lowest, highest = speed_band(band)
     return capture(machine, measurement, lowest=lowest, highest=highest)
@@ -115,7 +115,7 @@ def without_slow_roll(
 
     The band's own samples are omitted from the result: their information is used up.
     """
-    found = captured(machine, joined([measurement for _, measurement in runs]), band)
+    found = captured_slow_roll(machine, joined([measurement for _, measurement in runs]), band)
     lowest, highest = speed_band(band)
     described, rest = machine, []
     for run, measurement in runs:

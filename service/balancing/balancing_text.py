@@ -8,7 +8,7 @@ from estimator.balancing.balancing_check import BalancingCheck
 from estimator.balancing.field_balancing import FieldBalancing
 from estimator.units import rad_per_s_to_rpm
 from estimator.updated_model.balance_quality import GRAM_MILLIMETRE, PlaneBalance, RotorBalance
-from service.balancing.correction_rows import channel_effects, limit_verdicts, plane_weights, trim_weights
+from service.balancing.correction_rows import effect_rows, limit_verdicts, plane_weights, trim_weights
 from service.wording.language import ENGLISH, Language
 from service.wording.stored_sentences import in_language
 
@@ -58,7 +58,7 @@ def _correction(found: FieldBalancing, language: Language) -> Iterator[str]:
 def _effects(found: FieldBalancing, check: BalancingCheck | None, language: Language) -> Iterator[str]:
     digits, translate = language.digits, language.translate
     yield translate("balancing.effects") + (translate("balancing.with_check") if check else "")
-    for one in channel_effects(found, check):
+    for one in effect_rows(found, check):
         kept = translate("balancing.as_promised" if one.held else "balancing.more_than_promised")
         shown = "" if one.check is None else f" {digits(f'{one.check:9.3g}')}  {kept}"
         yield f"  {one.channel:<12} {digits(f'{one.before:9.3g} {one.after:9.3g} {one.upper:9.3g}')}{shown}"

@@ -66,7 +66,7 @@ def plane_weights(found: FieldBalancing) -> list[PlaneWeight]:
     ]
 
 
-def channel_effects(found: FieldBalancing, check: BalancingCheck | None = None) -> list[ChannelEffect]:
+def effect_rows(found: FieldBalancing, check: BalancingCheck | None = None) -> list[ChannelEffect]:
     """Return a row for each channel that the runs show."""
     rows = []
     for channel in found.machine.channels:

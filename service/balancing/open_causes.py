@@ -40,12 +40,12 @@ def _is_of_unbalance(alert: ListedAlert) -> bool:
 
 def _words(other: Sequence[ListedAlert], finding_name: FindingNames, language: Language) -> str:
     names = dict.fromkeys(alert.element.rpartition(".")[2] or language.translate("balance.what_is_wrong") for alert in other)
-    told = "; ".join(_told(alert, finding_name, language) for alert in other[:3])
+    told = "; ".join(_alert_text(alert, finding_name, language) for alert in other[:3])
     more = language.translate("balance.more", count=len(other) - 3) if len(other) > 3 else ""
     return language.translate("balance.first", names=", ".join(names), alerts=told + more)
 
 
-def _told(alert: ListedAlert, finding_name: FindingNames, language: Language) -> str:
+def _alert_text(alert: ListedAlert, finding_name: FindingNames, language: Language) -> str:
     name, element = finding_name(alert.rule, language), language.element(alert.element)
     return language.translate(
         "balance.alert", id=alert.id, finding=language.translate("finding_of", finding=name, element=element)

@@ -12,7 +12,7 @@ from estimator.fit.estimates import CONFIDENCE_95
 from estimator.machine.disc_scale import DiscScale
 from estimator.units import rad_per_s_to_rpm
 from estimator.updated_model.balance_quality import GRAM_MILLIMETRE, PlaneBalance, RotorBalance
-from service.balancing.correction_rows import MICROMETRES, channel_effects, limit_verdicts, plane_weights, trim_weights
+from service.balancing.correction_rows import MICROMETRES, effect_rows, limit_verdicts, plane_weights, trim_weights
 
 
 def correction_fields(found: FieldBalancing) -> dict[str, Any]:
@@ -40,7 +40,7 @@ def correction_fields(found: FieldBalancing) -> dict[str, Any]:
         ],
         "channels": [
             {"channel": one.channel, "before_um_pp": one.before, "after_um_pp": one.after, "upper_um_pp": one.upper}
-            for one in channel_effects(found)
+            for one in effect_rows(found)
         ],
         "limit_um_pp": None if limit is None else limit[0],
         "limit_verdict": None if limit is None else limit[1],
@@ -60,7 +60,7 @@ def check_fields(found: FieldBalancing, check: BalancingCheck) -> dict[str, Any]
         "points": int(np.count_nonzero(shown)),
         "points_kept": int(np.count_nonzero(check.held)),
         "channels": [
-            {"channel": one.channel, "check_um_pp": one.check, "kept": one.held} for one in channel_effects(found, check)
+            {"channel": one.channel, "check_um_pp": one.check, "kept": one.held} for one in effect_rows(found, check)
         ],
         "limit_met": None if limit is None else bool(np.nanmax(np.abs(check.vector)) <= limit),
         "residual": [{**_plane(shaft, one), **_residual(one)} for shaft, one, _ in _pairs(check.residual, check.residual)],

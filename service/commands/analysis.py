@@ -229,14 +229,14 @@ def show_slow_roll(
     """Print the slow-roll vectors of a recorded run. Ends with status 1 when no channel shows one."""
     from estimator.phasors.measurement import joined
     from formats.files.document_files import UnreadableFile
-    from formats.recordings.recorded_runs import captured
+    from formats.recordings.recorded_runs import captured_slow_roll
     from formats.wire import Rejected
     from service.commands.results.identification_report import slow_roll_text
     from service.commands.results.result_content import slow_roll_content
 
     try:
         described, runs = _runs(machine, [file], sidecar)
-        found = captured(described, joined([measured for _, measured in runs]), band)
+        found = captured_slow_roll(described, joined([measured for _, measured in runs]), band)
     except (UnreadableFile, Rejected, ValueError) as error:
         fail(str(error))
     if as_json:

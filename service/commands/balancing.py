@@ -56,7 +56,7 @@ def balance_machine(
     from estimator.balancing.field_balancing import balance_from_trials
     from formats.files.document_files import UnreadableFile, read_machine
     from formats.wire import Rejected
-    from service.balancing.correction_rows import channel_effects
+    from service.balancing.correction_rows import effect_rows
     from service.balancing.printed_page import printed_page
     from service.commands.document_warnings import print_warnings
 
@@ -79,19 +79,19 @@ def balance_machine(
             page.write_text(printed_page(found, checked, language), encoding="utf-8")
     except (UnreadableFile, Rejected, ValueError, OSError) as error:
         fail(str(error))
-    if checked is not None and not all(one.held for one in channel_effects(found, checked) if one.held is not None):
+    if checked is not None and not all(one.held for one in effect_rows(found, checked) if one.held is not None):
         raise typer.Exit(1)
 
 
 def _print(found: "FieldBalancing", checked: "BalancingCheck | None", *, as_json: bool) -> None:
     from estimator.units import rad_per_s_to_rpm
     from service.balancing.balancing_text import balancing_text
-    from service.balancing.correction_rows import channel_effects, plane_weights
+    from service.balancing.correction_rows import effect_rows, plane_weights
 
     if not as_json:
         print_text(balancing_text(found, checked))
         return
-    effects = channel_effects(found, checked)
+    effects = effect_rows(found, checked)
     print_json(
         {
             "machine": found.machine.id,

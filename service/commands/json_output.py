@@ -19,23 +19,23 @@ JsonWanted = Annotated[bool, typer.Option("--json", help="print the result as JS
 
 def print_json(content: Any) -> None:
     """Print a result as JSON on the standard output; letters beyond ASCII are escaped."""
-    print_text(json.dumps(plain(content), indent=1, allow_nan=False))
+    print_text(json.dumps(json_value(content), indent=1, allow_nan=False))
 
 
-def plain(value: Any) -> Any:
+def json_value(value: Any) -> Any:
     """Return a value as JSON has it: dataclasses as objects, arrays as lists, complex numbers by their two parts."""
     if isinstance(value, BaseModel):
         return value.model_dump(mode="json", exclude_none=True)
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
-        return {one.name: plain(getattr(value, one.name)) for one in dataclasses.fields(value)}
+        return {one.name: json_value(getattr(value, one.name)) for one in dataclasses.fields(value)}
     if isinstance(value, Mapping):
-        return {str(name): plain(one) for name, one in value.items()}
+        return {str(name): json_value(one) for name, one in value.items()}
     if hasattr(value, "tolist"):  # of numpy, which most commands do without
-        return plain(value.tolist())
+        return json_value(value.tolist())
     if isinstance(value, list | tuple | set | frozenset):
-        return [plain(one) for one in (sorted(value) if isinstance(value, set | frozenset) else value)]
+        return [json_value(one) for one in (sorted(value) if isinstance(value, set | frozenset) else value)]
     if isinstance(value, complex):
-        return {"real": plain(value.real), "imaginary": plain(value.imag)}
+        return {"real": json_value(value.real), "imaginary": json_value(value.imag)}
     if isinstance(value, float):
         return value if math.isfinite(value) else None
     if isinstance(value, Enum):

@@ -40,13 +40,13 @@ class Mail:
         """Send a mail."""
         try:
             mail = compose_mail(self.settings, self.target, message, self.language)
-            await asyncio.get_running_loop().run_in_executor(MAILING, post, self.settings, mail)
+            await asyncio.get_running_loop().run_in_executor(MAILING, send_mail, self.settings, mail)
         except (OSError, smtplib.SMTPException, NoMailServer) as error:
             return DeliveryOutcome("failed", f"{type(error).__name__}: {error}")
         return DeliveryOutcome("delivered", f"taken by {self.settings.smtp_host}:{self.settings.smtp_port}")
 
 
-def post(settings: Settings, mail: EmailMessage) -> None:
+def send_mail(settings: Settings, mail: EmailMessage) -> None:
     """Send a mail through the server. Raises NoMailServer, OSError, SMTPException."""
     if not settings.smtp_host:
         raise NoMailServer("no mail server is set: RUNDOWN_SMTP_HOST")

@@ -92,7 +92,7 @@ class JobSubmission:
         taken = []
         with self._database.transaction() as session:
             overdue = self._automatic_in_a_row >= OVERDUE_SHARE - 1
-            for row in jobs.take(session, count, holder=self._held.holder, behind=behind, overdue=overdue):
+            for row in jobs.claim_next(session, count, holder=self._held.holder, behind=behind, overdue=overdue):
                 automatic = row.priority == AUTOMATIC
                 self._automatic_in_a_row = self._automatic_in_a_row + 1 if automatic else 0
                 stored = identifications.of_job(session, row.id)

@@ -86,7 +86,7 @@ class Ingest(SupervisedThread):
         return [] if self._cycle.own_clock.doubt is None else [self._cycle.own_clock.doubt]
 
     def run_once(self) -> float:
-        """Do a cycle, then wait until more has come or is to be looked for."""
+        """Run a cycle, then wait until messages have come or checks are due."""
         self._cycle.wait_for_more(self._run_cycle())
         return 0.0
 
@@ -127,11 +127,11 @@ class Ingest(SupervisedThread):
         return RETRY_S
 
     def _stops_storing(self, error: Exception) -> bool:
-        """Return whether an error hinders storing: the first unforeseen one in a row does not."""
+        """Return whether an error stops the storing; the first unexpected one in a row does not."""
         return not isinstance(error, LeaseLost) and (is_database_wide(error) or self._errors > 1)
 
     def _give_up(self, error: Exception) -> None:
-        """Say how much is given up of what could not be stored while stopping."""
+        """Log how much of the held data is given up because it could not be stored while stopping."""
         count = len(self._cycle.inbox) + len(self._cycle.write_batch)
         logger.error(
             "at the end %d messages are not stored; only sources' logs have them still: %s", count, error_message(error)

@@ -37,7 +37,7 @@ class NotStoring(Unavailable):
 
 @dataclass(frozen=True)
 class Publication:
-    """A body's way by a broker; its sender waits for no answer, and nobody sends it again corrected.
+    """A body that came through a broker: its sender waits for no answer, and never sends it again corrected.
 
     topic: as the quarantine shows it. plant: that it names. fault: why it is refused, where it was seen on the way.
     """

@@ -99,7 +99,7 @@ def forget(client: aiomqtt.Client) -> None:
 
 
 def only_new(qos: int) -> SubscribeOptions:
-    """Return options of a subscription that is told retained messages once, not at every connection."""
+    """Return options of a subscription that receives retained messages once, not at every connection."""
     return SubscribeOptions(qos=qos, retainHandling=SubscribeOptions.RETAIN_SEND_IF_NEW_SUB)
 
 
@@ -111,7 +111,7 @@ def queue_of(client: aiomqtt.Client) -> BoundedQueue:
 
 
 def confirm(client: aiomqtt.Client, message: aiomqtt.Message) -> None:
-    """Confirm a message to the broker, which lets go of it then."""
+    """Confirm a message to the broker, which then forgets it."""
     client._client.ack(message.mid, message.qos)
 
 

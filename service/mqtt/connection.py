@@ -49,7 +49,7 @@ class MqttThread(SupervisedThread):
     async def use(self, client: aiomqtt.Client) -> None:
         """Work with a connection until it ends or the task is cancelled; call `begun` once it works."""
 
-    async def leave(self) -> None:
+    async def complete_work(self) -> None:
         """Complete what is under way before the connection is closed."""
 
     def note_connected(self) -> None:
@@ -66,7 +66,7 @@ class MqttThread(SupervisedThread):
         return 0.0
 
     def failed(self, error: Exception) -> float:
-        """Say what is wrong with the broker, and try again after a pause."""
+        """Record what is wrong with the broker, and try again after a pause."""
         if not isinstance(error, BrokerError):
             return super().failed(error)
         pause, self._retry_pause = self._retry_pause, min(2.0 * self._retry_pause, LONGEST_RETRY_S)
@@ -96,7 +96,7 @@ class MqttThread(SupervisedThread):
         while self._goes_on and not using.done():
             await asyncio.wait([using], timeout=LOOK_S)
         if not using.done():
-            await self.leave()
+            await self.complete_work()
             using.cancel()
         with suppress(asyncio.CancelledError):
             await using

@@ -105,7 +105,7 @@ class MqttAlerts(MqttThread):
         return message.topic
 
     async def use(self, client: aiomqtt.Client) -> None:
-        """Tell the last states, then publish what comes until the connection ends."""
+        """Publish the last states, then new events until the connection ends."""
         self._loop = asyncio.get_running_loop()
         watching = asyncio.create_task(_until_it_ends(client))
         working = asyncio.create_task(self._work_with(client))
@@ -119,7 +119,7 @@ class MqttAlerts(MqttThread):
             if one.done() and not one.cancelled():
                 one.result()
 
-    async def leave(self) -> None:
+    async def complete_work(self) -> None:
         """Say that the service leaves."""
         client, self._ready = self._ready, None
         if client is not None:
@@ -132,7 +132,7 @@ class MqttAlerts(MqttThread):
         self.note_connected()
         await asyncio.to_thread(_retry_deliveries, self._database)
         while True:
-            await self._publish_all(client, await asyncio.to_thread(self._news))
+            await self._publish_all(client, await asyncio.to_thread(self._due_messages))
             await asyncio.sleep(LOOK_S)
 
     async def _publish_all(self, client: aiomqtt.Client, messages: Sequence[RetainedMessage]) -> None:
@@ -176,7 +176,7 @@ class MqttAlerts(MqttThread):
             logger.exception("the last event of alert %d cannot be published", row.alert_id)
             return None
 
-    def _news(self) -> list[RetainedMessage]:
+    def _due_messages(self) -> list[RetainedMessage]:
         """Return the identifications since the last look, and all last states where other subscriptions ask by now."""
         with self._database.reading() as session:
             asked = _marks(_subscribed(session))

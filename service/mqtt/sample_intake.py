@@ -135,7 +135,7 @@ class MqttSamples(MqttThread):
                 await client.publish(topic, payload, qos=0)
             await asyncio.sleep(REBIRTH_LOOK_S)
 
-    async def leave(self) -> None:
+    async def complete_work(self) -> None:
         """Wait for what is being stored, so that the broker need not send it again."""
         if self._under_way:
             await asyncio.wait(self._under_way, timeout=LEAVE_S)

@@ -48,7 +48,7 @@ class SparkplugNodes:
         return self._missing_before + sum(one.missing for one in self._nodes.values())
 
     def follow(self, machines: Sequence[Machine]) -> None:
-        """Take the documents in force; values of machines whose mapping is the same are kept."""
+        """Update the machines after the documents in force; values of machines with an unchanged mapping are kept."""
         known = {feed.machine.id: feed for node in self._nodes.values() for feed in node.feeds}
         # Numbers go on where a mapping comes back: samples of numbers that the store knows would be taken for duplicates.
         self._sequences |= {machine: feed.sequence for machine, feed in known.items()}

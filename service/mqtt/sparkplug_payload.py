@@ -87,7 +87,7 @@ def _metric(body: bytes) -> SparkplugMetric:
 
 
 def _is_good(properties: int | bytes | None) -> bool:
-    """Return whether a metric's properties leave it as good: they do where they say nothing of its quality."""
+    """Return whether a metric's quality is good; it is, unless its properties say otherwise."""
     if not isinstance(properties, bytes):
         return True
     told = list(_fields(properties))
@@ -101,7 +101,7 @@ def _quality(value: bytes) -> int | None:
 
 
 def _value(found: dict[int, int | bytes], datatype: int | None) -> float | None:
-    """Return a number; None for texts, tables and what else is no number."""
+    """Return a number; None for texts, tables and other types."""
     for number in (10, 11):
         whole = _whole(found.get(number))
         if whole is not None:

@@ -27,7 +27,7 @@ class Topics:
         return Key(parts[0], parts[1])
 
     def alert(self, plant: str, machine: str, *, rule: str, element: str) -> str:
-        """Return the topic of what a rule says of an element: one for all its alerts, one after the other."""
+        """Return the topic of a rule's alerts on an element: one topic for all of them in turn."""
         return f"{self.prefix}/{plant}/{machine}/alerts/{_level(rule)}/{_level(element)}"
 
     def trends(self, plant: str, machine: str) -> str:

@@ -33,7 +33,7 @@ TOLD: Mapping[int, tuple[Any, ua.VariantType]] = {
 """Values of the standard's nodes; the library's own would promise ten thousand of everything."""
 
 
-async def tell_capabilities(server: InternalServer) -> None:
+async def set_capabilities(server: InternalServer) -> None:
     """Write the limits. Raises UaStatusCodeError where the library lacks one of the nodes."""
     for number, (value, kind) in TOLD.items():
         told = ua.DataValue(ua.Variant(value, kind))

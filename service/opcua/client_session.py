@@ -61,13 +61,13 @@ class ClientSession(OwnSubscriptions):
         return str(self.name[0]) if isinstance(self.name, tuple) else "unknown"
 
     def sees(self, node: ua.NodeId) -> bool:
-        """Return whether its principal may know of a node."""
+        """Return whether its principal may see a node."""
         return self.visible(self.principal, node)
 
     async def create_session(
         self, params: ua.CreateSessionParameters, sockname: tuple[str, int] | None = None
     ) -> ua.CreateSessionResult:
-        """Note which application asks, and create the session."""
+        """Create the session, and note the client's application."""
         self.application = params.ClientDescription.ApplicationUri
         return await super().create_session(params, sockname)
 
@@ -89,7 +89,7 @@ class ClientSession(OwnSubscriptions):
         return result
 
     async def read(self, params: ua.ReadParameters) -> list[ua.DataValue]:
-        """Read attributes; of what is not visible there are none."""
+        """Read attributes; invisible nodes are answered like unknown ones."""
         _at_most(params.NodesToRead, MOST_READ)
         found = await super().read(params)
         unknown = ua.DataValue(StatusCode=ua.StatusCode(ua.StatusCodes.BadNodeIdUnknown))
@@ -100,7 +100,7 @@ class ClientSession(OwnSubscriptions):
         return [ua.StatusCode(ua.StatusCodes.BadNotWritable) for _ in params.NodesToWrite]
 
     async def browse(self, params: ua.BrowseParameters) -> list[ua.BrowseResult]:
-        """List references, in pages; those to what is not visible are left out."""
+        """List references in pages, without those to invisible nodes."""
         _at_most(params.NodesToBrowse, MOST_BROWSED)
         most = params.RequestedMaxReferencesPerNode
         return await self._pages([BrowsePage.first(one, most) for one in params.NodesToBrowse])
@@ -120,7 +120,7 @@ class ClientSession(OwnSubscriptions):
         return await self._pages(wanted)
 
     async def _pages(self, wanted: Sequence[BrowsePage | None]) -> list[ua.BrowseResult]:
-        """Return pages; what they may hold together is bounded, and the rest is behind their continuation points."""
+        """Return pages; their total size is bounded, and continuation points lead to the rest."""
         left, found = MOST_REFERENCES, []
         for one in wanted:
             if one is None:
@@ -134,7 +134,7 @@ class ClientSession(OwnSubscriptions):
         return found
 
     async def translate_browsepaths_to_nodeids(self, params: list[ua.BrowsePath]) -> list[ua.BrowsePathResult]:
-        """Follow paths; those that begin, pass or end at what is not visible lead nowhere."""
+        """Follow paths; a path over an invisible node leads nowhere."""
         _at_most(params, MOST_BROWSED)
         found = await super().translate_browsepaths_to_nodeids(params)
         for asked, result in zip(params, found, strict=True):
@@ -208,7 +208,7 @@ def _refusal(item: ua.MonitoredItemCreateRequest, *, seen: bool) -> int | None:
 def _use_own_filter(
     subscription: InternalSubscription, item: ua.MonitoredItemCreateRequest, result: ua.MonitoredItemCreateResult
 ) -> None:
-    """Put our evaluation of a where clause in the place of the library's."""
+    """Replace the library's evaluation of a where clause by our own."""
     if item.ItemToMonitor.AttributeId == ua.AttributeIds.EventNotifier and result.StatusCode.is_good():
         stored: Any = subscription.monitored_item_srv._monitored_items[result.MonitoredItemId]
         stored.where_clause_evaluator = ConditionFilter(item.RequestedParameters.Filter.WhereClause)

@@ -56,7 +56,7 @@ class ClientUsers:
         return ClientUser(name=found.name, principal=found, secret=password or "")
 
     def still_valid(self, user: ClientUser) -> bool:
-        """Return whether a user may still do what they may by their session. Raises DBAPIError."""
+        """Return whether the rights of a user's session are still valid. Raises DBAPIError."""
         if user.principal.kind == "open":
             return not self.needed
         found = self._of_token(user.secret) if user.principal.kind == "token" else self._of_key(user.secret)
@@ -85,7 +85,7 @@ class ClientUsers:
 
 
 def _person(found: Principal) -> Principal | None:
-    """Return a principal that has business here: a source only sends samples."""
+    """Return the principal if its role may use OPC UA: a source only sends samples."""
     return found if found.role is not None and found.role >= Role.VIEWER else None
 
 

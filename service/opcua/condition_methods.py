@@ -124,7 +124,7 @@ class ConditionMethods:
         return await self._done(parent, "shelve_alert", shelve)
 
     async def refresh(self, parent: ua.NodeId, *given: ua.Variant) -> ua.StatusCode:
-        """Tell one of the session's subscriptions, or one item of it, of every open alert."""
+        """Send every open alert to one of the session's subscriptions, or to one item of it."""
         del parent
         values = [one.Value for one in given]
         found = current.get().subscriptions.get(values[0]) if values else None
@@ -165,7 +165,7 @@ class ConditionMethods:
         by_event: bool = False,
         role: Role = Role.OPERATOR,
     ) -> ua.StatusCode:
-        """Make a change of the alert of a condition. by_event: it names the event that it is an answer to."""
+        """Apply a change to the alert of a condition. by_event: whether the call names the event that it acts on."""
         session = current.get()
         alert = self._conditions.of(parent) if session.sees(parent) else None
         if alert is None:
@@ -218,7 +218,7 @@ class _AlertChange:
             raise CallRefused(_FORBIDDEN[self._operation]) from None
 
     def _require_known(self, session: Session) -> None:
-        """Refuse an acknowledgement of what has become worse since, or of an event that there is not."""
+        """Refuse to acknowledge an unknown event, or an alert that has become worse since the event."""
         if self._event is None:
             return
         found = alerts.history(session, self._alert)

@@ -50,7 +50,7 @@ def event_id(alert: AlertReading) -> bytes:
 
 
 def alert_and_event(identifier: object) -> tuple[int, int] | None:
-    """Return the ids of alert and event that an event's id names; None where it is none of ours."""
+    """Return the ids of alert and event in an event id; None for an event id of another server."""
     if not isinstance(identifier, bytes) or len(identifier) != EVENT_ID.size:
         return None
     mark, alert, event = EVENT_ID.unpack(identifier)

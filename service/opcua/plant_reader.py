@@ -106,7 +106,7 @@ class PlantReader:
         return found
 
     def _aged(self) -> str | None:
-        """Return the machine that was read longest ago, where that is too long: rows change that no glance shows."""
+        """Return the machine that was read longest ago, if that is too long ago: no glance shows every change."""
         if not self._read_at:
             return None
         name = min(self._read_at, key=lambda one: self._read_at[one])

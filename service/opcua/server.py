@@ -20,7 +20,7 @@ from service.advice.site_texts import SiteTexts
 from service.configuration.settings import Settings
 from service.opcua.alert_conditions import AlertConditions
 from service.opcua.browsing import Browsing
-from service.opcua.capabilities import tell_capabilities
+from service.opcua.capabilities import set_capabilities
 from service.opcua.client_requests import LARGEST_CHUNK, ListeningServer
 from service.opcua.client_session import ClientSession
 from service.opcua.client_trust import ClientTrust, application_uri, load_own
@@ -104,7 +104,7 @@ class ClientServer(InternalServer):
         return session
 
     def visible(self, who: Principal, node: ua.NodeId) -> bool:
-        """Return whether a principal may know of a node."""
+        """Return whether a principal may see a node."""
         plant = self.names.plant_of(node)
         return plant is None or who.sees(plant)
 
@@ -174,7 +174,7 @@ class PlantServer:
         self._use_certificate()
         await self._server.init()
         await self._describe()
-        await tell_capabilities(self._core)
+        await set_capabilities(self._core)
         index = await self._server.register_namespace(NAMESPACE)
         self._core.names = NodeNames(index)
         tree = NodeTree(self._core, self._core.names)
@@ -189,7 +189,7 @@ class PlantServer:
         await self._server.start()
 
     async def update(self) -> None:
-        """Show what has changed in the store, and end sessions that may go on no longer. Raises DBAPIError."""
+        """Update the nodes after the store, and end sessions whose rights have ended. Raises DBAPIError."""
         await self._show(await _in_thread(self._reader.read_changes))
         if time.monotonic() >= self._checked_at + SESSIONS_S:
             self._checked_at = time.monotonic()

@@ -29,11 +29,11 @@ class OpcUaUnusable(RuntimeError):
 
 
 class OpcUaAiling(RuntimeError):
-    """The server serves, but not all is well; the message says what is not."""
+    """The server runs with a fault; the message names it."""
 
 
 class OpcUaServing(SupervisedThread):
-    """The OPC UA server until it is stopped. A turn runs its event loop for the pause too: clients are served meanwhile."""
+    """The OPC UA server until it is stopped. A pass runs its event loop during the pause too: clients are served meanwhile."""
 
     def __init__(self, database: Database, settings: Settings, texts: SiteTexts | None = None) -> None:
         super().__init__("opcua", failure="OPC UA clients are not updated", retry_s=RETRY_S)
@@ -58,7 +58,7 @@ class OpcUaServing(SupervisedThread):
         }
 
     def run_once(self) -> float:
-        """Tell what has changed, then let clients be served for POLL_S. Raises OpcUaUnusable, OpcUaAiling, DBAPIError."""
+        """Update the nodes, then serve clients for POLL_S. Raises OpcUaUnusable, OpcUaAiling, DBAPIError."""
         if self._server is not None and self._server.certificate_has_expired:
             # Nobody could connect any more: what is in the file now is looked at, and said where it is no better.
             closing, self._server = self._server, None
@@ -113,7 +113,7 @@ class OpcUaServing(SupervisedThread):
 
 
 def _bound_log() -> None:
-    """Keep the library's log short: it writes several lines a request, and what clients do wrong with a traceback."""
+    """Limit the library's log: it writes several lines a request, and a traceback for each error of a client."""
     library = logging.getLogger(LIBRARY)
     library.setLevel(logging.WARNING)
     limit = RateLimit(per_s=LOGGED_PER_S, burst=LOGGED_AT_ONCE)
@@ -123,7 +123,7 @@ def _bound_log() -> None:
 
 
 class _Bound(logging.Filter):
-    """Lets so many of the library's records through; those of others pass."""
+    """Limits the library's log records; all others pass."""
 
     def __init__(self, limit: RateLimit) -> None:
         super().__init__()

@@ -124,7 +124,7 @@ class LeaseKeeper(SupervisedThread):
                 leases.release(session, surplus, holder=number)
                 held -= set(surplus)
             elif len(mine) < fair:
-                held |= leases.take(session, names, holder=number, most=fair - len(mine))
+                held |= leases.acquire(session, names, holder=number, most=fair - len(mine))
         return frozenset(held)
 
 

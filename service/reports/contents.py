@@ -75,7 +75,7 @@ class ReportedFit:
 
 @dataclass(frozen=True)
 class PeriodCounts:
-    """Counts of what the period brought. turned_until: end of the newest run until the period's end; None: none yet."""
+    """Counts of the period. turned_until: end of the newest run until the period's end; None: none yet."""
 
     runs: int
     identifications: int

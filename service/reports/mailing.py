@@ -14,7 +14,7 @@ from typing import cast
 
 from service.advice.site_texts import SiteTexts
 from service.configuration.settings import Settings
-from service.delivery.mail import NoMailServer, post
+from service.delivery.mail import NoMailServer, send_mail
 from service.replication.work_share import DELIVERY, Share, WholeShare
 from service.reports.contents import ReportContents
 from service.reports.first_page import no_alert_text
@@ -119,7 +119,7 @@ class ReportMailing(SupervisedThread):
             if self._stop.is_set():
                 return
             if report not in self._sent:
-                post(self._settings, self._letter(report))
+                send_mail(self._settings, self._report_mail(report))
                 self._sent.add(report)
         with self._database.transaction() as session:
             kept = deliveries.get(session, row.id)
@@ -134,7 +134,7 @@ class ReportMailing(SupervisedThread):
             found = [one.id for one in machines.list_all(session) if deliveries.covers_plant(row, one.plant)]
         return [DueReport(row.id, interval, row.target, one, period) for one in found]
 
-    def _letter(self, report: DueReport) -> EmailMessage:
+    def _report_mail(self, report: DueReport) -> EmailMessage:
         with self._database.reading() as session:
             contents = read_contents(
                 session, report.machine, report.period, texts=self._texts, baseline_runs=self._settings.baseline_runs

@@ -67,7 +67,7 @@ def round_step(size: float) -> float:
     return next(one * power for one in (1.0, 2.0, 5.0, 10.0) if one * power >= size * 0.999)
 
 
-def thinned(count: int) -> slice:
+def thinned_slice(count: int) -> slice:
     """Return a slice that leaves at most MOST_POINTS of so many points."""
     return slice(None, None, max(1, math.ceil(count / MOST_POINTS)))
 
@@ -101,17 +101,17 @@ class PlotFrame:
 
     def line(self, x: Floats, y: Floats, colour: str, *, dashed: bool = False) -> None:
         """Draw a curve with gaps where it is not finite."""
-        few = thinned(len(x))
+        few = thinned_slice(len(x))
         self.parts.append(curve(self.across(x[few]), self.up(y[few]), colour, dashed=dashed))
 
     def points(self, x: Floats, y: Floats, colour: str, *, radius: float = 1.3) -> None:
         """Draw points."""
-        few = thinned(len(x))
+        few = thinned_slice(len(x))
         self.parts.append(dots(self.across(x[few]), self.up(y[few]), colour, radius=radius))
 
     def whiskers(self, x: Floats, lower: Floats, upper: Floats, colour: str) -> None:
         """Draw intervals, cut at the frame's ends."""
-        few = thinned(len(x))
+        few = thinned_slice(len(x))
         low, high = (np.clip(one[few], self.y.low, self.y.high) for one in (lower, upper))
         ends = zip(self.across(x[few]).tolist(), self.up(low).tolist(), self.up(high).tolist(), strict=True)
         known = (f"M{at:.1f} {begin:.1f}V{end:.1f}" for at, begin, end in ends if math.isfinite(begin + end))
@@ -119,7 +119,7 @@ class PlotFrame:
 
     def between(self, x: Floats, lower: Floats, upper: Floats, colour: str) -> None:
         """Fill the band between two curves, cut at the frame's ends."""
-        few = thinned(len(x))
+        few = thinned_slice(len(x))
         low, high = (np.clip(one[few], self.y.low, self.y.high) for one in (lower, upper))
         known = np.isfinite(low) & np.isfinite(high)
         across = self.across(x[few][known])

@@ -20,7 +20,7 @@ from service.reports.plot_frame import (
     round_step,
     segment,
     svg,
-    thinned,
+    thinned_slice,
 )
 from service.reports.response_curves import MeasuredPoints, ResponseCurves, lag_deg
 from service.wording.language import ENGLISH, Language
@@ -76,7 +76,7 @@ def polar_figure(
     parts += [label(RADIUS + 12, 3, "0°"), label(0, RADIUS + 11, "90°"), label(-RADIUS - 13, 3, "180°")]
     parts.append(label(0, -RADIUS - 5, language.translate("plot.rings", step=step)))
     for colour, drawn in ((BEFORE, before), (MEASURED, runs)):
-        parts += [dots(*_place(one.value[thinned(one.speed.size), number], scale), colour) for one in drawn]
+        parts += [dots(*_place(one.value[thinned_slice(one.speed.size), number], scale), colour) for one in drawn]
     parts.append(curve(*_place(fitted, scale), FITTED))
     parts += _speeds(fitted, curves.speed, scale)
     return svg("".join(parts), SIZE, SIZE, left=-SIZE / 2, top=-SIZE / 2)

@@ -153,7 +153,7 @@ class Closing(SupervisedThread):
                 continue
             with self._collector.lock, self._database.transaction(beside_others=True) as session:
                 self._share.require(session, [machine_id])
-                if late_samples.is_unchanged(session, plan) and self._collector.late.take(session, machine_id, window):
+                if late_samples.is_plan_current(session, plan) and self._collector.late.take(session, machine_id, window):
                     late_samples.apply(session, plan)
             self.close_ended()
 

@@ -84,7 +84,7 @@ class Collector:
             for event in events:
                 _record(session, machine, revision, direction, event)
         if machine.collection.runs != "sweeps" and len(fresh):
-            _roll(session, machine, now, fresh, turned=bool(np.any(fresh.direction != turning)))
+            _fill_bins(session, machine, now, fresh, turned=bool(np.any(fresh.direction != turning)))
         runs.save_collector_state(session, machine.id, now.stored())
 
     def has_fallen_silent(self, machine_id: str, *, silence_s: float, alive: bool) -> bool:
@@ -157,7 +157,7 @@ def _end(session: Session, machine_id: str, event: RunEnded) -> None:
         runs.end(row, first=event.start, last=event.time, reason=event.reason)
 
 
-def _roll(session: Session, machine: Machine, now: CollectionState, fresh: Samples, *, turned: bool) -> None:
+def _fill_bins(session: Session, machine: Machine, now: CollectionState, fresh: Samples, *, turned: bool) -> None:
     """Fill the speed bins; make a run of them when they are full enough and the last one is long enough ago."""
     rules = machine.collection.rolling
     if now.bins is None or now.rolled_at == 0:

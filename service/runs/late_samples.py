@@ -60,7 +60,7 @@ class LateSamplesPlan:
 
     added: unknown sweeps, with their sense of rotation. remade: runs to be rebuilt, by id, with the sweep that each is now.
     joined: runs that become part of another one, by id. left_out: runs that cannot be rebuilt; why: the reason; damaged:
-    faults of the blocks needed. basis: the state it relies on, see `is_unchanged`.
+    faults of the blocks needed. basis: the state it relies on, see `is_plan_current`.
     """
 
     machine_id: str
@@ -138,7 +138,7 @@ def _evaluated_stretch(window: Window, beside: Sequence[RunRow]) -> tuple[int, i
     return begin, end
 
 
-def is_unchanged(session: Session, found: LateSamplesPlan) -> bool:
+def is_plan_current(session: Session, found: LateSamplesPlan) -> bool:
     """Return whether the runs beside a window, and how far back the blocks reach, are unchanged since the plan."""
     return found.basis == _basis(session, found.machine_id, found.window)
 

@@ -7,7 +7,7 @@ from sqlalchemy.orm import Session
 
 from estimator.machine.document import Machine
 from estimator.runs.coverage import Coverage, coverage
-from estimator.runs.sample_selection import captured, thinned
+from estimator.runs.sample_selection import select_samples, thinned
 from estimator.runs.segmentation import SweepLimits
 from estimator.units import rpm_to_rad_per_s
 from storage.encoding.sample_blocks import Samples, encode
@@ -93,7 +93,7 @@ def _captured(machine: Machine, held: Samples) -> Samples:
     many."""
     rules = machine.collection
     kept = held.pick(
-        captured(
+        select_samples(
             time=held.time,
             speed=held.speed,
             delta_speed=None if rules.delta_rpm is None else rpm_to_rad_per_s(rules.delta_rpm),

@@ -75,7 +75,7 @@ def session_cookie(headers: Mapping[bytes, bytes], wanted: str) -> str | None:
 
 
 def _seen(look: "asyncio.Future[bool]") -> None:
-    """Retrieve the error of a look-up that no request waits for any more: the next look-up meets it again."""
+    """Take the error of a look-up that no request waits for any more: the next look-up meets it again."""
     if not look.cancelled():
         look.exception()
 

@@ -22,7 +22,7 @@ from service.security.operations import ApiOperation, Operations
 from service.security.principal import ANONYMOUS, Principal, current
 from service.security.repeated_entries import RepeatedEntries
 from service.security.scope import NotThere, Visibility
-from service.security.store import AuditedTransactions, plain
+from service.security.store import AuditedTransactions, scoped_store
 from storage.database.engine import Database
 from storage.operation import audit
 from storage.operation.audit import AuditedOperation
@@ -199,7 +199,7 @@ class Guard:
         state = asked.scope.setdefault("state", {})
         state["principal"] = who
         state["operation"] = asked.operation
-        state["store"] = recorded or plain(self._database, who.plants)
+        state["store"] = recorded or scoped_store(self._database, who.plants)
         state["still_valid"] = still_valid
         code = 0
 

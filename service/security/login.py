@@ -170,7 +170,7 @@ def _under_way(request: Request) -> LoginRow:
     """Return the login that is being completed, begun at any replica. Raises LoginFailed."""
     state, browser = request.query_params.get("state", ""), request.cookies.get(UNDER_WAY_COOKIE, "")
     with cast(Database, request.app.state.database).transaction() as session:
-        found = logins.take(session, key_hash(state), at=now())
+        found = logins.pop(session, key_hash(state), at=now())
     if found is None or not hmac.compare_digest(found.browser_hash, key_hash(browser)):
         raise LoginFailed("this login was not begun here, or too long ago: begin again")
     return found

@@ -58,6 +58,6 @@ class AuditedTransactions:
             own.commit()
 
 
-def plain(database: Database, plants: Plants | None) -> Store:
+def scoped_store(database: Database, plants: Plants | None) -> Store:
     """Return the database, restricted to some plants where they are given."""
     return database if plants is None else PlantScope(database, plants)

@@ -61,12 +61,12 @@ def element_words(finding: DescribedFinding) -> Mapping[str, str]:
     return {"size": _element_size(finding)}
 
 
-def settlement_size(finding: DescribedFinding) -> Mapping[str, str]:
+def settlement_in_words(finding: DescribedFinding) -> Mapping[str, str]:
     """Return where a bearing stands."""
     return {"size": settlement_words(finding.quantities, finding.language)}
 
 
-def wear_size(finding: DescribedFinding) -> Mapping[str, str]:
+def wear_in_words(finding: DescribedFinding) -> Mapping[str, str]:
     """Return a clearance's growth."""
     return {"size": wear_words(finding.quantities, finding.language)}
 

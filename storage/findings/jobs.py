@@ -92,7 +92,7 @@ def _checksum(text: str) -> str:
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
-def take(
+def claim_next(
     session: Session, limit: int, *, holder: int | None = None, behind: int | None = None, overdue: bool = False
 ) -> Sequence[JobRow]:
     """Mark the next jobs by `storage.findings.job_order` as running and return them.

@@ -30,7 +30,7 @@ def holders(session: Session) -> dict[str, int | None]:
     return {row.name: row.holder for row in session.execute(select(LeaseRow.name, LeaseRow.holder).order_by(LeaseRow.name))}
 
 
-def take(session: Session, names: Sequence[str], *, holder: int, most: int) -> set[str]:
+def acquire(session: Session, names: Sequence[str], *, holder: int, most: int) -> set[str]:
     """Take at most `most` of these leases that are free; never waits for another replica."""
     query = select(LeaseRow).where(LeaseRow.name.in_(names), LeaseRow.holder.is_(None)).order_by(LeaseRow.name)
     moment, taken = clock(session), set()

@@ -20,7 +20,7 @@ def begin(session: Session, *, state_hash: str, browser_hash: str, verifier: str
     )
 
 
-def take(session: Session, state_hash: str, *, at: int) -> LoginRow | None:
+def pop(session: Session, state_hash: str, *, at: int) -> LoginRow | None:
     """Return a login that is valid at a time [ns], and delete it: it works once."""
     row = session.scalars(select(LoginRow).where(LoginRow.state_hash == state_hash).with_for_update()).one_or_none()
     if row is None:

@@ -96,7 +96,7 @@ class Coordinates:
 
     @cached_property
     def nuisance(self) -> NDArray[np.bool_]:
-        """Return which coordinates are told to nobody (n,)."""
+        """Return which coordinates are not reported (n,)."""
         found = np.zeros(self.size, dtype=bool)
         found[: len(self.parameters)] = [one.nuisance for one in self.parameters]
         return found

@@ -24,13 +24,13 @@ SIGNIFICANT = 4.0
 WELL_CONDITIONED = 1e5
 """Condition number up to which data show deviations that matter [-]."""
 CONFIRMED_SIZE = 0.01
-"""Relative size of deviations up to which they need not be reckoned with, where the data rule out larger ones [-]."""
+"""Relative size up to which deviations are neglected, where the data rule out larger ones [-]."""
 EXPECTED_SIZE = 0.3
-"""Largest relative size of deviations to reckon with where the data could show them in part [-]."""
+"""Largest relative size of deviations that is assumed where the data could show them in part [-]."""
 MARGIN = 3.0
 """Factor on the largest size that the data do not rule out [-]: real films deviate alike, those looked for do not."""
 EXPECTED_SIZE_UNSEEN = 0.8
-"""Relative size of deviations to reckon with where other coefficients can make up for them at every speed [-]."""
+"""Relative size of deviations that is assumed where other coefficients can compensate them at every speed [-]."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -100,10 +100,10 @@ def accepted_machine(document: Any) -> Machine:
     Raises:
         DocumentError: The document is wrong, too large, or has a value that only a slip of the unit explains.
     """
-    return accepted(parse_machine(document))
+    return require_acceptable(parse_machine(document))
 
 
-def accepted(machine: Machine) -> Machine:
+def require_acceptable(machine: Machine) -> Machine:
     """Return the machine, where its document is neither too large nor implausible.
 
     Args:

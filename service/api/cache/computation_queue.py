@@ -98,7 +98,7 @@ class ComputationQueue:
         try:
             return cast(T, _result(computation.future, wanted))
         finally:
-            self._leave(computation, caller)
+            self._withdraw(computation, caller)
 
     def close(self) -> None:
         """Give up what waits; what runs ends by itself."""
@@ -160,7 +160,7 @@ class ComputationQueue:
         if len(self._computations) >= MAXIMUM_WAITING:
             _refuse(f"{len(self._computations)} computations wait already; ask again")
 
-    def _leave(self, computation: _Computation, caller: Hashable) -> None:
+    def _withdraw(self, computation: _Computation, caller: Hashable) -> None:
         with self._lock:
             self._requests[caller] -= 1
             if not self._requests[caller]:

@@ -6,7 +6,7 @@ from fastapi import APIRouter, Body, Request, Response, status
 from sqlalchemy.orm import Session
 
 from estimator.errors import NotAllowed
-from estimator.machine.checks.document_size import accepted
+from estimator.machine.checks.document_size import require_acceptable
 from estimator.machine.document import DocumentError, Machine
 from service.api.cache.response_cache import Cached
 from service.api.conventions.dependencies import MachineId, Reading, database, principal
@@ -48,7 +48,7 @@ async def list_machines(request: Request, cache: Cached, paging: ByName) -> Resp
 )
 def create_machine(request: Request, response: Response, document: WholeDocument) -> schemas.MachineRevision:
     """Create a machine from its document. Its sources may publish from now on."""
-    accepted(document)
+    require_acceptable(document)
     who = principal(request)
     if not who.sees(document.plant):
         raise NotAllowed(f"plant '{document.plant}' is not one of those of {who.name}")
@@ -71,7 +71,7 @@ def revise_machine(
     """Put a new revision of the document in force. Runs and identifications keep the revision that they were made with."""
     if document.id != machine_id:
         raise DocumentError([("id", f"'{document.id}' must be '{machine_id}', the machine that is revised")])
-    accepted(document)
+    require_acceptable(document)
     with database(request).transaction() as session:
         require(if_match, _in_force(session, machine_id))
         row = baseline_changes.revise(session, document)

@@ -3,7 +3,7 @@
 from service.monitoring.rules.finding_rule import AlertRule, FindingRule
 from service.monitoring.rules.limit_rule import Level, Rule
 from service.wording.finding_texts import FindingTexts
-from service.wording.finding_words import oil_words, process_force_words, settlement_size, size_words, wear_size
+from service.wording.finding_words import oil_words, process_force_words, settlement_in_words, size_words, wear_in_words
 from service.wording.repeated_texts import NEW_BASELINE, NEW_BASELINE_DE
 
 SETTLEMENT = AlertRule(
@@ -55,7 +55,7 @@ OIL_FILM_FINDINGS: tuple[FindingRule, ...] = (
                 not_determined=("Höhen, die zugleich eine Änderung der Ausrichtung einer Kupplung sind",),
             ),
         },
-        settlement_size,
+        settlement_in_words,
     ),
     FindingRule(
         "wear",
@@ -89,7 +89,7 @@ OIL_FILM_FINDINGS: tuple[FindingRule, ...] = (
                 not_determined=("Wo in der Bohrung es verschlissen ist, und warum",),
             ),
         },
-        wear_size,
+        wear_in_words,
     ),
     FindingRule(
         "oil",

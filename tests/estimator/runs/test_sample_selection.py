@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from estimator.runs.sample_selection import captured, thinned
+from estimator.runs.sample_selection import select_samples, thinned
 from tests.estimator.trains import few_examples
 
 SECOND = 1_000_000_000
@@ -16,28 +16,28 @@ def seconds(count: int) -> np.ndarray[tuple[int], np.dtype[np.int64]]:
 
 
 def test_without_limits_every_sample_is_kept() -> None:
-    assert captured(time=seconds(5), speed=np.ones(5)).tolist() == [0, 1, 2, 3, 4]
+    assert select_samples(time=seconds(5), speed=np.ones(5)).tolist() == [0, 1, 2, 3, 4]
 
 
 def test_by_change_of_speed_alone_a_hold_keeps_one_sample() -> None:
     speed = np.array([10.0, 10.4, 11.0, 11.0, 11.0, 9.9, 9.8])
-    assert captured(time=seconds(7), speed=speed, delta_speed=1.0).tolist() == [0, 2, 5]
+    assert select_samples(time=seconds(7), speed=speed, delta_speed=1.0).tolist() == [0, 2, 5]
 
 
 def test_by_time_alone_the_speed_does_not_matter() -> None:
-    assert captured(time=seconds(7), speed=np.arange(7.0), delta_time=3 * SECOND).tolist() == [0, 3, 6]
+    assert select_samples(time=seconds(7), speed=np.arange(7.0), delta_time=3 * SECOND).tolist() == [0, 3, 6]
 
 
 def test_by_both_either_is_enough() -> None:
     speed = np.array([10.0, 12.0, 12.0, 12.0, 12.0, 12.0])
-    assert captured(time=seconds(6), speed=speed, delta_speed=1.0, delta_time=3 * SECOND).tolist() == [0, 1, 4]
+    assert select_samples(time=seconds(6), speed=speed, delta_speed=1.0, delta_time=3 * SECOND).tolist() == [0, 1, 4]
 
 
 @few_examples
 @given(st.lists(st.floats(0, 300), min_size=1, max_size=60), st.floats(0.1, 50), st.integers(1, 20))
 def test_whatever_is_left_out_is_near_the_one_kept_before(speeds: list[float], change: float, wait: int) -> None:
     speed = np.array(speeds)
-    kept = captured(time=seconds(speed.size), speed=speed, delta_speed=change, delta_time=wait * SECOND)
+    kept = select_samples(time=seconds(speed.size), speed=speed, delta_speed=change, delta_time=wait * SECOND)
     assert kept[0] == 0
     for i in range(speed.size):
         last = kept[kept <= i][-1]

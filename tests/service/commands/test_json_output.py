@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 import rotorundown as rd
 from formats.recordings.recording import write_recording
 from service.commands.app import app
-from service.commands.json_output import plain
+from service.commands.json_output import json_value
 from service.commands.terminal import working
 from storage.backup.transfer import move
 from storage.database.engine import Database
@@ -171,7 +171,7 @@ def test_values_become_what_json_has() -> None:
         RED = 1
 
     value = {"a": np.array([1.0, np.nan]), "b": 1 + 2j, "c": Path("x"), "d": Colour.RED, "e": {2, 1}, "f": (np.int64(3), None)}
-    assert plain(value) == {
+    assert json_value(value) == {
         "a": [1.0, None],
         "b": {"real": 1.0, "imaginary": 2.0},
         "c": "x",
@@ -179,7 +179,7 @@ def test_values_become_what_json_has() -> None:
         "e": [1, 2],
         "f": [3, None],
     }
-    assert plain(datetime(2026, 1, 2, tzinfo=UTC)) == "2026-01-02 00:00:00+00:00"
+    assert json_value(datetime(2026, 1, 2, tzinfo=UTC)) == "2026-01-02 00:00:00+00:00"
 
 
 def test_work_is_shown_only_to_people(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:

@@ -185,7 +185,7 @@ def test_interrupted_job_is_computed_after_the_next_start(database: Database, tr
         machines.create(session, train)
     close_run(database, train, seed=1, start_s=1_700_000_000)
     with database.transaction() as session:
-        assert len(jobs.take(session, 5)) == 1  # as by a process that was killed then
+        assert len(jobs.claim_next(session, 5)) == 1  # as by a process that was killed then
     with identifying(database, executor):
         wait_until(lambda: counts(database) == {"done": 1})
 

@@ -18,7 +18,7 @@ def taken(database: Database, *, run: int = 1, holder: int | None = None) -> int
     """Return a job that somebody holds."""
     with database.transaction() as session:
         jobs.enqueue(session, KEY.machine, scope=jobs.RUN, run_ids=[run])
-        (row,) = jobs.take(session, 1, holder=holder)
+        (row,) = jobs.claim_next(session, 1, holder=holder)
         return row.id
 
 
@@ -85,7 +85,7 @@ def test_the_last_attempt_is_the_last(plant: Database) -> None:
     for _ in range(jobs.LARGEST_ATTEMPTS - 1):
         held.requeue(job, "out of time")
         with plant.transaction() as session:
-            assert [row.id for row in jobs.take(session, 1)] == [job]
+            assert [row.id for row in jobs.claim_next(session, 1)] == [job]
     held.requeue(job, "out of time")
     assert state(plant, job)[0] == jobs.QUARANTINED
 

@@ -18,9 +18,9 @@ def test_a_round_takes_over_what_the_dead_held_and_were_computing(plant: Databas
     with plant.transaction() as session:
         dead = replicas.join(session, role="all", host="gone", process=2)
         leases.ensure(session, INGEST)
-        leases.take(session, INGEST, holder=dead, most=32)
+        leases.acquire(session, INGEST, holder=dead, most=32)
         jobs.enqueue(session, KEY.machine, scope=jobs.RUN, run_ids=[1])
-        jobs.take(session, 1, holder=dead)
+        jobs.claim_next(session, 1, holder=dead)
         row = next(one for one in replicas.list_all(session) if one.id == dead)
         row.seen_at -= int(2 * replicas.LEASE_S * 1e9)
     plant.claim(shared=True)

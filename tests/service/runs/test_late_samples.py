@@ -308,7 +308,7 @@ def test_of_a_reopened_run_the_newest_identification_counts(plant: Database, jou
     settle(journal)
     (reopened,) = found_runs(plant)
     with plant.transaction() as session:
-        for job in jobs.take(session, 10):
+        for job in jobs.claim_next(session, 10):
             jobs.finish(job, state=jobs.DONE)
             file_identification(session, job.id, reopened, scope=jobs.RUN)
         assert [row.run_ids for row in identifications.of_machine(session, KEY.machine)] == [[run.id]] * 2
@@ -325,7 +325,7 @@ def test_the_identification_of_a_run_that_was_joined_to_another_counts_no_more(
     send(journal, slow, 0, 220)
     send(journal, slow, 400, 640)
     with plant.transaction() as session:
-        for job in jobs.take(session, 10):
+        for job in jobs.claim_next(session, 10):
             jobs.finish(job, state=jobs.DONE)
             file_identification(session, job.id, runs.get(session, job.run_ids[0]), scope=jobs.RUN)
         assert len(identifications.first_accepted(session, KEY.machine, ComparisonGroup((1,), "run-down"), limit=10)) == 2

@@ -268,9 +268,9 @@ def test_of_logins_that_nobody_ends_so_many_are_kept(store: Database, monkeypatc
                 expires_at=now() + 10**9 * (60 + number),
             )
     with store.transaction() as session:
-        taken = [number for number in range(5) if logins.take(session, f"s{number}", at=now()) is not None]
+        taken = [number for number in range(5) if logins.pop(session, f"s{number}", at=now()) is not None]
         assert taken == [2, 3, 4]
-        assert all(logins.take(session, f"s{number}", at=now()) is None for number in range(5))
+        assert all(logins.pop(session, f"s{number}", at=now()) is None for number in range(5))
 
 
 def test_a_login_that_another_browser_began_is_not_taken(api: Api, issuer: Issuer) -> None:

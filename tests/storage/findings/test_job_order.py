@@ -36,7 +36,7 @@ def ask(session: Session, plants: str, priority: int = AUTOMATIC) -> None:
 
 def taken(session: Session, limit: int, **rules: Any) -> str:
     """The plants whose jobs are taken."""
-    return "".join(row.plant[-1] for row in jobs.take(session, limit, **rules))
+    return "".join(row.plant[-1] for row in jobs.claim_next(session, limit, **rules))
 
 
 def finish(session: Session) -> None:
@@ -81,7 +81,7 @@ def test_what_is_asked_for_keeps_no_automatic_job_waiting(plants: Database) -> N
 def test_what_has_done_harm_is_behind_everything_and_in_turns_too(plants: Database) -> None:
     with plants.transaction() as session:
         ask(session, "aab")
-        for row in jobs.take(session, 3):
+        for row in jobs.claim_next(session, 3):
             jobs.requeue(session, row, "it took too long")
         ask(session, "c", RECOMPUTED)
         assert taken(session, 4) == "caba"

@@ -21,8 +21,8 @@ def test_a_lease_is_one_replicas_at_a_time(database: Database) -> None:
     first, second = join(database), join(database)
     assert first < second
     with database.transaction() as session:
-        assert leases.take(session, INGEST, holder=first, most=3) == set(INGEST[:3])
-        assert leases.take(session, INGEST, holder=second, most=3) == set(INGEST[3:6])
+        assert leases.acquire(session, INGEST, holder=first, most=3) == set(INGEST[:3])
+        assert leases.acquire(session, INGEST, holder=second, most=3) == set(INGEST[3:6])
     with database.transaction(beside_others=True) as session:
         leases.require(session, INGEST[:2], holder=first)
         with pytest.raises(LeaseLost, match=INGEST[3]):
@@ -47,9 +47,9 @@ def test_who_was_taken_for_gone_gets_no_job_and_what_nobody_computes_is_put_back
     number = join(plant)
     with plant.transaction() as session:
         jobs.enqueue(session, KEY.machine, scope=jobs.RUN, run_ids=[1])
-        assert len(jobs.take(session, 5, holder=number)) == 1
+        assert len(jobs.claim_next(session, 5, holder=number)) == 1
         replicas.forget(session, number)
         assert jobs.requeue_running(session, living=[number + 1]) == 1
-        assert jobs.take(session, 5, holder=number) == []
+        assert jobs.claim_next(session, 5, holder=number) == []
         (row,) = session.query(JobRow).all()
         assert (row.state, row.attempts, row.holder) == (jobs.QUEUED, 0, None)

@@ -15,9 +15,9 @@ from estimator.machine.checks.document_size import (
     LARGEST_PADS,
     LARGEST_SECTIONS,
     DocumentSize,
-    accepted,
     accepted_machine,
     document_size,
+    require_acceptable,
 )
 from estimator.machine.document import DocumentError, parse_machine
 from estimator.rotor.assembly import assemble_rotor
@@ -64,7 +64,7 @@ def refused(document: Any) -> dict[str, str]:
 @pytest.mark.parametrize("name", ["thesis-chapter-3", "motor-pump", "turbine-compressor-generator"])
 def test_examples_pass(name: str) -> None:
     machine = read_machine(EXAMPLES / f"{name}.yaml")
-    assert accepted(machine) is machine
+    assert require_acceptable(machine) is machine
     assert most_samples(machine) == LARGEST_SAMPLE_COUNT
 
 

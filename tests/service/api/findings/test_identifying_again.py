@@ -82,11 +82,11 @@ def test_of_what_people_ask_for_so_many_may_wait_and_the_rest_is_told_when_to_co
         assert int(refused.headers["retry-after"]) > 0
         assert asking("POST", path, 202, json={"seed": 2})["id"] == first[1]  # it waits already
         with plant.transaction() as session:
-            for row in jobs.take(session, 9):
+            for row in jobs.claim_next(session, 9):
                 jobs.finish(row, state=jobs.DONE)
         asking("POST", path, 202, json={"seed": 3})
         with plant.transaction() as session:
-            for row in jobs.take(session, 9):
+            for row in jobs.claim_next(session, 9):
                 assert row.asked_by == "open"
                 jobs.finish(row, state=jobs.DONE)
 

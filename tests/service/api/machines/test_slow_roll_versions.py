@@ -130,7 +130,7 @@ def test_a_job_subtracts_what_was_in_force_when_it_was_taken(pump: Api, plant: D
     pump("POST", PUMP, 201, json=given())
     pump("PUT", f"{PUMP}/in-force", json={"version": 1})
     with plant.transaction() as session:
-        (row,) = jobs.take(session, 1)
+        (row,) = jobs.claim_next(session, 1)
         assert row.options is None
         assert job_options.slow_roll_version(session, row) == 1
     pump("PUT", f"{PUMP}/in-force", json={"version": 2})
