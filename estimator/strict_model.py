@@ -58,7 +58,7 @@ class _TakenValues(NamedTuple):
 @functools.cache
 def _taken_values(model: type[BaseModel]) -> Mapping[str, _TakenValues]:
     """Return what each field takes, by its name and by its alias."""
-    found = {}
+    found: dict[str, _TakenValues] = {}
     for place, (name, said) in enumerate(model.model_fields.items()):
         taken = _TakenValues(
             place, _most_items(said.annotation, tuple(said.metadata)), _mentions_boolean(said.annotation), _is_boolean(said)
@@ -72,7 +72,7 @@ def _rejected(model: type[BaseModel], value: Mapping[Any, Any]) -> Iterator[tupl
     taken = _taken_values(model)
     for name, given in value.items():
         kind = type(given)
-        if name not in taken or kind is dict and taken[name].longest is None:
+        if name not in taken or (kind is dict and taken[name].longest is None):
             continue
         of = taken[name]
         if of.longest is not None and isinstance(given, list | tuple | dict) and len(given) > of.longest:

@@ -77,7 +77,9 @@ class Machine(Part):
         def __init__(self, *given: Any, **fields: Any) -> None:
             """Make the machine of its fields. Raises DocumentError, a line for each wrong one."""
             if given:
-                raise DocumentError([(field_path(()), "Machine(…) takes fields by name; documents are read by read_machine(…)")])
+                raise DocumentError(
+                    [(field_path(()), "Machine(…) takes fields by name; documents are read by read_machine(…)")]
+                )
             try:
                 super().__init__(**fields)
             except ValidationError as error:

@@ -311,7 +311,8 @@ def sample(
     seed: Annotated[int, typer.Option(min=0, help="of the machine: the same one in every run")] = 1,
     run_seed: Annotated[int, typer.Option(min=0, help="of the run: its scatter and noise")] = 1,
     weight: Annotated[
-        list[str] | None, typer.Option(help="trial weight that is on, as DISC=AMOUNT,ANGLE in g mm and °, such as core=2000,90")
+        list[str] | None,
+        typer.Option(help="trial weight that is on: DISC=AMOUNT,ANGLE in g mm and °, such as core=2000,90"),
     ] = None,
     as_json: JsonWanted = False,
 ) -> None:
