@@ -47,7 +47,7 @@ class StrictModel(BaseModel):
 
 
 class _TakenValues(NamedTuple):
-    """What a field takes, as far as the library would not say it."""
+    """Values that a field takes, as far as the library would not say it."""
 
     place: int
     longest: int | None
