@@ -7,12 +7,13 @@ an object that is too long is therefore refused as a whole, before its items are
 import functools
 import types
 import typing
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple, Self
 
 from annotated_types import MaxLen
-from pydantic import BaseModel, ConfigDict, ValidationInfo, field_validator, model_validator
+from pydantic import BaseModel, ConfigDict, ModelWrapValidatorHandler, ValidationError, model_validator
 from pydantic.fields import FieldInfo
+from pydantic_core import InitErrorDetails, PydanticCustomError, PydanticKnownError
 
 MOST_UNKNOWN = 20
 """Largest number of unknown fields of an object that are named one by one."""
@@ -23,37 +24,109 @@ class StrictModel(BaseModel):
 
     model_config = ConfigDict(extra="forbid")
 
-    @model_validator(mode="before")
+    # One validator for all fields: each one that stands before a field is inspected and built for each of several hundred.
+    @model_validator(mode="wrap")
     @classmethod
-    def _reject_many_unknown(cls, value: Any) -> Any:
-        if isinstance(value, dict) and len(value) > len(cls.model_fields) + MOST_UNKNOWN:
+    def _reject_before_reading(cls, value: Any, validated: ModelWrapValidatorHandler[Self]) -> Self:
+        if not isinstance(value, dict):
+            return validated(value)
+        if len(value) > len(cls.model_fields) + MOST_UNKNOWN:
             raise ValueError(f"{len(value)} fields are given; there are {len(cls.model_fields)}")
-        return value
-
-    # One validator for both: each one that stands before a field is inspected and built for each of several hundred fields.
-    @field_validator("*", mode="before")
-    @classmethod
-    def _reject_too_long_and_booleans(cls, value: Any, info: ValidationInfo) -> Any:
-        if info.field_name is not None:
-            _require_short(cls, info.field_name, value)
-            _require_no_foreign_boolean(cls, info.field_name, value)
-        return value
-
-
-def _require_short(model: type[BaseModel], field: str, value: Any) -> None:
-    if isinstance(value, list | tuple | dict):
-        longest = _longest(model, field)
-        if longest is not None and len(value) > longest:
-            raise ValueError(f"{len(value)} items; at most {longest}")
+        rejected = dict(_rejected(cls, value))
+        if not rejected:
+            return validated(value)
+        try:  # what else is wrong is named in the same round
+            validated({name: given for name, given in value.items() if name not in rejected})
+        except ValidationError as error:
+            others = error.errors(include_url=False)
+            if any(not one["loc"] for one in others):  # of the object as a whole, before any field was read
+                raise
+        else:
+            others = []
+        raise ValidationError.from_exception_data(cls.__name__, _together(cls, value, rejected, others))
 
 
-def _require_no_foreign_boolean(model: type[BaseModel], field: str, value: Any) -> None:
-    # The library would take true for 1: a stiffness of 1 N/m where somebody meant to say that there is one.
-    if _contains_boolean(value) and not _accepts_boolean(model, field):
-        raise ValueError("true and false are no values of this field")
-    # Nor is 0 false, or "no": in a document of YAML both are written without quotes.
-    if isinstance(value, int | float | str) and not isinstance(value, bool) and _requires_boolean(model, field):
-        raise ValueError("this field is true or false")
+class _TakenValues(NamedTuple):
+    """Values that a field takes, as far as the library would not say it."""
+
+    place: int
+    longest: int | None
+    booleans: bool
+    only_booleans: bool
+
+
+@functools.cache
+def _taken_values(model: type[BaseModel]) -> Mapping[str, _TakenValues]:
+    """Return what each field takes, by its name and by its alias."""
+    found: dict[str, _TakenValues] = {}
+    for place, (name, said) in enumerate(model.model_fields.items()):
+        taken = _TakenValues(
+            place, _most_items(said.annotation, tuple(said.metadata)), _mentions_boolean(said.annotation), _is_boolean(said)
+        )
+        found |= {name: taken, said.alias or name: taken}
+    return found
+
+
+def _rejected(model: type[BaseModel], value: Mapping[Any, Any]) -> Iterator[tuple[str, str]]:
+    """Yield the fields whose values are too long, or truth values where none belongs, or none where one does, with reasons."""
+    taken = _taken_values(model)
+    for name, given in value.items():
+        kind = type(given)
+        if name not in taken or (kind is dict and taken[name].longest is None):
+            continue
+        of = taken[name]
+        if of.longest is not None and isinstance(given, list | tuple | dict) and len(given) > of.longest:
+            yield name, f"{len(given)} items; at most {of.longest}"
+        # The library would take true for 1: a stiffness of 1 N/m where somebody meant to say that there is one.
+        elif not of.booleans and _contains_boolean(given):
+            yield name, "true and false are no values of this field"
+        # Nor is 0 false, or "no": in a document of YAML both are written without quotes.
+        elif of.only_booleans and isinstance(given, int | float | str) and kind is not bool:
+            yield name, "this field is true or false"
+
+
+def _together(
+    model: type[BaseModel], value: Mapping[str, Any], rejected: Mapping[str, str], others: Sequence[Any]
+) -> list[InitErrorDetails]:
+    """Return the errors of rejected fields among those of the others, in the order of the fields."""
+    taken = _taken_values(model)
+    own = [
+        InitErrorDetails(type="value_error", loc=(name,), input=value[name], ctx={"error": ValueError(reason)})
+        for name, reason in rejected.items()
+    ]
+    # A rejected field was left out, and is not missing.
+    alike = {taken[name].place for name in rejected}
+    more = [one for one in others if one["loc"][0] not in taken or taken[one["loc"][0]].place not in alike]
+
+    def place(one: Any) -> int:
+        return taken[one["loc"][0]].place if one["loc"][0] in taken else len(taken)
+
+    return sorted([*own, *repeatable(more)], key=place)
+
+
+def repeatable(errors: Sequence[Any]) -> list[InitErrorDetails]:
+    """Return pydantic's errors as they can be raised once more.
+
+    Args:
+        errors: Errors as pydantic lists them.
+
+    Returns:
+        The same errors.
+    """
+    return [
+        InitErrorDetails(type=_kind(item), loc=item["loc"], input=item["input"], ctx=dict(item.get("ctx") or {}))
+        for item in errors
+    ]
+
+
+def _kind(item: Any) -> str | PydanticCustomError:
+    """Return pydantic's own kind of an error, or one with its words."""
+    context = dict(item.get("ctx") or {})
+    try:
+        PydanticKnownError(item["type"], context)
+    except (KeyError, TypeError, ValueError):
+        return PydanticCustomError(item["type"], "{message}", context | {"message": item["msg"]})
+    return str(item["type"])
 
 
 def _contains_boolean(value: Any) -> bool:
@@ -83,26 +156,13 @@ def _models_in(annotation: Any) -> list[type[BaseModel]]:
     return [one for argument in typing.get_args(annotation) for one in _models_in(argument)]
 
 
-@functools.cache
-def _accepts_boolean(model: type[BaseModel], field: str) -> bool:
-    return _mentions_boolean(model.model_fields[field].annotation)
-
-
-@functools.cache
-def _requires_boolean(model: type[BaseModel], field: str) -> bool:
-    annotation = model.model_fields[field].annotation
-    return {annotation, *typing.get_args(annotation)} - {type(None), bool | None} == {bool}
+def _is_boolean(said: FieldInfo) -> bool:
+    """Check whether a field takes nothing but truth values, and perhaps null."""
+    return {said.annotation, *typing.get_args(said.annotation)} - {type(None), bool | None} == {bool}
 
 
 def _mentions_boolean(annotation: Any) -> bool:
     return annotation in (bool, Any) or any(map(_mentions_boolean, typing.get_args(annotation)))
-
-
-@functools.cache
-def _longest(model: type[BaseModel], field: str) -> int | None:
-    """Return the most items of a field that holds several; None where they are not bounded."""
-    said = model.model_fields[field]
-    return _most_items(said.annotation, tuple(said.metadata))
 
 
 def _most_items(annotation: Any, metadata: tuple[Any, ...]) -> int | None:

@@ -1,10 +1,14 @@
 """Simulates a run-down of a machine, to try methods and thresholds on."""
 
+import cmath
+import math
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import get_args
 
 import numpy as np
 
+from estimator.arrays import Complexes
 from estimator.close_matches import did_you_mean
 from estimator.errors import Invalid
 from estimator.machine.document import Machine
@@ -14,6 +18,7 @@ from estimator.phasors.recorded_run import RecordedRun
 from estimator.simulation.simulated_gaps import simulated_gaps
 from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law, truth_at_progress, truth_of_run
 from estimator.simulation.stories import Story
+from estimator.units import KILOGRAM_METRES
 from rotorundown.runs import MachineRun
 
 DURATION_S = 600.0
@@ -33,6 +38,7 @@ def simulate(
     seed: int = 1,
     run_seed: int = 1,
     duration_s: float = DURATION_S,
+    weights: Mapping[str, tuple[float, float]] | None = None,
 ) -> MachineRun:
     """Simulate one run-down.
 
@@ -44,6 +50,8 @@ def simulate(
         seed: Seed of the machine: the same one in every run.
         run_seed: Seed of the run: its scatter and noise.
         duration_s: Duration [s].
+        weights: Trial weights that are on by disc: what each adds to the unbalance [g mm], and its angle from +x towards +y
+            when the keyphasor's pulse comes [°].
 
     Returns:
         The run, with its true parameters.
@@ -57,11 +65,14 @@ def simulate(
     rng = np.random.default_rng([seed, run_seed])
     time, speed = speed_law(machine, "run-down", duration=duration_s, samples=samples)
     of_run = truth_of_run(true, rng)
-    phasor = measured_phasors(machine, of_run, speed, rng)
+    added = _added(machine, weights or {})
+    phasor = measured_phasors(machine, replace(of_run, unbalances=of_run.unbalances + added), speed, rng)
     place = simulated_gaps(machine, of_run, time=time, speed=speed, rng=rng)
     status = np.full(phasor.shape, ChannelStatus.GOOD, dtype=np.uint8)
     recorded = RecordedRun(time, speed, phasor, status, np.full(phasor.shape, np.nan), machine.channels)
     measurement = Measurement.of(speed=speed, phasor=phasor, direction=machine.direction)
+    if weights:
+        measurement = replace(measurement, added=np.tile(added, (samples, 1)))
     if place is not None:
         measurement = replace(measurement, gaps=MeasuredGaps(place, time, np.zeros(time.size, np.intp)))
     return MachineRun(
@@ -81,3 +92,17 @@ def _require_possible(machine: Machine, story: str, progress: float, samples: in
         raise NotSimulated(f"a run has {FEWEST_SAMPLES} samples at least, not {samples}")
     if not 0.0 < duration_s < float("inf"):
         raise NotSimulated(f"a run takes some time: duration_s {duration_s:g} is not above 0 s")
+
+
+def _added(machine: Machine, weights: Mapping[str, tuple[float, float]]) -> Complexes:
+    """Return the unbalance (P,) that trial weights add [kg m]. Raises NotSimulated."""
+    discs = [disc.id for disc in machine.discs]
+    added = np.zeros(len(discs), dtype=complex)
+    for disc, (amount, angle) in weights.items():
+        if disc not in discs:
+            known = did_you_mean(str(disc), discs) or f": there are {', '.join(discs)}"
+            raise NotSimulated(f"there is no disc {disc!r} for a trial weight{known}")
+        if not (0.0 < amount < math.inf and math.isfinite(angle)):
+            raise NotSimulated(f"a trial weight has an amount above 0 g mm and an angle, not {amount:g} g mm at {angle:g}°")
+        added[discs.index(disc)] = cmath.rect(amount * KILOGRAM_METRES["g mm"], math.radians(angle))
+    return added

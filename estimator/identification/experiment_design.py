@@ -23,7 +23,7 @@ from estimator.phasors.measurement import Measurement
 from estimator.phasors.noise import error_size
 from estimator.rotor.condensation import CondensedTrain, condense
 from estimator.rotor.response import sensitivity
-from estimator.units import rpm_to_rad_per_s
+from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ def helpful_speeds(
     rows = _rows(machine, identification, candidates)
     chosen = _greedy(list(rows), identification, count, targets)
     return tuple(
-        HelpfulSpeed(f"one more sample at {candidates[i]:.4g} rad/s", shrinkage, error, float(candidates[i]))
+        HelpfulSpeed(f"one more sample at {rad_per_s_to_rpm(candidates[i]):.0f} r/min", shrinkage, error, float(candidates[i]))
         for i, shrinkage, error in chosen
     )
 

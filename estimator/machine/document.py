@@ -27,7 +27,7 @@ from estimator.machine.rules import (
     SpeedRange,
 )
 from estimator.machine.sparkplug import Sparkplug
-from estimator.machine.unfinished_document import further_problems, repeatable
+from estimator.machine.unfinished_document import further_problems
 from estimator.strict_model import fields_beside
 
 TINY = 1e-20
@@ -74,8 +74,12 @@ class Machine(Part):
 
     if not TYPE_CHECKING:  # type checkers know the fields by the declarations above
 
-        def __init__(self, **fields: Any) -> None:
+        def __init__(self, *given: Any, **fields: Any) -> None:
             """Make the machine of its fields. Raises DocumentError, a line for each wrong one."""
+            if given:
+                raise DocumentError(
+                    [(field_path(()), "Machine(…) takes fields by name; documents are read by read_machine(…)")]
+                )
             try:
                 super().__init__(**fields)
             except ValidationError as error:

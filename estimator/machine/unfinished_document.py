@@ -5,12 +5,12 @@ itself, is no contradiction.
 """
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any, cast
 
 from pydantic import BaseModel, ValidationError
-from pydantic_core import InitErrorDetails, PydanticCustomError
+from pydantic_core import InitErrorDetails
 
 from estimator.machine.consistency import Train, naming_problems
 
@@ -81,29 +81,6 @@ def further_problems(
         for one in _without_failing(naming_problems(cast("Train", train)))
         if one["loc"][-1] not in open_fields and (one["input"] not in named or one["loc"][-1] in ("id", "name"))
     ]
-
-
-def repeatable(errors: Sequence[Any]) -> list[InitErrorDetails]:
-    """Return pydantic's errors as they can be raised once more.
-
-    Args:
-        errors: Errors as pydantic lists them.
-
-    Returns:
-        The same errors.
-    """
-    return [
-        InitErrorDetails(
-            type=PydanticCustomError(item["type"], "{message}", {"message": item["msg"]} | _context(item)),
-            loc=item["loc"],
-            input=item["input"],
-        )
-        for item in errors
-    ]
-
-
-def _context(item: Any) -> dict[str, Any]:
-    return {name: value for name, value in (item.get("ctx") or {}).items() if name not in ("message", "error")}
 
 
 def _part(model: type[BaseModel], value: Any) -> BaseModel | None:

@@ -2,7 +2,7 @@
 
 import cmath
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -202,12 +202,20 @@ def _require_room(path: Path) -> None:
 
 
 def write_recording(
-    path: Path, machine: Machine, *, speed_rpm: Floats, phasor: Complexes, interval_s: float, gap_um: Floats | None = None
+    path: Path,
+    machine: Machine,
+    *,
+    speed_rpm: Floats,
+    phasor: Complexes,
+    interval_s: float,
+    gap_um: Floats | None = None,
+    weights: Mapping[str, tuple[float, float]] | None = None,
 ) -> None:
     """Write a run as CSV with its sidecar, readable by their owner only, for `read_recording`.
 
     speed_rpm: (S,) [r/min]. phasor: (S, m) at the machine's probes, 0-to-peak [m]; written in µm peak-to-peak, phase lag.
     gap_um: (S, m) gaps as the probes' document says that they grow [µm]; NaN for probes without.
+    weights: trial weights that were on, by disc: what each adds [g mm], and its angle from +x towards +y [°].
 
     Raises UnreadableFile where another file, such as the machine's document, stands where the sidecar would.
     """
@@ -245,6 +253,10 @@ def write_recording(
     described = sidecar.model_dump(
         mode="json", exclude_none=True, exclude={"start", "kind", "added_unbalance", "disc_scale", "conditions"}
     )
+    if weights:
+        described["added_unbalance"] = {
+            disc: {"amount": amount, "unit": "g mm", "angle_deg": angle} for disc, (amount, angle) in weights.items()
+        }
     path.with_suffix(".yaml").write_text(yaml.safe_dump(described, sort_keys=False), encoding="utf-8")
 
 

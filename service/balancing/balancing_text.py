@@ -43,9 +43,7 @@ def _correction(found: FieldBalancing, language: Language) -> Iterator[str]:
     yield translate("balancing.correction", criterion=translate(f"balancing.{found.correction.criterion}"))
     for one in plane_weights(found):
         angle = digits(f"{one.angle_deg:6.1f} ± {one.half_width_deg:.0f}")
-        interval = translate(
-            "balancing.interval", lower=digits(f"{one.lower_g_mm:.3g}"), upper=digits(f"{one.upper_g_mm:.3g}")
-        )
+        interval = translate("balancing.interval", lower=digits(_three(one.lower_g_mm)), upper=digits(_three(one.upper_g_mm)))
         at = translate("balancing.any_angle") if one.half_width_deg >= 180.0 else angle
         yield f"  {one.plane:<12} {digits(f'{one.g_mm:10.4g}')} {translate('balancing.at', interval=interval, angle=at)}"
         for place, grams in one.masses:
@@ -64,7 +62,7 @@ def _effects(found: FieldBalancing, check: BalancingCheck | None, language: Lang
         yield f"  {one.channel:<12} {digits(f'{one.before:9.3g} {one.after:9.3g} {one.upper:9.3g}')}{shown}"
     limit = limit_verdicts(found)
     if limit is not None:
-        yield "  " + translate("balancing.limit", limit=digits(f"{limit[0]:.3g}"), verdict=_verdict_text(limit[1], language))
+        yield "  " + translate("balancing.limit", limit=digits(_three(limit[0])), verdict=_verdict_text(limit[1], language))
 
 
 def _residual(found: FieldBalancing, check: BalancingCheck | None, language: Language) -> Iterator[str]:
@@ -83,7 +81,7 @@ def _planes(rotors: tuple[RotorBalance, ...], language: Language) -> Iterator[st
     for planes in zip(*(rotor.planes for rotor in rotors), strict=True):
         shown = "; ".join(_plane(one, language) for one in planes)
         first = planes[0]
-        permissible = language.digits(f"{first.iso_permissible / GRAM_MILLIMETRE:.3g}")
+        permissible = language.digits(_three(first.iso_permissible / GRAM_MILLIMETRE))
         told = language.translate("balancing.permissible", amount=permissible, planes=shown)
         yield f"  {rotors[0].shaft:<10} {first.bearing:<8} {told}"
 
@@ -92,7 +90,7 @@ def _plane(one: PlaneBalance, language: Language) -> str:
     return language.translate(
         "balancing.plane",
         amount=language.digits(_g_mm(one.unbalance, one.iso_permissible)),
-        upper=language.digits(f"{one.upper / GRAM_MILLIMETRE:.3g}"),
+        upper=language.digits(_three(one.upper / GRAM_MILLIMETRE)),
         grade=language.digits(f"{round(one.grade, 3):.2g}"),
         verdict=_verdict_text(one.iso, language),
     )
@@ -100,7 +98,12 @@ def _plane(one: PlaneBalance, language: Language) -> str:
 
 def _g_mm(unbalance: complex, permissible: float) -> str:
     """Return an unbalance in g mm with no more digits than the permissible one is looked at with."""
-    return f"{round(abs(unbalance) / permissible, 4) * permissible / GRAM_MILLIMETRE:.3g}"
+    return _three(round(abs(unbalance) / permissible, 4) * permissible / GRAM_MILLIMETRE)
+
+
+def _three(value: float) -> str:
+    """Return a number with the three digits that count, and without a power of ten."""
+    return f"{float(f'{value:.3g}'):.12g}"
 
 
 def _check(found: FieldBalancing, check: BalancingCheck, language: Language) -> Iterator[str]:

@@ -19,7 +19,7 @@ import typer
 from estimator.simulation.stories import Story
 from rotorundown.environment.release import VERSION
 from service.commands.analysis import compare, identify_offline, model, show_slow_roll
-from service.commands.balancing import balance_machine
+from service.commands.balancing import balance_machine, trial_weights
 from service.commands.calibration import calibrate
 from service.commands.exit import fail
 from service.commands.first_steps import check, init
@@ -318,6 +318,10 @@ def sample(
     samples: Annotated[int, typer.Option(min=10)] = 200,
     seed: Annotated[int, typer.Option(min=0, help="of the machine: the same one in every run")] = 1,
     run_seed: Annotated[int, typer.Option(min=0, help="of the run: its scatter and noise")] = 1,
+    weight: Annotated[
+        list[str] | None,
+        typer.Option(help="trial weight that is on: DISC=AMOUNT,ANGLE in g mm and °, such as core=2000,90"),
+    ] = None,
     as_json: JsonWanted = False,
 ) -> None:
     """Write one simulated run-down as a recording, to try the commands on."""
@@ -328,7 +332,11 @@ def sample(
 
     try:
         described, story = _machine_and_story(machine)
-        run = simulate_run(described, story=story, progress=progress, samples=samples, seed=seed, run_seed=run_seed)
+        on = trial_weights(weight or [])
+        with working("simulating"):
+            run = simulate_run(
+                described, story=story, progress=progress, samples=samples, seed=seed, run_seed=run_seed, weights=on
+            )
         gaps = run.measurement.gaps
         write_recording(
             file,
@@ -337,11 +345,14 @@ def sample(
             phasor=run.recorded.phasor,
             interval_s=run.interval_s,
             gap_um=None if gaps is None else as_sent(gaps.place, described),
+            weights=on,
         )
     except (UnreadableFile, ValueError, OSError) as error:
         fail(str(error))
     if as_json:
-        print_json({"machine": described.id, "story": story, "file": file, "samples": len(run), "truth": run.truth})
+        said = {disc: {"amount_g_mm": amount, "angle_deg": angle} for disc, (amount, angle) in on.items()}
+        told = {"machine": described.id, "story": story, "file": file, "samples": len(run)}
+        print_json(told | {"weights": said, "truth": run.truth})
     else:
         print_line(f"{file} is written with {len(run)} samples of '{described.id}', {story}, and its sidecar beside it")
 

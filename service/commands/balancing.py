@@ -156,6 +156,17 @@ def _check_run(machine: "Machine", file: Path) -> "BalancingRun":
     return BalancingRun(file.stem, measurement)
 
 
+def trial_weights(texts: list[str]) -> dict[str, tuple[float, float]]:
+    """Return trial weights by disc, [g mm] and [°], as a person gives them: D1=50,90. Raises ValueError."""
+    weights = {}
+    for text in texts:
+        disc, (amount, angle) = _numbers(text, "--weight D1=50,90: g mm and °", 2, 2, signed=True)
+        if disc in weights:
+            raise ValueError(f"--weight {disc} is given twice: a disc's weights together are one amount at one angle")
+        weights[disc] = (amount, angle)
+    return weights
+
+
 def _options(
     planes: list[str] | None,
     criterion: Criterion,
@@ -189,13 +200,13 @@ def _options(
     )
 
 
-def _numbers(text: str, example: str, fewest: int, most: int) -> tuple[str, list[float]]:
+def _numbers(text: str, example: str, fewest: int, most: int, *, signed: bool = False) -> tuple[str, list[float]]:
     disc, _, rest = text.partition("=")
     try:
         numbers = [float(one) for one in rest.split(",")]
     except ValueError:
         numbers = []
-    if not disc or not fewest <= len(numbers) <= most or min(numbers) < 0.0:
+    if not disc or not fewest <= len(numbers) <= most or (min(numbers) < 0.0 and not signed):
         raise ValueError(f"'{text}' is not written as {example}")
     return disc, numbers
 

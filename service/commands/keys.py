@@ -12,7 +12,7 @@ from pydantic import TypeAdapter, ValidationError
 from estimator.field_types import Identifier
 from service.commands.exit import fail
 from service.commands.json_output import JsonWanted, print_json
-from service.commands.terminal import print_line
+from service.commands.terminal import print_line, working
 from service.security.role import Role
 
 if TYPE_CHECKING:
@@ -192,7 +192,7 @@ def verify_audit(
         if not in_log:
             fail(f"{noted_in.name} holds no note of the audit trail")
         known |= in_log
-    with _open_store(database) as opened, opened.reading() as session:
+    with _open_store(database) as opened, opened.reading() as session, working("looking at every entry"):
         found = audit.verify(session, known=known)
         number, digest = audit.head(session)
     if as_json:

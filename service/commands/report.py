@@ -10,7 +10,7 @@ from service.commands.exit import fail
 from service.commands.find_language import find_language
 from service.commands.json_output import JsonWanted, print_json
 from service.commands.storage import DatabaseUrl, database_url
-from service.commands.terminal import print_line
+from service.commands.terminal import print_line, working
 
 
 def report(
@@ -47,9 +47,10 @@ def report(
     except (DatabaseUnusable, PeriodEmpty, SettingsWrong, TextsWrong) as error:
         fail(str(error))
     try:
-        with opened.reading() as session:
-            contents = read_contents(session, machine, period, texts=texts, baseline_runs=settings.baseline_runs)
-        output.write_bytes(report_pdf(contents))
+        with working("printing the report"):
+            with opened.reading() as session:
+                contents = read_contents(session, machine, period, texts=texts, baseline_runs=settings.baseline_runs)
+            output.write_bytes(report_pdf(contents))
     except MachineUnknown:
         fail(f"no machine '{machine}' is known")
     except (PrinterMissing, OSError) as error:

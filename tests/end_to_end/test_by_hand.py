@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from service.commands.help_panels import EXAMPLES as EXAMPLES_OF_HELP
+from service.commands.help_panels import PANELS
 from tests.end_to_end.processes import EXAMPLES, ROOT
 from tests.ports import free_port
 
@@ -17,6 +19,8 @@ LARGEST_PICTURE = 150_000
 
 
 FIRST_STEPS = ROOT / "docs" / "first-steps.md"
+OFFLINE = ("Try it", "Analyse recorded runs")
+"""Panels of the help whose commands need no service."""
 
 
 def blocks(language: str, page: Path) -> list[str]:
@@ -58,6 +62,25 @@ def test_the_first_steps_run_as_printed_in_an_empty_folder(checkout: Path, tmp_p
     assert done.returncode == 0, done.stderr[-3000:]
     assert done.stderr == ""
     assert "changed coefficients: better than equivalent load" in done.stdout
+    assert "Correction" in done.stdout
+    # The examples of each command's help go on from there.
+    again = {"demo", "init"}
+    examples = [EXAMPLES_OF_HELP[name] for panel in OFFLINE for name in PANELS[panel] if name not in again]
+    helped = subprocess.run(
+        ["sh", "-c", "\n".join(["set -e", *examples])],
+        cwd=tmp_path,
+        env=around,
+        capture_output=True,
+        text=True,
+        timeout=LONGEST_S,
+        check=False,
+    )
+    assert helped.returncode == 0, helped.stderr[-3000:]
+
+
+def test_the_five_lines_are_five() -> None:
+    for page in (ROOT / "README.md", ROOT / "docs" / "python.md"):
+        assert len(blocks("python", page)[0].splitlines()) == 5
 
 
 def test_by_hand_runs_as_printed_and_python_after_it(checkout: Path) -> None:

@@ -136,3 +136,14 @@ def test_a_wrong_machine_is_named() -> None:
         rd.read_machine({"id": "pump"})
     with pytest.raises(ValueError, match="No such file"):
         rd.read_machine("nowhere.yaml")
+
+
+def test_a_simulated_run_may_have_trial_weights_on(pump: Machine) -> None:
+    alone = rd.simulate(pump, samples=20)
+    weighted = rd.simulate(pump, samples=20, weights={"core-1": (3000.0, 90.0)})
+    added = weighted.measurement.added
+    assert alone.measurement.added is None
+    assert added is not None
+    assert np.allclose(added, [[3e-3j, 0, 0, 0]] * 20)
+    assert weighted.truth == alone.truth  # a weight is no fault of the machine's
+    assert np.abs(weighted.recorded.phasor - alone.recorded.phasor).max() > 1e-6

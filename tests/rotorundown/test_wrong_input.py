@@ -64,6 +64,14 @@ def test_a_contradiction_of_a_machine_is_one_line(pump: Machine) -> None:
     one_line(directly)
 
 
+def test_a_machine_is_not_made_of_a_document_in_its_place(pump: Machine) -> None:
+    made: Any = rd.Machine
+    for given in ({}, pump.model_dump(), "pump.yaml"):
+        with pytest.raises(DocumentError, match=r"takes fields by name; documents are read by read_machine") as raised:
+            made(given)
+        one_line(raised)
+
+
 WRONG_FIELDS: dict[str, tuple[Callable[[Any], Any], str]] = {
     "of the document": (
         lambda said: said.update(rotatoin="positive"),

@@ -57,7 +57,7 @@ def advice_text(machine: Machine, result: Identification, measurement: Measureme
     speeds = helpful_speeds(machine, result, candidates=np.linspace(lowest, highest, CANDIDATE_SPEEDS))
     probes = helpful_probes(machine, result, measurement)
     lines = ["", "What would help most, and by how much the standard errors would shrink together:"]
-    lines += [f"  {one.what} ({rad_per_s_to_rpm(one.speed):.0f} rpm): by {100 * (1 - one.shrinkage):.1f} %" for one in speeds]
+    lines += [f"  {one.what}: by {100 * (1 - one.shrinkage):.1f} %" for one in speeds]
     lines += [f"  {one.what}: by {100 * (1 - one.shrinkage):.1f} %" for one in probes]
     return "\n".join(lines)
 
@@ -135,11 +135,20 @@ def _value(estimate: Estimate) -> str:
         )
     if estimate.quantity == "elevation":  # may be zero, so that a part of it says nothing
         return f"{MICROMETRES * estimate.value:+.3g} ± {MICROMETRES * estimate.standard_error:.2g} µm"
-    percent = 100 * estimate.standard_error / abs(estimate.value) if estimate.value else float("inf")
+    percent = _per_cent(estimate.standard_error, estimate.value)
     if estimate.quantity == "clearance":
         value, error = MICROMETRES * estimate.value, MICROMETRES * estimate.standard_error
-        return f"{value:.4g} ± {error:.2g} µm ({percent:.2g} %)"
-    return f"{estimate.value:+.4e} ± {estimate.standard_error:.1e} {estimate.unit} ({percent:.2g} %)"
+        return f"{value:.4g} ± {error:.2g} µm ({percent})"
+    unit = "" if estimate.unit == "1" else f" {estimate.unit}"
+    return f"{estimate.value:+.4e} ± {estimate.standard_error:.1e}{unit} ({percent})"
+
+
+def _per_cent(error: float, value: float) -> str:
+    """Return an error in per cent of its value, without a power of ten."""
+    if error >= 10.0 * abs(value):
+        return "over 1000 %"
+    percent = 100.0 * error / abs(value)
+    return f"{percent:.0f} %" if percent >= 99.5 else f"{percent:.2g} %"
 
 
 def _unbalance(value: complex, estimate: Estimate) -> str:

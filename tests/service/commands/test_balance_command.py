@@ -72,6 +72,7 @@ def test_initial_run_trials_correction_and_check_run(runs: list[str], tmp_path: 
     page = tmp_path / "page.html"
     checked = run("balance", *runs, "--check", check, "--page", str(page), "--grade", "6.3")
     assert "MORE THAN PROMISED" not in checked
+    assert not re.search(r"\de\+\d", checked), "amounts in g mm have no power of ten"
     assert re.search(r"Check run check: \d+ of 80 points within the prediction", checked)
     assert "against ISO 21940-11 G 6.3 at 6000 r/min" in checked
     assert re.search(r"limit of the document 40 µm pp: (met|open)", checked)

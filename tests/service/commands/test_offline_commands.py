@@ -56,7 +56,7 @@ def test_runs_with_and_without_a_trial_weight_are_fitted_together(healthy: str, 
     text = run("identify", DOCUMENT, healthy, heavier, "--advice")
     assert text.startswith("accepted")
     assert f"{2 * SPEED.size} samples" in text
-    advised = [float(one) for one in re.findall(r"rad/s \((\d+) rpm\)", text)]
+    advised = [float(one) for one in re.findall(r"one more sample at (\d+) r/min: by", text)]
     assert len(advised) == 3
     assert all(90 <= one <= 6000 for one in advised), "inside the document's range"
     found, error = value(text, "bearing.B1.kxx")
@@ -64,8 +64,8 @@ def test_runs_with_and_without_a_trial_weight_are_fitted_together(healthy: str, 
     found, error = value(text, "disc.D1.unbalance")
     assert abs(found - 9500.0) < 4 * error
     assert re.search(r"^disc\.D1\.unbalance +\S+ ± \S+ g mm at 3[56]\.\d ± 0\.\d°$", text, re.MULTILINE)
-    assert "one more sample at" in text
     assert "a probe on shaft" in text
+    assert not re.search(r"e\+\d+ %|\d 1 \(", text), "no power of ten before a percent sign, and no unit of what has none"
 
 
 @pytest.mark.long
@@ -230,6 +230,36 @@ def test_sampled_runs_try_the_commands(tmp_path: Path) -> None:
     run("sample", f"{document}:misalignment", later, "--samples", "120", "--run-seed", "2")
     assert run("identify", document, healthy).startswith("accepted")
     assert run("compare", document, healthy, later, "--coupling", "C1").startswith("changed coefficients: better than")
+
+
+def test_a_run_is_sampled_with_trial_weights_that_its_sidecar_states(tmp_path: Path) -> None:
+    without, file = tmp_path / "without.csv", tmp_path / "trial.csv"
+    run("sample", DOCUMENT, str(without), "--samples", "20")
+    said = run("sample", DOCUMENT, str(file), "--samples", "20", "--weight", "D1=2000,-90", "--json")
+    assert yaml.safe_load(file.with_suffix(".yaml").read_text())["added_unbalance"] == {
+        "D1": {"amount": 2000.0, "unit": "g mm", "angle_deg": -90.0}
+    }
+    assert json.loads(said)["weights"] == {"D1": {"amount_g_mm": 2000.0, "angle_deg": -90.0}}
+    assert "added_unbalance" not in without.with_suffix(".yaml").read_text()
+    assert file.read_text() != without.read_text()
+
+
+@pytest.mark.parametrize(
+    ("weight", "words"),
+    [
+        (["2000,90"], "'2000,90' is not written as --weight D1=50,90: g mm and °"),
+        (["D1=2000"], "'D1=2000' is not written as --weight"),
+        (["D11=2000,90"], "there is no disc 'D11' for a trial weight; did you mean"),
+        (["D1=0,90"], "an amount above 0 g mm"),
+        (["D1=nan,90"], "an amount above 0 g mm"),
+        (["D1=1,90", "D1=1,0"], "--weight D1 is given twice"),
+    ],
+)
+def test_a_wrong_trial_weight_is_one_line(tmp_path: Path, weight: list[str], words: str) -> None:
+    given = [part for one in weight for part in ("--weight", one)]
+    said = run("sample", DOCUMENT, str(tmp_path / "trial.csv"), *given, status=1)
+    assert words in said
+    assert len(said.splitlines()) == 1
 
 
 def test_the_same_seeds_sample_the_same_run(tmp_path: Path) -> None:

@@ -1,0 +1,34 @@
+"""Estimates in a table: no power of ten before a percent sign, and no unit of what has none."""
+
+from dataclasses import replace
+
+import pytest
+
+import rotorundown as rd
+from service.commands.results.identification_report import identification_text
+from tests.paths import EXAMPLES
+
+
+@pytest.fixture(scope="module")
+def result() -> rd.Result:
+    pump = rd.read_machine(EXAMPLES / "motor-pump.yaml")
+    return rd.identify(pump, rd.simulate(pump, samples=60))
+
+
+@pytest.mark.parametrize(
+    ("unit", "value", "error", "words"),
+    [
+        ("1", 0.9985, 4.8e-3, "+9.9850e-01 ± 4.8e-03 (0.48 %)"),
+        ("N/m", -2e6, 2.1e6, "-2.0000e+06 ± 2.1e+06 N/m (105 %)"),
+        ("N/m", 1e5, 99.4e3, "+1.0000e+05 ± 9.9e+04 N/m (99 %)"),
+        ("N/m", 1e3, 9.9e4, "+1.0000e+03 ± 9.9e+04 N/m (over 1000 %)"),
+        ("N/m", 0.0, 1.0, "+0.0000e+00 ± 1.0e+00 N/m (over 1000 %)"),
+    ],
+)
+def test_an_estimate_is_a_line_that_a_person_reads(
+    result: rd.Result, unit: str, value: float, error: float, words: str
+) -> None:
+    first = result.identification.estimates[0]
+    changed = replace(first, name="it", unit=unit, quantity="stiffness", value=value, standard_error=error, imaginary=None)
+    text = identification_text(replace(result.identification, estimates=(changed,)))
+    assert text.splitlines()[-1] == f"it  {words}"
