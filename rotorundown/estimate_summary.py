@@ -54,5 +54,5 @@ def _term(label: str, one: Estimate) -> str:
 def _vector(label: str, one: Estimate, value: complex, error: float) -> str:
     angle = math.degrees(cmath.phase(value)) % 360.0
     if one.quantity == UNBALANCE:
-        return f"{label} {G_MM * abs(value):.3g} ±{G_MM * error:.2g} g mm at {angle:.0f}°"
+        return f"{label} {float(f'{G_MM * abs(value):.3g}'):.12g} ±{G_MM * error:.2g} g mm at {angle:.0f}°"
     return f"{label} {abs(value):.3g} ±{error:.2g} {one.unit} at {angle:.0f}°"

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from typing import cast
 
 from pydantic import ValidationError
+from pydantic_core import ErrorDetails
 
 from estimator.errors import Invalid
 from estimator.identification.convention_trials import with_named_conventions
@@ -67,6 +68,13 @@ def _require_read(machine: Machine, runs: Sequence[MachineRun]) -> None:
             )
 
 
+def _rule_words(item: ErrorDetails) -> str:
+    """Return what is wrong with a rule, with its name and value where pydantic's words name neither."""
+    words = item["msg"].removeprefix("Value error, ")
+    name = str(item["loc"][0]) if item["loc"] else ""
+    return words if not name or words.startswith(name) else f"{name} is {item['input']!r}: {words}"
+
+
 def identify_behind_gate(
     machine: Machine,
     runs: Sequence[MachineRun],
@@ -97,7 +105,7 @@ def identify_behind_gate(
     try:
         wanted = QualityRules.model_validate(machine.quality.model_dump() | given)
     except ValidationError as error:
-        raise NothingToIdentify("\n".join(item["msg"].removeprefix("Value error, ") for item in error.errors())) from None
+        raise NothingToIdentify("\n".join(_rule_words(item) for item in error.errors())) from None
     with one_blas_thread():
         recorded, measured = [run.recorded for run in runs], [run.measurement for run in runs]
         gated = identify_gated(machine, recorded, measured, rules=wanted, gate=gate)

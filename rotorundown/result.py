@@ -129,13 +129,13 @@ class Result:
         names = pandas.Index(list(self), name="parameter")
         return pandas.DataFrame(rows, index=names, columns=[*COLUMNS, "reason"])
 
-    def plot_bode(self, channels: list[str] | None = None) -> "Figure":
+    def plot_bode(self, channels: list[str] | str | None = None) -> "Figure":
         """Plot measured and fitted 1× amplitude and phase of some channels over speed, with the fit's 95 % band."""
         from rotorundown.plots.bode import bode
 
         return bode(self, channels)
 
-    def plot_polar(self, channels: list[str] | None = None) -> "Figure":
+    def plot_polar(self, channels: list[str] | str | None = None) -> "Figure":
         """Plot measured and fitted 1× vectors of some channels in the polar plane, with speeds at some points."""
         from rotorundown.plots.polar import polar
 

@@ -4,6 +4,7 @@ import cmath
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from numbers import Integral
 from typing import get_args
 
 import numpy as np
@@ -61,6 +62,7 @@ def simulate(
         ValueError: The document does not say enough to simulate from.
     """
     _require_possible(machine, story, progress, samples, duration_s)
+    _require_seeds(seed=seed, run_seed=run_seed)
     true = truth_at_progress(draw_truth(machine, np.random.default_rng(seed)), machine, story, progress)
     rng = np.random.default_rng([seed, run_seed])
     time, speed = speed_law(machine, "run-down", duration=duration_s, samples=samples)
@@ -88,16 +90,26 @@ def _require_possible(machine: Machine, story: str, progress: float, samples: in
         raise NotSimulated(f"there is no story {story!r}: there are {', '.join(stories)}{did_you_mean(str(story), stories)}")
     if not 0.0 <= progress <= 1.0:
         raise NotSimulated(f"progress {progress:g} is not from 0 to 1")
+    if not isinstance(samples, Integral):
+        raise NotSimulated(f"samples is a whole number, not {samples!r}")
     if samples < FEWEST_SAMPLES:
         raise NotSimulated(f"a run has {FEWEST_SAMPLES} samples at least, not {samples}")
     if not 0.0 < duration_s < float("inf"):
         raise NotSimulated(f"a run takes some time: duration_s {duration_s:g} is not above 0 s")
 
 
+def _require_seeds(**seeds: int) -> None:
+    for name, seed in seeds.items():
+        if not isinstance(seed, Integral) or seed < 0:
+            raise NotSimulated(f"{name} is a whole number from 0 up, not {seed!r}")
+
+
 def _added(machine: Machine, weights: Mapping[str, tuple[float, float]]) -> Complexes:
     """Return the unbalance (P,) that trial weights add [kg m]. Raises NotSimulated."""
     discs = [disc.id for disc in machine.discs]
     added = np.zeros(len(discs), dtype=complex)
+    if not isinstance(weights, Mapping) or any(not isinstance(one, tuple | list) or len(one) != 2 for one in weights.values()):
+        raise NotSimulated(f"weights are an amount [g mm] and an angle [°] by disc, such as {{'{discs[0]}': (50.0, 90.0)}}")
     for disc, (amount, angle) in weights.items():
         if disc not in discs:
             known = did_you_mean(str(disc), discs) or f": there are {', '.join(discs)}"

@@ -28,9 +28,10 @@ def figure(rows: int, columns: int, **layout: Any) -> "tuple[Figure, Any]":
 
 
 def channel_numbers(known: Sequence[str], wanted: Sequence[str] | None) -> list[int]:
-    """Return the indices of the wanted channels, all by default. Raises UnknownChannel."""
+    """Return the indices of the wanted channels, or of the one that is named, all by default. Raises UnknownChannel."""
     if wanted is None:
         return list(range(len(known)))
+    wanted = [wanted] if isinstance(wanted, str) else wanted
     unknown = next((one for one in wanted if one not in known), None)
     if unknown is not None:
         raise UnknownChannel(f"'{unknown}' is no channel; there are {', '.join(known)}{did_you_mean(unknown, known)}")

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from estimator.errors import Invalid
 from rotorundown.plots.canvas import FITTED, figure
 from rotorundown.plots.protocols import PlottedResult
 
@@ -12,11 +13,17 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+class NothingToPlot(Invalid):
+    """Raised where no list of results is given to be drawn."""
+
+
 def plot_trend(results: Sequence[PlottedResult], name: str, *, when: Sequence[Any] | None = None) -> "Figure":
     """Plot a parameter over results. when: a time for each, such as datetimes; by default they are numbered.
 
-    Results that are not accepted, or do not determine the parameter, leave a gap. Raises UnknownName.
+    Results that are not accepted, or do not determine the parameter, leave a gap. Raises UnknownName, NothingToPlot.
     """
+    if not isinstance(results, Sequence) or not results:
+        raise NothingToPlot("a trend is drawn of a list of results, one at least")
     times = list(range(1, len(results) + 1)) if when is None else list(when)
     if len(times) != len(results):
         raise ValueError(f"when has {len(times)} times for {len(results)} results")

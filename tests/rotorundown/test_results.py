@@ -45,7 +45,7 @@ def test_the_text_gives_unbalances_as_people_say_them(result: rd.Result) -> None
     assert one.imaginary is not None
     size, angle = math.hypot(one.value, one.imaginary) * 1e6, math.degrees(math.atan2(one.imaginary, one.value)) % 360
     line = next(line for line in str(result).splitlines() if line.startswith("disc.core-1"))
-    assert f"{size:.3g} ±" in line
+    assert f"{float(f'{size:.3g}'):.0f} ±" in line
     assert f"g mm at {angle:.0f}°" in line
 
 

@@ -176,6 +176,31 @@ def test_what_was_not_identified_is_told_so(pump: Machine, run: rd.MachineRun, r
         made.Result.__getitem__(result, 3)
 
 
+def test_what_cannot_be_simulated_or_drawn_is_one_line(pump: Machine, run: rd.MachineRun, result: rd.Result) -> None:
+    made: Any = rd
+    calls: list[tuple[Callable[[], Any], str]] = [
+        (lambda: made.simulate(pump, samples=2.5), "samples is a whole number, not 2.5"),
+        (lambda: made.simulate(pump, seed=-1), "seed is a whole number from 0 up, not -1"),
+        (lambda: made.simulate(pump, run_seed="a"), "run_seed is a whole number from 0 up, not 'a'"),
+        (lambda: made.simulate(pump, weights={"core-1": 5}), "an amount [g mm] and an angle [°] by disc, such as {'core-1'"),
+        (lambda: made.simulate(pump, weights=[("core-1", 5)]), "weights are an amount [g mm] and an angle [°] by disc"),
+        (lambda: made.simulate(pump, weights={"core": (5, 0)}), "there is no disc 'core' for a trial weight; did you mean"),
+        (lambda: made.plot_trend([], "coupling.C1.kxx"), "a trend is drawn of a list of results, one at least"),
+        (lambda: made.plot_trend(result, "coupling.C1.kxx"), "a trend is drawn of a list of results, one at least"),
+        (lambda: result.plot_bode("B1X"), "'B1X' is no channel"),
+        (lambda: made.identify(pump, run, accepted_rpm=3), "accepted_rpm is 3: Input should be a valid tuple"),
+        (lambda: made.identify(pump, run, half_power="x"), "half_power is 'x': "),
+    ]
+    for call, words in calls:
+        with pytest.raises((ValueError, KeyError), match=re.escape(words)) as raised:
+            call()
+        one_line(raised)
+
+
+def test_one_channel_may_be_named_without_a_list(result: rd.Result) -> None:
+    assert [one.get_title() for one in result.plot_bode("B1L").axes if one.get_title()] == ["B1L"]
+
+
 def test_a_model_is_printed_in_a_line(pump: Machine) -> None:
     assert str(rd.model(pump)) == repr(rd.model(pump))
     assert str(rd.model(pump)).startswith("motor-pump: model with critical_speeds(), campbell()")
