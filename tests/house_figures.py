@@ -19,6 +19,7 @@ from tests.estimator import test_docstrings as estimator_docstrings
 from tests.estimator import test_sources
 from tests.rooms import ROOMS
 from tests.service import test_dashboard_rooms
+from tests.syntax_trees import statements
 
 PACKAGES = ("estimator", "storage", "formats", "service", "rotorundown")
 
@@ -50,7 +51,7 @@ def figures() -> Iterator[HouseFigure]:
     yield from _docstrings()
     for what, add in test_places_to_touch.ADDITIONS.items():
         with TemporaryDirectory() as folder:
-            copy = test_places_to_touch.Copy(Path(folder))
+            copy = test_places_to_touch.Copy(Path(folder), runs=False)
             add(copy)
             yield HouseFigure(f"files to touch for one more {what}", test_places_to_touch.BOUNDS[what], len(copy.touched))
 
@@ -78,7 +79,7 @@ def _rooms() -> Iterator[HouseFigure]:
 def _sizes() -> Iterator[HouseFigure]:
     classes, methods, functions = [0], [0], [0]
     for file, tree in test_sizes.modules(*PACKAGES):
-        for one in ast.walk(tree):
+        for one in statements(tree):
             if isinstance(one, ast.ClassDef):
                 classes.append(test_sizes.lines(one))
                 if (file, one.name) not in test_sizes.FLAT_CLIENTS:

@@ -1,6 +1,7 @@
 """Finds which modules a module imports, directly and by way of others, as its text says: nothing is imported to find out."""
 
 import ast
+import functools
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -19,7 +20,7 @@ def imported_by(module: str) -> set[str]:
         if path is None:
             continue
         found.add(one)
-        for name in _named(ast.parse(path.read_text())):
+        for name in _named_in(path):
             waiting.append(name)
             if _path(name.split(".")[0]) is None:
                 found.add(name.split(".")[0])
@@ -30,7 +31,12 @@ def imported_directly_by(module: str) -> set[str]:
     """Return what one module names in its imports at run time."""
     path = _path(module)
     assert path is not None
-    return set(_named(ast.parse(path.read_text())))
+    return set(_named_in(path))
+
+
+@functools.cache
+def _named_in(path: Path) -> tuple[str, ...]:
+    return tuple(_named(ast.parse(path.read_text())))
 
 
 def _named(node: ast.AST) -> Iterator[str]:

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.estimator.test_docstrings import NO_OPENING, QUESTIONS, VERBS
+from tests.syntax_trees import parsed, statements
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("service", "storage", "formats", "rotorundown", "benchmarks")
@@ -57,11 +58,11 @@ def faults_of_room(room: str) -> list[str]:
 
 def faults(source: str) -> Iterator[str]:
     """Name the missing and the wrong docstrings of a file, with the line."""
-    tree = ast.parse(source)
+    tree = parsed(source)
     if not ast.get_docstring(tree):
         yield "1: the file has no docstring"
     yield from _missing(tree)
-    for node in ast.walk(tree):
+    for node in statements(tree):
         if isinstance(node, Function):
             yield from _faults_of_opening(node)
     for line, text in _documented_constants(tree):
@@ -73,8 +74,8 @@ def faults(source: str) -> Iterator[str]:
 
 def question_openings(source: str) -> Iterator[str]:
     """Name the docstrings of a file that begin as an indirect question does, with the line."""
-    tree = ast.parse(source)
-    texts = [(node.lineno, ast.get_docstring(node) or "") for node in ast.walk(tree) if isinstance(node, Function)]
+    tree = parsed(source)
+    texts = [(node.lineno, ast.get_docstring(node) or "") for node in statements(tree) if isinstance(node, Function)]
     for line, text in (*texts, *_documented_constants(tree)):
         if text.startswith(QUESTIONS):
             yield f"{line}: the docstring begins with '{text.split()[0]}'"
@@ -106,7 +107,7 @@ def test_fields_are_explained_in_whole_words() -> None:
     found = [
         f"{path.relative_to(ROOT)}:{getattr(node, 'lineno', 1)}: {gloss[0].strip()}"
         for path in FILES
-        for node in ast.walk(ast.parse(path.read_text()))
+        for node in statements(parsed(path.read_text()))
         if isinstance(node, ast.Module | ast.ClassDef | Function)
         for gloss in [GLOSS.search(ast.get_docstring(node) or "")]
         if gloss is not None
@@ -132,7 +133,7 @@ def _faults_of_opening(function: Function) -> Iterator[str]:
 
 def _documented_constants(tree: ast.Module) -> Iterator[tuple[int, str]]:
     """Yield the docstrings of files, classes and constants with their lines."""
-    for node in ast.walk(tree):
+    for node in statements(tree):
         if isinstance(node, ast.Module | ast.ClassDef):
             for one in node.body:
                 if isinstance(one, ast.Expr) and isinstance(one.value, ast.Constant) and isinstance(one.value.value, str):

@@ -5,6 +5,7 @@ from collections import defaultdict
 from collections.abc import Iterator
 
 from tests.imports import ROOT
+from tests.syntax_trees import parsed, statements
 
 PACKAGES = ("estimator", "storage", "formats", "service", "rotorundown", "benchmarks")
 
@@ -20,8 +21,8 @@ def type_names(source: str) -> Iterator[tuple[str, int]]:
 
     A type alias is what a module assigns to a name in capitals and small letters; type variables of one letter are left out.
     """
-    tree = ast.parse(source)
-    for node in ast.walk(tree):
+    tree = parsed(source)
+    for node in statements(tree):
         if isinstance(node, ast.ClassDef):
             yield node.name, node.lineno
     for node in tree.body:

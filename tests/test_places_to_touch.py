@@ -25,14 +25,15 @@ CHECKS = {"finding": LANGUAGES, "channel": LANGUAGES, "resource": ("tests/servic
 
 
 class Copy:
-    """A copy of the packages, and which of its files were written."""
+    """A copy of the packages, and which of its files were written. runs: whether Python runs it, with what is compiled."""
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, *, runs: bool = True) -> None:
         self.folder = folder
         self.touched: set[str] = set()
         for package in PACKAGES:
-            # With what is compiled, which holds for the copies as well; not with what another process is writing just now.
-            shutil.copytree(ROOT / package, folder / package, ignore=shutil.ignore_patterns("*.pyc.*"))
+            # What is compiled holds for the copies as well, but not what another process is writing just now.
+            left_out = shutil.ignore_patterns("*.pyc.*" if runs else "__pycache__")
+            shutil.copytree(ROOT / package, folder / package, ignore=left_out)
         shutil.copytree(ROOT / PAGE, folder / PAGE)
 
     def write(self, file: str, text: str) -> None:

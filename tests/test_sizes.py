@@ -4,6 +4,7 @@ import ast
 from collections.abc import Iterator
 
 from tests.paths import ROOT
+from tests.syntax_trees import parsed, statements
 
 LARGEST_CLASS = 200
 """Most lines of a class, docstrings included."""
@@ -20,7 +21,7 @@ Function = ast.FunctionDef | ast.AsyncFunctionDef
 def test_classes_have_one_idea() -> None:
     too_large = []
     for file, tree in modules("estimator", "storage", "formats", "service", "rotorundown"):
-        for one in ast.walk(tree):
+        for one in statements(tree):
             if isinstance(one, ast.ClassDef):
                 methods = sum(isinstance(part, Function) for part in one.body)
                 if lines(one) > LARGEST_CLASS or (methods > MAXIMUM_METHODS and (file, one.name) not in FLAT_CLIENTS):
@@ -35,7 +36,7 @@ def test_functions_have_one_idea() -> None:
     too_long = [
         f"{file}:{one.lineno} {one.name}: {lines(one)} lines"
         for file, tree in modules("estimator", "storage", "formats", "service", "rotorundown", "benchmarks")
-        for one in ast.walk(tree)
+        for one in statements(tree)
         if isinstance(one, Function) and lines(one) > LARGEST_FUNCTION
     ]
     assert not too_long, (
@@ -50,7 +51,7 @@ def modules(*packages: str) -> Iterator[tuple[str, ast.Module]]:
         files = [file for file in sorted((ROOT / package).rglob("*.py")) if "migrations" not in file.parts]
         assert files, f"{package} holds no modules: has it moved?"
         for file in files:
-            yield str(file.relative_to(ROOT)), ast.parse(file.read_text())
+            yield str(file.relative_to(ROOT)), parsed(file.read_text())
 
 
 def lines(node: ast.ClassDef | Function) -> int:

@@ -79,7 +79,7 @@ def until(look: Callable[[], T | None], *, within_s: float, what: str) -> T:
 
 @functools.cache
 def empty_store() -> bytes:
-    """Return the file of a store without a row: to migrate a new one takes each service a second."""
+    """Return the file of a store without a row: to migrate a new one takes each service half a second."""
     from storage.database.engine import Database  # half a second to import, which processes of the tests should not spend
 
     with tempfile.TemporaryDirectory() as folder:

@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.syntax_trees import parsed, statements
+
 ROOT = next(folder for folder in Path(__file__).resolve().parents if folder.name == "tests").parent
 FILES = sorted((ROOT / "estimator").rglob("*.py"))
 
@@ -42,7 +44,7 @@ def test_docstrings_state_arguments_units_shapes_and_errors(path: Path) -> None:
 
 def faults(source: str) -> Iterator[str]:
     """Name what the docstrings of a file leave out, with the line."""
-    tree = ast.parse(source)
+    tree = parsed(source)
     for name, function in public_functions(tree):
         for fault in faults_of_function(function):
             yield f"{function.lineno} {name}: {fault}"
@@ -56,7 +58,7 @@ def faults(source: str) -> Iterator[str]:
 
 
 def _faults_of_openings(tree: ast.Module) -> Iterator[str]:
-    for node in ast.walk(tree):
+    for node in statements(tree):
         text = ast.get_docstring(node) if isinstance(node, Function) else None
         if isinstance(node, Function) and text and text.split()[0] not in VERBS.split():
             yield f"{node.lineno} {node.name}: its summary begins with '{text.split()[0]}', which is no verb of the list"
@@ -159,7 +161,7 @@ def _fields(node: ast.ClassDef) -> Iterator[tuple[str, tuple[ast.expr, str | Non
 
 
 def _all_docstrings(tree: ast.Module) -> Iterator[tuple[int, str]]:
-    for node in ast.walk(tree):
+    for node in statements(tree):
         if isinstance(node, ast.Module | ast.ClassDef | Function):
             for one in node.body:
                 text = _text(one)
@@ -185,7 +187,7 @@ def _has_decorator(node: Function | ast.ClassDef, *names: str) -> bool:
 
 def _raised(function: Function) -> set[str]:
     found = set()
-    for node in ast.walk(function):
+    for node in statements(function):
         if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call):
             found.add(ast.unparse(node.exc.func).rpartition(".")[2])
     return found

@@ -13,6 +13,7 @@ from functools import cache
 import pytest
 
 from tests.paths import ROOT
+from tests.syntax_trees import parsed, statements
 
 SOLVES = re.compile(r"\bscipy\.\w|\bnp\.(?:linalg|fft)\b")
 """Code that solves something: linear algebra, transforms, optimisation, interpolation, distributions."""
@@ -62,7 +63,7 @@ def text(module: str) -> str:
 def docstrings(source: str) -> str:
     """All docstrings in some source, each on lines of its own."""
     documented = ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef
-    nodes = (node for node in ast.walk(ast.parse(source)) if isinstance(node, documented))
+    nodes = (node for node in statements(parsed(source)) if isinstance(node, documented))
     return re.sub(r"[ \n]+", " ", "\n".join(ast.get_docstring(node) or "" for node in nodes))
 
 

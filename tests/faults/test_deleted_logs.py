@@ -27,6 +27,11 @@ BEFORE, TOLD_S = 15, 3.0
 """Batches that are acknowledged before the log is deleted; within this time the service says that it is gone [s]."""
 
 
+def in_the_log(folder: Path) -> Service:
+    """Return where a service makes a new store, of which all is in the log at first."""
+    return Service(folder, database=sqlite_url(folder / "rundown.db"))
+
+
 def send(service: Service, number: int) -> httpx.Response:
     body = encode_body(measured(number * SIZE), JSON)
     return service.client.post(f"/machines/{KEY.machine}/samples", content=body, headers={"content-type": JSON})
@@ -78,7 +83,7 @@ Ended = Callable[["subprocess.Popen[bytes]"], None]
 
 def survives(folder: Path, ends: tuple[str, ...], *times: tuple[Meanwhile, Ended]) -> None:
     """Delete the log of a store that many times: each start goes on where the one before has ended."""
-    service, count = Service(folder), 0
+    service, count = in_the_log(folder), 0
     for meanwhile, ended in times:
         with service.running() as started:
             if count == 0:
@@ -193,7 +198,7 @@ def test_a_backup_copied_over_the_open_store_is_not_mixed_with_its_log(tmp_path:
 
 
 def test_where_the_log_has_all_a_copied_backup_costs_nothing(tmp_path: Path) -> None:
-    service = Service(tmp_path)
+    service = in_the_log(tmp_path)
     with service.running() as started:
         assert service.client.post("/machines", json=document()).status_code == 201
         assert acknowledged(service, 0, BEFORE) == BEFORE
@@ -208,7 +213,7 @@ def test_where_the_log_has_all_a_copied_backup_costs_nothing(tmp_path: Path) -> 
 
 def test_a_page_of_the_log_that_is_damaged_stops_nobody(tmp_path: Path) -> None:
     """A later page holds the same; behind a kill, SQLite would take nothing from the damaged one on."""
-    service, log = Service(tmp_path), tmp_path / "rundown.db-wal"
+    service, log = in_the_log(tmp_path), tmp_path / "rundown.db-wal"
     with service.running() as started:
         assert service.client.post("/machines", json=document()).status_code == 201
         assert acknowledged(service, 0, BEFORE) == BEFORE

@@ -5,6 +5,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
+import psutil
 import pytest
 from sqlalchemy import text, update
 
@@ -108,3 +109,16 @@ def test_a_store_that_is_locked_is_not_waited_for(file: Database, tmp_path: Path
     assert time.monotonic() - began < 1.0
     other.close()
     assert changes.mark(("alerts",)) is not None
+
+
+def test_with_the_database_its_connections_are_closed(file: Database, tmp_path: Path) -> None:
+    several = [Changes(file), Changes(file)]
+    assert len({marked(one) for one in several}) == 1
+    assert open_files(tmp_path)
+    file.close()
+    assert open_files(tmp_path) == []
+
+
+def open_files(folder: Path) -> list[str]:
+    """Files of a folder that this process has open."""
+    return [one.path for one in psutil.Process().open_files() if Path(one.path).parent == folder]
