@@ -49,4 +49,4 @@ def simulated_second(
         Phasors (S, m) [m].
     """
     clean = parts * np.abs(phasors) * np.exp(1j * (2.0 * np.angle(phasors) + phases))
-    return clean + noise(machine.noise, clean, rng)
+    return np.asarray(clean + noise(machine.noise, clean, rng))
