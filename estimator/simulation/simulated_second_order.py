@@ -13,9 +13,9 @@ from estimator.simulation.simulated_plant import noise
 from estimator.simulation.stories import Story
 
 PART = 0.1
-"""The 2× over the 1× of a healthy machine [-]."""
+"""Amplitude of the 2× over that of the 1× of a healthy machine [-]."""
 MISALIGNED_PART = 0.3
-"""The same beside a misaligned coupling at the end of its story [-]."""
+"""Ratio beside a misaligned coupling at the end of its story [-]."""
 
 
 def second_parts(machine: Machine, story: Story, progress: float) -> Floats:

@@ -1,4 +1,4 @@
-"""What the service computes first is waited for: the page says so and for how long, and does not call it a failure."""
+"""Waiting for what the service computes first: the page says so and for how long, and does not call it a failure."""
 
 import re
 
