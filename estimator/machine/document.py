@@ -28,7 +28,7 @@ from estimator.machine.rules import (
 )
 from estimator.machine.sparkplug import Sparkplug
 from estimator.machine.unfinished_document import further_problems
-from estimator.strict_model import fields_beside
+from estimator.strict_model import fields_beside, repeatable
 
 TINY = 1e-20
 """Bound that stands for zero [m, or any unit]."""

@@ -172,8 +172,7 @@ def application(
     app.state.gauges = gauges
     app.state.machine_list = MachineList()
     app.state.overview = Overview(database)
-    app.state.reading_places = RequestPlaces(READERS)
-    app.state.changing_places = RequestPlaces(WRITERS)
+    app.state.reading_places, app.state.changing_places = RequestPlaces(READERS), RequestPlaces(WRITERS)
     app.state.computed_cache = ComputedCache(another_thread)
     app.state.model_process = ModelProcess()
     app.state.report_cache = ComputedCache(another_thread, entries=REPORTS)

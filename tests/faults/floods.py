@@ -25,7 +25,7 @@ TRIALS = 12
 MACHINE = f"/machines/{KEY.machine}"
 BY = {"by": "impatient"}
 RESPONSE = 2e-2 * np.exp(0.7j)
-"""What a trial weight does at each probe [m/(kg m)]."""
+"""Response to a trial weight at each probe [m/(kg m)]."""
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ AT_ONCE = 40
 SLOW = {"reports", "try-outs"}
 """Their answers take seconds, which the last ones are waited for."""
 FLOOD_S = 2.0
-"""How long each flood goes on."""
+"""Duration of each flood [s]."""
 TAKEN = {200, 201, 202}
 REFUSED = {409, 429, 503}
 """Too many, as it is said: by quota, by bound, or by what waits already."""
