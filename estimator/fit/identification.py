@@ -26,6 +26,21 @@ class Options:
 
 
 @dataclass(frozen=True, eq=False)
+class DoubtedForce:
+    """Component of a static load that a document calls exact and a fit's residuals doubt.
+
+    Attributes:
+        name: Its name, such as `static_load.gear.force_y`.
+        size: How far it may be off, rms [N].
+        answer: Change (N,) of the coordinates per newton that leaves the data as they are [SI or 1 per N].
+    """
+
+    name: str
+    size: float
+    answer: Floats
+
+
+@dataclass(frozen=True, eq=False)
 class Identification:
     """Outcome of one fit, over N coordinates.
 
@@ -48,6 +63,7 @@ class Identification:
         noise: Noise model as stated or estimated.
         outliers: Number of phasors left out because no noise explains them, by channel.
         channel_effects: Effects of errors of single channels on the fit; None where several fits are combined.
+        doubted_forces: Forces called exact that the residuals doubt: the covariance holds what they do to the coordinates.
     """
 
     estimates: tuple[Estimate, ...]
@@ -67,6 +83,7 @@ class Identification:
     noise: Noise
     outliers: dict[str, int]
     channel_effects: ChannelEffects | None = None
+    doubted_forces: tuple[DoubtedForce, ...] = ()
 
     @property
     def correlation(self) -> Floats:

@@ -58,6 +58,32 @@ def test_every_doubtful_component_widens_and_two_are_not_judged_as_one(
     grown = np.diag(verdict.covariance - covariance)
     assert np.all(grown[:2] > 1.0)
     assert grown[2:] == pytest.approx(0.0)
+    assert [one.name for one in verdict.forces] == ["static_load.gear.force_x", FORCE_Y]
+    assert [one.size**2 for one in verdict.forces] == pytest.approx(grown[:2])
+
+
+def test_a_force_that_the_films_hardly_see_is_said_to_be_what_loads_rest_on(
+    ended: tuple[FitProblem, FitResult, Floats], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    problem, found, covariance = ended
+    way = np.eye(found.theta.size)[0]
+    stated = next(value for name, value, _ in problem.coordinates.models[0].model.own.exact_forces if name == FORCE_Y)
+
+    def remark(along_y: OmittedParameter | None) -> str:
+        asked = iter((OmittedParameter(0.0, 1.0, way), along_y))
+        monkeypatch.setattr(omitted_forces, "omitted_parameter", lambda *_, **__: next(asked))
+        verdict = judge_exact_forces(problem, found, covariance)
+        assert not verdict.words
+        assert verdict.covariance is covariance
+        assert not verdict.remark
+        return verdict.resting
+
+    assert remark(OmittedParameter(0.1 * stated, 0.5 * stated, way)) == (
+        f"; loads of bearings rest on {FORCE_Y} being {stated:.3g} N: the films would not show an error of "
+        f"{largest_score(DOUBTFUL_CHANCE, 2) * 0.5 * stated:.3g} N in it"
+    )
+    assert remark(OmittedParameter(0.01 * stated, 0.02 * stated, way)) == ""
+    assert remark(None).endswith("the films would not show any error in it")
 
 
 def test_a_refused_force_widens_too_and_is_less_certain_where_residuals_are_alike(
