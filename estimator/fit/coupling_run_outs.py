@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from estimator.arrays import Floats
 from estimator.fit.channel_sensitivity import ChannelEffects, channel_effects, with_run_outs
 from estimator.fit.goodness_of_fit import judge
-from estimator.fit.maximum_likelihood import STAGE_MISFITS, fit
-from estimator.fit.multistart import HOPELESS_MISFIT
+from estimator.fit.maximum_likelihood import HOPELESS_MISFIT, STAGE_MISFITS, fit
 from estimator.fit.nuisance_parameters import deviates_too_far
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem, FitResult, best_excitations
