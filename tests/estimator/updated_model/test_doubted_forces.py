@@ -23,7 +23,7 @@ def test_loads_and_shear_are_as_uncertain_as_with_a_force_that_the_document_leav
     exact = parse_machine(with_force(document(discrepancy=0.0), force_y=-500.0))
     free = expected_model(parse_machine(with_force(document(discrepancy=0.0), force_y=-500.0, force_y_spread=SIZE)))
     known = outcome(expected_model(exact))
-    answer = np.random.default_rng(2).standard_normal(len(known.coordinates)) * 1e-5
+    answer = np.random.default_rng(2).standard_normal(len(known.coordinates)) * 1e-6
     doubted = replace(
         known,
         covariance=SIZE**2 * np.outer(answer, answer),
