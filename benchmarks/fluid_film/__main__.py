@@ -41,7 +41,7 @@ PARTS: dict[str, Callable[[int], list[ReportLine]]] = {
     "wrong-forms": wrong_forms,
     "own-forms": own_forms,
 }
-SHORT_PLANTS = 1
+SHORT_PLANTS, USUAL_PLANTS = 1, 100
 LONG_PARTS = ("sweep", "pedestals", "lobes", "pads", "other-trains", "wrong-documents", "wrong-forms")
 """Parts that are left out where few plants are asked for, unless they are named."""
 
@@ -51,15 +51,16 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.fluid_film", description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--short", action="store_true", help="one plant, without the longest parts")
     words = "number of random plants, seeds 0, 1, …; another of some parts as NAME=N"
-    parser.add_argument("--plants", nargs="+", type=counted, default=[("", 100)], metavar="N", help=words)
+    parser.add_argument("--plants", nargs="+", type=counted, default=[("", USUAL_PLANTS)], metavar="N", help=words)
     parser.add_argument("--only", nargs="*", choices=tuple(PARTS))
     parser.add_argument("--write", action="store_true", help="write docs/evidence-films.md with its figures")
     parser.add_argument("--keep", type=Path, help="file of trials by films, from which a run of this commit goes on")
     chosen = parser.parse_args(arguments)
     if chosen.keep is not None:
         KEEPING.set(KeptTrials(chosen.keep))
-    asked = dict(chosen.plants)
-    plants = {name: SHORT_PLANTS if chosen.short else asked.get(name, asked.get("", 100)) for name in PARTS}
+    asked: dict[str, int] = dict(chosen.plants)
+    usual = asked.get("", USUAL_PLANTS)
+    plants = {name: SHORT_PLANTS if chosen.short else asked.get(name, usual) for name in PARTS}
     parts = chosen.only or [name for name in PARTS if not (chosen.short and name in LONG_PARTS)]
     found: dict[str, list[ReportLine]] = {}
     print(f"  {'fluid films':<76}{'asked':>12}{'measured':>24}")

@@ -6,6 +6,7 @@ import pytest
 
 from benchmarks.fluid_film.__main__ import counted
 from benchmarks.fluid_film.page import counts
+from benchmarks.fluid_film.report_line import ReportLine
 
 
 def test_a_number_is_for_all_parts_or_for_one() -> None:
@@ -17,6 +18,6 @@ def test_a_number_is_for_all_parts_or_for_one() -> None:
 
 
 def test_the_page_says_how_many_plants_each_part_had() -> None:
-    found = {name: [] for name in ("films", "film-fits", "other-trains", "wrong-documents")}
+    found: dict[str, list[ReportLine]] = {name: [] for name in ("films", "film-fits", "other-trains", "wrong-documents")}
     plants = {"films": 100, "film-fits": 20, "other-trains": 20, "wrong-documents": 6}
     assert counts(found, plants) == "20 wrong-documents=6"

@@ -13,6 +13,7 @@ from estimator.fit.omitted_parameter import OmittedParameter
 from estimator.fit.problem.fit_problem import FitProblem, FitResult, best_excitations
 from estimator.fit.problem_setup import fit_problem
 from estimator.machine.document import parse_machine
+from estimator.statics.film_model import FilmModel
 from tests.estimator.statics.test_process_forces import FORCE_Y, with_force
 from tests.film_plant.discrepancy import DiscrepancySize
 from tests.film_plant.documents import film_document, measured
@@ -67,7 +68,9 @@ def test_a_force_that_the_films_hardly_see_is_said_to_be_what_loads_rest_on(
 ) -> None:
     problem, found, covariance = ended
     way = np.eye(found.theta.size)[0]
-    stated = next(value for name, value, _ in problem.coordinates.models[0].model.own.exact_forces if name == FORCE_Y)
+    model = problem.coordinates.models[0].model
+    assert isinstance(model, FilmModel)
+    stated = next(value for name, value, _ in model.own.exact_forces if name == FORCE_Y)
 
     def remark(along_y: OmittedParameter | None) -> str:
         asked = iter((OmittedParameter(0.0, 1.0, way), along_y))

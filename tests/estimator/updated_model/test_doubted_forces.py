@@ -16,7 +16,7 @@ from tests.estimator.statics.test_process_forces import FORCE_Y, with_force
 from tests.estimator.updated_model.test_derived_quantities import outcome
 
 SIZE = 200.0
-"""How far the force may be off [N]."""
+"""Rms by which the force may be off [N]."""
 
 
 def test_loads_and_shear_are_as_uncertain_as_with_a_force_that_the_document_leaves_open() -> None:
@@ -55,7 +55,8 @@ def test_runs_together_leave_open_what_one_does_of_a_force() -> None:
         known, covariance=own + SIZE**2 * np.outer(answer, answer), doubted_forces=(DoubtedForce(FORCE_Y, SIZE, answer),)
     )
     (force,) = combine([doubted] * 4).doubted_forces
-    assert (force.name, force.size) == (FORCE_Y, pytest.approx(SIZE))
+    assert force.name == FORCE_Y
+    assert force.size == pytest.approx(SIZE)
     assert force.answer == pytest.approx(answer)
     assert combine([doubted] * 4).covariance[0, 0] == pytest.approx(1e-6 / 4 + (SIZE * answer[0]) ** 2)
     (half,) = combine([doubted, doubted, replace(known, covariance=own), replace(known, covariance=own)]).doubted_forces
