@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.fluid_film.film_bound import film_bound
-from benchmarks.fluid_film.kept_trials import KEEPING, FilmTrial
+from benchmarks.fluid_film.kept_trials import FilmTrial, kept_or_computed
 from estimator.fit.identification import Identification, Options
 from estimator.fit.identify import identify
 from estimator.machine.document import parse_machine
@@ -123,12 +123,11 @@ def trials_of(
     document: Describe = by_films,
 ) -> list[FilmTrial]:
     """Return the trials of a plant for each seed; those that are kept under this name are taken from there."""
-    kept = KEEPING.get()
 
     def computed(seed: int) -> FilmTrial:
         return film_trial(make(seed), seed=seed, bounded=bounded, document=document)
 
-    return [computed(seed) if kept is None else kept.trial(what, seed, partial(computed, seed)) for seed in seeds]
+    return [kept_or_computed(what, seed, partial(computed, seed)) for seed in seeds]
 
 
 def _of_kind(truth: Truths, kind: str) -> Truths:

@@ -24,6 +24,7 @@ class FilmTrial:
             was asked for.
         widths: Standard errors of direct stiffness terms over their bounds.
         failed: Whether it ended with an error of the linear algebra in place of a verdict.
+        withheld: Part of the parameters that are not estimable, where that was asked for.
     """
 
     accepted: bool
@@ -34,6 +35,7 @@ class FilmTrial:
     errors: dict[str, float] = field(default_factory=dict)
     widths: tuple[float, ...] = ()
     failed: bool = False
+    withheld: float = 0.0
 
 
 class KeptTrials:
@@ -63,6 +65,12 @@ class KeptTrials:
 
 KEEPING: ContextVar[KeptTrials | None] = ContextVar("KEEPING", default=None)
 """Keeper of trials; None where none are kept."""
+
+
+def kept_or_computed(what: str, seed: int, compute: Callable[[], FilmTrial]) -> FilmTrial:
+    """Return the trial of a seed that is kept under a name, else the one that is computed."""
+    keeping = KEEPING.get()
+    return compute() if keeping is None else keeping.trial(what, seed, compute)
 
 
 def commit() -> str:

@@ -47,12 +47,12 @@ SECTIONS = {
 }
 
 
-def write_page(found: Mapping[str, Sequence[ReportLine]], *, plants: int, left_out: Sequence[str]) -> Path:
+def write_page(found: Mapping[str, Sequence[ReportLine]], *, plants: Mapping[str, int], left_out: Sequence[str]) -> Path:
     """Write the page and its figures.
 
     Args:
         found: Figures by part.
-        plants: Number of random plants that was asked for.
+        plants: Number of random plants that was asked for, by part.
         left_out: Parts that were not run.
 
     Returns:
@@ -85,15 +85,16 @@ def _span(first: int, count: int) -> str:
     return f"{first}" if count == 1 else f"{first} to {first + count - 1} ({count} plants)"
 
 
-def _run(found: Mapping[str, Sequence[ReportLine]], plants: int, left_out: Sequence[str]) -> str:
+def _run(found: Mapping[str, Sequence[ReportLine]], plants: Mapping[str, int], left_out: Sequence[str]) -> str:
     only = f" --only {' '.join(found)}" if left_out else ""
     short = sum(not one.kept for figures in found.values() for one in figures)
     fallen = f"{short} of its figures {'falls' if short == 1 else 'fall'}" if short else "none of its figures falls"
     parts = [
-        f"This page was written by `python -m benchmarks.fluid_film{only} --plants {plants} --write` on commit {commit()}:",
+        f"This page was written by `python -m benchmarks.fluid_film{only} --plants {counts(found, plants)} --write` on commit",
+        f"{commit()}:",
         f"{fallen} short of what was asked, as far as they are judged.",
     ]
-    if plants < FEWEST:
+    if any(plants[name] < FEWEST for name in found if name == "film-fits"):
         parts.append(
             f"Coverage and errors of identifications by films are judged from {FEWEST} plants on: here they are told only."
         )
@@ -102,10 +103,18 @@ def _run(found: Mapping[str, Sequence[ReportLine]], plants: int, left_out: Seque
     return textwrap.fill(" ".join(parts), 120, break_on_hyphens=False)
 
 
-def _sections(found: Mapping[str, Sequence[ReportLine]], plants: int) -> list[str]:
+def counts(found: Mapping[str, Sequence[ReportLine]], plants: Mapping[str, int]) -> str:
+    """Return the numbers of plants as they are asked for: that of most parts, then others."""
+    counts = [plants[name] for name in found if seeds(name, plants[name])]
+    usual = max(set(counts), key=counts.count, default=1)
+    others = [f"{name}={plants[name]}" for name in found if seeds(name, plants[name]) and plants[name] != usual]
+    return " ".join([str(usual), *others])
+
+
+def _sections(found: Mapping[str, Sequence[ReportLine]], plants: Mapping[str, int]) -> list[str]:
     parts = []
     for name, figures in found.items():
-        parts += [f"## {SECTIONS[name]}", seeds(name, plants), _table(figures)]
+        parts += [f"## {SECTIONS[name]}", seeds(name, plants[name]), _table(figures)]
         if name == "film-fits":
             parts += [
                 "The films of bearing B1 of the plant of seed 0 as they were found, with 95 % bands; dashed the truth.",

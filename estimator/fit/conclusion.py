@@ -53,31 +53,30 @@ def conclude(
     size = np.sqrt(np.diag(information))
     condition = float(np.linalg.cond(information / np.outer(size, size)))
     verdict = judge(problem, found)
-    beside, of_form = VerdictRemark(), ""
+    beside, of_form = VerdictRemark(), FormVerdict(covariance)
     doubtful, form_alone = frozenset[int](), frozenset[int]()
     if verdict.accepted:
         beside = remark(problem, found)
-        found_form = _form_verdict(problem, found, covariance, condition, beside.inflation)
-        found, verdict = _possible(problem, found, found_form.applied(verdict), limits)
-        if not found_form.words and not found_form.remark:
-            form_alone = _determined(coordinates, covariance) - _determined(coordinates, found_form.covariance)
-        covariance, of_form = found_form.covariance, found_form.remark
+        of_form = _form_verdict(problem, found, covariance, condition, beside.inflation)
+        found, verdict = _possible(problem, found, of_form.applied(verdict), limits)
+        if not of_form.words and not of_form.remark:
+            form_alone = _determined(coordinates, covariance) - _determined(coordinates, of_form.covariance)
+        covariance = of_form.covariance
         if verdict.accepted and condition > LARGEST_CONDITION and not coordinates.models:
             doubtful = flat_coordinates(problem, found, covariance, sorted(_determined(coordinates, covariance)))
     speed = problem.measurement.speed
-    error = np.sqrt(np.diag(covariance))
     why = None if reasons is None else reasons(problem, found, covariance)
     if why is not None and form_alone:
         why = _with_form_alone(why, frozenset(coordinates.names[place] for place in form_alone))
     return Identification(
-        estimates=estimates(problem.train, coordinates, found.theta, error, why, doubtful),
+        estimates=estimates(problem.train, coordinates, found.theta, np.sqrt(np.diag(covariance)), why, doubtful),
         coordinates=coordinates.names,
         covariance=covariance * np.outer(coordinates.unit, coordinates.unit),
         point=coordinates.point(found.theta),
         chi_square=found.chi_square,
         degrees_of_freedom=verdict.degrees_of_freedom,
         accepted=verdict.accepted,
-        verdict="; ".join((verdict.words + of_form + beside.words, *best.remarks, *of_gaps)),
+        verdict="; ".join((verdict.words + of_form.remark + of_form.resting + beside.words, *best.remarks, *of_gaps)),
         condition_number=condition,
         starts=best.starts,
         iterations=best.iterations,
@@ -87,6 +86,7 @@ def conclude(
         noise=found.noise,
         outliers=outliers_by_channel(problem, found.outlier),
         channel_effects=channel_effects(problem, found, inflation=beside.inflation),
+        doubted_forces=tuple(replace(one, answer=one.answer * coordinates.unit) for one in of_form.forces),
     )
 
 
@@ -113,20 +113,18 @@ def _form_verdict(
     """
     trend = viscosity_trend(problem, found, covariance, inflation=inflation)
     excess = excessive_deviations(problem, found, covariance) or warming_words(trend)
-    whole, words, remarks = inflation * covariance, "", ""
-    if excess:
-        return FormVerdict(whole, excess)
-    judged = [
-        judge_exact_forces(problem, found, covariance, inflation=inflation),
-        judge_sharp_deviations(problem, found, covariance, inflation=inflation),
-    ]
-    if needs_form(problem):
+    whole, words, remarks = inflation * covariance, excess, ""
+    of_forces = judge_exact_forces(problem, found, covariance, inflation=inflation)
+    judged = [of_forces]
+    if not excess:
+        judged.append(judge_sharp_deviations(problem, found, covariance, inflation=inflation))
+    if needs_form(problem) and not excess:
         of_form = judge_form(problem, found, covariance, condition)
         judged.append(replace(of_form, covariance=covariance + inflation * (of_form.covariance - covariance)))
     for one in judged:
         # Each is what one deviation alone leaves open.
         whole, words, remarks = whole + (one.covariance - covariance), words or one.words, remarks + one.remark
-    return FormVerdict(whole, words, remarks)
+    return FormVerdict(whole, words, remarks, of_forces.forces, of_forces.resting)
 
 
 def _determined(coordinates: Coordinates, covariance: Floats) -> frozenset[int]:

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
-from estimator.fit.optimisation.maximum_likelihood import STAGE_MISFITS, fit
-from estimator.fit.optimisation.multistart import HOPELESS_MISFIT
+from estimator.fit.optimisation.maximum_likelihood import HOPELESS_MISFIT, STAGE_MISFITS, fit
 from estimator.fit.optimisation.nuisance_parameters import deviates_too_far
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem, FitResult, best_excitations

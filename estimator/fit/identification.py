@@ -7,6 +7,7 @@ import numpy as np
 from estimator.arrays import Floats
 from estimator.fit.estimates import Estimate
 from estimator.fit.validation.channel_sensitivity import ChannelEffects
+from estimator.fit.validation.doubted_force import DoubtedForce
 from estimator.machine.rules import Noise
 
 
@@ -48,6 +49,7 @@ class Identification:
         noise: Noise model as stated or estimated.
         outliers: Number of phasors left out because no noise explains them, by channel.
         channel_effects: Effects of errors of single channels on the fit; None where several fits are combined.
+        doubted_forces: Forces called exact that the residuals doubt: the covariance holds what they do to the coordinates.
     """
 
     estimates: tuple[Estimate, ...]
@@ -67,6 +69,7 @@ class Identification:
     noise: Noise
     outliers: dict[str, int]
     channel_effects: ChannelEffects | None = None
+    doubted_forces: tuple[DoubtedForce, ...] = ()
 
     @property
     def correlation(self) -> Floats:

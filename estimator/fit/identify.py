@@ -158,6 +158,7 @@ def _explained_by_run_outs(problem: FitProblem, found: Identification, other: Ru
         found,
         point=other.point,
         covariance=other.covariance,
+        doubted_forces=(),
         chi_square=other.refused_chi_square,
         verdict=f"{found.verdict}; {other.words}",
         outliers=outliers_by_channel(problem, other.outlier),

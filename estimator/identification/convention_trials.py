@@ -14,7 +14,8 @@ import numpy as np
 from estimator.fit.coarse_fit import coarse_misfit, coarse_problem, linear_misfit
 from estimator.fit.fit_samples import NotEnoughData
 from estimator.fit.identification import Identification, Options
-from estimator.fit.optimisation.multistart import HOPELESS_MISFIT, FitFailed
+from estimator.fit.optimisation.maximum_likelihood import HOPELESS_MISFIT
+from estimator.fit.optimisation.multistart import FitFailed
 from estimator.fit.problem.fit_problem import FitProblem
 from estimator.fit.problem_setup import expected_phasors
 from estimator.identification.implausible_amplitudes import implausible_unbalance

@@ -16,6 +16,7 @@ import scipy.special
 from estimator.arrays import Floats
 from estimator.fit.estimates import Estimate
 from estimator.fit.identification import Identification
+from estimator.fit.validation.doubted_force import DoubtedForce
 from estimator.machine.parameter_description import is_direct
 
 
@@ -39,6 +40,9 @@ def combine(results: Sequence[Identification]) -> Identification:
     values = np.array([_coordinates(result) for result in results])
     own = np.mean([result.covariance for result in results], axis=0) / count
     between = np.var(values, axis=0, ddof=1) / count
+    doubted = _doubted(results)
+    for force in doubted:  # what it is off by is the same in all runs: no mean makes it less
+        own = own + (1.0 - 1.0 / count) * force.size**2 * np.outer(force.answer, force.answer)
     covariance = own + np.diag(np.maximum(np.nan_to_num(between) - np.diag(own), 0.0))
     half = float(scipy.special.stdtrit(count - 1, 0.975))
     error = np.sqrt(np.diag(covariance))
@@ -65,6 +69,23 @@ def combine(results: Sequence[Identification]) -> Identification:
         speed_maximum=max(result.speed_maximum for result in results),
         outliers=dict(sum((Counter(result.outliers) for result in results), Counter())),
         channel_effects=None,
+        doubted_forces=doubted,
+    )
+
+
+def _doubted(results: Sequence[Identification]) -> tuple[DoubtedForce, ...]:
+    """Return the forces that some runs doubt, each as far off in the mean square as all runs have it."""
+    found: dict[str, list[DoubtedForce]] = {}
+    for result in results:
+        for one in result.doubted_forces:
+            found.setdefault(one.name, []).append(one)
+    return tuple(
+        DoubtedForce(
+            name,
+            math.sqrt(sum(one.size**2 for one in each) / len(results)),
+            np.mean([one.answer for one in each], axis=0),
+        )
+        for name, each in found.items()
     )
 
 

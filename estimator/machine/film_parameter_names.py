@@ -1,8 +1,9 @@
 """Names of the parameters that a film's own numbers are identified as, by its document alone."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from estimator.bearings.journal import JournalForm
+from estimator.machine.document import Machine
 from estimator.machine.films import JournalFilm, StaticLoad
 from estimator.machine.parameter_description import describe
 
@@ -53,6 +54,25 @@ def film_parameter_names(bearing: str, film: JournalFilm, form: JournalForm) -> 
     if supply is not None and form.viscosity_ratio_spread > 0.0:
         found["viscosity_ratio"] = f"{own}.viscosity_ratio"
     return found | ({"viscosity_slope": f"{oil}.viscosity_slope"} if form.viscosity_slope_spread > 0.0 else {})
+
+
+def with_open_forces(machine: Machine, spreads: Mapping[str, float]) -> tuple[Machine, tuple[float, ...]]:
+    """Return a machine in which components of static loads may be off that its document calls exact.
+
+    Args:
+        machine: The machine.
+        spreads: How far each may be off, rms [N], by the name of its parameter.
+
+    Returns:
+        The machine, and the components' values [N] in the order of `spreads`.
+    """
+    loads = {one.id: one for one in machine.static_loads}
+    stated = []
+    for name, spread in spreads.items():
+        _, load, component = name.split(".")
+        stated.append(float(getattr(loads[load], component)))
+        loads[load] = loads[load].model_copy(update={f"{component}_spread": spread})
+    return machine.model_copy(update={"static_loads": tuple(loads.values())}), tuple(stated)
 
 
 def unknown_forces(loads: Sequence[StaticLoad]) -> dict[str, tuple[int, int]]:

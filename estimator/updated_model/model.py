@@ -11,6 +11,7 @@ from estimator.arrays import Complexes, Floats
 from estimator.fit.identification import Identification
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.machine.document import Machine
+from estimator.machine.film_parameter_names import with_open_forces
 from estimator.machine.scaled_materials import with_scaled_materials
 from estimator.rotor.condensation import CondensedTrain, condense
 from estimator.rotor.identity_cache import cached_by_identity
@@ -153,7 +154,8 @@ def updated_model(machine: Machine, identification: Identification) -> UpdatedMo
     """Build the model that an identification of the machine leads to.
 
     Parameters that are not estimable take part with the fit's values, which nobody should read by themselves: the uncertainty
-    they leave together with the others is in the covariance.
+    they leave together with the others is in the covariance. Static loads that the document calls exact and the fit doubts are
+    coordinates of the model besides: loads on bearings follow from them at once, and not by the fitted coordinates alone.
 
     Args:
         machine: The machine.
@@ -165,7 +167,15 @@ def updated_model(machine: Machine, identification: Identification) -> UpdatedMo
     Raises:
         ValueError: The identification is of another machine.
     """
-    return model_at(machine, identification.coordinates, identification.point, identification.covariance)
+    doubted = identification.doubted_forces
+    if not doubted:
+        return model_at(machine, identification.coordinates, identification.point, identification.covariance)
+    opened, stated = with_open_forces(machine, {one.name: one.size for one in doubted})
+    along = np.column_stack([one.answer * one.size for one in doubted])
+    size = np.diag([one.size for one in doubted])
+    covariance = np.block([[identification.covariance, along @ size], [size @ along.T, size**2]])
+    names = (*identification.coordinates, *(one.name for one in doubted))
+    return model_at(opened, names, np.concatenate([identification.point, stated]), covariance)
 
 
 def model_at(machine: Machine, coordinates: tuple[str, ...], point: Floats, covariance: Floats | None = None) -> UpdatedModel:

@@ -139,6 +139,13 @@ GERMAN_STORED: Mapping[str, str] = {
         "die Ölfilme verlangen {force} von etwa {wanted} N, wo das Dokument genau {stated} N nennt ({errors} "
         "Standardfehler): angeben, wie weit der Wert abweichen kann ({spread})"
     ),
+    "loads of bearings rest on {force} being {stated} N: the films would not show an error of {error} N in it": (
+        "die Lagerlasten beruhen darauf, dass {force} {stated} N beträgt: die Ölfilme würden einen Fehler von {error} N darin "
+        "nicht zeigen"
+    ),
+    "loads of bearings rest on {force} being {stated} N: the films would not show any error in it": (
+        "die Lagerlasten beruhen darauf, dass {force} {stated} N beträgt: die Ölfilme würden keinen Fehler darin zeigen"
+    ),
     (
         "oil films deviate from their model by about {size} % from one {length} % of the speed range to the next: more than "
         "the document says (discrepancy)"

@@ -2,10 +2,12 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from tests.film_plant.oil import HeatedOil, walther
+from tests.film_plant.plant import Plant
 from tests.film_plant.plants import Alteration
 from tests.film_plant.train import Bearing, Pedestal, Train
 
@@ -58,6 +60,13 @@ def far_clearance(spread: float) -> Alteration:
 def warming_oil(train: Train, _: np.random.Generator, fastest: float) -> Train:
     """All oil warms with speed, and is said to have one viscosity."""
     return replace(train, bearings=tuple(replace(one, oil=_warming(one, fastest)) for one in train.bearings))
+
+
+def with_lifting_force(said: dict[str, Any], plant: Plant) -> dict[str, Any]:
+    """A plant's document with a force, said to be exact, that carries half the weight of the first disc and is not there."""
+    disc = said["discs"][0]
+    force = 0.5 * plant.train.gravity * plant.train.discs[0].mass
+    return said | {"static_loads": [{"id": "gear", "shaft": disc["shaft"], "station": disc["station"], "force_y": force}]}
 
 
 def _warming(bearing: Bearing, fastest: float) -> HeatedOil:

@@ -54,6 +54,11 @@ STALLED_DECREASE = 0.05
 """Decrease of χ² over that many steps below which a stage ends [-]."""
 STAGES = tuple(zip(STAGE_MISFITS, STAGE_ITERATIONS, strict=True))
 """Stages of a fit: misfit that weights allow for [-], and most iterations."""
+HOPELESS_MISFIT = 3.0
+"""χ²/dof from which on a fit leads nowhere [-]: after the coarse stages, and where steps at their pace do not come below it.
+
+A model that is right leaves less than 1 after coarse stages, since these allow five per cent of misfit beside the noise.
+"""
 STALLED_PROMISE = 5.0
 """Decrease of χ² that a full Newton step may promise where a stage ends so [-]: the end of the valley is within some two
 standard errors."""
@@ -85,10 +90,12 @@ def fit(
     coarse_misfit, told = math.nan, theta.size - int(np.count_nonzero(counted_by_effect(problem.coordinates)))
     for misfit, limit in stages:
         weight = problem.weight(measured, misfit)
-        theta, converged, steps = descend(problem, theta, weight, limit, settled=settled)
+        freedom = max(1, 2 * int(np.count_nonzero(problem.used)) - told)
+        hopeless = math.inf if problem.noise.estimated else HOPELESS_MISFIT * freedom
+        theta, converged, steps = descend(problem, theta, weight, limit, settled=settled, hopeless=hopeless)
         iterations += steps
         if misfit == STAGE_MISFITS[-2]:
-            coarse_misfit = problem.chi_square(theta, weight) / max(1, 2 * int(np.count_nonzero(problem.used)) - told)
+            coarse_misfit = problem.chi_square(theta, weight) / freedom
             if coarse_misfit >= give_up_from:
                 break
         problem = without_outliers(problem, theta, misfit)
@@ -98,17 +105,16 @@ def fit(
         problem = without_outliers(with_estimated_noise(problem, theta), theta, 0.0)
         weight = problem.weight(np.abs(problem.model(theta)), 0.0)
         beginning = problem.chi_square(theta, weight)
-        theta, converged, steps = descend(problem, theta, weight, STAGE_ITERATIONS[-1], damping=NEAR_DAMPING)
+        theta, converged, steps = descend(problem, theta, weight, limit, damping=NEAR_DAMPING, hopeless=hopeless)
         iterations += steps
         # What ends in a curved valley ends there again.
         ended = steps == 0 or (steps >= STALLED_STEPS and beginning - problem.chi_square(theta, weight) < STALLED_DECREASE)
         if not converged or (ended and is_unchanged(before, problem)):
             break
     chi_square, _, information = problem.linearised(theta, weight)
-    of_phasors = chi_square - gap_cost(problem.gaps, theta)
     return FitResult(
         theta=theta,
-        chi_square=of_phasors,
+        chi_square=chi_square - gap_cost(problem.gaps, theta),
         information=information,
         converged=converged,
         iterations=iterations,
@@ -144,10 +150,9 @@ def descend(
     *,
     damping: float = FIRST_DAMPING,
     settled: float = CONVERGED_DECREASE,
+    hopeless: float = math.inf,
 ) -> tuple[Floats, bool, int]:
-    """Run Levenberg-Marquardt at fixed weights.
-
-    The damping follows the gain ratio smoothly (Nielsen, IMM-REP-1999-05, Technical University of Denmark).
+    """Run Levenberg-Marquardt at fixed weights, damped by the gain ratio (Nielsen, IMM-REP-1999-05, Techn. Univ. of Denmark).
 
     Args:
         problem: The problem.
@@ -156,6 +161,7 @@ def descend(
         limit: Most steps.
         damping: Part of the curvature's diagonal that is added to it in the first step [-].
         settled: Decrease of χ² promised by a full Newton step below which it ends [-].
+        hopeless: χ² below which the steps left must come at the pace of the last ones for it to go on [-].
 
     Returns:
         θ (n,) [-], whether it converged, and the number of steps tried.
@@ -170,16 +176,16 @@ def descend(
     for step_number in range(limit):
         slope = gradient - prior.pull(theta)
         hessian = curvature + prior.precision
-        newton = np.linalg.solve(hessian, slope)
-        if float(slope @ newton) < settled or _has_stalled(costs, float(slope @ newton)):
-            return theta, True, step_number
+        promise = float(slope @ np.linalg.solve(hessian, slope))
+        ended = promise < settled or _has_stalled(costs, promise)
+        if ended or _leads_nowhere(costs, promise, limit - step_number, hopeless):
+            return theta, ended, step_number
         damped = np.asarray(hessian + damping * np.diag(np.diag(hessian)), dtype=float)
         step = np.linalg.solve(damped, slope)
         step *= min(1.0, STEP_LIMIT / max(float(np.max(np.abs(step))), 1e-300))
         promised = float(2 * slope @ step - step @ hessian @ step)
         trial = theta + step
-        # Nearly all trials are taken, so their derivatives are computed at once.
-        try:
+        try:  # nearly all trials are taken, so their derivatives are computed at once
             if gain < CURVED:
                 trial = bent(problem, theta, weight, step, damped)
             trial_data, trial_gradient, trial_curvature = problem.linearised(trial, weight)
@@ -246,6 +252,14 @@ def bent(problem: FitProblem, theta: Floats, weight: Floats, step: Floats, dampe
     if 2.0 * np.linalg.norm(size * acceleration) <= LARGEST_BEND * np.linalg.norm(size * step):
         step = step + acceleration / 2.0
     return best_excitations(problem, theta + step, weight)
+
+
+def _leads_nowhere(costs: list[float], promise: float, left: int, hopeless: float) -> bool:
+    """Return whether steps at the pace of the last ones end above a χ², far from any end of their own."""
+    if len(costs) <= STALLED_STEPS or promise <= STALLED_PROMISE:
+        return False
+    pace = (costs[-1 - STALLED_STEPS] - costs[-1]) / STALLED_STEPS
+    return costs[-1] - left * pace > hopeless
 
 
 def _has_stalled(costs: list[float], promise: float) -> bool:

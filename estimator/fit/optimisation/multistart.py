@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from estimator.arrays import Floats
-from estimator.fit.optimisation.maximum_likelihood import FINAL_PASSES, STAGE_MISFITS, fit
+from estimator.fit.optimisation.maximum_likelihood import FINAL_PASSES, HOPELESS_MISFIT, STAGE_MISFITS, fit
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.fit.problem.fit_problem import FitProblem, FitResult, best_excitations
 
@@ -25,11 +25,6 @@ MOST_CONTINUED = 2
 """Most times that a fit goes on in the valley in which it has not converged."""
 CANDIDATES = 12
 """Number of random candidates from which each start after the first is the best."""
-HOPELESS_MISFIT = 3.0
-"""χ²/dof after the coarse stages that leads nowhere [-]: after one start has failed so, others are given up there.
-
-A model that is right leaves less than 1, since these stages allow five per cent of misfit beside the noise.
-"""
 GUESSED_CANDIDATES = 60
 """Number of random candidates where the document leaves nominal values out."""
 GUESSED_SPREAD = 1.5
@@ -122,8 +117,8 @@ def best_fit(
             return BestFit(best, start_number, iterations, unique=True)
         if np.isfinite(found.misfit) and found.coarse_misfit >= HOPELESS_MISFIT and not problem.noise.estimated:
             give_up_from = HOPELESS_MISFIT
-        if best is not None and _times(reached, best.misfit, (SAME_MISFIT - 1.0) * best.misfit) >= AGREEING_STARTS:
-            break  # the same misfit from everywhere is the data's or the model's, not the start's
+        if best is not None and (_agree(reached, best) or (math.isfinite(give_up_from) and _lead_nowhere(problem, reached))):
+            break
     if best is None:
         raise FitFailed(f"none of {start_number} starts led to a finite misfit: are the document's values sensible?")
     return BestFit(best, start_number, iterations, _times(reached, best.misfit, SAME_OPTIMUM) >= 2 if twice else None)
@@ -138,6 +133,16 @@ def _continued(problem: FitProblem, found: FitResult, unfinished: Callable[[FitR
         found = fit(problem, found.theta, near=True, passes=passes)
         iterations += found.iterations
     return replace(found, iterations=iterations)
+
+
+def _agree(reached: list[float], best: FitResult) -> bool:
+    """Return whether starts agree: the same misfit from everywhere is the data's or the model's, not the start's."""
+    return _times(reached, best.misfit, (SAME_MISFIT - 1.0) * best.misfit) >= AGREEING_STARTS
+
+
+def _lead_nowhere(problem: FitProblem, reached: list[float]) -> bool:
+    """Return whether a second start has been given up of a train on films: priors say where they are, and starts are near."""
+    return bool(problem.coordinates.nuisance.any()) and math.inf in reached
 
 
 def _times(reached: list[float], best: float, tolerance: float) -> int:

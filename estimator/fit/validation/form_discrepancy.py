@@ -17,6 +17,7 @@ from estimator.bearings.deviation_shapes import DeviationShapes
 from estimator.fit.optimisation.reweighting import with_fitted_noise
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.validation.coefficient_deviations import CoefficientDeviations, Owners, direct_sizes
+from estimator.fit.validation.doubted_force import DoubtedForce
 from estimator.fit.validation.goodness_of_fit import Verdict
 
 SIGNIFICANT = 4.0
@@ -41,11 +42,15 @@ class FormVerdict:
         covariance: Covariance (n, n) of the fit coordinates, with the deviations that must be reckoned with [-].
         words: Why the forms are refused; empty where they are not.
         remark: What is said of forms that are accepted, behind the verdict; empty where nothing is.
+        forces: Static loads called exact for which the covariance has grown, their answers in fit coordinates.
+        resting: What is said of those that nothing has checked, whatever the verdict.
     """
 
     covariance: Floats
     words: str = ""
     remark: str = ""
+    forces: tuple[DoubtedForce, ...] = ()
+    resting: str = ""
 
     def applied(self, verdict: Verdict) -> Verdict:
         """Return a verdict on a fit with this one.

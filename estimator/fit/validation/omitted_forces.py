@@ -3,17 +3,21 @@
 A process force that is stated wrongly loads the films otherwise than they are; a fit bends clearances, elevations and
 viscosities until the data are met. The score of each component shows it (Rao, Proc. Camb. Phil. Soc. 44 (1948) 50,
 doi:10.1017/S0305004100023987; `omitted_parameter`): a large one refuses the fit, a smaller one widens its intervals.
-The limits follow the number of components, so that their chances are those of all together.
+The limits follow the number of components, so that their chances are those of all together. A force that the films hardly see
+may be off by much without any of this: then the verdict says what the bearings' loads rest on, and how far that was checked.
 """
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import numpy as np
 import scipy
 
 from estimator.arrays import Floats
 from estimator.fit.optimisation.reweighting import with_fitted_noise
 from estimator.fit.problem.fit_problem import FitProblem, FitResult
+from estimator.fit.validation.doubted_force import DoubtedForce
 from estimator.fit.validation.form_discrepancy import FormVerdict
 from estimator.fit.validation.omitted_parameter import OmittedParameter, omitted_parameter
 
@@ -22,6 +26,8 @@ REFUSED_CHANCE = 0.01
 component; to state how far it may be off mends that."""
 DOUBTFUL_CHANCE = 0.1
 """Chance beneath which intervals are widened [-]: 1.6 standard deviations for one component."""
+CHECKED_PART = 0.1
+"""Part of a force by which it may be off unseen and still counts as checked by the films [-]."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +46,17 @@ class _WantedForce:
             f"({self.name.rpartition('.')[2]}_spread)"
         )
 
+    def resting_words(self, limit: float) -> str:
+        """Return the words on a force of whose size the films show too little; empty where it is none, or they show it.
+
+        limit: Score up to which it is not doubted [-].
+        """
+        unseen = limit * self.change.error
+        if self.stated == 0.0 or unseen <= CHECKED_PART * abs(self.stated):
+            return ""
+        off = "any error in it" if math.isinf(unseen) else f"an error of {unseen:.3g} N in it"
+        return f"; loads of bearings rest on {self.name} being {self.stated:.3g} N: the films would not show {off}"
+
 
 def judge_exact_forces(problem: FitProblem, found: FitResult, covariance: Floats, *, inflation: float = 1.0) -> FormVerdict:
     """Judge the components of static loads that the document calls exact (Rao 1948, see `omitted_parameter`).
@@ -54,20 +71,27 @@ def judge_exact_forces(problem: FitProblem, found: FitResult, covariance: Floats
 
     Returns:
         The verdict, in words on the component that the residuals contradict most; the covariance grows by what each doubtful
-        one leaves open.
+        one leaves open. Others of whose size the films show too little are said to be what loads rest on.
     """
     if not problem.coordinates.models:
         return FormVerdict(covariance)
     wanted = sorted(_wanted(problem, found, covariance, inflation), key=lambda one: -abs(one.change.score))
-    doubtful = [one for one in wanted if abs(one.change.score) > largest_score(DOUBTFUL_CHANCE, len(wanted))]
-    if not doubtful:
+    if not wanted:
         return FormVerdict(covariance)
+    seen = sum(math.isfinite(one.change.error) for one in wanted) or 1
+    limit = largest_score(DOUBTFUL_CHANCE, seen)
+    doubtful = [one for one in wanted if abs(one.change.score) > limit]
+    resting = "".join(one.resting_words(limit) for one in wanted[len(doubtful) :])
+    if not doubtful:
+        return FormVerdict(covariance, resting=resting)
     whole = covariance
     for one in doubtful:
         whole = one.change.widened(whole)
-    if abs(doubtful[0].change.score) > largest_score(REFUSED_CHANCE, len(wanted)):
-        return FormVerdict(whole, doubtful[0].words)
-    return FormVerdict(whole, remark=f"; {'; '.join(one.words for one in doubtful)}; intervals are widened")
+    forces = tuple(DoubtedForce(one.name, math.sqrt(one.change.variance), one.change.answer) for one in doubtful)
+    if abs(doubtful[0].change.score) > largest_score(REFUSED_CHANCE, seen):
+        return FormVerdict(whole, doubtful[0].words, forces=forces, resting=resting)
+    remark = f"; {'; '.join(one.words for one in doubtful)}; intervals are widened"
+    return FormVerdict(whole, remark=remark, forces=forces, resting=resting)
 
 
 def largest_score(chance: float, count: int) -> float:
@@ -97,5 +121,4 @@ def _wanted(problem: FitProblem, found: FitResult, covariance: Floats, inflation
         final, by_load = with_fitted_noise(problem, found), placed.curves.by_load(placed.own(found.theta))
         for name, stated, place in exact:
             change = omitted_parameter(final, found.theta, covariance, placed, by_load[..., place], inflation=inflation)
-            if change is not None:
-                yield _WantedForce(name, stated, change)
+            yield _WantedForce(name, stated, change or OmittedParameter(0.0, math.inf, np.zeros(found.theta.size)))

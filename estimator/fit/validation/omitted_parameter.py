@@ -37,11 +37,19 @@ class OmittedParameter:
         """Return the change in standard errors [-]."""
         return self.value / self.error
 
-    def widened(self, covariance: Floats) -> Floats:
-        """Return the covariance of the coordinates where the parameter may be off by as much as it seems to be.
+    @property
+    def variance(self) -> float:
+        """Return the mean square by which the parameter may be off, as the change that was seen has it [its unit²].
 
         The likeliest variance of its prior is value² - error², from one change that was seen (empirical Bayes: Efron and
         Morris, J. Am. Stat. Assoc. 68 (1973) 117, doi:10.1080/01621459.1973.10481350).
+        """
+        believed = max(0.0, self.value**2 - self.error**2)
+        part = believed / (believed + self.error**2)
+        return part * self.error**2 + (part * self.value) ** 2
+
+    def widened(self, covariance: Floats) -> Floats:
+        """Return the covariance of the coordinates where the parameter may be off by as much as it seems to be.
 
         Args:
             covariance: Covariance (n, n) with the parameter as the fit takes it [-].
@@ -49,10 +57,7 @@ class OmittedParameter:
         Returns:
             Covariance (n, n) [-], the coordinates' most likely shift included; the same where |score| is at most one.
         """
-        believed = max(0.0, self.value**2 - self.error**2)
-        part = believed / (believed + self.error**2)
-        variance = part * self.error**2 + (part * self.value) ** 2
-        return np.asarray(covariance + variance * np.outer(self.answer, self.answer))
+        return np.asarray(covariance + self.variance * np.outer(self.answer, self.answer))
 
 
 def omitted_parameter(

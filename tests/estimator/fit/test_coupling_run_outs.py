@@ -6,8 +6,8 @@ import pytest
 from estimator.fit import coupling_run_outs
 from estimator.fit.coarse_fit import coarse_misfit
 from estimator.fit.coupling_run_outs import fit_with_run_outs
-from estimator.fit.optimisation.maximum_likelihood import fit
-from estimator.fit.optimisation.multistart import HOPELESS_MISFIT, chosen_start
+from estimator.fit.optimisation.maximum_likelihood import HOPELESS_MISFIT, fit
+from estimator.fit.optimisation.multistart import chosen_start
 from estimator.fit.problem_setup import fit_problem
 from estimator.machine.document import parse_machine
 from tests.estimator.diagnosis import watched_machine as plant

@@ -124,7 +124,9 @@ def test_a_force_that_is_stated_exactly_and_right_is_accepted() -> None:
         parse_machine(with_force(film_document(plant), force_y=force)), measured(plant, seed=2), Options(starts=3)
     )
     assert found.accepted, found.verdict
-    assert FORCE_Y not in found.verdict
+    assert "the oil films want" not in found.verdict
+    assert f"loads of bearings rest on {FORCE_Y}" in found.verdict
+    assert not found.doubted_forces
 
 
 def test_a_force_that_the_films_doubt_widens_what_follows_from_it() -> None:

@@ -13,6 +13,7 @@ from estimator.fit.validation import omitted_forces
 from estimator.fit.validation.omitted_forces import DOUBTFUL_CHANCE, REFUSED_CHANCE, judge_exact_forces, largest_score
 from estimator.fit.validation.omitted_parameter import OmittedParameter
 from estimator.machine.document import parse_machine
+from estimator.statics.film_model import FilmModel
 from tests.estimator.statics.test_process_forces import FORCE_Y, with_force
 from tests.film_plant.discrepancy import DiscrepancySize
 from tests.film_plant.documents import film_document, measured
@@ -58,6 +59,34 @@ def test_every_doubtful_component_widens_and_two_are_not_judged_as_one(
     grown = np.diag(verdict.covariance - covariance)
     assert np.all(grown[:2] > 1.0)
     assert grown[2:] == pytest.approx(0.0)
+    assert [one.name for one in verdict.forces] == ["static_load.gear.force_x", FORCE_Y]
+    assert [one.size**2 for one in verdict.forces] == pytest.approx(grown[:2])
+
+
+def test_a_force_that_the_films_hardly_see_is_said_to_be_what_loads_rest_on(
+    ended: tuple[FitProblem, FitResult, Floats], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    problem, found, covariance = ended
+    way = np.eye(found.theta.size)[0]
+    model = problem.coordinates.models[0].model
+    assert isinstance(model, FilmModel)
+    stated = next(value for name, value, _ in model.own.exact_forces if name == FORCE_Y)
+
+    def remark(along_y: OmittedParameter | None) -> str:
+        asked = iter((OmittedParameter(0.0, 1.0, way), along_y))
+        monkeypatch.setattr(omitted_forces, "omitted_parameter", lambda *_, **__: next(asked))
+        verdict = judge_exact_forces(problem, found, covariance)
+        assert not verdict.words
+        assert verdict.covariance is covariance
+        assert not verdict.remark
+        return verdict.resting
+
+    assert remark(OmittedParameter(0.1 * stated, 0.5 * stated, way)) == (
+        f"; loads of bearings rest on {FORCE_Y} being {stated:.3g} N: the films would not show an error of "
+        f"{largest_score(DOUBTFUL_CHANCE, 2) * 0.5 * stated:.3g} N in it"
+    )
+    assert remark(OmittedParameter(0.01 * stated, 0.02 * stated, way)) == ""
+    assert remark(None).endswith("the films would not show any error in it")
 
 
 def test_a_refused_force_widens_too_and_is_less_certain_where_residuals_are_alike(
