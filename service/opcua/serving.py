@@ -22,6 +22,7 @@ OPEN_AGAIN_S = 10.0
 """Pause after the server could not be opened [s]."""
 LIBRARY = "asyncua"
 LOGGED_PER_S, LOGGED_AT_ONCE = 0.2, 50.0
+OPENING = "the OPC UA server is being opened: clients can connect in a moment"
 
 
 class OpcUaUnusable(RuntimeError):
@@ -42,6 +43,7 @@ class OpcUaServing(SupervisedThread):
         self._texts = texts
         self._loop = asyncio.Runner()
         self._server: PlantServer | None = None
+        self.trouble = OPENING
 
     @property
     def ready(self) -> bool:

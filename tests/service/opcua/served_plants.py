@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from service.configuration.settings import Settings
-from service.opcua.serving import OpcUaServing
+from service.opcua.serving import OPENING, OpcUaServing
 from service.security import api_keys
 from service.security.role import Role
 from storage.database.engine import Database
@@ -67,7 +67,7 @@ def served_plants(database: Database, folder: Path, harbour: Ids, orchard: Ids) 
     serving = OpcUaServing(database, settings)
     serving.start()
     try:
-        wait_until(lambda: serving.trouble is not None or serving.ready)
+        wait_until(lambda: serving.trouble != OPENING)
         assert serving.trouble is None, serving.trouble
         yield ServedPlants(serving, settings, endpoint, harbour, orchard, authority, keys)
     finally:

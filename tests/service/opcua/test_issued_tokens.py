@@ -13,7 +13,7 @@ from asyncua.ua.uaerrors import UaError
 
 from service.configuration.settings import Settings
 from service.opcua.issued_tokens import JWT_TOKEN, as_password
-from service.opcua.serving import OpcUaServing
+from service.opcua.serving import OPENING, OpcUaServing
 from storage.database.engine import Database
 from storage.operation import audit
 from tests.plant import KEY, wait_until
@@ -62,7 +62,7 @@ def serving(
     one = OpcUaServing(store, settings)
     one.start()
     try:
-        wait_until(lambda: one.ready or one.trouble is not None)
+        wait_until(lambda: one.trouble != OPENING)
         assert one.trouble is None, one.trouble
         yield one, authority
     finally:

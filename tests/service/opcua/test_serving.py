@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from service.configuration.settings import Settings, SettingsWrong, settings_of
-from service.opcua.serving import OpcUaServing
+from service.opcua.serving import OPENING, OpcUaServing
 from service.security.exposure import Exposed, require_authentication
 from storage.database.engine import Database
 from tests.plant import wait_until
@@ -42,10 +42,10 @@ def test_a_port_that_is_taken_is_the_parts_trouble_until_it_is_free(database: Da
     settings = Settings(opcua_listen=LOOPBACK.format(port), opcua_allow_unencrypted=True)
     first, second = OpcUaServing(database, settings), OpcUaServing(database, settings)
     first.start()
-    wait_until(lambda: first.ready)
+    wait_until(lambda: first.ready and first.trouble is None)
     second.start()
     try:
-        wait_until(lambda: second.trouble is not None)
+        wait_until(lambda: second.trouble not in (None, OPENING))
         assert second.trouble is not None
         assert f"nothing can listen at opc.tcp://127.0.0.1:{port}" in second.trouble
         assert second.alive
@@ -68,7 +68,7 @@ def test_an_own_certificate_that_has_expired_is_said(database: Database, tmp_pat
     serving = OpcUaServing(database, settings)
     serving.start()
     try:
-        wait_until(lambda: serving.trouble is not None)
+        wait_until(lambda: serving.trouble not in (None, OPENING))
         assert "expired at" in str(serving.trouble)
     finally:
         serving.stop()
@@ -141,7 +141,7 @@ def unencrypted(database: Database) -> Iterator[tuple[int, OpcUaServing]]:
     serving = OpcUaServing(database, Settings(opcua_listen=LOOPBACK.format(port), opcua_allow_unencrypted=True))
     serving.start()
     try:
-        wait_until(lambda: serving.ready)
+        wait_until(lambda: serving.ready and serving.trouble is None)
         yield port, serving
         assert serving.trouble is None
     finally:
