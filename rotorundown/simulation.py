@@ -4,7 +4,7 @@ import cmath
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from numbers import Integral
+from numbers import Integral, Real
 from typing import get_args
 
 import numpy as np
@@ -114,7 +114,8 @@ def _added(machine: Machine, weights: Mapping[str, tuple[float, float]]) -> Comp
         if disc not in discs:
             known = did_you_mean(str(disc), discs) or f": there are {', '.join(discs)}"
             raise NotSimulated(f"there is no disc {disc!r} for a trial weight{known}")
-        if not (0.0 < amount < math.inf and math.isfinite(angle)):
-            raise NotSimulated(f"a trial weight has an amount above 0 g mm and an angle, not {amount:g} g mm at {angle:g}°")
+        numbers = isinstance(amount, Real) and isinstance(angle, Real)
+        if not (numbers and 0.0 < amount < math.inf and math.isfinite(angle)):
+            raise NotSimulated(f"a trial weight has an amount above 0 g mm and an angle, not {amount!r} g mm at {angle!r}°")
         added[discs.index(disc)] = cmath.rect(amount * KILOGRAM_METRES["g mm"], math.radians(angle))
     return added

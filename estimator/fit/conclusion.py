@@ -115,10 +115,10 @@ def _form_verdict(
     excess = excessive_deviations(problem, found, covariance) or warming_words(trend)
     whole, words, remarks = inflation * covariance, excess, ""
     of_forces = judge_exact_forces(problem, found, covariance, inflation=inflation)
-    judged = [of_forces]
-    if not excess:
-        judged.append(judge_sharp_deviations(problem, found, covariance, inflation=inflation))
-    if needs_form(problem) and not excess:
+    if excess:  # what films cannot explain is no force's: scores say nothing then
+        return FormVerdict(whole, words, remarks, resting=of_forces.resting)
+    judged = [of_forces, judge_sharp_deviations(problem, found, covariance, inflation=inflation)]
+    if needs_form(problem):
         of_form = judge_form(problem, found, covariance, condition)
         judged.append(replace(of_form, covariance=covariance + inflation * (of_form.covariance - covariance)))
     for one in judged:

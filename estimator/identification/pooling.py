@@ -74,7 +74,10 @@ def combine(results: Sequence[Identification]) -> Identification:
 
 
 def _doubted(results: Sequence[Identification]) -> tuple[DoubtedForce, ...]:
-    """Return the forces that some runs doubt, each as far off in the mean square as all runs have it."""
+    """Return the forces that some runs doubt, each as far off in the mean square as all runs have it.
+
+    Answers count by the square of their sizes: what the force leaves open is then no more than the pooled covariance has.
+    """
     found: dict[str, list[DoubtedForce]] = {}
     for result in results:
         for one in result.doubted_forces:
@@ -83,7 +86,7 @@ def _doubted(results: Sequence[Identification]) -> tuple[DoubtedForce, ...]:
         DoubtedForce(
             name,
             math.sqrt(sum(one.size**2 for one in each) / len(results)),
-            np.mean([one.answer for one in each], axis=0),
+            np.average([one.answer for one in each], axis=0, weights=[one.size**2 for one in each]),
         )
         for name, each in found.items()
     )

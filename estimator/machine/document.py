@@ -302,5 +302,6 @@ def field_path(location: tuple[int | str, ...]) -> str:
     Returns:
         The path; `document` for the document itself.
     """
-    path = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in location)
+    named = [part for part in location if not str(part).startswith("function-")]  # the library's own steps
+    path = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in named)
     return path.removeprefix(".") or "document"

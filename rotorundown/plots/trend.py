@@ -1,6 +1,6 @@
 """Trend of a parameter over several results, with 95 % intervals."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,7 +22,8 @@ def plot_trend(results: Sequence[PlottedResult], name: str, *, when: Sequence[An
 
     Results that are not accepted, or do not determine the parameter, leave a gap. Raises UnknownName, NothingToPlot.
     """
-    if not isinstance(results, Sequence) or not results:
+    results = list(results) if isinstance(results, Iterable) else []
+    if not results or any(isinstance(one, str) for one in results):  # a single result gives the names of its parameters
         raise NothingToPlot("a trend is drawn of a list of results, one at least")
     times = list(range(1, len(results) + 1)) if when is None else list(when)
     if len(times) != len(results):

@@ -1,6 +1,7 @@
 """Plots hold the numbers that they claim to show, and say what is missing."""
 
 import sys
+from typing import Any
 
 import numpy as np
 import pytest
@@ -70,6 +71,9 @@ def test_a_trend_shows_values_and_leaves_gaps(result: rd.Result) -> None:
     assert value.tolist() == [result["coupling.C1.kxx"].value] * 2
     with pytest.raises(ValueError, match="1 times for 2 results"):
         rd.plot_trend([result, result], "coupling.C1.kxx", when=[1])
+    column: Any = np.empty(2, dtype=object)
+    column[:] = [result, result]
+    assert rd.plot_trend(column, "coupling.C1.kxx").axes
 
 
 def test_the_centreline_stays_within_the_clearance(result: rd.Result) -> None:

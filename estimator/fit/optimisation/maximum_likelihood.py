@@ -161,7 +161,7 @@ def descend(
         limit: Most steps.
         damping: Part of the curvature's diagonal that is added to it in the first step [-].
         settled: Decrease of χ² promised by a full Newton step below which it ends [-].
-        hopeless: χ² below which the steps left must come at the pace of the last ones for it to go on [-].
+        hopeless: χ² of phasors below which the steps left must come at the pace of the last ones for it to go on [-].
 
     Returns:
         θ (n,) [-], whether it converged, and the number of steps tried.
@@ -178,7 +178,8 @@ def descend(
         hessian = curvature + prior.precision
         promise = float(slope @ np.linalg.solve(hessian, slope))
         ended = promise < settled or _has_stalled(costs, promise)
-        if ended or _leads_nowhere(costs, promise, limit - step_number, hopeless):
+        beside = prior.cost(theta) + gap_cost(problem.gaps, theta)
+        if ended or _leads_nowhere(costs, promise, limit - step_number, hopeless + beside):
             return theta, ended, step_number
         damped = np.asarray(hessian + damping * np.diag(np.diag(hessian)), dtype=float)
         step = np.linalg.solve(damped, slope)

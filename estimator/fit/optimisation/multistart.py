@@ -115,9 +115,11 @@ def best_fit(
         reached.append(found.misfit)
         if twice and best is not None and good(best) and _times(reached, best.misfit, SAME_OPTIMUM) >= 2:
             return BestFit(best, start_number, iterations, unique=True)
+        # The first start from the document's values is always tried to its end.
+        lost = found.coarse_misfit >= give_up_from and (beginning is None or start_number > 2)
         if np.isfinite(found.misfit) and found.coarse_misfit >= HOPELESS_MISFIT and not problem.noise.estimated:
             give_up_from = HOPELESS_MISFIT
-        if best is not None and (_agree(reached, best) or (math.isfinite(give_up_from) and _lead_nowhere(problem, reached))):
+        if best is not None and (_agree(reached, best) or (lost and _starts_are_near(problem))):
             break
     if best is None:
         raise FitFailed(f"none of {start_number} starts led to a finite misfit: are the document's values sensible?")
@@ -140,9 +142,9 @@ def _agree(reached: list[float], best: FitResult) -> bool:
     return _times(reached, best.misfit, (SAME_MISFIT - 1.0) * best.misfit) >= AGREEING_STARTS
 
 
-def _lead_nowhere(problem: FitProblem, reached: list[float]) -> bool:
-    """Return whether a second start has been given up of a train on films: priors say where they are, and starts are near."""
-    return bool(problem.coordinates.nuisance.any()) and math.inf in reached
+def _starts_are_near(problem: FitProblem) -> bool:
+    """Return whether further starts lead where the ones before did: priors say where films are, and nothing is guessed."""
+    return bool(problem.coordinates.nuisance.any() and not problem.coordinates.guessed.any())
 
 
 def _times(reached: list[float], best: float, tolerance: float) -> int:

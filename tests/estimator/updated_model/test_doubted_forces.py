@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from estimator.fit.identification import Identification
 from estimator.fit.validation.doubted_force import DoubtedForce
 from estimator.identification.pooling import combine
 from estimator.machine.document import parse_machine
@@ -61,3 +62,18 @@ def test_runs_together_leave_open_what_one_does_of_a_force() -> None:
     assert combine([doubted] * 4).covariance[0, 0] == pytest.approx(1e-6 / 4 + (SIZE * answer[0]) ** 2)
     (half,) = combine([doubted, doubted, replace(known, covariance=own), replace(known, covariance=own)]).doubted_forces
     assert half.size == pytest.approx(SIZE / np.sqrt(2.0))
+
+
+def test_a_run_that_doubts_more_counts_for_more_and_no_correlation_exceeds_one() -> None:
+    machine = parse_machine(with_force(document(discrepancy=0.0), force_y=-500.0))
+    known = outcome(expected_model(machine))
+    count = len(known.coordinates)
+
+    def doubting(size: float, along: float) -> Identification:
+        answer = np.eye(count)[0] * along
+        covariance = np.diag(np.full(count, 1e-12)) + size**2 * np.outer(answer, answer)
+        return replace(known, covariance=covariance, doubted_forces=(DoubtedForce(FORCE_Y, size, answer),))
+
+    together = updated_model(machine, combine([doubting(400.0, 0.7e-5), doubting(100.0, 1.3e-5)]))
+    sizes = np.sqrt(np.diag(together.covariance))
+    assert np.linalg.eigvalsh(together.covariance / np.outer(sizes, sizes))[0] > -1e-9

@@ -1,23 +1,30 @@
 """Fits that begin elsewhere, and fits that meet a place where the train cannot be condensed."""
 
+import math
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
+from estimator.arrays import Floats
 from estimator.fit.identification import Options
 from estimator.fit.identify import identify
-from estimator.fit.optimisation import maximum_likelihood
+from estimator.fit.optimisation import maximum_likelihood, multistart
 from estimator.fit.optimisation.multistart import best_fit
 from estimator.fit.problem import fit_problem as fit_module
-from estimator.fit.problem.fit_problem import FitResult
+from estimator.fit.problem.fit_problem import FitProblem, FitResult
 from estimator.fit.problem_setup import fit_problem
-from estimator.machine.document import Machine
+from estimator.machine.document import Machine, parse_machine
 from estimator.phasors.measurement import Measurement
 from estimator.rotor.elimination import SingularCondensation
 from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law
 from tests.estimator.trains import chapter_3
+from tests.film_plant.discrepancy import DiscrepancySize
+from tests.film_plant.documents import film_document
+from tests.film_plant.documents import measured as measured_on_films
+from tests.film_plant.plants import random_plant
 
 
 @pytest.fixture(scope="module")
@@ -99,3 +106,45 @@ def test_a_beginning_that_leads_to_no_end_is_followed_by_other_starts(
     found = identify(train, measured, Options(starts=2), beginning=once.point)
     assert found.verdict.startswith("not converged")
     assert found.starts == 2
+
+
+@pytest.fixture(scope="module")
+def film_problem() -> FitProblem:
+    plant = random_plant(1, discrepancy=DiscrepancySize())
+    return fit_problem(parse_machine(film_document(plant)), measured_on_films(plant, seed=1), robust=True)
+
+
+def scripted(monkeypatch: pytest.MonkeyPatch, problem: FitProblem, *coarse: float) -> None:
+    """Let fits end at these coarse misfits, one after the other: infeasible at NaN, and given up where that is said."""
+    ends = iter(coarse)
+
+    def fit(_problem: FitProblem, start: Floats, *, give_up_from: float = math.inf, **_options: object) -> FitResult:
+        value = next(ends)
+        lost = not value < give_up_from
+        return replace(at_nominal, theta=start, coarse_misfit=value, misfit=math.inf if lost else 100.0 * value)
+
+    at_nominal = maximum_likelihood.fit(problem, problem.coordinates.centre, passes=0)
+    monkeypatch.setattr(multistart, "fit", fit)
+
+
+@pytest.mark.parametrize(
+    ("coarse", "begins", "starts"),
+    [
+        ((5.0, 6.0, 1.0), False, 2),
+        ((math.nan, 5.0, 1.0), False, 3),
+        ((5.0, 6.0, 1.0), True, 3),
+        ((5.0, 6.0, 7.0, 1.0), True, 3),
+    ],
+    ids=["two lead nowhere", "the first was infeasible", "the document's values after a beginning", "two after a beginning"],
+)
+def test_starts_on_films_end_once_two_of_the_documents_values_lead_nowhere(
+    film_problem: FitProblem,
+    monkeypatch: pytest.MonkeyPatch,
+    coarse: tuple[float, ...],
+    begins: bool,
+    starts: int,
+) -> None:
+    scripted(monkeypatch, film_problem, *coarse)
+    beginning = film_problem.coordinates.centre if begins else None
+    found = best_fit(film_problem, starts=9, seed=0, good=lambda found: found.coarse_misfit < 2.0, beginning=beginning)
+    assert found.starts == starts
