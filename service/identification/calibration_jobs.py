@@ -95,7 +95,9 @@ def request_calibration(
     Raises MachineUnknown, DocumentMoved, QuotaExceeded.
     """
     if machines.get(session, machine_id).revision != revision:
-        raise DocumentMoved(f"the document of machine '{machine_id}' was changed meanwhile: ask again")
+        raise DocumentMoved(
+            f"the document of machine '{machine_id}' was changed meanwhile: ask again, with another Idempotency-Key"
+        )
     require_place(session, machine_id, asker)
     stored = {"runs": [asdict(one) for one in asked], "seed": seed}
     row = model_calibrations.add(session, machine_id, revision=revision, asked=stored, by=by, comment=comment)

@@ -1,4 +1,5 @@
 // Requests to the API, and their errors.
+import { joinedSignal } from "./abort-signals";
 import { locale } from "../messages/locale";
 import { t } from "../messages/messages";
 import { connection, isTimeout, noteNoResponse, noteResponse } from "./connection";
@@ -54,7 +55,7 @@ async function request(path: string, options: RequestInit): Promise<Response> {
     response = await fetch(API_PREFIX + path, {
       ...options,
       headers: { "accept-language": locale, ...options.headers },
-      signal: options.signal ? AbortSignal.any([options.signal, waited]) : waited,
+      signal: options.signal ? joinedSignal(options.signal, waited) : waited,
     });
   } catch (error) {
     if (options.signal?.aborted) throw error;

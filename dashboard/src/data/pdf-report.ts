@@ -1,4 +1,5 @@
 // A machine's report as PDF: the service prints it when it is asked for, which may take a while.
+import { joinedSignal } from "./abort-signals";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { t } from "../messages/messages";
 import { API_PREFIX } from "./http-client";
@@ -28,7 +29,7 @@ export function usePrinting(): Printing {
     setSeconds(0);
     const clock = window.setInterval(() => setSeconds(Math.round((Date.now() - began) / 1000)), TICK_MS);
     try {
-      const response = await fetch(API_PREFIX + path, { signal: AbortSignal.any([own.signal, AbortSignal.timeout(TIMEOUT_MS)]) });
+      const response = await fetch(API_PREFIX + path, { signal: joinedSignal(own.signal, AbortSignal.timeout(TIMEOUT_MS)) });
       if (!response.ok) throw new Error(await problemText(response));
       onPrinted(await response.blob());
     } catch (error) {

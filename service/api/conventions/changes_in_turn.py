@@ -5,14 +5,16 @@ request is answered.
 """
 
 import inspect
-from collections.abc import Callable
-from contextlib import AsyncExitStack
+from collections.abc import Callable, Iterator
+from contextlib import AsyncExitStack, contextmanager
 from typing import TypeVar, cast
 
+from anyio import from_thread
 from fastapi import Request
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from service.api.conventions.dependencies import principal
+from service.api.conventions.lent_threads import another_thread
 from service.api.conventions.request_places import RequestPlaces
 
 READING = frozenset({"GET", "HEAD", "OPTIONS"})
@@ -24,9 +26,24 @@ _in_turns_of_their_own: set[Callable[..., object]] = set()
 
 
 def takes_turns_of_its_own(endpoint: E) -> E:
-    """Mark an endpoint that waits for a computation, among others in their turn: it holds no place meanwhile."""
+    """Mark an endpoint that waits for a computation, among others in their turn: it holds no place meanwhile.
+
+    It stores the result within `change_place`: all who waited for one computation go on at the same time.
+    """
     _in_turns_of_their_own.add(endpoint)
     return endpoint
+
+
+@contextmanager
+def change_place(request: Request) -> Iterator[None]:
+    """Hold a place of a change in a thread that serves a request; others use the thread while it waits for the place."""
+    places, who = cast(RequestPlaces, request.app.state.changing_places), principal(request).identity
+    with another_thread():
+        from_thread.run(places.acquire, who)
+    try:
+        yield
+    finally:
+        from_thread.run_sync(places.release, who)
 
 
 class HeldPlaces:

@@ -30,13 +30,14 @@ class RequestPlaces:
     @asynccontextmanager
     async def place(self, who: str) -> AsyncIterator[None]:
         """Hold a place, after waiting for it. who: whose request it is."""
-        await self._take(who)
+        await self.acquire(who)
         try:
             yield
         finally:
-            self._give(who)
+            self.release(who)
 
-    async def _take(self, who: str) -> None:
+    async def acquire(self, who: str) -> None:
+        """Wait for a place, and hold it until it is released. who: whose request it is."""
         if self._free and self._held[who] < self._most:
             self._hold(who)
             return
@@ -46,14 +47,15 @@ class RequestPlaces:
             await turn
         except asyncio.CancelledError:
             if turn.done() and not turn.cancelled():
-                self._give(who)  # the place had been given already
+                self.release(who)  # the place had been given already
             raise
 
     def _hold(self, who: str) -> None:
         self._free -= 1
         self._held[who] += 1
 
-    def _give(self, who: str) -> None:
+    def release(self, who: str) -> None:
+        """Give a place to whoever is next."""
         self._free += 1
         self._held[who] -= 1
         if not self._held[who]:

@@ -21,7 +21,7 @@ from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model.balance_quality import GRAM_MILLIMETRE
 from service.api.cache.computing_apart import computed_apart
 from service.api.cache.model_process import ModelProcess
-from service.api.conventions.changes_in_turn import takes_turns_of_its_own
+from service.api.conventions.changes_in_turn import change_place, takes_turns_of_its_own
 from service.api.conventions.dependencies import MachineId, Number, Reading, database
 from service.api.conventions.paging import ById
 from service.api.conventions.problems import CHANGES, RESPONSES, Unsuitable
@@ -134,7 +134,8 @@ def compute_correction(
 
     result = computed_apart(request, ("balancing correction", *key, json.dumps(asked)), work)
     step = {"asked": asked, "by": said.by, "at": now(), "result": result}
-    with database(request).transaction() as session:
+    with change_place(request), database(request).transaction() as session:
+        require_nothing_else(session, machine_id, finding_name)  # an alert may have come while it was computed
         row = _unmoved(session, machine_id, balancing_id, read)
         balancings.record(row, balancings.PROPOSED, correction=step, check=None)
         return _rendered(session, row)
@@ -169,7 +170,7 @@ def check_correction(
         "at": now(),
         "result": computed_apart(request, whole, work),
     }
-    with database(request).transaction() as session:
+    with change_place(request), database(request).transaction() as session:
         row = _unmoved(session, machine_id, balancing_id, read)
         balancings.record(row, balancings.CHECKED, check=step)
         return _rendered(session, row)

@@ -9,7 +9,7 @@ from estimator.machine.disc_scale import DiscScale
 from estimator.machine.document import parse_machine
 from service.api.cache.computing_apart import computed_apart
 from service.api.cache.model_process import ModelProcess
-from service.api.conventions.changes_in_turn import takes_turns_of_its_own
+from service.api.conventions.changes_in_turn import change_place, takes_turns_of_its_own
 from service.api.conventions.dependencies import MachineId, Number, Reading, database, requester
 from service.api.conventions.paging import ById
 from service.api.conventions.problems import CHANGES, RESPONSES, WAIT, Unsuitable
@@ -74,7 +74,7 @@ def request_model_calibration(
         process.compute(check_runs, machine, runs)
 
     computed_apart(request, ("runs of a calibration", machine_id, revision, tuple(asked)), check)
-    with database(request).transaction() as session:
+    with change_place(request), database(request).transaction() as session:
         row = calibration_jobs.request_calibration(
             session,
             machine_id,

@@ -254,10 +254,37 @@ def test_runs_are_read_while_others_may_write_and_a_balancing_has_only_so_many_t
     assert held == [False, False]
 
 
+def test_a_correction_is_stored_in_its_turn_and_not_beside_an_alert_that_came_meanwhile(
+    store: Database, api: Api, begun: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    places, process, held = api.app.state.changing_places, api.app.state.model_process, []
+    unmoved, compute = balancings._unmoved, process.compute
+
+    def noting(*given: Any) -> Any:
+        held.append(places._held.total())
+        return unmoved(*given)
+
+    def slow(work: Any, *given: Any) -> Any:
+        found = compute(work, *given)
+        with store.transaction() as session:
+            row = store_identification(session, identification({"coupling.C1.kxx": 1.0}), run_id=1)
+            finding = AlertFinding({"sigma": 6.1}, row.id, START, latching=False)
+            transitions.raise_alert(session, KEY.machine, rule="misalignment", element="coupling.C1", finding=finding)
+        return found
+
+    monkeypatch.setattr(balancings, "_unmoved", noting)
+    api("POST", f"{PATH}/{begun}/correction", json={"by": "Ada"})
+    assert held == [1]
+    monkeypatch.setattr(process, "compute", slow)
+    refused = api("POST", f"{PATH}/{begun}/correction", 409, json={"by": "Bea", "criterion": "min-max"})["detail"]
+    assert "C1" in refused
+    assert places._held.total() == 0
+
+
 def test_a_correction_is_computed_in_another_process_and_in_no_transaction(
     store: Database, api: Api, begun: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Once for who asks twice for the same of the same steps; an error of the computation is the answer."""
+    """What cannot be computed is refused by words."""
     process, found = api.app.state.model_process, []
     compute = process.compute
 
