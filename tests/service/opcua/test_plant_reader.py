@@ -1,6 +1,7 @@
 """Reads what has changed for clients: what cannot be told of one machine holds up no other."""
 
 import logging
+from typing import Any
 
 import pytest
 
@@ -22,7 +23,7 @@ def ids(database: Database) -> tuple[Ids, Ids]:
     return fill(database)
 
 
-def commented(database: Database, alert: int, *, evidence: object = None) -> None:
+def commented(database: Database, alert: int, *, evidence: Any = None) -> None:
     """Let somebody comment an alert. evidence: what the event then holds of it."""
     with database.transaction() as session:
         transitions.comment(session, alerts.get(session, alert), Person("anna", "looked at"))
