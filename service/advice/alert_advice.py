@@ -21,7 +21,7 @@ logger = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class EventText:
-    """What is said of a stored event. is_made: False where no text takes what is stored; the message then says so."""
+    """The words of a stored event. is_made: False where no text takes what is stored; the message then says so."""
 
     message: str
     advice: Advice | None

@@ -1,4 +1,4 @@
-"""What clients do not see although it is stored, or see without its text: health names it until it is right."""
+"""Names what clients do not see although it is stored, or see without its text, in health until it is right."""
 
 import logging
 from collections.abc import Awaitable

@@ -110,6 +110,18 @@ def test_trends_are_published_when_an_identification_is_filed(own_broker: Mosqui
     assert found["lower"] < found["value"] < found["upper"]
 
 
+@pytest.mark.usefixtures("publishing")
+def test_an_event_whose_text_cannot_be_made_replaces_the_state_before(own_broker: Mosquitto, plant: Database) -> None:
+    with own_broker.connected("hmi", "", "rundown/v1/#") as hmi:
+        number = raised(plant)
+        wait_until(lambda: state(hmi.last(ALERT)) == "unacknowledged")
+        with plant.transaction() as session:
+            alerting.acknowledge(session, alerts.get(session, number), Person("anna"))
+            alerts.last_event(session, number).evidence = {"measured_at": "yesterday"}
+        wait_until(lambda: state(hmi.last(ALERT)) == "acknowledged")
+        assert json.loads(hmi.last(ALERT) or b"{}")["message"] == "Misalignment of coupling C1: its text cannot be made"
+
+
 def stored(plant: Database, number: int) -> int:
     """File the identification of a run; its id."""
     with plant.transaction() as session:

@@ -64,7 +64,7 @@ def test_an_event_that_cannot_be_read_is_logged_once_and_named_and_the_others_ar
 def test_an_alert_whose_evidence_no_text_takes_is_told_as_it_stands(
     database: Database, ids: tuple[Ids, Ids], evidence: object
 ) -> None:
-    """When it happens, and when a server starts."""
+    """Both when it happens and when a server starts."""
     reader = PlantReader(database)
     before = {one.id: one for one in reader.open_alerts()}[ids[1].alert_id]
     commented(database, ids[1].alert_id, evidence=evidence)

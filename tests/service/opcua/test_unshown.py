@@ -1,4 +1,4 @@
-"""What cannot be shown to clients, or only without its text, is named until it is right, and stays frozen no longer."""
+"""Names of what cannot be shown to clients, or only without its text: they stand until it is right."""
 
 import asyncio
 from collections.abc import Iterator
