@@ -22,6 +22,8 @@ logger = logging.getLogger(__name__)
 
 MILLIRADIANS = 1e-3
 """Milliradians in a microradian."""
+FAULTS_OF_CONTENT = (ValueError, TypeError, KeyError, IndexError, AttributeError, OverflowError)
+"""Errors that stored numbers of a form of another release, or none at all, lead to."""
 LARGEST_EXPONENT = 13.8
 """Logarithm of a million: beyond it nobody reads a factor."""
 
@@ -49,7 +51,7 @@ def advice_of(facts: FindingFacts, texts: SiteTexts) -> Advice | None:
         return None
     try:
         return _advice(finding, facts, texts.of(facts.kind))
-    except (KeyError, TypeError, ValueError, OverflowError):
+    except FAULTS_OF_CONTENT:
         # Of evidence that another release has stored; whoever reads it still gets its kind and element.
         logger.exception("%s of %s at %s cannot be put into words", facts.kind, facts.element, facts.machine)
         return None

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import aiomqtt
 from sqlalchemy.orm import Session
 
+from service.advice.advice import FAULTS_OF_CONTENT
 from service.advice.alert_advice import alert_event
 from service.advice.site_texts import SiteTexts
 from service.alerts.event_message import AlertEvent
@@ -126,7 +127,7 @@ class MqttAlerts(MqttThread):
             await client.publish(self._topics.status(self._settings.mqtt_client_id), b"offline", qos=1, retain=True)
 
     async def _work_with(self, client: aiomqtt.Client) -> None:
-        await self._publish_all(client, await asyncio.to_thread(self._last_states))
+        await self._publish_all(client, await asyncio.to_thread(self._last_states, connecting=True))
         await client.publish(self._topics.status(self._settings.mqtt_client_id), b"online", qos=1, retain=True)
         self._ready = client
         self.note_connected()
@@ -151,12 +152,16 @@ class MqttAlerts(MqttThread):
         topic = self._topics.alert(plant, event.machine, rule=event.rule, element=event.element)
         return RetainedMessage(topic, event.model_dump_json().encode(), retain=event.id > 0, number=event.id)
 
-    def _last_states(self) -> list[RetainedMessage]:
-        """Return the last event of each alert and the newest identification of each machine, of plants with subscriptions."""
+    def _last_states(self, *, connecting: bool = False) -> list[RetainedMessage]:
+        """Return the last event of each alert and the newest identification of each machine, of plants with subscriptions.
+
+        connecting: whether a connection begins: what was filed before is then no news.
+        """
         with self._database.reading() as session:
             told = _subscribed(session)
             self._told = _marks(told)
-            self._seen = {filed_estimates.newest_id(session): None}
+            if connecting:
+                self._seen |= _filed_lately(session)
             if not told:
                 return []
             plants = {row.id: row.plant for row in machines.list_all(session) if _covers(told, row.plant)}
@@ -172,15 +177,19 @@ class MqttAlerts(MqttThread):
         """Return the message of an alert's last event; None for what cannot be told, which must not hold up the others."""
         try:
             return self._message_of(plant, alert_event(row, self._texts))
-        except (ValueError, TypeError, KeyError, OverflowError):
+        except FAULTS_OF_CONTENT:
             logger.exception("the last event of alert %d cannot be published", row.alert_id)
             return None
 
     def _due_messages(self) -> list[RetainedMessage]:
-        """Return the identifications since the last look, and all last states where other subscriptions ask by now."""
+        """Return the identifications since the last look, and all last states where subscriptions ask for them by now."""
         with self._database.reading() as session:
             asked = _marks(_subscribed(session))
-        return self._new_trends() + ([] if asked == self._told else self._last_states())
+        messages = self._new_trends()
+        if asked - self._told:
+            return messages + self._last_states()
+        self._told = asked
+        return messages
 
     def _new_trends(self) -> list[RetainedMessage]:
         """Return the identifications that were filed since the last look."""
@@ -217,6 +226,13 @@ def _retry_deliveries(database: Database) -> None:
     """Make deliveries due that failed while the broker was away."""
     with database.transaction() as session:
         deliveries.retry_now(session, KIND)
+
+
+def _filed_lately(session: Session) -> dict[int, None]:
+    """Return the newest identification, and those before it that a look would find: others may still be filed among them."""
+    newest = filed_estimates.newest_id(session)
+    rows = filed_estimates.filed(session, after=newest - OVERLAP, limit=2 * AT_ONCE, held_back_ns=0)
+    return dict.fromkeys([newest, *(one.id for one in rows)])
 
 
 async def _until_it_ends(client: aiomqtt.Client) -> None:

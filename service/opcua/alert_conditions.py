@@ -13,7 +13,7 @@ from service.opcua.alert_reading import AlertReading
 from service.opcua.client_session import ClientSession
 from service.opcua.condition_state import STATES, ConditionEvent, Fields, condition_fields, moment, node, text
 from service.opcua.machine_nodes import MachineNodes
-from service.opcua.node_tree import COMPONENT, PROPERTY, NodeTree
+from service.opcua.node_tree import COMPONENT, PROPERTY, NodeRefused, NodeTree
 from storage.clock import now, to_datetime
 
 OWN = frozenset({"Rule", "Element", "State", "AlertId", "Identification"})
@@ -61,9 +61,12 @@ class AlertConditions:
         return found
 
     async def show(self, alert: AlertReading, *, tell: bool = True) -> None:
-        """Show an alert, and send its event to subscribers. tell: False where nothing has happened to it."""
+        """Show an alert, and send its event to subscribers. Raises NodeRefused.
+
+        tell: False where nothing has happened to it.
+        """
         if not self._machines.shows(alert.machine):
-            return
+            raise NodeRefused(f"its machine '{alert.machine}' is not shown")
         condition = self._node(alert)
         fields = self._fields(alert)
         if condition not in self._conditions:

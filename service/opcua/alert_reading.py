@@ -5,10 +5,12 @@ from dataclasses import dataclass
 
 from sqlalchemy.orm import Session
 
-from service.advice.alert_advice import alert_event
+from service.advice.advice import FAULTS_OF_CONTENT
+from service.advice.alert_advice import event_text
 from service.advice.site_texts import SiteTexts
 from service.alerts.lifecycle import AlertStatus, Suppression
 from service.alerts.transitions import status_of
+from service.opcua.unshown import Unshown, alert_name
 from storage.alerts import alerts, suppressions
 from storage.machines import machines
 from storage.tables.alerting import AlertEventRow, AlertRow
@@ -20,7 +22,8 @@ logger = logging.getLogger(__name__)
 class AlertReading:
     """An alert after one of its events. Times in ns since 1970; shelved_until: None unless it is shelved.
 
-    shelved_once: whether the shelving ends before then when the cause is gone.
+    shelved_once: whether the shelving ends before then when the cause is gone. has_text: False where what is stored of the
+    event can be put into no words; the message then says so.
     """
 
     id: int
@@ -39,6 +42,7 @@ class AlertReading:
     message: str
     by: str
     comment: str
+    has_text: bool
 
     @property
     def name(self) -> str:
@@ -55,27 +59,28 @@ class AlertNews:
     many: int
 
 
-def open_readings(session: Session, texts: SiteTexts) -> list[AlertReading]:
+def open_readings(session: Session, texts: SiteTexts, unshown: Unshown) -> list[AlertReading]:
     """Read every open alert, with its last event."""
     rows = alerts.all_open(session)
-    found = (_readable(session, row.id, alerts.last_event(session, row.id), texts) for row in rows)
+    found = (_readable(session, row.id, alerts.last_event(session, row.id), texts, unshown) for row in rows)
     return [one for one in found if one is not None]
 
 
-def events_since(session: Session, event: int, texts: SiteTexts, *, limit: int) -> AlertNews:
+def events_since(session: Session, event: int, texts: SiteTexts, unshown: Unshown, *, limit: int) -> AlertNews:
     """Read the alerts of the events behind one; each with the standing that the alert has now."""
     events = alerts.events_after(session, event, limit=limit)
-    found = (_readable(session, one.alert_id, one, texts) for one in events)
+    found = (_readable(session, one.alert_id, one, texts, unshown) for one in events)
     last = events[-1].id if events else event
     return AlertNews([one for one in found if one is not None], last, len(events))
 
 
-def _readable(session: Session, alert: int, event: AlertEventRow, texts: SiteTexts) -> AlertReading | None:
+def _readable(session: Session, alert: int, event: AlertEventRow, texts: SiteTexts, unshown: Unshown) -> AlertReading | None:
     """Return an alert after one of its events; None for what cannot be told, which must not hold up the others."""
     try:
         return _reading(session, alerts.get(session, alert), event, texts)
-    except (ValueError, TypeError, KeyError, OverflowError):
+    except FAULTS_OF_CONTENT:
         logger.exception("event %d of alert %d is not told over OPC UA", event.id, alert)
+        unshown.note(alert_name(alert))
         return None
 
 
@@ -87,7 +92,7 @@ def _reading(session: Session, row: AlertRow, event: AlertEventRow, texts: SiteT
         shelvings = [one for one in matching if one.kind == Suppression.SHELVED]
         until = max((one.until for one in shelvings if one.until is not None), default=None)
         once = any(one.until_cleared for one in shelvings)
-    told = alert_event(event, texts)
+    said = event_text(event, texts)
     return AlertReading(
         id=row.id,
         plant=machines.get(session, row.machine_id).plant,
@@ -102,7 +107,8 @@ def _reading(session: Session, row: AlertRow, event: AlertEventRow, texts: SiteT
         event=event.id,
         at=event.at,
         kind=event.kind,
-        message=told.message,
+        message=said.message,
         by=event.by,
-        comment=told.comment,
+        comment=said.comment,
+        has_text=said.is_made,
     )

@@ -85,17 +85,17 @@ class MachineNodes:
         if reading.id not in self._plants:
             self._add_machine(reading)
         await self._show_glance(reading)
-        before = self._shown.get(reading.id, set())
+        shown = self._shown.setdefault(reading.id, set())
         found = {(one.folder, one.name) for one in reading.values}
         for one in reading.values:
-            if (one.folder, one.name) not in before:
+            if (one.folder, one.name) not in shown:
                 self._add_value(reading.id, one)
+                shown.add((one.folder, one.name))  # at once: should showing one fail, the others are there next time
             await self._show_value(reading.id, one)
         at = None if reading.identification is None else reading.identification.measured_at
-        for folder, name in before - found:
+        for folder, name in shown - found:
             gone = ValueReading(folder, name, "", None, None, None, None, machine_reading.NOT_ESTIMABLE, GONE, at)
             await self._show_value(reading.id, gone)
-        self._shown[reading.id] = before | found
 
     async def show_standing(self, machine: str, standing: CollectionState) -> None:
         """Show state and speed of a machine by its newest samples."""

@@ -11,6 +11,7 @@ from sqlalchemy.orm import Session
 from service.advice.site_texts import SiteTexts
 from service.opcua.alert_reading import AlertReading, events_since, open_readings
 from service.opcua.machine_reading import MachineReading, read_machine
+from service.opcua.unshown import Unshown, machine_name
 from service.runs.collection_state import CollectionState
 from storage.alerts import alerts
 from storage.clock import now
@@ -45,7 +46,9 @@ class PlantNews:
 class PlantReader:
     """The state of all plants as last read. Its methods block, and are called one at a time."""
 
-    def __init__(self, database: Database, texts: SiteTexts | None = None) -> None:
+    def __init__(self, database: Database, texts: SiteTexts | None = None, unshown: Unshown | None = None) -> None:
+        """Set up. unshown: takes the names of what cannot be read."""
+        self._unshown = unshown or Unshown()
         self._alert_texts = texts or SiteTexts()
         self._database = database
         self._changes = Changes(database)
@@ -61,7 +64,7 @@ class PlantReader:
         """Read the open alerts, and note the newest event: `read_changes` begins behind it."""
         with self._database.reading() as session:
             self._event = alerts.newest_event(session)
-            return open_readings(session, self._alert_texts)
+            return open_readings(session, self._alert_texts, self._unshown)
 
     def read_changes(self) -> PlantNews:
         """Read what has changed since the last call. Raises DBAPIError; a later call then returns what this one has missed."""
@@ -81,7 +84,7 @@ class PlantReader:
         if mark is not None and mark == self._mark and aged is None:
             return found
         with self._database.reading() as session:
-            told = events_since(session, self._event, self._alert_texts, limit=EVENTS)
+            told = events_since(session, self._event, self._alert_texts, self._unshown, limit=EVENTS)
             found.machines = self._machines(session, aged)
         found.alerts, self._event = told.readings, told.last
         # As long as a look is full, there may be more behind it.
@@ -101,6 +104,7 @@ class PlantReader:
                 if isinstance(error, DBAPIError) and is_database_wide(error):
                     raise
                 logger.error("machine '%s' is not shown over OPC UA: it cannot be read: %s", name, error_message(error))
+                self._unshown.note(machine_name(name))
             self._glances[name] = glance
             self._read_at[name] = now()
         return found

@@ -3,7 +3,7 @@
 import asyncio
 import logging
 import time
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any, TypeVar
@@ -19,6 +19,7 @@ from rotorundown.environment.release import VERSION
 from service.advice.site_texts import SiteTexts
 from service.configuration.settings import Settings
 from service.opcua.alert_conditions import AlertConditions
+from service.opcua.alert_reading import AlertReading
 from service.opcua.browsing import Browsing
 from service.opcua.capabilities import set_capabilities
 from service.opcua.client_requests import LARGEST_CHUNK, ListeningServer
@@ -29,10 +30,11 @@ from service.opcua.condition_methods import ConditionMethods
 from service.opcua.issued_tokens import text_of, token_policy
 from service.opcua.machine_nodes import MachineNodes
 from service.opcua.names import NAMESPACE, NodeNames
-from service.opcua.node_tree import NodeRefused, NodeTree
+from service.opcua.node_tree import NodeTree
 from service.opcua.own_subscriptions import MOST_QUEUED
 from service.opcua.plant_reader import PlantNews, PlantReader
 from service.opcua.trend_history import TrendHistory
+from service.opcua.unshown import Unshown, alert_name, machine_name
 from service.security.authentication import Authentication
 from service.security.configuration import Security
 from service.security.principal import Principal
@@ -140,7 +142,9 @@ class PlantServer:
         self._core = ClientServer(self._users, trust, TrendHistory(database))
         self._core.offer(token_policy(settings))
         self._server = ListeningServer(iserver=self._core)
-        self._reader = PlantReader(database, texts)
+        self._unshown = Unshown()
+        self._waiting: dict[int, AlertReading] = {}  # alerts that could not be shown
+        self._reader = PlantReader(database, texts, self._unshown)
         self._database = database
         self._checked_at = 0.0
         self._certificate_ends: datetime | None = None
@@ -166,7 +170,8 @@ class PlantServer:
     @property
     def trouble(self) -> str | None:
         """Return what is wrong while it serves; None where nothing does."""
-        return None if self._trust is None else self._trust.trouble
+        of_trust = None if self._trust is None else self._trust.trouble
+        return "; ".join(one for one in (of_trust, self._unshown.trouble) if one) or None
 
     async def start(self) -> None:
         """Show what is stored, then listen. Raises CertificateUnusable, OSError, DBAPIError."""
@@ -185,7 +190,7 @@ class PlantServer:
         standing = await _in_thread(self._reader.open_alerts)
         await self._show(await _in_thread(self._reader.read_changes))
         for alert in standing:
-            await _shown(f"alert {alert.id}", self._conditions.show(alert, tell=False))
+            await self._show_alert(alert, tell=False)
         await self._server.start()
 
     async def update(self) -> None:
@@ -215,16 +220,27 @@ class PlantServer:
         return isinstance(session.user, ClientUser) and await _in_thread(self._users.still_valid, session.user)
 
     async def _show(self, news: PlantNews) -> None:
-        machines, conditions = self._machines, self._conditions
+        machines = self._machines
         assert machines is not None
-        assert conditions is not None
         for reading in news.machines:
-            await _shown(f"machine '{reading.id}'", machines.show(reading))
+            await self._unshown.show(machine_name(reading.id), machines.show(reading))
             await _others_first()
         for machine, standing in news.standings.items():
-            await _shown(f"the state of machine '{machine}'", machines.show_standing(machine, standing))
-        for alert in news.alerts:
-            await _shown(f"alert {alert.id}", conditions.show(alert))
+            await self._unshown.show(f"the state of {machine_name(machine)}", machines.show_standing(machine, standing))
+        for alert in [*(self._waiting.values() if news.machines else ()), *news.alerts]:
+            await self._show_alert(alert)
+
+    async def _show_alert(self, alert: AlertReading, *, tell: bool = True) -> None:
+        """Show an alert; one that cannot be shown is tried again when machines have changed."""
+        assert self._conditions is not None
+        name = alert_name(alert.id)
+        self._waiting.pop(alert.id, None)
+        if not await self._unshown.show(name, self._conditions.show(alert, tell=tell)):
+            self._waiting[alert.id] = alert
+        elif alert.is_open and not alert.has_text:
+            self._unshown.note(f"the text of {name}")
+        else:
+            self._unshown.forget(f"the text of {name}")
 
     def _use_certificate(self) -> None:
         settings, server = self._settings, self._server
@@ -258,14 +274,6 @@ class PlantServer:
 
 async def _in_thread(function: Callable[..., T], *arguments: object) -> T:
     return await asyncio.to_thread(function, *arguments)
-
-
-async def _shown(what: str, showing: Awaitable[None]) -> None:
-    """Wait until something is shown; what cannot be is logged, and holds up nothing else."""
-    try:
-        await showing
-    except (NodeRefused, KeyError, ValueError, TypeError):
-        logger.exception("%s is not shown over OPC UA", what)
 
 
 async def _others_first() -> None:

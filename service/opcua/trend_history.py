@@ -28,7 +28,7 @@ from storage.findings.trends import HistoryPoint
 MOST_NODES = 100
 """Largest number of nodes in one request."""
 PAGE, MOST_VALUES = 1_000, 10_000
-"""Largest number of values of one node, and of all, in one answer; a continuation point leads to more."""
+"""Largest number of values of one node, and of all, in one answer, bounds among them; a continuation point leads to more."""
 MOST_AGGREGATED = 100_000
 """Largest number of raw values that the aggregates of one answer are computed from."""
 MOST_WAITING = 20
@@ -167,18 +167,21 @@ class TrendHistory:
             return _failed(wrong)
         size = min(page, wanted.left or page)
         points = self._points(path, wanted, size + 1)
-        shown = points[:size]
-        result, bound = ua.HistoryReadResult(), path[4] if path[4:] else ""
-        values = [_value(one, bound) for one in shown]
-        left = wanted.left - len(shown) if wanted.left else 0
-        if len(points) > size and (left or not wanted.left):
-            last = shown[-1]
-            rest = replace(wanted, left=left, after=(last.measured_at, last.identification))
-            result.ContinuationPoint = rest.continuation()
-        if wanted.bounds and not given and not (shown and shown[0].measured_at // MICROSECOND == wanted.begin // MICROSECOND):
-            values.insert(0, self._beyond(path, wanted, bound, end=False))
-        if wanted.bounds and len(points) <= size:
+        result, bound, values = ua.HistoryReadResult(), path[4] if path[4:] else "", []
+        at_begin = bool(points) and points[0].measured_at // MICROSECOND == wanted.begin // MICROSECOND
+        if wanted.bounds and not given and not at_begin:
+            values.append(self._beyond(path, wanted, bound, end=False))
+        shown = points[: size - len(values)]
+        values += [_value(one, bound) for one in shown]
+        is_all = len(shown) == len(points)
+        if wanted.bounds and is_all and len(values) < size:
             values.append(self._beyond(path, wanted, bound, end=True))
+        elif wanted.bounds or not is_all:
+            left = wanted.left - len(values) if wanted.left else 0
+            if left or not wanted.left:
+                last = shown[-1]
+                rest = replace(wanted, left=left, after=(last.measured_at, last.identification))
+                result.ContinuationPoint = rest.continuation()
         result.HistoryData = ua.HistoryData(values)
         return result
 

@@ -63,6 +63,7 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     # --- advice: how sure
     "itself": "{element} itself",
     "finding_of": "{finding} of {element}",
+    "no_text": "{what}: its text cannot be made",
     "the_machine": "the machine",
     "sure.drift": "The order of the last {runs} runs is no chance, with less than 1 in 10,000",
     "sure.sigma": "{sigma:.0f} σ for all of it",

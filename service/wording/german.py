@@ -64,6 +64,7 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     # --- advice: how sure
     "itself": "{element} selbst",
     "finding_of": "{finding} an {element}",
+    "no_text": "{what}: der Text dazu kann nicht gebildet werden",
     "the_machine": "die Maschine",
     "sure.drift": "Die Reihenfolge der letzten {runs} Läufe ist kein Zufall, mit weniger als 1 zu 10 000",
     "sure.sigma": "{sigma:.0f} σ für alles zusammen",

@@ -15,11 +15,12 @@ from service.mqtt.publisher import MqttAlerts, RetainedMessage
 from service.replication.work_share import WholeShare
 from storage.alerts import alerts, deliveries
 from storage.database.engine import Database
-from tests.mosquitto import Mosquitto, broker
+from tests.mosquitto import Listener, Mosquitto, broker
 from tests.plant import KEY, START, identification, store_identification, wait_until
 from tests.service.mqtt.conftest import settings_of
 
 ALERT = f"rundown/v1/{KEY.plant}/{KEY.machine}/alerts/misalignment/coupling.C1"
+DAMAGED = f"rundown/v1/{KEY.plant}/{KEY.machine}/alerts/looseness/bearing.B1"
 TRENDS = f"rundown/v1/{KEY.plant}/{KEY.machine}/trends"
 
 
@@ -109,10 +110,32 @@ def test_trends_are_published_when_an_identification_is_filed(own_broker: Mosqui
     assert found["lower"] < found["value"] < found["upper"]
 
 
-def test_whoever_subscribes_later_is_told_of_what_stands_already(own_broker: Mosquitto, plant: Database) -> None:
-    """At once, not at the next connection; what cannot be told of one alert holds up no other."""
+@pytest.mark.usefixtures("publishing")
+def test_an_event_whose_text_cannot_be_made_replaces_the_state_before(own_broker: Mosquitto, plant: Database) -> None:
+    with own_broker.connected("hmi", "", "rundown/v1/#") as hmi:
+        number = raised(plant)
+        wait_until(lambda: state(hmi.last(ALERT)) == "unacknowledged")
+        with plant.transaction() as session:
+            alerting.acknowledge(session, alerts.get(session, number), Person("anna"))
+            alerts.last_event(session, number).evidence = {"measured_at": "yesterday"}
+        wait_until(lambda: state(hmi.last(ALERT)) == "acknowledged")
+        assert json.loads(hmi.last(ALERT) or b"{}")["message"] == "Misalignment of coupling C1: its text cannot be made"
+
+
+def stored(plant: Database, number: int) -> int:
+    """File the identification of a run; its id."""
     with plant.transaction() as session:
-        store_identification(session, identification(), run_id=1, measured_at=START)
+        return store_identification(session, identification(), run_id=number, measured_at=START + number * 10**9).id
+
+
+def told_trends(hmi: Listener) -> list[int]:
+    """Ids of the identifications that a client has received, in order."""
+    return [json.loads(one.payload)["identification"] for one in list(hmi.heard) if one.topic == TRENDS]
+
+
+def test_whoever_subscribes_later_is_told_of_what_stands_already(own_broker: Mosquitto, plant: Database) -> None:
+    """At once, not at the next connection; where no text takes what is stored of an alert its state is told all the same."""
+    older = [stored(plant, number) for number in (1, 2, 3)]
     raised(plant)
     with plant.transaction() as session:
         finding = AlertFinding({}, 1, START)
@@ -128,9 +151,38 @@ def test_whoever_subscribes_later_is_told_of_what_stands_already(own_broker: Mos
             with plant.transaction() as session:
                 deliveries.subscribe(session, kind="mqtt", name="broker", target="", secret=None)
             wait_until(lambda: state(hmi.last(ALERT)) == "unacknowledged" and hmi.last(TRENDS) is not None, seconds=15.0)
+            wait_until(lambda: state(hmi.last(DAMAGED)) == "unacknowledged")
+            assert "its text cannot be made" in json.loads(hmi.last(DAMAGED) or b"{}")["message"]
+            newer = stored(plant, 4)
+            wait_until(lambda: newer in told_trends(hmi))
+            assert told_trends(hmi) == [older[-1], newer], "nothing older comes after the newest"
         assert publisher.trouble is None
     finally:
         publisher.stop()
+
+
+def test_a_subscription_that_ends_repeats_nothing_and_one_that_is_new_does(own_broker: Mosquitto, plant: Database) -> None:
+    """A connection, too, is told of the newest identification alone."""
+    older = [stored(plant, number) for number in (1, 2, 3)]
+    with plant.transaction() as session:
+        subscriptions = [deliveries.subscribe(session, kind="mqtt", name=name, target="", secret=None).id for name in "ab"]
+    publisher = MqttAlerts(settings_of(own_broker), plant, WholeShare())
+    with own_broker.connected("hmi", "", "rundown/v1/#") as hmi:
+        publisher.start()
+        try:
+            wait_until(lambda: publisher.trouble is None)
+            with plant.transaction() as session:
+                deliveries.disable(session, deliveries.get(session, subscriptions[1]), "by hand")
+            wait_until(lambda: {number for number, _ in publisher._told} == {subscriptions[0]})
+            expected = [older[-1], stored(plant, 4)]
+            wait_until(lambda: expected[-1] in told_trends(hmi))
+            assert told_trends(hmi) == expected
+            with plant.transaction() as session:
+                deliveries.enable(session, deliveries.get(session, subscriptions[1]))
+            wait_until(lambda: len(told_trends(hmi)) == 3)
+            assert told_trends(hmi) == [*expected, expected[-1]]
+        finally:
+            publisher.stop()
 
 
 def test_an_older_event_does_not_replace_the_last_state(own_broker: Mosquitto, publishing: MqttAlerts) -> None:

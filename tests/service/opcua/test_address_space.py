@@ -10,7 +10,7 @@ import pytest
 from service.configuration.settings import Settings
 from service.doctor.opcua_greeting import greet
 from service.opcua.engineering_units import CODES, engineering_unit
-from service.opcua.serving import OpcUaServing
+from service.opcua.serving import OPENING, OpcUaServing
 from storage.database.engine import Database
 from tests.paths import ROOT
 from tests.plant import wait_until
@@ -25,7 +25,7 @@ def serving(database: Database) -> Iterator[OpcUaServing]:
     endpoint = f"opc.tcp://127.0.0.1:{free_port()}"
     one = OpcUaServing(database, Settings(opcua_listen=endpoint, opcua_allow_unencrypted=True))
     one.start()
-    wait_until(lambda: one.ready or one.trouble is not None)
+    wait_until(lambda: one.trouble != OPENING)
     yield one
     one.stop()
 

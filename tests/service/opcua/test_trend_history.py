@@ -123,7 +123,35 @@ def test_bounds_come_once_over_pages(trends: TrendHistory, monkeypatch: pytest.M
         (one,) = read(trends, continuation=continuation, **asked)
         found.append(told(one))
         continuation = one.ContinuationPoint or None
-    assert found == [[5, 6], [7, 8], [9, 10, 11]]
+    assert found == [[5, 6], [7, 8], [9, 10], [11]]
+
+
+@pytest.mark.parametrize("backwards", [False, True])
+def test_no_answer_holds_more_with_bounds_than_clients_are_told(
+    trends: TrendHistory, monkeypatch: pytest.MonkeyPatch, backwards: bool
+) -> None:
+    """Bounds count among a page's values, and among those that a client asks for."""
+    monkeypatch.setattr(trend_history, "PAGE", 3)
+    begin, end = (at(5), at(-1)) if backwards else (at(-1), at(5))
+    asked: dict[str, Any] = {"begin": begin, "end": end, "bounds": True}
+    point: Any = None
+    found: list[list[float | str]] = []
+    while point is not None or not found:
+        (one,) = read(trends, continuation=point, **asked)
+        found.append(told(one))
+        point = one.ContinuationPoint or None
+    assert {len(one) for one in found[:-1]} == {3}
+    assert len(found[-1]) <= 3
+    values = [value for one in found for value in one]
+    assert values == ([*range(12, 0, -1), "BadBoundNotFound"] if backwards else ["BadBoundNotFound", *range(1, 12)])
+    for count in (1, 2, 3, 4, 5):
+        point, values = None, []
+        while point is not None or not values:
+            (one,) = read(trends, count=count, continuation=point, **asked)
+            assert len(told(one)) <= 3
+            values += told(one)
+            point = one.ContinuationPoint or None
+        assert len(values) == count
 
 
 def test_many_nodes_share_what_one_answer_may_hold(trends: TrendHistory, monkeypatch: pytest.MonkeyPatch) -> None:
