@@ -166,8 +166,7 @@ def descend(
     Returns:
         θ (n,) [-], whether it converged, and the number of steps tried.
     """
-    prior = problem.coordinates.prior
-    growth, gain = 2.0, 1.0
+    prior, growth, gain = problem.coordinates.prior, 2.0, 1.0
     data, gradient, curvature = problem.linearised(theta, weight)
     cost = data + prior.cost(theta)
     if not np.isfinite(cost):
@@ -177,8 +176,8 @@ def descend(
         slope = gradient - prior.pull(theta)
         hessian = curvature + prior.precision
         promise = float(slope @ np.linalg.solve(hessian, slope))
-        ended = promise < settled or _has_stalled(costs, promise)
         beside = prior.cost(theta) + gap_cost(problem.gaps, theta)
+        ended = promise < settled or _has_stalled(costs, promise)
         if ended or _leads_nowhere(costs, promise, limit - step_number, hopeless + beside):
             return theta, ended, step_number
         damped = np.asarray(hessian + damping * np.diag(np.diag(hessian)), dtype=float)

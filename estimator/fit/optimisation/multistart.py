@@ -100,11 +100,9 @@ def best_fit(
     reached: list[float] = []
     give_up_from, iterations = math.inf, 0
     for start_number in range(1, max(1, starts) + 1):
-        if start_number == 1 and beginning is not None:
-            found = fit(problem, beginning, near=True, passes=passes)
-        else:
-            start = chosen_start(problem, rng, first=start_number == 1, begin=begin)
-            found = fit(problem, start, give_up_from=give_up_from, passes=passes)
+        given = beginning if start_number == 1 else None
+        start = given if given is not None else chosen_start(problem, rng, first=start_number == 1, begin=begin)
+        found = fit(problem, start, near=given is not None, give_up_from=give_up_from, passes=passes)
         found = found if twice else _continued(problem, found, unfinished, passes)
         iterations += found.iterations
         if not twice and np.isfinite(found.misfit) and good(found):

@@ -284,7 +284,7 @@ def test_a_correction_is_stored_in_its_turn_and_not_beside_an_alert_that_came_me
 def test_a_correction_is_computed_in_another_process_and_in_no_transaction(
     store: Database, api: Api, begun: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """What cannot be computed is refused by words."""
+    """Words refuse what cannot be computed."""
     process, found = api.app.state.model_process, []
     compute = process.compute
 
