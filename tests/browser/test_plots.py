@@ -422,7 +422,8 @@ def test_what_comes_meanwhile_changes_nothing_that_one_looks_at(seen: Seen, serv
     release_one()
     if tab == "model":
         until(is_asked, within_s=5, what="its speeds are asked for")
-        held.pop().fulfill(status=503, json={"title": "Service Unavailable", "detail": "computations wait already"})
+        busy = {"title": "Service Unavailable", "detail": "computations wait already"}
+        held.pop().fulfill(status=503, json=busy, headers={"Retry-After": "1"})
         expect(seen.page.get_by_role("alert")).to_have_text("computations wait already")
         release_one()
         expect(seen.page.get_by_role("alert")).to_have_count(0)
