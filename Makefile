@@ -38,7 +38,7 @@ test-browser: compiled ## the page in a real browser, which needs chromium
 	$(BIN)/pytest -n $(PROCESSES) $(IN_PARALLEL) tests/browser
 
 test-long: compiled ## what takes minutes: real processes killed, parted and fed with rubbish
-	$(BIN)/pytest -n $(PROCESSES) $(IN_PARALLEL) -m long $$(grep -rl --include='test_*.py' 'mark\.long' tests | sort)
+	$(BIN)/pytest -n 2 $(IN_PARALLEL) -m long $$(grep -rl --include='test_*.py' 'mark\.long' tests | sort)
 
 # tests/storage is run on both kinds of database by `make test` already.
 test-postgresql: compiled ## what uses a database once more, on a PostgreSQL server that the tests start

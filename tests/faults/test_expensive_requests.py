@@ -5,13 +5,17 @@ import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import closing
 
 import httpx
 import numpy as np
 import pytest
+from sqlalchemy import update
 
 from service.security.role import Role
+from storage.alerts import deliveries
 from storage.database.engine import Database
+from storage.tables.alerting import SubscriptionRow
 from tests.end_to_end.alive import probing
 from tests.end_to_end.processes import Service, until
 from tests.faults.floods import FLOODS, Asked, Prepared, prepare
@@ -62,9 +66,16 @@ def test_a_flood_of_valid_requests_keeps_nobody_of_another_plant_waiting(attacke
     _hold(attacked, FLOODS[what])
 
 
+def _end_subscriptions(service: Service) -> None:
+    """Make room for those of the next flood: a plant has a bound of active ones."""
+    with closing(Database(service.database)) as store, store.transaction() as session:
+        session.execute(update(SubscriptionRow).where(SubscriptionRow.id > 1).values(state=deliveries.DISABLED))
+
+
 def _hold(attacked: Attacked, flood: Callable[[Prepared, int], Asked]) -> None:
     """Flood the service for a while; what must hold meanwhile."""
     service, stored, own, other = attacked
+    _end_subscriptions(service)
     neighbour = Neighbour(service, other)
     limits = httpx.Limits(max_connections=AT_ONCE)
     over = time.monotonic() + FLOOD_S

@@ -160,7 +160,7 @@ def test_a_real_service_is_asked_whether_it_answers_as_its_settings_say(tmp_path
     with service.running():
         told = exposed(service)
         assert told.returncode == 0, told.stdout + told.stderr
-        assert "GET /api/v1/machines is answered, as nobody needs any" in told.stdout
+        assert "GET /api/v1/sources is answered, as nobody needs any" in told.stdout
         # It was started with other settings than those that are looked at.
         told = exposed(service, RUNDOWN_AUTHENTICATION="required")
         assert told.returncode == 1
