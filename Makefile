@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 DEMO_ARGS ?=
-# Tests wait for services more than they compute: three at once keep two cores busy.
+# Tests wait for services more than they compute: three at once keep two cores busy. The long ones need a core each.
 PROCESSES ?= 3
 # A file of tests stays in one process; files begin in the order of tests/conftest.py, not the one with most tests first.
 IN_PARALLEL := --dist loadfile --no-loadscope-reorder
