@@ -56,8 +56,10 @@ def film_scale(
             f"a radial clearance of {np.max(clearance):g} m in a bearing of radius {radius:g} m: usual is a thousandth of the "
             "radius, and a tenth the most"
         )
-    c, mu, w = np.broadcast_arrays(*(np.asarray(one, dtype=float) for one in (clearance, viscosity, speed)))
-    return FilmScale(c, mu * w * radius * length * (radius / c) ** 2, w)
+    w = np.asarray(speed, dtype=float)
+    force = viscosity * w * radius * length * (radius / clearance) ** 2
+    even = np.ones_like(force)
+    return FilmScale(even * clearance, force, even * w)
 
 
 def dimensional_film(

@@ -202,8 +202,11 @@ class Film:
             OutsideFilm: The film is not known at one of the positions.
         """
         position = np.asarray(position, dtype=float)
-        require_covered(self, position)
-        first, *others = [_film_of_pads(pads, table, position) for pads, table in self._tables]
+        polar = [pads.polar(position) for pads, _ in self._tables]
+        for (_, table), (eccentricity, direction, _) in zip(self._tables, polar, strict=True):
+            if not table.covers(eccentricity, direction).all():
+                require_covered(self, position)
+        first, *others = [_film_of_pads(table, *seen) for (_, table), seen in zip(self._tables, polar, strict=True)]
         return FilmCoefficients(*(sum(parts[1:], parts[0]) for parts in zip(first, *others, strict=True)))
 
 
@@ -259,16 +262,16 @@ class _AlikePads:
         eccentricity = np.hypot(place[..., 0], place[..., 1])
         central = eccentricity < _AT_CENTRE
         radial = np.where(central[..., None], _TO_X, place / np.where(central, 1.0, eccentricity)[..., None])
-        axes = np.stack([radial, radial @ _TURN.T], axis=-1)
+        axes = np.empty((*radial.shape, 2))
+        axes[..., 0], axes[..., 0, 1], axes[..., 1, 1] = radial, -radial[..., 1], radial[..., 0]
         if self.full:
             return eccentricity, np.zeros_like(eccentricity), axes
         turned = np.arctan2(radial[..., 1], radial[..., 0]) - self.middle
         return eccentricity, np.asarray((turned + np.pi) % (2.0 * np.pi) - np.pi), axes
 
 
-def _film_of_pads(pads: _AlikePads, table: PadTable, position: Floats) -> tuple[Floats, ...]:
+def _film_of_pads(table: PadTable, eccentricity: Floats, direction: Floats, axes: Floats) -> tuple[Floats, ...]:
     """Return the sum over pads of forces, stiffness, damping and the derivatives of these two."""
-    eccentricity, direction, axes = pads.polar(position)
     film = table.at(eccentricity, direction)
     stiffness, stiffness_by = _stiffness(film, eccentricity)
     damping, damping_by = _damping(film)
@@ -334,6 +337,7 @@ def _slopes(axes: Floats, value: Floats, by: tuple[Floats, Floats], over: Floats
     """Return the sum over pads of the derivatives (..., 2, 2, 2) by the position of a matrix in turning axes."""
     turning = _TURN @ value - value @ _TURN + by[1]
     # By each of the two local directions c: axes · local_c · axesᵀ; then the directions are turned too.
-    local = np.stack([by[0], over[..., None, None] * turning], axis=-3)
+    local = np.empty((*turning.shape[:-2], 2, 2, 2))
+    local[..., 0, :, :], local[..., 1, :, :] = by[0], over[..., None, None] * turning
     turned = axes[..., None, :, :] @ local @ np.swapaxes(axes, -1, -2)[..., None, :, :]
     return np.asarray(np.einsum("...pkc,...pcij->...ijk", axes, turned))

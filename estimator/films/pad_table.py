@@ -139,19 +139,17 @@ class PadTable:
         by_s, by_b = found.first[..., 0, :], found.first[..., 1, :]
         by_ss, by_sb, by_bb = (found.second[..., one, :] for one in range(3))
         e, f, ee, ef, ff = (one[..., None] for one in (by_e, by_f, by_ee, by_ef, by_ff))
-        first = np.stack([by_s * e, by_s * f + by_b], axis=-2)
-        second = np.stack(
-            [
-                by_ss * e**2 + by_s * ee,
-                by_ss * e * f + by_sb * e + by_s * ef,
-                by_ss * f**2 + 2.0 * by_sb * f + by_s * ff + by_bb,
-            ],
-            axis=-2,
-        )
+        first, second = np.empty_like(found.first), np.empty_like(found.second)
+        first[..., 0, :], first[..., 1, :] = by_s * e, by_s * f + by_b
+        second[..., 0, :] = by_ss * e**2 + by_s * ee
+        second[..., 1, :] = by_ss * e * f + by_sb * e + by_s * ef
+        second[..., 2, :] = by_ss * f**2 + 2.0 * by_sb * f + by_s * ff + by_bb
         return PolarFilm(found.value[..., :2], first[..., :2], second[..., :2], found.value[..., 2], first[..., 2])
 
     def _reach(self, direction: Floats) -> tuple[Floats, Floats, Floats]:
         """Return the reach q (...) and its first two derivatives by the direction."""
+        if self._farther == 0.0:  # all around it is the clearance
+            return np.ones_like(direction), np.zeros_like(direction), np.zeros_like(direction)
         t = np.clip((np.abs(direction) - self._half) / self._within, 0.0, 1.0)
         step = t**3 * (10.0 + t * (6.0 * t - 15.0))
         slope = 30.0 * t**2 * (1.0 - t) ** 2 / self._within * np.sign(direction)

@@ -1,6 +1,8 @@
 """A machine under its operating conditions: temperatures of oil and static forces follow what was measured beside the run."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
 
 from pydantic import ValidationError
 
@@ -15,6 +17,24 @@ NEAR = 12.0
 
 LEAST_FACTOR = 1e-3
 """Least spread of a force, relative to its full spread [-]: it holds where the force itself is zero."""
+
+REMEMBERED = 32
+"""Number of machines under conditions that are remembered: an assessment asks for those of a baseline and of the newest runs
+again and again, and what is computed of each is remembered by its identity."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Asked:
+    """A machine, by its identity, and the values of the conditions that something of it follows."""
+
+    machine: Machine
+    known: tuple[tuple[str, float], ...]
+
+    def __hash__(self) -> int:
+        return hash((id(self.machine), self.known))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Asked) and self.machine is other.machine and self.known == other.known
 
 
 class ConditionImpossible(ValueError):
@@ -35,7 +55,15 @@ def under_conditions(machine: Machine, conditions: Mapping[str, float | None]) -
     Raises:
         ConditionImpossible: An oil would be colder or hotter than a document may say.
     """
-    known = {name: value for name, value in conditions.items() if value is not None}
+    followed = {one.film.oil.temperature_from for one in machine.bearings if one.film is not None}
+    followed |= {one.scaled_by for one in machine.static_loads}
+    known = tuple((name, value) for name, value in sorted(conditions.items()) if name in followed and value is not None)
+    return _under(_Asked(machine, known)) if known else machine
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _under(asked: "_Asked") -> Machine:
+    machine, known = asked.machine, dict(asked.known)
     bearings = tuple(_bearing(one, known) for one in machine.bearings)
     loads = tuple(_load(one, known) for one in machine.static_loads)
     if bearings == machine.bearings and loads == machine.static_loads:

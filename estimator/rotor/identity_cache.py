@@ -7,9 +7,9 @@ from collections.abc import Callable
 from functools import lru_cache, wraps
 from typing import TypeVar, TypeVarTuple
 
-CACHE_SIZE = 6
+CACHE_SIZE = 24
 """Number of results cached of each function: an identification needs its machine, with exact probes, scaled, and turned the
-other way.
+other way; an assessment the machine under the conditions of each run of its baseline and of the newest ones.
 """
 
 Arguments = TypeVarTuple("Arguments")
