@@ -7,10 +7,11 @@ status 1 where one falls short. Coverage is judged from 20 plants on. `--short` 
 minute. Run-outs of couplings are tried on two machines of each kind.
 
 `--fleet N` lets N machines of each kind live through weeks of run-downs for each thing that can happen, through the gate and
-the service's own assessment; with `--results FOLDER` what was computed is not computed again.
+the service's own assessment; with `--results FOLDER` what was computed is not computed again, and with `--kept` besides
+nothing is computed: the figures are those of the machines that the folder keeps.
 
     python -m benchmarks.alignment [--short] [--plants N] [--only flexible|rigid …]
-    python -m benchmarks.alignment --fleet N [--weeks W] [--results FOLDER] [--only …]
+    python -m benchmarks.alignment --fleet N [--weeks W] [--results FOLDER [--kept]] [--only …]
 """
 
 import argparse
@@ -38,6 +39,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--fleet", type=int, help="number of machines with each kind of coupling, for each thing that happens")
     parser.add_argument("--weeks", type=int, default=26, help="weeks that they live, the baseline's six included")
     parser.add_argument("--results", type=Path, help="folder that keeps what became of each machine")
+    parser.add_argument("--kept", action="store_true", help="tell only of the machines that the folder keeps")
     parser.add_argument("--only", nargs="*", choices=KINDS)
     chosen = parser.parse_args(arguments)
     kept = True
@@ -47,7 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
             told = (
                 figures(kind, SHORT_PLANTS if chosen.short else chosen.plants)
                 if chosen.fleet is None
-                else fleet_figures(kind, chosen.fleet, weeks=chosen.weeks, folder=chosen.results)
+                else fleet_figures(kind, chosen.fleet, weeks=chosen.weeks, folder=chosen.results, kept_only=chosen.kept)
             )
             for figure in told if chosen.fleet is not None else itertools.chain(told, run_out_figures(kind, RUN_OUT_PLANTS)):
                 print(figure, flush=True)

@@ -87,7 +87,7 @@ class FleetRecord:
 
 def record_of(history: FilmHistory, *, weeks: int, folder: Path | None) -> FleetRecord:
     """Return what became of a machine; from the folder where it was computed before."""
-    path = None if folder is None else folder / f"{history.kind}-{history.happening}-{history.seed}-{weeks}.json"
+    path = _kept_at(history, weeks, folder)
     if path is not None and path.exists():
         return _restored(json.loads(path.read_text(encoding="utf-8")))
     found = _lived(history, weeks)
@@ -95,6 +95,16 @@ def record_of(history: FilmHistory, *, weeks: int, folder: Path | None) -> Fleet
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(json.dumps(asdict(found)), encoding="utf-8")
     return found
+
+
+def is_kept(history: FilmHistory, *, weeks: int, folder: Path | None) -> bool:
+    """Return whether the folder keeps what became of a machine."""
+    path = _kept_at(history, weeks, folder)
+    return path is not None and path.exists()
+
+
+def _kept_at(history: FilmHistory, weeks: int, folder: Path | None) -> Path | None:
+    return None if folder is None else folder / f"{history.kind}-{history.happening}-{history.seed}-{weeks}.json"
 
 
 def _restored(said: dict[str, Any]) -> FleetRecord:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.alignment.film_fleet import BASELINE, FleetRecord, record_of
+from benchmarks.alignment.film_fleet import BASELINE, FleetRecord, is_kept, record_of
 from benchmarks.alignment.film_histories import HAPPENINGS, RUN_OUTS, WEEKS_A_YEAR, FilmHistory, Happening
 from benchmarks.fleet.report import part_interval, rate_bound
 from benchmarks.fluid_film.report_line import ReportLine
@@ -25,25 +25,33 @@ PARTS: dict[Happening, float] = {
 """Part of the machines in which that is asked; of the disturbances as the lower end of its interval [-]."""
 NOTHING_MOVED = 0.125
 """Part of what is allowed up to which a misalignment that is told is a false one [-]: half of what is told."""
-FALSE_RATE, ALL_RATE = 0.044, 0.2
-"""False misalignment alerts a machine-year (upper end of the interval), and false alerts of any kind [1/year]."""
+FALSE_RATE, DISTURBED_RATE, ALL_RATE = 0.044, 0.098, 0.2
+"""False misalignment alerts a machine-year of healthy and of disturbed machines (upper end of the interval), and false alerts of
+any kind of healthy ones [1/year]."""
 NEAR, IN_PART = 0.3, 0.9
 """Error of a size that is told [-], and the part of the machines in which that is asked [-]."""
 
 
-def fleet_figures(kind: CouplingKind, machines: int, *, weeks: int, folder: Path | None) -> Iterator[ReportLine]:
-    """Yield the figures of a fleet with one kind of coupling: so many machines for each thing that happens."""
+def fleet_figures(
+    kind: CouplingKind, machines: int, *, weeks: int, folder: Path | None, kept_only: bool = False
+) -> Iterator[ReportLine]:
+    """Yield the figures of a fleet with one kind of coupling: so many machines for each thing that happens.
+
+    kept_only: only those of which the folder keeps what became of them.
+    """
     found: dict[Happening, list[FleetRecord]] = {}
     for number, happening in enumerate(HAPPENINGS):
         found[happening] = []
         for seed in range(machines):
             onset = weeks if happening == "healthy" else BASELINE + 4 + seed % 5
             history = FilmHistory(100 * number + seed, kind, happening, onset)
-            found[happening].append(record_of(history, weeks=weeks, folder=folder))
+            if not kept_only or is_kept(history, weeks=weeks, folder=folder):
+                found[happening].append(record_of(history, weeks=weeks, folder=folder))
     every = [one for records in found.values() for one in records]
+    if not every:
+        return
     yield from _beside(kind, every)
-    for named, soon in SOON.items():
-        yield _named(named, found[named], soon)
+    yield from (_named(named, found[named], soon) for named, soon in SOON.items() if found[named])
     yield _sizes([*found["step"], *found["beyond"]])
     yield from _alarms(found["beyond"], found["within"])
     yield from _false(found)
@@ -67,7 +75,9 @@ def _beside(kind: CouplingKind, every: Sequence[FleetRecord]) -> Iterator[Report
     yield ReportLine(f"{kind} coupling, {len(every)} machines, {runs} runs: refused", "", f"{refused}", True)
     years = runs / WEEKS_A_YEAR
     took = sum(one.processor_s for one in every) / years
-    yield ReportLine("    processor time of a machine-year [s]", "<= 45", f"{took:.0f}", took <= 45.0)
+    middle = float(np.median([one.processor_s / one.weeks * WEEKS_A_YEAR for one in every]))
+    said = f"{took:.0f} (median {middle:.0f})"
+    yield ReportLine("    processor time of a machine-year [s]", "<= 45", said, took <= 45.0)
 
 
 def _named(happening: Happening, records: Sequence[FleetRecord], soon: int) -> ReportLine:
@@ -97,6 +107,8 @@ def _sizes(records: Sequence[FleetRecord]) -> ReportLine:
 
 
 def _alarms(beyond: Sequence[FleetRecord], within: Sequence[FleetRecord]) -> Iterator[ReportLine]:
+    if not beyond:
+        return
     alarmed = [any(_in_danger(week) for week in one.standing[one.onset : one.onset + SOON["beyond"]]) for one in beyond]
     low, high = part_interval(sum(alarmed), len(alarmed))
     said = f"{sum(alarmed)} of {len(alarmed)} ({low:.0%}-{high:.0%})"
@@ -113,13 +125,13 @@ def _in_danger(week: Sequence[tuple[str, str, str]]) -> bool:
 def _false(found: dict[Happening, list[FleetRecord]]) -> Iterator[ReportLine]:
     healthy = found["healthy"]
     disturbed = [one for name in ("wear", "unbalance", "gain") for one in found[name]]
-    for what, records in (("healthy", healthy), ("disturbed", disturbed)):
+    for what, records, asked in (("healthy", healthy, FALSE_RATE), ("disturbed", disturbed, DISTURBED_RATE)):
         years = sum(one.weeks - BASELINE for one in records) / WEEKS_A_YEAR
         wrong = sum(_is_false(one, alert.week) for one in records for alert in one.opened if alert.rule == "misalignment")
         bound = rate_bound(wrong, years)
         yield ReportLine(
             f"    false misalignment alerts, {what}, upper bound a machine-year",
-            f"<= {FALSE_RATE:g}",
+            f"<= {asked:g}",
             f"{wrong} in {years:.1f}: {bound:.2f}",
             wrong == 0,  # of few machine-years the bound cannot be as low as asked
         )

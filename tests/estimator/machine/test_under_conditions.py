@@ -59,6 +59,13 @@ def test_oil_that_comes_at_a_temperature_follows_it_too() -> None:
     assert found.static_loads == comes.static_loads
 
 
+def test_the_same_machine_under_the_same_conditions_is_one_object(machine: Machine) -> None:
+    found = under_conditions(machine, {"oil": 62.5, "power": 4.0})
+    assert under_conditions(machine, {"power": 4.0, "oil": 62.5, "ambient": 20.0}) is found
+    assert under_conditions(machine, {"oil": 62.5}) is not found
+    assert under_conditions(parse_machine(document()), {"oil": 62.5, "power": 4.0}) is not found
+
+
 def test_what_was_not_measured_is_as_the_document_says(machine: Machine) -> None:
     assert under_conditions(machine, {}) is machine
     assert under_conditions(machine, {"oil": None, "power": None}) is machine
