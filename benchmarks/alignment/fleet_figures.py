@@ -26,7 +26,7 @@ PARTS: dict[Happening, float] = {
 NOTHING_MOVED = 0.125
 """Part of what is allowed up to which a misalignment that is told is a false one [-]: half of what is told."""
 FALSE_RATE, DISTURBED_RATE, ALL_RATE = 0.044, 0.098, 0.2
-"""False misalignment alerts a machine-year of healthy and of disturbed machines (upper end of the interval), and false alerts of
+"""False misalignment alerts a machine-year of healthy and of disturbed machines (upper ends of intervals), and false alerts of
 any kind of healthy ones [1/year]."""
 NEAR, IN_PART = 0.3, 0.9
 """Error of a size that is told [-], and the part of the machines in which that is asked [-]."""
