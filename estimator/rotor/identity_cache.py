@@ -7,9 +7,13 @@ from collections.abc import Callable
 from functools import lru_cache, wraps
 from typing import TypeVar, TypeVarTuple
 
-CACHE_SIZE = 24
+CACHE_SIZE = 6
 """Number of results cached of each function: an identification needs its machine, with exact probes, scaled, and turned the
-other way; an assessment the machine under the conditions of each run of its baseline and of the newest ones.
+other way.
+"""
+RUNS = 24
+"""Number of results cached of what is small and asked of a machine under the conditions of each run: an assessment compares a
+baseline and the newest runs.
 """
 
 Arguments = TypeVarTuple("Arguments")
@@ -41,8 +45,23 @@ def cached_by_identity(function: Callable[[*Arguments], Computed]) -> Callable[[
     Returns:
         The cached function.
     """
+    return _cached(function, CACHE_SIZE)
 
-    @lru_cache(maxsize=CACHE_SIZE)
+
+def cached_for_runs(function: Callable[[*Arguments], Computed]) -> Callable[[*Arguments], Computed]:
+    """Cache a function's results as `cached_by_identity` does, those of the machines of as many runs as are compared.
+
+    Args:
+        function: Function of objects and numbers, whose results are small.
+
+    Returns:
+        The cached function.
+    """
+    return _cached(function, RUNS)
+
+
+def _cached(function: Callable[[*Arguments], Computed], size: int) -> Callable[[*Arguments], Computed]:
+    @lru_cache(maxsize=size)
     def known(key: _IdentityKey) -> Computed:
         return function(*key.arguments)  # type: ignore[arg-type]
 

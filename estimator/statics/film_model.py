@@ -18,7 +18,7 @@ from estimator.bearings.model import ModelParameter
 from estimator.machine.bearings_on_films import bearings_on_films
 from estimator.machine.document import Machine
 from estimator.machine.film_speeds import slowest_rpm
-from estimator.rotor.identity_cache import cached_by_identity
+from estimator.rotor.identity_cache import cached_for_runs
 from estimator.statics.coupled_train import coupled_train
 from estimator.statics.equilibrium import film_train
 from estimator.statics.film_curves import FilmCurves
@@ -107,7 +107,7 @@ def film_model(machine: Machine) -> FilmModel:
     return replace(_untouched(machine))
 
 
-@cached_by_identity
+@cached_for_runs
 def _untouched(machine: Machine) -> FilmModel:
     """Return a model with which no films but the nominal ones are solved."""
     train = film_train(machine)

@@ -14,7 +14,7 @@ from estimator.machine.document import Machine
 from estimator.machine.film_parameter_names import with_open_forces
 from estimator.machine.scaled_materials import with_scaled_materials
 from estimator.rotor.condensation import CondensedTrain, condense
-from estimator.rotor.identity_cache import cached_by_identity
+from estimator.rotor.identity_cache import cached_for_runs
 from estimator.rotor.modal_reduction import Basis, modal_basis
 from estimator.rotor.system_matrices import SystemMatrices, system_matrices_over_speed
 from estimator.units import rpm_to_rad_per_s
@@ -218,7 +218,7 @@ def expected_model(machine: Machine) -> UpdatedModel:
     return UpdatedModel(exact, coordinates.names, coordinates.point(coordinates.centre), np.zeros((size, size)))
 
 
-@cached_by_identity
+@cached_for_runs
 def with_exact_probes(machine: Machine) -> Machine:
     """Return the machine without gain errors and run-outs of its channels.
 
@@ -232,13 +232,13 @@ def with_exact_probes(machine: Machine) -> Machine:
     return machine.model_copy(update={"probes": tuple(probe.model_copy(update=exact) for probe in machine.probes)})
 
 
-@cached_by_identity
+@cached_for_runs
 def _reference(machine: Machine) -> CondensedTrain:
     """Condense the machine at any one speed, to learn its coordinates from."""
     return condense(machine, speed=np.ones(1), direction=np.ones(1))
 
 
-@cached_by_identity
+@cached_for_runs
 def _coordinates(machine: Machine) -> Coordinates:
     """Return the machine's coordinates at that speed: their names, centre and spread are those at any."""
     return Coordinates.of(_reference(machine), unbalance_scale=1.0)
