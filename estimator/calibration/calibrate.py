@@ -12,6 +12,7 @@ from estimator.calibration.calibration_runs import CalibrationRun, check_runs
 from estimator.calibration.chain_start import best_chains
 from estimator.calibration.likely_gains import unlikely_gains
 from estimator.calibration.mounted_problem import MountedProblem
+from estimator.calibration.small_sample import widened
 from estimator.calibration.undetermined import distinct_speeds, with_free_parameters
 from estimator.calibration.variance_components import ScatterModel, ScatterSizes
 from estimator.calibration.weights_in_step import judge_weights
@@ -148,9 +149,10 @@ def _calibrated(
     problem = scatter.applied(problem, sizes)
     remarks = (*held, *remarks, *first.remarks, *unlikely_gains(problem.coordinates.channels.gains(theta)))
     accepted, verdict = _verdict(problem, theta, converged)
-    calibration = _calibration(problem, theta, runs, sizes, speeds=speeds, groups=scatter.group).model_copy(
-        update={"verdict": "; ".join((verdict, *remarks))}
-    )
+    wide = widened(problem, scatter, theta, sizes)
+    calibration = _calibration(
+        scatter.applied(problem, wide), theta, runs, wide, speeds=speeds, groups=scatter.group
+    ).model_copy(update={"verdict": "; ".join((verdict, *remarks))})
     found = calibrated_document(machine, fitted, calibration)
     return Calibrated(found, accepted, verdict, remarks, first.starts, bool(first.unique), sizes, speeds)
 
