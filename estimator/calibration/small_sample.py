@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import scipy.special
+from numpy.typing import NDArray
 
 from estimator.arrays import Floats
 from estimator.calibration.mounted_problem import MountedProblem
@@ -65,7 +66,7 @@ def _variance(problem: MountedProblem, scatter: ScatterModel, theta: Floats, siz
     return float(np.sum(of_unbalance)) + scatter.mass.size * sizes.eccentricity**2
 
 
-def _scaled(sizes: ScatterSizes, pool: np.ndarray, factor: Floats) -> ScatterSizes:
+def _scaled(sizes: ScatterSizes, pool: NDArray[np.intp], factor: Floats) -> ScatterSizes:
     """Return sizes with factors (4,) on noise of dwells and of sweeps, eccentricity and run-outs."""
     return replace(
         sizes,

@@ -12,12 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
+from estimator.calibration.like_sizes import STATED_WEIGHT, shrunk_sizes
 from estimator.calibration.mounted_problem import MountedLinearisation, MountedProblem
 
-STATED_WEIGHT = 0.2
-"""Number of observations that a stated size counts for [-]."""
 SHARED_WEIGHT = 0.5
-"""Number of observations that the size common to all channels counts for [-]."""
+"""Number of observations that the run-outs' size common to all channels counts for [-]."""
 SETTLED = 0.03
 """Relative change of all sizes up to which they count as unchanged [-]."""
 
@@ -70,7 +69,7 @@ class ScatterModel:
     Attributes:
         base: Rms error (S, m) of each phasor for a size of one [m].
         group: Group (S, m) of each phasor.
-        pool: Number (G,) of the kind of each group; sizes of one kind are expected to be alike.
+        pool: Number (G,) of the kind of each group; sizes of one kind are expected to be in proportion to those stated.
         mass: Mass (P,) of each disc [kg].
         stated: Sizes believed beforehand.
     """
@@ -154,13 +153,13 @@ class ScatterModel:
 
     def _noise(self, shown: "_Shown", sizes: ScatterSizes) -> Floats:
         """Return the noise of each group (G,) from its residuals and the part of them that the fit has used up."""
-        count, freedom = sizes.noise.size, shown.freedom
-        squares = shown.residual * sizes.noise**2
-        stated = STATED_WEIGHT * self.stated.noise**2
-        of_kind, free, kinds = (np.bincount(self.pool, weights=one) for one in (squares, freedom, np.ones(count)))
-        expected = np.bincount(self.pool, weights=stated) / np.maximum(kinds, 1.0)
-        shared = ((of_kind + expected) / (free + STATED_WEIGHT))[self.pool]
-        return np.asarray(np.sqrt((squares + SHARED_WEIGHT * shared) / (freedom + SHARED_WEIGHT)))
+        stated = self.stated.noise
+        squares = shown.residual * (sizes.noise / stated) ** 2
+        found = np.empty(stated.size)
+        for kind in np.unique(self.pool):
+            which = self.pool == kind
+            found[which] = stated[which] * shrunk_sizes(squares[which], shown.freedom[which])
+        return found
 
 
 def _spent(found: MountedLinearisation, covariance: Floats) -> Floats:
