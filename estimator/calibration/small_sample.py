@@ -57,12 +57,9 @@ def _variance(problem: MountedProblem, scatter: ScatterModel, theta: Floats, siz
     coordinates = now.coordinates
     _, _, information = now.linearised(theta, now.weight(np.abs(now.measurement.phasor), 0.0))
     covariance = np.linalg.inv(information + coordinates.prior.precision) * np.outer(coordinates.unit, coordinates.unit)
-    of_unbalance = [
-        covariance[place, place] / mass**2
-        for name, mass in zip((one.name for one in now.train.unknowns.unbalances), scatter.mass, strict=True)
-        for part in ("real", "imaginary")
-        for place in (coordinates.names.index(f"{name}.{part}"),)
-    ]
+    masses = {one.name: mass for one, mass in zip(now.train.unknowns.unbalances, scatter.mass, strict=True)}
+    parts = {f"{name}.{part}": mass for name, mass in masses.items() for part in ("real", "imaginary")}
+    of_unbalance = [covariance[place, place] / parts[one] ** 2 for place, one in enumerate(coordinates.names) if one in parts]
     return float(np.sum(of_unbalance)) + scatter.mass.size * sizes.eccentricity**2
 
 
