@@ -23,7 +23,7 @@ LEAST_FREEDOM = 2.0
 
 
 def widened(problem: MountedProblem, scatter: ScatterModel, theta: Floats, sizes: ScatterSizes) -> ScatterSizes:
-    """Widen sizes of scatter by how little the runs show of them (Kenward and Roger 1997, doi:10.2307/2533558).
+    """Return sizes of scatter widened by how little the runs show of them (Kenward and Roger 1997, doi:10.2307/2533558).
 
     Args:
         problem: The problem.

@@ -50,7 +50,7 @@ class ScatterSizes:
 
 @dataclass(frozen=True)
 class _Shown:
-    """What a fit's end shows of P discs and m channels, and of G groups of phasors, in units of the present sizes.
+    """Evidence of a fit's end on P discs and m channels, and of G groups of phasors, in units of the present sizes.
 
     squares, known: sums of squared differences between mountings (P + m,), and how many of them the data determine, complex.
     residual, freedom: the same of the residuals of each group (G,).

@@ -37,8 +37,10 @@ from estimator.rotor.elimination import SingularCondensation
 COARSELY_BETTER = 4.0
 """Least factor by which a hypothesis must lower the coarse misfit to be fitted [-]."""
 BETTER = 1.0
-"""The same by which the fit itself must be better for a hypothesis to be named whose fit is accepted [-]: what bends until it
-fits, such as films and outliers, leaves hardly more misfit, but is refused for it."""
+"""Least factor by which the fit itself must be better for a hypothesis to be named whose fit is accepted [-].
+
+What bends until it fits, such as films and outliers, leaves hardly more misfit, but is refused for it.
+"""
 FAR_BETTER = 30.0
 """Least factor on the squared misfit by which a hypothesis is named although its own fit is refused [-]."""
 EQUALLY_WELL = 2.0

@@ -68,11 +68,11 @@ def _without_complaints() -> Iterator[None]:
     """Keep quiet about what the library cannot close a second time when it lets go of a broken file."""
     before = sys.unraisablehook
 
-    def heard(complaint: "sys.UnraisableHookArgs") -> None:
+    def report(complaint: "sys.UnraisableHookArgs") -> None:
         if getattr(complaint.object, "__qualname__", "") != "MDF4.__del__":
             before(complaint)
 
-    sys.unraisablehook = heard
+    sys.unraisablehook = report
     try:
         yield
     finally:
