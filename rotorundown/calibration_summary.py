@@ -20,7 +20,7 @@ def calibration_text(found: Calibrated) -> str:
     starts = f"best of {found.starts} starts" + (", reached twice" if found.unique else "")
     mountings = sum(one.mountings for one in calibration.runs)
     lines += [
-        f"{len(calibration.runs)} recordings, {mountings} mountings; {starts}",
+        f"{_count(len(calibration.runs), 'recording')}, {_count(mountings, 'mounting')}; {starts}",
         "",
         "Measuring chains (measured over true)",
     ]
@@ -70,3 +70,7 @@ def _scatter(channel: str, rpm: float | None, rms: float) -> str:
     if rpm is None:
         return f"{channel:<12} in sweeps      {rms:.2g} times the document's noise"
     return f"{channel:<12} {rpm:8.0f} rpm  {MICROMETRES * rms:.3g} µm"
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"

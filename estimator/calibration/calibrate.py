@@ -12,6 +12,7 @@ from estimator.calibration.calibration_runs import CalibrationRun, check_runs
 from estimator.calibration.chain_start import best_chains
 from estimator.calibration.likely_gains import unlikely_gains
 from estimator.calibration.mounted_problem import MountedProblem
+from estimator.calibration.small_sample import widened
 from estimator.calibration.undetermined import distinct_speeds, with_free_parameters
 from estimator.calibration.variance_components import ScatterModel, ScatterSizes
 from estimator.calibration.weights_in_step import judge_weights
@@ -35,6 +36,8 @@ STATED_RUN_OUT = 3e-7
 """Run-out by which a channel differs from mounting to mounting, before the runs have shown it [m]."""
 STATED_NOISE = 2e-7
 """Rms error of a phasor at constant speed, before the runs have shown it [m]."""
+UNLIKE = 10.0
+"""Most times by which the noise of one dwell's channel is expected to be more or less than usual [-]."""
 LARGE_MOUNTING_PART = 0.3
 """Part of the trial weights' effect beyond which differences between mountings are doubted [-]"""
 PASSES = 10
@@ -148,9 +151,10 @@ def _calibrated(
     problem = scatter.applied(problem, sizes)
     remarks = (*held, *remarks, *first.remarks, *unlikely_gains(problem.coordinates.channels.gains(theta)))
     accepted, verdict = _verdict(problem, theta, converged)
-    calibration = _calibration(problem, theta, runs, sizes, speeds=speeds, groups=scatter.group).model_copy(
-        update={"verdict": "; ".join((verdict, *remarks))}
-    )
+    wide = widened(problem, scatter, theta, sizes)
+    calibration = _calibration(
+        scatter.applied(problem, wide), theta, runs, wide, speeds=speeds, groups=scatter.group
+    ).model_copy(update={"verdict": "; ".join((verdict, *remarks))})
     found = calibrated_document(machine, fitted, calibration)
     return Calibrated(found, accepted, verdict, remarks, first.starts, bool(first.unique), sizes, speeds)
 
@@ -222,11 +226,23 @@ def _problem(machine: Machine, gathered: _Gathered) -> tuple[MountedProblem, Sca
     channels = len(machine.probes)
     modelled = error_size(machine.noise, np.abs(measurement.phasor), np.full(measurement.phasor.shape, np.nan))
     base = np.where(gathered.steady[:, None], 1.0, modelled)
-    noise = np.r_[np.full(speeds.size * channels, STATED_NOISE), np.ones(channels)]
+    noise = np.r_[_stated_noise(machine, gathered, group, speeds.size * channels), np.ones(channels)]
     pool = np.r_[np.zeros(speeds.size * channels, dtype=np.intp), np.ones(channels, dtype=np.intp)]
     mass = np.array([disc.mass for disc in machine.discs])
     stated = ScatterSizes(noise, STATED_ECCENTRICITY, np.full(channels, STATED_RUN_OUT))
     return problem, ScatterModel(base, group, pool, mass, stated), speeds
+
+
+def _stated_noise(machine: Machine, gathered: _Gathered, group: NDArray[np.intp], count: int) -> Floats:
+    """Return the noise of dwells (count,) [m] before the runs have shown it, in proportion to the document's at their size."""
+    amplitude, usable = np.abs(gathered.measurement.phasor), gathered.measurement.usable & gathered.steady[:, None]
+    typical = np.full(count, np.nan)
+    for one in np.unique(group[usable]):
+        typical[one] = np.median(amplitude[usable & (group == one)])
+    size = error_size(machine.noise, typical, np.full(count, np.nan))
+    shown = size[np.isfinite(size) & (size > 0.0)]
+    relative = size / np.median(shown) if shown.size else np.ones(count)
+    return np.asarray(STATED_NOISE * np.clip(np.nan_to_num(relative, nan=1.0), 1.0 / UNLIKE, UNLIKE))
 
 
 def _groups(gathered: _Gathered) -> tuple[Floats, NDArray[np.intp]]:

@@ -12,12 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
+from estimator.calibration.like_sizes import STATED_WEIGHT, shrunk_sizes
 from estimator.calibration.mounted_problem import MountedLinearisation, MountedProblem
 
-STATED_WEIGHT = 0.2
-"""Number of observations that a stated size counts for [-]."""
 SHARED_WEIGHT = 0.5
-"""Number of observations that the size common to all channels counts for [-]."""
+"""Number of observations that the run-outs' size common to all channels counts for [-]."""
 SETTLED = 0.03
 """Relative change of all sizes up to which they count as unchanged [-]."""
 
@@ -50,13 +49,27 @@ class ScatterSizes:
 
 
 @dataclass(frozen=True)
+class _Shown:
+    """Evidence of a fit's end on P discs and m channels, and of G groups of phasors, in units of the present sizes.
+
+    squares, known: sums of squared differences between mountings (P + m,), and how many of them the data determine, complex.
+    residual, freedom: the same of the residuals of each group (G,).
+    """
+
+    squares: Floats
+    known: Floats
+    residual: Floats
+    freedom: Floats
+
+
+@dataclass(frozen=True)
 class ScatterModel:
     """Model of what scatters alike in a calibration.
 
     Attributes:
         base: Rms error (S, m) of each phasor for a size of one [m].
         group: Group (S, m) of each phasor.
-        pool: Number (G,) of the kind of each group; sizes of one kind are expected to be alike.
+        pool: Number (G,) of the kind of each group; sizes of one kind are expected to be in proportion to those stated.
         mass: Mass (P,) of each disc [kg].
         stated: Sizes believed beforehand.
     """
@@ -91,19 +104,8 @@ class ScatterModel:
         Returns:
             The new sizes.
         """
-        weight = problem.weight(np.abs(problem.measurement.phasor), 0.0)
-        found = problem.linearisation(theta, weight)
-        curvature = found.rows @ found.rows.T + problem.coordinates.prior.precision
-        curvature -= found.explained()
-        covariance: Floats = np.asarray(np.linalg.inv(curvature), dtype=float)
-        noise = self._noise(problem, found, covariance, sizes)
-        # Squares of the differences in units of their size, and how much of each the data determine.
-        across = np.einsum("mqp,mnp->mqn", found.inverse, found.mixed)
-        open_part = np.einsum("mqq->mq", found.inverse) + np.einsum(
-            "mqn,nk,mqk->mq", across, covariance, across, optimize=True
-        )
-        squares = np.sum(found.difference**2, axis=0).reshape(-1, 2).sum(axis=1) / 2.0
-        known = np.sum(np.maximum(0.0, 1.0 - open_part), axis=0).reshape(-1, 2).sum(axis=1) / 2.0
+        shown = self._shown(problem, theta)
+        noise, squares, known = self._noise(shown, sizes), shown.squares, shown.known
         planes, stated = problem.planes, self.stated
         of_discs = sizes.eccentricity**2 * squares[:planes].sum() + STATED_WEIGHT * stated.eccentricity**2
         eccentricity = float(np.sqrt(of_discs / (known[:planes].sum() + STATED_WEIGHT)))
@@ -112,23 +114,61 @@ class ScatterModel:
         run_out = np.sqrt((squares + SHARED_WEIGHT * shared) / (known + SHARED_WEIGHT))
         return ScatterSizes(noise, eccentricity, run_out)
 
-    def _noise(self, problem: MountedProblem, found: MountedLinearisation, covariance: Floats, sizes: ScatterSizes) -> Floats:
-        """Return the noise of each group (G,) from its residuals and the part of them that the fit has used up."""
+    def freedom(self, problem: MountedProblem, theta: Floats) -> Floats:
+        """Compute how many independent real values each kind of scatter rests on, beside what the fit has used up.
+
+        Args:
+            problem: The problem with the sizes of scatter.
+            theta: The fit's end θ (n,) [-].
+
+        Returns:
+            Real degrees of freedom of the noise of dwells, that of sweeps, eccentricity and run-outs (4,) [-].
+        """
+        shown, planes = self._shown(problem, theta), problem.planes
+        noise = np.bincount(self.group[problem.used], minlength=self.pool.size) > 0
+        noise_freedom = np.bincount(self.pool[noise], weights=shown.freedom[noise], minlength=2)
+        known = np.array([shown.known[:planes].sum(), shown.known[planes:].sum()])
+        return np.asarray(2.0 * (np.r_[noise_freedom, known] + STATED_WEIGHT))
+
+    def _shown(self, problem: MountedProblem, theta: Floats) -> "_Shown":
+        """Return what a fit's end shows of the sizes, in units of the present ones."""
+        found = problem.linearisation(theta, problem.weight(np.abs(problem.measurement.phasor), 0.0))
+        curvature = found.rows @ found.rows.T + problem.coordinates.prior.precision
+        curvature -= found.explained()
+        covariance: Floats = np.asarray(np.linalg.inv(curvature), dtype=float)
+        # Squares of the differences in units of their size, and how much of each the data determine.
+        across = np.einsum("mqp,mnp->mqn", found.inverse, found.mixed)
+        open_part = np.einsum("mqq->mq", found.inverse) + np.einsum(
+            "mqn,nk,mqk->mq", across, covariance, across, optimize=True
+        )
+        squares = np.sum(found.difference**2, axis=0).reshape(-1, 2).sum(axis=1) / 2.0
+        known = np.sum(np.maximum(0.0, 1.0 - open_part), axis=0).reshape(-1, 2).sum(axis=1) / 2.0
         used = np.repeat(problem.used.reshape(-1), 2)
         group = np.repeat(self.group.reshape(-1), 2)
-        spent = np.empty(found.residual.size)
-        for one in range(len(found.inverse)):
-            which = found.mounting == one
-            own = found.own[:, which]
-            solved = found.inverse[one] @ own
-            rest = found.rows[:, which] - found.mixed[one] @ solved
-            spent[which] = np.sum(own * solved, axis=0) + np.sum(rest * (covariance @ rest), axis=0)
-        count = sizes.noise.size
-        squares = np.bincount(group, weights=np.where(used, found.residual**2, 0.0), minlength=count) / 2.0
+        spent = _spent(found, covariance)
+        count = self.pool.size
+        residual = np.bincount(group, weights=np.where(used, found.residual**2, 0.0), minlength=count) / 2.0
         freedom = np.bincount(group, weights=np.where(used, np.maximum(0.0, 1.0 - spent), 0.0), minlength=count) / 2.0
-        squares = squares * sizes.noise**2
-        stated = STATED_WEIGHT * self.stated.noise**2
-        of_kind, free, kinds = (np.bincount(self.pool, weights=one) for one in (squares, freedom, np.ones(count)))
-        expected = np.bincount(self.pool, weights=stated) / np.maximum(kinds, 1.0)
-        shared = ((of_kind + expected) / (free + STATED_WEIGHT))[self.pool]
-        return np.asarray(np.sqrt((squares + SHARED_WEIGHT * shared) / (freedom + SHARED_WEIGHT)))
+        return _Shown(squares, known, residual, freedom)
+
+    def _noise(self, shown: "_Shown", sizes: ScatterSizes) -> Floats:
+        """Return the noise of each group (G,) from its residuals and the part of them that the fit has used up."""
+        stated = self.stated.noise
+        squares = shown.residual * (sizes.noise / stated) ** 2
+        found = np.empty(stated.size)
+        for kind in np.unique(self.pool):
+            which = self.pool == kind
+            found[which] = stated[which] * shrunk_sizes(squares[which], shown.freedom[which])
+        return found
+
+
+def _spent(found: MountedLinearisation, covariance: Floats) -> Floats:
+    """Return the part of each residual (R,) that the fit has used up."""
+    spent = np.empty(found.residual.size)
+    for one in range(len(found.inverse)):
+        which = found.mounting == one
+        own = found.own[:, which]
+        solved = found.inverse[one] @ own
+        rest = found.rows[:, which] - found.mixed[one] @ solved
+        spent[which] = np.sum(own * solved, axis=0) + np.sum(rest * (covariance @ rest), axis=0)
+    return spent

@@ -36,8 +36,11 @@ from estimator.rotor.elimination import SingularCondensation
 
 COARSELY_BETTER = 4.0
 """Least factor by which a hypothesis must lower the coarse misfit to be fitted [-]."""
-BETTER = 2.0
-"""Least factor on the squared misfit by which a hypothesis is named whose fit is accepted [-]."""
+BETTER = 1.0
+"""Least factor by which the fit itself must be better for a hypothesis to be named whose fit is accepted [-].
+
+What bends until it fits, such as films and outliers, leaves hardly more misfit, but is refused for it.
+"""
 FAR_BETTER = 30.0
 """Least factor on the squared misfit by which a hypothesis is named although its own fit is refused [-]."""
 EQUALLY_WELL = 2.0
@@ -63,7 +66,8 @@ class NamedConvention:
 
     Attributes:
         convention: The convention.
-        improvement: Squared misfit of the run as it was sent over that with the convention undone [-].
+        improvement: Squared misfit of the run as it was sent over that with the convention undone, by their fits or, where
+            that tells more, by coarse ones [-].
         accepted: Whether the fit is accepted then.
     """
 
@@ -132,7 +136,7 @@ def coarsely_better(machine: Machine, measurements: Sequence[Measurement]) -> tu
     Returns:
         The hypotheses, the best first; without those on amplitudes, which a fit must have found implausible first.
     """
-    return tuple(_Trial(machine, (), measurements, None, gate=False).promising(None))
+    return tuple(one for one, _ in _Trial(machine, (), measurements, None, gate=False).promising(None))
 
 
 def _telling(gated: GatedIdentification, verdict: str) -> GatedIdentification:
@@ -167,41 +171,42 @@ class _Trial:
 
     def named(self, refused: Identification) -> tuple[NamedConvention, ...]:
         """Return the hypotheses that explain the runs, the best first."""
-        found = [(one, self._fitted(one)) for one in self.promising(refused)]
-        fitted = [(one, result) for one, result in found if result is not None]
+        found = [(one, coarsely, self._fitted(one)) for one, coarsely in self.promising(refused)]
         before = self._misfit(refused, joined(list(self.measurements)))
-        after = {one.words: self._misfit(result, self._whole(one)) for one, result in fitted}
-        named = [
-            NamedConvention(one, before / max(after[one.words], 1e-300), result.accepted)
-            for one, result in fitted
-            if before >= (BETTER if result.accepted else FAR_BETTER) * after[one.words]
-        ]
-        named.sort(key=lambda one: (not one.accepted, -one.improvement))
+        named = []
+        for one, coarsely, result in found:
+            after = float("inf") if result is None else max(self._misfit(result, self._whole(one)), 1e-300)
+            if result is not None and before >= (BETTER if result.accepted else FAR_BETTER) * after:
+                improvement = max(before / after, coarsely if result.accepted else 0.0)
+                named.append((after, NamedConvention(one, improvement, result.accepted)))
+        named.sort(key=lambda pair: (not pair[1].accepted, pair[0]))
         return tuple(
-            one
-            for one in named
-            if one.accepted == named[0].accepted and one.improvement * EQUALLY_WELL >= named[0].improvement
+            one for after, one in named if one.accepted == named[0][1].accepted and after <= EQUALLY_WELL * named[0][0]
         )
 
-    def promising(self, refused: Identification | None) -> list[WrongConvention]:
-        """Return the hypotheses that leave far less misfit in a coarse fit, the best first; of amplitudes by a refused fit."""
+    def promising(self, refused: Identification | None) -> list[tuple[WrongConvention, float]]:
+        """Return the hypotheses that leave far less misfit in a coarse fit, and how many times less, the best first.
+
+        Those on amplitudes only by a refused fit.
+        """
         whole = joined(list(self.measurements))
         try:
             problem = coarse_problem(self.machine, whole)
         except NO_FIT:
             return []
-        limit = min(HOPELESS_MISFIT, coarse_misfit(problem, starts=TRIAL.starts) / COARSELY_BETTER)
+        as_sent = coarse_misfit(problem, starts=TRIAL.starts)
         tried = list(wrong_conventions(self.machine, whole))
         tried += sorted(swapped_probes(self.machine), key=lambda one: linear_misfit(_permuted(problem, one)))[:LIKELIEST]
-        good = self._better(tried, limit)
+        good = self._better(tried, as_sent)
         # A factor on all amplitudes goes with much that is wrong: it is the reason only where nothing else is.
-        return good if good or refused is None else self._better(self._amplitudes(refused, whole), limit)
+        return good if good or refused is None else self._better(self._amplitudes(refused, whole), as_sent)
 
-    def _better(self, tried: Sequence[WrongConvention], limit: float) -> list[WrongConvention]:
-        """Return those with no more misfit in a coarse fit, the best first."""
+    def _better(self, tried: Sequence[WrongConvention], as_sent: float) -> list[tuple[WrongConvention, float]]:
+        """Return those with far less misfit in a coarse fit than the run as sent, and how many times less, the best first."""
+        limit = min(HOPELESS_MISFIT, as_sent / COARSELY_BETTER)
         misfits = [(self._coarse_misfit(one), one) for one in tried]
         good = sorted(((misfit, one) for misfit, one in misfits if misfit <= limit), key=lambda pair: pair[0])
-        return [one for _, one in good[:MOST_FITTED]]
+        return [(one, as_sent / max(misfit, 1e-300)) for misfit, one in good[:MOST_FITTED]]
 
     def _amplitudes(self, refused: Identification, whole: Measurement) -> list[WrongConvention]:
         """Return the units of amplitudes to be tried: where known weights fix them, or the unbalances speak against theirs."""

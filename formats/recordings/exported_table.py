@@ -4,6 +4,7 @@ The separator is a comma, a semicolon or a tab; behind the latter two a comma in
 the header more than once is known as NAME#1, NAME#2 and so on, from left to right.
 """
 
+import codecs
 import csv
 import re
 from collections import Counter
@@ -15,6 +16,23 @@ LONGEST_HEAD = 200
 DECIMAL_COMMA = re.compile(r"[-+]?\d+,\d+([eE][-+]?\d+)?")
 
 ExportedRow = dict[str, str | None]
+
+
+def decoded(content: bytes) -> str:
+    """Return the text of a table: UTF-8, UTF-16 behind a byte order mark, or else as Windows writes it in the west.
+
+    Raises UnicodeDecodeError.
+    """
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return content.decode("utf-16")
+    try:
+        # Spreadsheets put a byte order mark in front.
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        # Of a file that is no text, the first error says more than that of a second attempt.
+        if b"\0" in content:
+            raise
+    return content.decode("cp1252")
 
 
 def exported_rows(text: str) -> list[ExportedRow]:

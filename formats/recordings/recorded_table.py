@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from formats.files.document_files import UnreadableFile
-from formats.recordings.exported_table import exported_rows, is_plain
+from formats.recordings.exported_table import decoded, exported_rows, is_plain
 from formats.recordings.measured_columns import BrokenFile
 from formats.recordings.measured_files import is_measured_file, read_measured_file
 
@@ -31,8 +31,7 @@ class RecordedTable:
         if is_measured_file(path):
             return cls(path, _measured_rows(path))
         try:
-            # Spreadsheets put a byte order mark in front.
-            text = path.read_text(encoding="utf-8-sig")
+            text = decoded(path.read_bytes())
             rows = list(csv.DictReader(io.StringIO(text, newline=""), strict=True)) if is_plain(text) else exported_rows(text)
             rows = rows or list(csv.DictReader(io.StringIO(text, newline=""), strict=True))
         except (OSError, UnicodeDecodeError, csv.Error) as error:

@@ -270,8 +270,13 @@ def read_sidecar(path: Path) -> Sidecar:
 
 
 def _chosen(error: ValidationError) -> list[ErrorDetails]:
-    """Return what is wrong, without the alternatives of a field that was meant otherwise: `none`, where weights are listed."""
-    found = error.errors()
+    """Return what is wrong, without the alternatives of a field that was meant otherwise.
+
+    Such as `none`, where weights are listed, or the name of a column, where a number is given.
+    """
+    whole = error.errors()
+    numbers = {item["loc"][:-1] for item in whole if item["loc"][-1:] != ("str",)}
+    found = [item for item in whole if item["loc"][-1:] != ("str",) or item["loc"][:-1] not in numbers]
     listed = {item["loc"][0] for item in found if _is_alternative(item["loc"][1:2], "dict[") and len(item["loc"]) > 2}
     return [item for item in found if not (item["loc"][:1] and item["loc"][0] in listed and len(item["loc"]) == 2)]
 

@@ -1,11 +1,13 @@
 """Wrong conventions of a source: each is named when the fit is refused, equivalent ones together, and none on a right run."""
 
+import copy
 import math
 from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
+import yaml
 
 from estimator.fit.identification import Options
 from estimator.identification.convention_trials import ConventionVerdict, with_named_conventions
@@ -17,6 +19,7 @@ from estimator.phasors.recorded_run import RecordedRun
 from estimator.simulation.simulated_plant import draw_truth, measured_phasors, speed_law
 from tests.estimator.sweeps import recorded
 from tests.estimator.trains import Complexes, Floats, chapter_3, chapter_3_document, dense_response, noisy, perturbed
+from tests.paths import EXAMPLES
 
 ONE = Options(starts=1)
 PAIRS = (1, 0, 3, 2, 5, 4, 7, 6)
@@ -175,3 +178,17 @@ def _with_weight(machine: Machine, speed: Floats, added: Complexes) -> Complexes
             )
         )
     return dense_response(machine.model_copy(update={"discs": tuple(discs)}), speed, direction=1)
+
+
+@pytest.mark.long
+def test_two_swapped_probes_are_named_although_films_bend_to_them() -> None:
+    written = yaml.safe_load((EXAMPLES / "motor-compressor.yaml").read_text(encoding="utf-8"))
+    machine, rng = parse_machine(copy.deepcopy(written)), np.random.default_rng(0)
+    described = parse_machine(perturbed(written, seed=0, span=0.3) | {"discs": copy.deepcopy(written["discs"])})
+    seconds, speed = speed_law(machine, "run-down", duration=6000.0, samples=120)
+    phasor = measured_phasors(machine, draw_truth(machine, rng), speed, rng)
+    swapped = WrongConvention("", "", order=(0, 1, 2, 3, 6, 5, 4, 7))
+    run, measurement = recorded(seconds, speed, phasor, machine.channels)
+    found = told(described, (swapped.run(run), swapped.measurement(measurement)))
+    assert swapped.order in [one.convention.order for one in found.named]
+    assert found.named[0].accepted

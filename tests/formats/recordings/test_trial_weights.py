@@ -105,6 +105,7 @@ def test_a_vector_may_come_in_parts_with_its_scatter(tmp_path: Path) -> None:
         ({"amount": 3, "unit": "g mm", "magnitude": 1e-6}, "give either magnitude [kg m], or amount"),
         ({}, "give either magnitude [kg m], or amount"),
         ({"amount": "mass", "unit": "g mm"}, "has no column 'mass'"),
+        ({"amount": -48, "unit": "g mm"}, "added_unbalance.D1.amount: Input should be greater than or equal to 0"),
     ],
 )
 def test_wrong_weights_are_named(tmp_path: Path, weight: dict[str, Any], words: str) -> None:
@@ -112,6 +113,7 @@ def test_wrong_weights_are_named(tmp_path: Path, weight: dict[str, Any], words: 
     assert words in said
     assert "dict[" not in said, "the field's own name, not the validator's"
     assert "'none'" not in said, "the alternative was not meant"
+    assert "valid string" not in said, "nor was a column"
 
 
 def test_a_channel_has_one_pair_of_columns(tmp_path: Path) -> None:

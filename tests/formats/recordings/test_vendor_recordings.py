@@ -99,3 +99,32 @@ def test_columns_that_map_twice_and_files_that_are_cut_are_named(tmp_path: Path)
     scipy.io.savemat(tmp_path / "b.mat", {"Speed": RPM, "A": AMPLITUDE})
     with pytest.raises(UnreadableFile, match="has no column 'P'; it has Speed, A"):
         read_recording(tmp_path / "b.mat")
+
+
+@pytest.mark.parametrize("encoding", ["cp1252", "utf-16", "utf-8-sig"])
+def test_exports_are_read_in_the_encodings_that_windows_writes(tmp_path: Path, encoding: str) -> None:
+    lines = ["Export;Prüfstand", "", "Speed (rpm);B1X Amp (µm);B1X Phase (°)"]
+    lines += [f"{n:.2f};{a:.6f};{p:.6f}".replace(".", ",") for n, a, p in zip(RPM, AMPLITUDE, PHASE, strict=True)]
+    (tmp_path / "a.csv").write_bytes("\r\n".join(lines).encode(encoding))
+    mapped(tmp_path, speed="Speed (rpm)", channels=[{"channel": "B1X", "amplitude": "B1X Amp (µm)", "phase": "B1X Phase (°)"}])
+    assert_read(tmp_path / "a.csv")
+
+
+def test_a_file_that_is_no_text_is_refused(tmp_path: Path) -> None:
+    mapped(tmp_path)
+    (tmp_path / "a.csv").write_bytes(b"PK\x03\x04\xff\x00\x00\xfe")
+    with pytest.raises(UnreadableFile, match=r"a\.csv"):
+        read_recording(tmp_path / "a.csv")
+
+
+@pytest.mark.filterwarnings("error::pytest.PytestUnraisableExceptionWarning")
+def test_a_cut_mdf_file_is_told_in_one_line(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    asammdf = pytest.importorskip("asammdf")
+    mapped(tmp_path)
+    file = asammdf.MDF(version="4.10")
+    file.append([asammdf.Signal(AMPLITUDE, RPM, name="A")])
+    file.save(tmp_path / "whole.mf4")
+    (tmp_path / "a.mf4").write_bytes((tmp_path / "whole.mf4").read_bytes()[:1500])
+    with pytest.raises(UnreadableFile, match="not a whole MDF file"):
+        read_recording(tmp_path / "a.mf4")
+    assert "Traceback" not in capfd.readouterr().err
