@@ -16,6 +16,7 @@ from service.wording.film_words import (
     wear_words,
 )
 from service.wording.language import ENGLISH, Language
+from service.wording.parameter_words import parameter_words, quantity_words
 
 SIGNIFICANT = 2.0
 """Standard errors from which on a figure beside the first is named [-]."""
@@ -143,7 +144,7 @@ def rate_words(finding: DescribedFinding) -> Mapping[str, str]:
         lower=float(said["lower_per_cent"]),
         upper=float(said["upper_per_cent"]),
     )
-    return {"parameter": whole_parameter(said["parameter"]), "size": rate}
+    return {"parameter": parameter_words(whole_parameter(said["parameter"]), finding.language), "size": rate}
 
 
 def whole_parameter(name: str) -> str:
@@ -169,7 +170,8 @@ def alignment_questions(finding: DescribedFinding) -> Sequence[str]:
 def element_questions(finding: DescribedFinding) -> Sequence[str]:
     """Return the parameters of the element that the newest run does not determine."""
     names = finding.evidence.get("not_estimable") or ()
-    return [finding.language.translate("open.parameters", names=", ".join(names))] if names else []
+    said = ", ".join(parameter_words(one, finding.language) for one in names)
+    return [finding.language.translate("open.parameters", names=said)] if names else []
 
 
 def compared_words(finding: DescribedFinding) -> str:
@@ -204,7 +206,7 @@ def part_name(name: str, language: Language = ENGLISH) -> str:
     element = language.element(said.element)
     if said.quantity == "coefficients":
         return language.translate("size.all_coefficients", element=element)
-    return language.translate("size.of_element", quantity=language.named(said.quantity), element=element)
+    return language.translate("size.of_element", quantity=quantity_words(said.quantity, language), element=element)
 
 
 def interval(one: SizePart, language: Language = ENGLISH) -> str:
