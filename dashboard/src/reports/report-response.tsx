@@ -51,7 +51,7 @@ function OrbitsOfRun({ machine, run, reference }: { machine: Document; run: Run;
   const speed = runningSpeed(machine, run);
   const { result } = useOrbits(machine.id, run, reference, speed);
   return (
-    <Panel title={t("orbitsAtRunningSpeed", { speed: rpm(speed) })}>
+    <Panel class="whole" title={t("orbitsAtRunningSpeed", { speed: rpm(speed) })}>
       <Loaded result={result} lines={20}>
         {({ found, other }) => <OrbitPlots found={found} other={other} second={false} />}
       </Loaded>
