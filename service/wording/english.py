@@ -24,6 +24,7 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "size.all_coefficients": "all coefficients of {element} together",
     "size.of_element": "{quantity} of {element}",
     "size.per_cent_interval": "{value} % ({lower} to {upper})",
+    "size.from_to": "{before} → {after} {unit} (change {lower} to {upper})",
     "and": " and ",
     "addresses": "{forms}; none for {without}",
     "or": ", or ",
@@ -93,7 +94,7 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "urgent.drift_fast": "It drifts faster than its danger limit for rates; no time to a limit of its size can be given: "
     "{said}",
     "urgent.drift_no_time": "No time to a limit of its size can be given: {said}",
-    "urgent.newest": "the newest run shows {newest:.0f} {unit}; ",
+    "urgent.newest": "the newest run by itself shows {newest:.0f} {unit}; ",
     "urgent.runs_needed": "{runs} runs since it began, and {needed} tell how fast it grows",
     "urgent.run_needed": "1 run since it began, and {needed} tell how fast it grows",
     "urgent.rate": "{rate:+.2g} {unit} a week ({lower:+.2g} to {upper:+.2g}) over {runs} runs",

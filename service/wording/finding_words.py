@@ -213,14 +213,20 @@ def interval(one: SizePart, language: Language = ENGLISH) -> str:
     """Return a figure with its unit and 95 % interval."""
     unit = language.named(UNITS.get(one.unit, one.unit))
     if one.before is not None:
-        low, high = sorted((abs(one.before), abs(one.before + one.value)))
-        digits = max(2, 1 - math.floor(math.log10(max(high - low, 1e-9) / max(high, 1e-9))))
-        return f"{rounded(one.before, digits, language)} → {rounded(one.before + one.value, digits, language)} {unit}"
+        places = _decimals((one.upper - one.lower) / 2.0)
+        before, after = (language.digits(f"{each:.{places}f}") for each in (one.before, one.before + one.value))
+        lower, upper = (language.digits(f"{each:+.{places}f}") for each in (one.lower, one.upper))
+        return language.translate("size.from_to", before=before, after=after, unit=unit, lower=lower, upper=upper)
     if one.unit == "%":
         places = 1 if one.upper - one.lower < 2.0 else 0
         value, lower, upper = (language.digits(f"{each:+.{places}f}") for each in (one.value, one.lower, one.upper))
         return language.translate("size.per_cent_interval", value=value, lower=lower, upper=upper)
     return f"{shown(one.value, (one.upper - one.lower) / 2.0, language)} {unit}"
+
+
+def _decimals(half: float) -> int:
+    """Return the decimals with which a figure is as sharp as half its interval; an interval of nothing has three."""
+    return 3 if half <= 0.0 else min(3, max(0, -math.floor(math.log10(half))))
 
 
 def rounded(value: float, digits: int, language: Language = ENGLISH) -> str:

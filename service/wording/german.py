@@ -24,6 +24,7 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "size.all_coefficients": "alle Koeffizienten von {element} zusammen",
     "size.of_element": "{quantity} von {element}",
     "size.per_cent_interval": "{value} % ({lower} bis {upper})",
+    "size.from_to": "{before} → {after} {unit} (Änderung {lower} bis {upper})",
     "and": " und ",
     "addresses": "{forms}; keine für {without}",
     "or": " oder ",
@@ -94,7 +95,7 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "urgent.drift_fast": "Der Parameter driftet schneller, als sein Grenzwert für Gefahr erlaubt; eine Zeit bis zu einem "
     "Grenzwert seiner Größe lässt sich nicht angeben: {said}",
     "urgent.drift_no_time": "Eine Zeit bis zu einem Grenzwert seiner Größe lässt sich nicht angeben: {said}",
-    "urgent.newest": "der neueste Lauf zeigt {newest:.0f} {unit}; ",
+    "urgent.newest": "der neueste Lauf für sich zeigt {newest:.0f} {unit}; ",
     "urgent.runs_needed": "{runs} Läufe seit dem Beginn, erst {needed} zeigen, wie schnell es wächst",
     "urgent.run_needed": "1 Lauf seit dem Beginn, erst {needed} zeigen, wie schnell es wächst",
     "urgent.rate": "{rate:+.2g} {unit} je Woche ({lower:+.2g} bis {upper:+.2g}) über {runs} Läufe",
