@@ -24,6 +24,7 @@ from service.reports.page_parts import captioned, figures, muted, section, shown
 from service.reports.response_curves import MICROMETRES_PP, measured_points, response_curves
 from service.reports.response_figures import bode_figure, polar_figure
 from service.reports.trend_figure import trend_figure
+from service.wording.film_words import shown
 from service.wording.finding_words import rounded
 from service.wording.language import Language
 from service.wording.parameter_words import parameter_words
@@ -34,6 +35,7 @@ logger = logging.getLogger(__name__)
 MOST_CHANNELS = 12
 """Channels that are drawn: those nearest to what has an alert first."""
 BALANCE_SPEEDS = 20
+MICRO = 1e6
 MILLIMETRES_GRAM = 1e6
 """g mm in a kg m."""
 
@@ -158,14 +160,14 @@ def _alignment(contents: ReportContents, fit: ReportedFit) -> str:
 
 def _aligned(one: ToleratedChange, language: Language) -> tuple[str, ...]:
     said = describe(one.name)
-    scale, unit = (1e6, "µm") if one.unit == "m" else (1e3, "mrad")
-    allowed = language.digits(f"{scale * one.allowed:.3g} {unit}")
+    unit = f"µ{one.unit}"
+    allowed = f"{rounded(MICRO * one.allowed, 2, language)} {unit}"
     quantity = language.named(said.quantity)
     if one.value is None:
         missing = language.translate("report.not_determined", reason=in_language(one.reason or "", language))
         return said.element_id, quantity, missing, "–", allowed, "–"
-    change, half = (language.digits(each) for each in (f"{scale * one.value:+.3g} {unit}", f"{scale * one.half:.2g} {unit}"))
-    return said.element_id, quantity, change, half, allowed, f"{100.0 * one.beyond:.0f} %"
+    change, half = shown(MICRO * one.value, MICRO * one.half, language).split(" ± ")
+    return said.element_id, quantity, f"{change} {unit}", f"{half} {unit}", allowed, f"{100.0 * one.beyond:.0f} %"
 
 
 def _balance(contents: ReportContents, fit: ReportedFit) -> str:
