@@ -81,7 +81,9 @@ def test_the_same_is_told_in_german(plant: Database, sunken: ReportContents) -> 
     assert "Kupplung C1 ist falsch ausgerichtet: die getriebene Welle liegt" in page
     assert "Kein Ausgleich wird vorgeschlagen: zuerst C1 instand setzen" in page
     assert 'content: "Seite " counter(page) " von "' in page
-    assert re.search(r">\d+,\d+<", page), "ticks have a decimal comma"
+    value = np.array([6.4, 6.6])
+    drawn = trend_figure(ReportedTrend("x", "N", np.array([0, 10**16]), value, value, value, None), GERMAN)
+    assert ">6,5<" in drawn
     # No sentence of the English report is left.
     english = set(re.findall(r">([^<>]*[A-Za-z]{3,} [a-z]{2,}[^<>]*)<", report_html(sunken)))
     assert {one for one in english if f">{one}<" in page} == set()
