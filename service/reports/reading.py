@@ -24,11 +24,11 @@ from service.reports.period import ReportPeriod
 from service.reports.trend_reading import read_trends, reported_names
 from service.wording.language import Language
 from storage.alerts import alerts
+from storage.alerts.alerts import ListedAlert
 from storage.clock import now, to_datetime
 from storage.findings import identifications
 from storage.machines import balancings, machines, timeline
 from storage.measurements import runs
-from storage.tables.alerting import AlertRow
 from storage.tables.findings import IdentificationRow
 
 MOST_ALERTS, MOST_EVENTS, MOST_NOTES, MOST_BALANCINGS, MOST_COUNTED = 500, 200, 200, 50, 20_000
@@ -94,7 +94,7 @@ def _alerts(
         yield reported, [alert_event(one, texts) for one in until if one.at >= period.first]
 
 
-def _as_of_newest_run(row: AlertRow, last: AlertEvent, texts: SiteTexts) -> AlertEvent:
+def _as_of_newest_run(row: ListedAlert, last: AlertEvent, texts: SiteTexts) -> AlertEvent:
     """Return an alert's newest event with the figures of the newest run, which may have come after it."""
     if last.advice is None or row.closed_at is not None:
         return last

@@ -83,8 +83,8 @@ def polar_figure(
     )
     for colour, drawn in ((BEFORE, before), (MEASURED, runs)):
         parts += [dots(*_place(one.value[thinned_slice(one.speed.size), number], scale), colour) for one in drawn]
-    drawn = thinned_slice(fitted.size, MOST_OF_A_CURVE)
-    parts.append(curve(*_place(fitted[drawn], scale), FITTED))
+    few = thinned_slice(fitted.size, MOST_OF_A_CURVE)
+    parts.append(curve(*_place(fitted[few], scale), FITTED))
     parts += _speeds(fitted, curves.speed, scale)
     return svg("".join(parts), SIZE, SIZE, left=-SIZE / 2, top=-SIZE / 2)
 

@@ -75,7 +75,7 @@ def test_a_train_on_oil_films_is_told_in_one_way(plant: Database, rule: str) -> 
 
 def mail_body(event: AlertEvent, language: Language) -> str:
     """Text of the mail about an event."""
-    return compose_mail(settings(), "anna@plant.example", EventMessage(event, "plant-1"), language).get_content()
+    return str(compose_mail(settings(), "anna@plant.example", EventMessage(event, "plant-1"), language).get_content())
 
 
 def test_a_contradiction_is_seen(plant: Database) -> None:
