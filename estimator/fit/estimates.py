@@ -176,7 +176,8 @@ def prior_alone_reason(believed: float, unit: str) -> str:
     Returns:
         The reason in words.
     """
-    return f"the data say hardly more of it than what is believed beforehand: ± {believed:.2g} {unit}"
+    size, said = (1e6 * believed, f"µ{unit}") if unit in {"m", "rad"} else (believed, unit)
+    return f"the data say hardly more of it than what is believed beforehand: ± {size:.2g} {said}"
 
 
 def _is_level(parameter: ModelParameter) -> bool:

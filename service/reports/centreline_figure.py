@@ -13,7 +13,7 @@ from service.identification.stored_model import Identified
 from service.reports.plot_frame import BEFORE, FITTED, GRID, INK, curve, dots, label, segment, svg
 from service.wording.language import ENGLISH, Language
 
-SIZE, RADIUS = 215.0, 80.0
+SIZE, RADIUS = 164.0, 62.0
 SPEEDS = 15
 
 

@@ -20,7 +20,8 @@ def first_page(contents: ReportContents) -> str:
         "report.made", machine=f"{contents.plant}/{machine.id}", period=period, at=shown_time(contents.made_at)
     )
     head = f'<h1 data-name="{escaped(title)}, {period}">{escaped(title)}</h1>{muted(made)}'
-    picture = f'<div class="panel">{train_figure(machine, [one.last.element for one in alerts])}</div>'
+    train = train_figure(machine, [one.last.element for one in alerts])
+    picture = f'<div class="panel">{train}{muted(language.translate("report.train_key"))}</div>'
     leading = "".join(_finding(one, language) for one in alerts[:1]) or _calm(contents)
     others = "".join(_finding(one, language) for one in alerts[1:MOST_DETAILED])
     rest = [f"{language.named(one.last.severity)}: {one.last.message}" for one in alerts[MOST_DETAILED:]]

@@ -43,7 +43,7 @@ def _event(one: AlertEvent, language: Language) -> tuple[str, ...]:
     kind, severity, state = (language.named(each) for each in (one.kind, one.severity, one.state))
     return (
         shown_time(one.at),
-        f"{finding_name(one.rule, language)} {one.element}",
+        language.translate("finding_of", finding=finding_name(one.rule, language), element=language.element(one.element)),
         f"{kind}: {severity}, {state}",
         one.by,
         one.comment,

@@ -5,9 +5,10 @@ import numpy as np
 from estimator.arrays import Complexes, Floats
 from estimator.phasors.probe_axes import ProbeStation
 from service.reports.plot_frame import BEFORE, FITTED, GRID, INK, curve, dots, label, round_step, segment, svg
+from service.wording.finding_words import rounded
 from service.wording.language import ENGLISH, Language
 
-SIZE, RADIUS = 215.0, 80.0
+SIZE, RADIUS = 164.0, 60.0
 POINTS = 120
 
 
@@ -28,7 +29,7 @@ def orbit_figure(place: ProbeStation, now: Complexes, before: Complexes | None, 
         parts.append(dots(path[:1, 0] * scale, -path[:1, 1] * scale, colour, radius=2.6))
     bar = step * scale
     parts.append(segment(-bar / 2, RADIUS + 14, bar / 2, RADIUS + 14, INK, width=1.2))
-    parts.append(label(bar / 2 + 4, RADIUS + 17, language.digits(f"{step:.3g} µm"), anchor="start"))
+    parts.append(label(bar / 2 + 4, RADIUS + 17, f"{rounded(step, 1, language)} µm", anchor="start"))
     return svg("".join(parts), SIZE, SIZE, left=-SIZE / 2, top=-SIZE / 2)
 
 

@@ -18,12 +18,25 @@ INK, GRID, MEASURED, FITTED, BEFORE, MARKED = "#333333", "#d5d9de", "#6b7280", "
 LEFT, RIGHT, TOP, BOTTOM = 52.0, 8.0, 16.0, 28.0
 """Margins of a frame [px]."""
 MOST_POINTS = 300
-"""Points of one curve or cloud that are drawn: more would cover each other."""
+"""Points of one cloud that are drawn: more would cover each other."""
+MOST_OF_A_CURVE = 1_200
+"""Points of one curve that are drawn: fewer would cut off resonances."""
 MARGIN = 0.05
 """Space beside the data, as a part of their extent [-]."""
 TIME_MARGIN = 0.02
 """Space beside times, likewise [-]."""
-DAY_NS = 86_400 * 10**9
+HOUR_NS = 3_600 * 10**9
+HOURS_OF_A_DAY = 24
+DAY_NS = HOURS_OF_A_DAY * HOUR_NS
+SHORTEST_NS = 4.0 * HOUR_NS
+"""Least time that an axis spans [ns]: runs of an hour would otherwise have ticks by the minute."""
+TICK_HOURS = (1, 2, 3, 6, 12, 24, 48, 72, 120, 168)
+"""Times between two ticks [h]; beyond these whole days."""
+MOST_TICKS = 5
+SHORT_LABEL = 6
+"""Characters of words that fit at a frame's end."""
+LABEL_REACH = 24.0
+"""Half the width of a tick's words: nearer to a frame's end they would be cut off [px]."""
 
 
 @dataclass(frozen=True)
@@ -51,13 +64,14 @@ def axis_over(values: Floats, title: str, language: Language = ENGLISH, *, from_
 
 
 def time_axis(first: float, last: float) -> PlotAxis:
-    """Return an axis over times [ns since 1970], with days as ticks."""
-    span = max(last - first, float(DAY_NS))
-    first, span = first - TIME_MARGIN * span, (1.0 + 2.0 * TIME_MARGIN) * span
-    days = max(1, math.ceil(span / DAY_NS / 5.0))
-    begin = math.ceil(first / DAY_NS)
-    ticks = [DAY_NS * number for number in range(begin, int((first + span) // DAY_NS) + 1, days)]
-    said = tuple((float(one), datetime.fromtimestamp(one / 1e9, UTC).strftime("%Y-%m-%d")) for one in ticks)
+    """Return an axis over times [ns since 1970], with days as ticks; with hours where the times are of few days."""
+    span = max(last - first, SHORTEST_NS)
+    first, span = (first + last - span) / 2.0 - TIME_MARGIN * span, (1.0 + 2.0 * TIME_MARGIN) * span
+    hours = next((one for one in TICK_HOURS if one * HOUR_NS >= span / MOST_TICKS), 24 * math.ceil(span / DAY_NS / MOST_TICKS))
+    step = hours * HOUR_NS
+    ticks = [step * number for number in range(math.ceil(first / step), int((first + span) // step) + 1)]
+    form = "%Y-%m-%d" if hours >= HOURS_OF_A_DAY else "%m-%d %H:%M"
+    said = tuple((float(one), datetime.fromtimestamp(one / 1e9, UTC).strftime(form)) for one in ticks)
     return PlotAxis(first, first + span, said, "")
 
 
@@ -67,9 +81,9 @@ def round_step(size: float) -> float:
     return next(one * power for one in (1.0, 2.0, 5.0, 10.0) if one * power >= size * 0.999)
 
 
-def thinned_slice(count: int) -> slice:
-    """Return a slice that leaves at most MOST_POINTS of so many points."""
-    return slice(None, None, max(1, math.ceil(count / MOST_POINTS)))
+def thinned_slice(count: int, most: int = MOST_POINTS) -> slice:
+    """Return a slice that leaves at most so many points of a count."""
+    return slice(None, None, max(1, math.ceil(count / most)))
 
 
 class PlotFrame:
@@ -82,7 +96,8 @@ class PlotFrame:
         for at, words in x.ticks:
             (px,) = self.across(np.array([at]))
             self.parts.append(segment(px, TOP, px, height - BOTTOM, GRID))
-            self.parts.append(label(px, height - BOTTOM + 10, words))
+            within = px + LABEL_REACH <= width or len(words) <= SHORT_LABEL
+            self.parts.append(label(px, height - BOTTOM + 10, words) if within else "")
         for at, words in y.ticks:
             (py,) = self.up(np.array([at]))
             self.parts.append(segment(LEFT, py, width - RIGHT, py, GRID))
@@ -101,7 +116,7 @@ class PlotFrame:
 
     def line(self, x: Floats, y: Floats, colour: str, *, dashed: bool = False) -> None:
         """Draw a curve with gaps where it is not finite."""
-        few = thinned_slice(len(x))
+        few = thinned_slice(len(x), MOST_OF_A_CURVE)
         self.parts.append(curve(self.across(x[few]), self.up(y[few]), colour, dashed=dashed))
 
     def points(self, x: Floats, y: Floats, colour: str, *, radius: float = 1.3) -> None:
@@ -149,6 +164,14 @@ def label(x: float, y: float, words: str, *, anchor: str = "middle", colour: str
     """Return words at a place."""
     place = f'x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}" fill="{colour}"'
     return f'<text {place} font-family="DejaVu Sans, sans-serif" font-size="{size}">{html.escape(words)}</text>'
+
+
+def plain_label(x: float, y: float, words: str, *, anchor: str = "middle", size: float = 7.0) -> str:
+    """Return words at a place on white, which no curve beneath strikes through."""
+    width, height = 0.64 * size * len(words), 1.1 * size
+    left = {"start": x, "middle": x - width / 2.0, "end": x - width}[anchor]
+    place = f'x="{left:.1f}" y="{y - 0.85 * size:.1f}" width="{width:.1f}" height="{height:.1f}"'
+    return f'<rect {place} fill="#ffffff" fill-opacity="0.85"/>' + label(x, y, words, anchor=anchor, size=size)
 
 
 def curve(x: Floats, y: Floats, colour: str, *, dashed: bool = False) -> str:

@@ -19,7 +19,9 @@ def report_html(contents: ReportContents) -> str:
     """Return a report as HTML that needs nothing beside it."""
     language = contents.language
     title = escaped(language.translate("report.title", machine=contents.machine.name or contents.machine.id))
-    pages = first_page(contents) + f'<div class="next">{result_pages(contents)}</div>' + history_page(contents)
+    results = result_pages(contents)
+    behind = f'<div class="next">{results}</div>' if results else ""
+    pages = first_page(contents) + behind + history_page(contents)
     head = f'<meta charset="utf-8"/><title>{title}</title><style>{style(language)}</style>'
     return f'<!doctype html><html lang="{language.code}"><head>{head}</head><body>{pages}</body></html>\n'
 

@@ -4,7 +4,8 @@ from collections.abc import Iterator, Sequence
 
 from sqlalchemy.orm import Session
 
-from service.advice.alert_advice import alert_event
+from service.advice.advice import FAULTS_OF_CONTENT
+from service.advice.alert_advice import alert_advice, alert_event, alert_message
 from service.advice.site_texts import SiteTexts
 from service.alerts.event_message import AlertEvent
 from service.balancing.open_causes import SomethingElseWrong, require_nothing_else
@@ -23,6 +24,7 @@ from service.reports.period import ReportPeriod
 from service.reports.trend_reading import read_trends, reported_names
 from service.wording.language import Language
 from storage.alerts import alerts
+from storage.alerts.alerts import ListedAlert
 from storage.clock import now, to_datetime
 from storage.findings import identifications
 from storage.machines import balancings, machines, timeline
@@ -80,12 +82,27 @@ def _alerts(
     for row in {one.id: one for one in (*newest, *still_open)}.values():
         if row.closed_at is not None and row.closed_at < period.first:
             continue
-        until = [one for one in alerts.history(session, row.id) if one.at <= period.last]
+        history = alerts.history(session, row.id)
+        until = [one for one in history if one.at <= period.last]
         if not until:
             continue  # it opened later
+        last = alert_event(until[-1], texts)
+        if len(until) == len(history) and row.measured_at <= period.last:
+            last = _as_of_newest_run(row, last, texts)
         closed_at = None if row.closed_at is None or row.closed_at > period.last else to_datetime(row.closed_at)
-        reported = ReportedAlert(until[-1].severity, alert_event(until[-1], texts), closed_at, is_open=closed_at is None)
+        reported = ReportedAlert(until[-1].severity, last, closed_at, is_open=closed_at is None)
         yield reported, [alert_event(one, texts) for one in until if one.at >= period.first]
+
+
+def _as_of_newest_run(row: ListedAlert, last: AlertEvent, texts: SiteTexts) -> AlertEvent:
+    """Return an alert's newest event with the figures of the newest run, which may have come after it."""
+    if last.advice is None or row.closed_at is not None:
+        return last
+    try:
+        advice = alert_advice(row, texts)
+        return last.model_copy(update={"advice": advice, "message": alert_message(row, advice, texts)})
+    except FAULTS_OF_CONTENT:
+        return last  # of which a text can be made
 
 
 def _counts(session: Session, machine_id: str, period: ReportPeriod) -> PeriodCounts:

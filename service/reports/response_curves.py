@@ -12,6 +12,8 @@ from service.identification.stored_model import Identified, UsedRun
 MICROMETRES_PP = METRES["um"] * PEAK["peak-to-peak"]
 """Metres 0-to-peak of a micrometre peak-to-peak."""
 SPEEDS = 200
+FAR, MOST_PARTS = 0.05, 16
+"""Step of a vector, as a part of its channel's largest, that is divided, into at most so many parts."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +44,14 @@ class MeasuredPoints:
 def response_curves(one: Identified, speed_rpm: Floats | None = None) -> ResponseCurves:
     """Return the fitted curves, over the speeds of the fit by default."""
     ends = np.array([one.speed_minimum, one.speed_maximum]) / RAD_PER_S["rpm"]
-    speed = np.linspace(ends[0], ends[1], SPEEDS) if speed_rpm is None else speed_rpm
+    if speed_rpm is not None:
+        return _curves(one, speed_rpm)
+    coarse = _curves(one, np.linspace(ends[0], ends[1], SPEEDS))
+    between = _between_distant(coarse)
+    return _joined(coarse, _curves(one, between)) if between.size else coarse
+
+
+def _curves(one: Identified, speed: Floats) -> ResponseCurves:
     band = fitted_response(
         one.machine,
         one.coordinates,
@@ -53,6 +62,27 @@ def response_curves(one: Identified, speed_rpm: Floats | None = None) -> Respons
     )
     size = MICROMETRES_PP
     return ResponseCurves(speed, value=band.value / size, lower=band.lower / size, upper=band.upper / size)
+
+
+def _between_distant(found: ResponseCurves) -> Floats:
+    """Return speeds [r/min] between neighbours whose vectors lie far apart: a line would cut resonances off."""
+    largest = np.maximum(abs(found.value).max(axis=0), 1e-12)
+    steps = (abs(np.diff(found.value, axis=0)) / largest).max(axis=1)
+    parts = np.clip(np.ceil(steps / FAR), 1, MOST_PARTS).astype(int)
+    added = [
+        np.linspace(first, last, count + 1)[1:-1]
+        for first, last, count in zip(found.speed, found.speed[1:], parts, strict=False)
+    ]
+    return np.concatenate([*added, np.empty(0)])
+
+
+def _joined(one: ResponseCurves, other: ResponseCurves) -> ResponseCurves:
+    speed = np.concatenate([one.speed, other.speed])
+    order = np.argsort(speed)
+    value, lower, upper = (
+        np.concatenate([getattr(one, name), getattr(other, name)])[order] for name in ("value", "lower", "upper")
+    )
+    return ResponseCurves(speed[order], value=value, lower=lower, upper=upper)
 
 
 def measured_points(run: UsedRun) -> MeasuredPoints:

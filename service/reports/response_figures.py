@@ -11,18 +11,21 @@ from service.reports.plot_frame import (
     GRID,
     INK,
     MEASURED,
+    MOST_OF_A_CURVE,
     PlotAxis,
     PlotFrame,
     axis_over,
     curve,
     dots,
     label,
+    plain_label,
     round_step,
     segment,
     svg,
     thinned_slice,
 )
 from service.reports.response_curves import MeasuredPoints, ResponseCurves, lag_deg
+from service.wording.finding_words import rounded
 from service.wording.language import ENGLISH, Language
 
 WIDTH, AMPLITUDE_HEIGHT, PHASE_HEIGHT = 335.0, 130.0, 95.0
@@ -74,24 +77,31 @@ def polar_figure(
     parts = [_ring((ring + 1) * step * scale) for ring in range(rings)]
     parts += [segment(-RADIUS, 0.0, RADIUS, 0.0, GRID), segment(0.0, -RADIUS, 0.0, RADIUS, GRID)]
     parts += [label(RADIUS + 12, 3, "0°"), label(0, RADIUS + 11, "90°"), label(-RADIUS - 13, 3, "180°")]
-    parts.append(label(0, -RADIUS - 5, language.translate("plot.rings", step=step)))
+    parts.append(label(0, -RADIUS - 4, "270°"))
+    parts.append(
+        label(-SIZE / 2, -SIZE / 2 + 8, language.translate("plot.rings", step=rounded(step, 1, language)), anchor="start")
+    )
     for colour, drawn in ((BEFORE, before), (MEASURED, runs)):
         parts += [dots(*_place(one.value[thinned_slice(one.speed.size), number], scale), colour) for one in drawn]
-    parts.append(curve(*_place(fitted, scale), FITTED))
+    few = thinned_slice(fitted.size, MOST_OF_A_CURVE)
+    parts.append(curve(*_place(fitted[few], scale), FITTED))
     parts += _speeds(fitted, curves.speed, scale)
     return svg("".join(parts), SIZE, SIZE, left=-SIZE / 2, top=-SIZE / 2)
 
 
 def _speeds(fitted: Complexes, speed: Floats, scale: float) -> Iterator[str]:
-    """Yield dots with their speeds [r/min] on a curve; no words over others."""
+    """Yield dots with their speeds [r/min] on a curve, outwards of it and on white; no words over others."""
     said: list[complex] = []
-    for at in np.linspace(0, fitted.size - 1, SPEED_LABELS).astype(int):
+    for asked in np.linspace(speed[0], speed[-1], SPEED_LABELS):
+        at = int(np.argmin(abs(speed - asked)))
         px, py = _place(fitted[at : at + 1], scale)
         yield dots(px, py, FITTED, radius=2.0)
         place = complex(px[0], py[0])
         if all(abs(place - other) > WORDS_APART for other in said):
             said.append(place)
-            yield label(px[0] + 4, py[0] - 3, f"{speed[at]:.0f}", anchor="start", size=7)
+            away = place / max(abs(place), 1e-9)
+            anchor = "start" if away.real >= 0.0 else "end"
+            yield plain_label(px[0] + 5 * away.real, py[0] + 8 * away.imag + 2.5, f"{speed[at]:.0f}", anchor=anchor)
 
 
 def _place(value: Complexes, scale: float) -> tuple[Floats, Floats]:

@@ -21,10 +21,13 @@ from service.reports.centreline_figure import centreline_figure, journal_paths
 from service.reports.contents import ReportContents, ReportedFit
 from service.reports.orbit_figure import orbit_figure
 from service.reports.page_parts import captioned, figures, muted, section, shown_time, table
-from service.reports.response_curves import measured_points, response_curves
+from service.reports.response_curves import MICROMETRES_PP, measured_points, response_curves
 from service.reports.response_figures import bode_figure, polar_figure
 from service.reports.trend_figure import trend_figure
+from service.wording.film_words import shown
+from service.wording.finding_words import rounded
 from service.wording.language import Language
+from service.wording.parameter_words import parameter_words
 from service.wording.stored_sentences import in_language
 
 logger = logging.getLogger(__name__)
@@ -32,6 +35,7 @@ logger = logging.getLogger(__name__)
 MOST_CHANNELS = 12
 """Channels that are drawn: those nearest to what has an alert first."""
 BALANCE_SPEEDS = 20
+MICRO = 1e6
 MILLIMETRES_GRAM = 1e6
 """g mm in a kg m."""
 
@@ -63,7 +67,10 @@ def _render(title: str, part: Callable[[ReportContents, ReportedFit], str], cont
 
 
 def _trends(contents: ReportContents) -> str:
-    drawn = "".join(captioned(one.name, trend_figure(one, contents.language)) for one in contents.trends)
+    drawn = "".join(
+        captioned(parameter_words(one.name, contents.language), trend_figure(one, contents.language))
+        for one in contents.trends
+    )
     return drawn and figures(contents.language.translate("report.trend_key"), drawn)
 
 
@@ -105,7 +112,7 @@ def _channels(contents: ReportContents, fit: ReportedFit) -> list[int]:
 def _orbits(contents: ReportContents, fit: ReportedFit) -> str:
     places = [one for one in probe_stations(fit.one.machine) if one.sees_both_axes][:MOST_CHANNELS]
     if not places:
-        return ""
+        return muted(contents.language.translate("report.no_orbit"))
     rpm = _running_rpm(fit)
     now = response_curves(fit.one, np.array([rpm])).value[0]
     first = fit.baseline[0] if fit.baseline else None
@@ -125,7 +132,8 @@ def _running_rpm(fit: ReportedFit) -> float:
 def _centrelines(contents: ReportContents, fit: ReportedFit) -> str:
     paths = journal_paths(fit.one)
     if not paths:
-        return ""
+        why = "report.no_equilibrium" if follows_films(fit.one.machine) else "report.no_centreline"
+        return muted(contents.language.translate(why))
     first = journal_paths(fit.baseline[0]) if fit.baseline else []
     before = {one.bearing: one for one in first}
     ends = (fit.one.speed_minimum / RAD_PER_S["rpm"], fit.one.speed_maximum / RAD_PER_S["rpm"])
@@ -135,8 +143,12 @@ def _centrelines(contents: ReportContents, fit: ReportedFit) -> str:
 
 
 def _alignment(contents: ReportContents, fit: ReportedFit) -> str:
-    if not follows_films(fit.one.machine) or not fit.baseline:
+    if not fit.one.machine.couplings:
         return ""
+    if not follows_films(fit.one.machine):
+        return muted(contents.language.translate("report.no_offsets"))
+    if not fit.baseline:
+        return muted(contents.language.translate("report.no_reference"))
     models = [one.model for one in fit.baseline]
     if any(one.coordinates != fit.one.model.coordinates for one in models):
         return muted(contents.language.translate("report.other_unknowns"))
@@ -148,14 +160,14 @@ def _alignment(contents: ReportContents, fit: ReportedFit) -> str:
 
 def _aligned(one: ToleratedChange, language: Language) -> tuple[str, ...]:
     said = describe(one.name)
-    scale, unit = (1e6, "µm") if one.unit == "m" else (1e3, "mrad")
-    allowed = language.digits(f"{scale * one.allowed:.3g} {unit}")
+    unit = f"µ{one.unit}"
+    allowed = f"{rounded(MICRO * one.allowed, 2, language)} {unit}"
     quantity = language.named(said.quantity)
     if one.value is None:
         missing = language.translate("report.not_determined", reason=in_language(one.reason or "", language))
         return said.element_id, quantity, missing, "–", allowed, "–"
-    change, half = (language.digits(each) for each in (f"{scale * one.value:+.3g} {unit}", f"{scale * one.half:.2g} {unit}"))
-    return said.element_id, quantity, change, half, allowed, f"{100.0 * one.beyond:.0f} %"
+    change, half = shown(MICRO * one.value, MICRO * one.half, language).split(" ± ")
+    return said.element_id, quantity, f"{change} {unit}", f"{half} {unit}", allowed, f"{100.0 * one.beyond:.0f} %"
 
 
 def _balance(contents: ReportContents, fit: ReportedFit) -> str:
@@ -175,11 +187,14 @@ def _proposal(contents: ReportContents, one: Identified) -> str:
     language = contents.language
     speed = np.linspace(one.speed_minimum, one.speed_maximum, BALANCE_SPEEDS)
     found = balance(one.model, planes=[disc.id for disc in one.machine.discs], speed=speed)
-    before, after = (float(np.abs(each.value).max()) for each in (found.before, found.after))
+    before, after = float(np.abs(found.before.value).max()), float(found.after.upper.max())
     rows = [
-        (plane, language.digits(f"{MILLIMETRES_GRAM * abs(mass):.3g} g mm"), f"{np.degrees(np.angle(mass)) % 360.0:.0f}°")
+        (plane, f"{rounded(MILLIMETRES_GRAM * abs(mass), 3, language)} g mm", f"{np.degrees(np.angle(mass)) % 360.0:.0f}°")
         for plane, mass in zip(found.planes, found.unbalance.tolist(), strict=True)
     ]
-    told = language.translate("report.falls", before=2e6 * before, after=2e6 * after)
+    said = {"before": before, "after": after}
+    told = language.translate(
+        "report.falls", **{name: rounded(one / MICROMETRES_PP, 3, language) for name, one in said.items()}
+    )
     heads = [language.translate(f"report.{one}") for one in ("plane", "correction", "angle")]
     return table(heads, rows) + muted(told)

@@ -7,15 +7,25 @@ from service.reports.plot_frame import BEFORE, FITTED, PlotFrame, axis_over, tim
 from service.wording.language import ENGLISH, Language
 
 WIDTH, HEIGHT = 335.0, 140.0
+WIDE = 3.0
+"""Multiple of the median interval from which on one is cut at the frame."""
 
 
 def trend_figure(one: ReportedTrend, language: Language = ENGLISH) -> str:
-    """Return the trend as SVG. The axis follows the values and the band: a wide interval is cut, as not to hide them."""
+    """Return the trend as SVG. The axis follows values, band and usual intervals: a wide one is cut, as not to hide them."""
     time = one.time.astype(float)
     band = () if one.band is None else one.band
+    known = one.upper - one.lower
+    usual = (
+        known <= WIDE * float(np.median(known[np.isfinite(known)])) if np.isfinite(known).any() else np.zeros(known.size, bool)
+    )
     frame = PlotFrame(
         time_axis(float(time.min()), float(time.max())),
-        axis_over(np.array([*one.value, *band]), f"[{one.unit}]" if one.unit not in ("", "1") else "", language),
+        axis_over(
+            np.array([*one.value, *one.lower[usual], *one.upper[usual], *band]),
+            f"[{one.unit}]" if one.unit not in ("", "1") else "",
+            language,
+        ),
         width=WIDTH,
         height=HEIGHT,
     )

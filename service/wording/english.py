@@ -24,6 +24,7 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "size.all_coefficients": "all coefficients of {element} together",
     "size.of_element": "{quantity} of {element}",
     "size.per_cent_interval": "{value} % ({lower} to {upper})",
+    "size.from_to": "{before} → {after} {unit} (change {lower} to {upper})",
     "and": " and ",
     "addresses": "{forms}; none for {without}",
     "or": ", or ",
@@ -60,6 +61,13 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "open.form": "Whether it is parallel or angular",
     "open.films": "Offset in µm and angle in mrad: only trains whose document describes the oil films by geometry tell them",
     "open.parameters": "{names}: not determined one by one by the newest run",
+    # --- parameters
+    "parameter.critical_speed": "critical speed {number}",
+    "parameter.damping_ratio": "damping ratio at critical speed {number}",
+    "parameter.splitting": "critical speeds {one} and {other}: distance over their mean",
+    "parameter.amplification_factor": "amplification factor at {probe}, critical speed {number}",
+    "parameter.second_over_first": "2× over 1× at {probe}",
+    "parameter.at_knot": "{words} at {knot}",
     # --- advice: how sure
     "itself": "{element} itself",
     "finding_of": "{finding} of {element}",
@@ -86,7 +94,7 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "urgent.drift_fast": "It drifts faster than its danger limit for rates; no time to a limit of its size can be given: "
     "{said}",
     "urgent.drift_no_time": "No time to a limit of its size can be given: {said}",
-    "urgent.newest": "the newest run shows {newest:.0f} {unit}; ",
+    "urgent.newest": "the newest run by itself shows {newest:.0f} {unit}; ",
     "urgent.runs_needed": "{runs} runs since it began, and {needed} tell how fast it grows",
     "urgent.run_needed": "1 run since it began, and {needed} tell how fast it grows",
     "urgent.rate": "{rate:+.2g} {unit} a week ({lower:+.2g} to {upper:+.2g}) over {runs} runs",
@@ -231,6 +239,14 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "report.centreline_key": "Journals in their clearance by the model of the films; numbers: r/min, dot: highest speed.",
     "report.centreline_key_compared": "Journals in their clearance by the model of the films; numbers: r/min, dot: highest "
     "speed; brown, dashed: baseline.",
+    "report.no_centreline": "Where the journals stand in their clearance is known only of bearings whose oil films the "
+    "document describes by geometry and oil; this one gives coefficients.",
+    "report.no_equilibrium": "The model of the oil films finds no equilibrium of the journals.",
+    "report.no_offsets": "Offset and angle are determined only where the document describes the oil films by geometry and "
+    "oil. Here a misalignment shows in the coupling's force and moment: see the trends.",
+    "report.no_reference": "There is no baseline yet, against which the alignment could have changed.",
+    "report.no_orbit": "No station has probes in two directions.",
+    "report.train_key": "Strokes: probes; red: what has an alert.",
     "report.other_unknowns": "The baseline was identified with other unknowns: identify its runs again.",
     "report.coupling": "coupling",
     "report.quantity": "of",
@@ -243,7 +259,7 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "report.begun_by": "begun by",
     "report.step": "step",
     "report.no_correction": "No correction is proposed: {reason}.",
-    "report.falls": "By the model, the largest 1× over the speeds falls from {before:.3g} to {after:.3g} µm pp.",
+    "report.falls": "By the model, the largest 1× over the speeds falls from {before} to below {after} µm pp, with 95 %.",
     "report.plane": "plane",
     "report.correction": "correction",
     "report.angle": "angle from x with the rotation",
@@ -253,10 +269,13 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "balance.more": "; and {count} more",
     "plot.lag": "phase lag",
     "plot.first_order": "1× [µm pp]",
-    "plot.rings": "270°   rings {step:.3g} µm pp",
+    "plot.rings": "rings {step} µm pp",
     "plot.speed": "r/min",
     "plot.clearance": "clearance {clearance:.0f} µm",
     # --- names of the API's identifiers, where these are not words themselves
     "name.run_up": "run-up",
     "name.run_down": "run-down",
+    "name.rpm": "r/min",
+    "name.real": "real part",
+    "name.imaginary": "imaginary part",
 }

@@ -16,6 +16,7 @@ from service.wording.film_words import (
     wear_words,
 )
 from service.wording.language import ENGLISH, Language
+from service.wording.parameter_words import parameter_words, quantity_words
 
 SIGNIFICANT = 2.0
 """Standard errors from which on a figure beside the first is named [-]."""
@@ -143,7 +144,7 @@ def rate_words(finding: DescribedFinding) -> Mapping[str, str]:
         lower=float(said["lower_per_cent"]),
         upper=float(said["upper_per_cent"]),
     )
-    return {"parameter": whole_parameter(said["parameter"]), "size": rate}
+    return {"parameter": parameter_words(whole_parameter(said["parameter"]), finding.language), "size": rate}
 
 
 def whole_parameter(name: str) -> str:
@@ -169,7 +170,8 @@ def alignment_questions(finding: DescribedFinding) -> Sequence[str]:
 def element_questions(finding: DescribedFinding) -> Sequence[str]:
     """Return the parameters of the element that the newest run does not determine."""
     names = finding.evidence.get("not_estimable") or ()
-    return [finding.language.translate("open.parameters", names=", ".join(names))] if names else []
+    said = ", ".join(parameter_words(one, finding.language) for one in names)
+    return [finding.language.translate("open.parameters", names=said)] if names else []
 
 
 def compared_words(finding: DescribedFinding) -> str:
@@ -204,21 +206,27 @@ def part_name(name: str, language: Language = ENGLISH) -> str:
     element = language.element(said.element)
     if said.quantity == "coefficients":
         return language.translate("size.all_coefficients", element=element)
-    return language.translate("size.of_element", quantity=language.named(said.quantity), element=element)
+    return language.translate("size.of_element", quantity=quantity_words(said.quantity, language), element=element)
 
 
 def interval(one: SizePart, language: Language = ENGLISH) -> str:
     """Return a figure with its unit and 95 % interval."""
     unit = language.named(UNITS.get(one.unit, one.unit))
     if one.before is not None:
-        low, high = sorted((abs(one.before), abs(one.before + one.value)))
-        digits = max(2, 1 - math.floor(math.log10(max(high - low, 1e-9) / max(high, 1e-9))))
-        return f"{rounded(one.before, digits, language)} → {rounded(one.before + one.value, digits, language)} {unit}"
+        places = _decimals((one.upper - one.lower) / 2.0)
+        before, after = (language.digits(f"{each:.{places}f}") for each in (one.before, one.before + one.value))
+        lower, upper = (language.digits(f"{each:+.{places}f}") for each in (one.lower, one.upper))
+        return language.translate("size.from_to", before=before, after=after, unit=unit, lower=lower, upper=upper)
     if one.unit == "%":
         places = 1 if one.upper - one.lower < 2.0 else 0
         value, lower, upper = (language.digits(f"{each:+.{places}f}") for each in (one.value, one.lower, one.upper))
         return language.translate("size.per_cent_interval", value=value, lower=lower, upper=upper)
     return f"{shown(one.value, (one.upper - one.lower) / 2.0, language)} {unit}"
+
+
+def _decimals(half: float) -> int:
+    """Return the decimals with which a figure is as sharp as half its interval; an interval of nothing has three."""
+    return 3 if half <= 0.0 else min(3, max(0, -math.floor(math.log10(half))))
 
 
 def rounded(value: float, digits: int, language: Language = ENGLISH) -> str:

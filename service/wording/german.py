@@ -24,6 +24,7 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "size.all_coefficients": "alle Koeffizienten von {element} zusammen",
     "size.of_element": "{quantity} von {element}",
     "size.per_cent_interval": "{value} % ({lower} bis {upper})",
+    "size.from_to": "{before} → {after} {unit} (Änderung {lower} bis {upper})",
     "and": " und ",
     "addresses": "{forms}; keine für {without}",
     "or": " oder ",
@@ -61,6 +62,13 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "open.films": "Versatz in µm und Winkel in mrad: Nur Wellenstränge, deren Dokument die Ölfilme durch ihre Geometrie "
     "beschreibt, geben sie an",
     "open.parameters": "{names}: vom neuesten Lauf nicht einzeln bestimmt",
+    # --- parameters
+    "parameter.critical_speed": "kritische Drehzahl {number}",
+    "parameter.damping_ratio": "Dämpfungsgrad bei der kritischen Drehzahl {number}",
+    "parameter.splitting": "kritische Drehzahlen {one} und {other}: Abstand durch Mittelwert",
+    "parameter.amplification_factor": "Überhöhungsfaktor an {probe}, kritische Drehzahl {number}",
+    "parameter.second_over_first": "2× zu 1× an {probe}",
+    "parameter.at_knot": "{words} bei {knot}",
     # --- advice: how sure
     "itself": "{element} selbst",
     "finding_of": "{finding} an {element}",
@@ -87,7 +95,7 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "urgent.drift_fast": "Der Parameter driftet schneller, als sein Grenzwert für Gefahr erlaubt; eine Zeit bis zu einem "
     "Grenzwert seiner Größe lässt sich nicht angeben: {said}",
     "urgent.drift_no_time": "Eine Zeit bis zu einem Grenzwert seiner Größe lässt sich nicht angeben: {said}",
-    "urgent.newest": "der neueste Lauf zeigt {newest:.0f} {unit}; ",
+    "urgent.newest": "der neueste Lauf für sich zeigt {newest:.0f} {unit}; ",
     "urgent.runs_needed": "{runs} Läufe seit dem Beginn, erst {needed} zeigen, wie schnell es wächst",
     "urgent.run_needed": "1 Lauf seit dem Beginn, erst {needed} zeigen, wie schnell es wächst",
     "urgent.rate": "{rate:+.2g} {unit} je Woche ({lower:+.2g} bis {upper:+.2g}) über {runs} Läufe",
@@ -186,7 +194,7 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "report.not_identified": "Von dieser Maschine wurde noch kein Lauf identifiziert und angenommen: Sie lässt sich nicht "
     "beurteilen. Zuletzt lief sie {at}.",
     "report.no_baseline": "Kein Alarm ist offen, doch der neueste angenommene Lauf, vom {at}, wurde mit keinem "
-    "Referenzzustand verglichen: Eine Änderung könnte sich nicht zeigen.",
+    "Referenzzustand verglichen: Eine Änderung wäre nicht zu sehen.",
     "report.calm": "Kein Alarm ist offen. Der neueste angenommene Lauf war der vom {at}.",
     "report.open_since": "{severity}, {state}, offen seit {at}",
     "report.by": "Bis {day}: ",
@@ -236,6 +244,14 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "report.centreline_key": "Zapfen in ihrem Lagerspiel nach dem Modell der Ölfilme; Zahlen: 1/min, Punkt: höchste Drehzahl.",
     "report.centreline_key_compared": "Zapfen in ihrem Lagerspiel nach dem Modell der Ölfilme; Zahlen: 1/min, Punkt: "
     "höchste Drehzahl; braun, gestrichelt: Referenzzustand.",
+    "report.no_centreline": "Wo die Zapfen im Lagerspiel stehen, sagt das Modell nur von Lagern, deren Ölfilme die "
+    "Beschreibung nach Geometrie und Öl nennt; diese hier nennt Koeffizienten.",
+    "report.no_equilibrium": "Das Modell der Ölfilme findet kein Gleichgewicht der Zapfen.",
+    "report.no_offsets": "Versatz und Winkel sind nur bei Lagern bestimmt, deren Ölfilme die Beschreibung nach Geometrie und "
+    "Öl nennt. Hier zeigt sich ein Ausrichtfehler an Kraft und Moment in der Kupplung: siehe Trends.",
+    "report.no_reference": "Noch gibt es keinen Referenzzustand, gegen den sich die Ausrichtung geändert haben könnte.",
+    "report.no_orbit": "Keine Stelle hat Aufnehmer in zwei Richtungen.",
+    "report.train_key": "Striche: Aufnehmer; rot: was einen Alarm hat.",
     "report.other_unknowns": "Der Referenzzustand wurde mit anderen Unbekannten identifiziert: seine Läufe erneut "
     "identifizieren.",
     "report.coupling": "Kupplung",
@@ -249,7 +265,7 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "report.begun_by": "begonnen durch",
     "report.step": "Schritt",
     "report.no_correction": "Kein Ausgleich wird vorgeschlagen: {reason}.",
-    "report.falls": "Nach dem Modell fällt das größte 1× über den Drehzahlen von {before:.3g} auf {after:.3g} µm pp.",
+    "report.falls": "Nach dem Modell fällt das größte 1× über den Drehzahlen von {before} auf unter {after} µm pp, mit 95 %.",
     "report.plane": "Ebene",
     "report.correction": "Ausgleich",
     "report.angle": "Winkel ab x in Drehrichtung",
@@ -259,7 +275,7 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "balance.more": "; und {count} weitere",
     "plot.lag": "Phasennacheilung",
     "plot.first_order": "1× [µm pp]",
-    "plot.rings": "270°   Ringe {step:.3g} µm pp",
+    "plot.rings": "Ringe {step} µm pp",
     "plot.speed": "1/min",
     "plot.clearance": "Lagerspiel {clearance:.0f} µm",
     # --- names of the API's identifiers
@@ -288,6 +304,17 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "name.out_of_service": "außer Betrieb",
     "name.run_up": "Hochlauf",
     "name.run_down": "Auslauf",
+    "name.rpm": "1/min",
+    "name.static_shear_horizontal": "statische Querkraft horizontal",
+    "name.static_shear_vertical": "statische Querkraft vertikal",
+    "name.static_moment_horizontal": "statisches Moment horizontal",
+    "name.static_moment_vertical": "statisches Moment vertikal",
+    "name.second_amplitude": "2×, Amplitude",
+    "name.second_phase": "2×, Phase",
+    "name.young_modulus": "Elastizitätsmodul",
+    "name.density": "Dichte",
+    "name.real": "Realteil",
+    "name.imaginary": "Imaginärteil",
     "name.note": "Notiz",
     "name.maintenance": "Wartung",
     "name.marker": "Markierung",

@@ -9,7 +9,7 @@ import pytest
 from playwright.sync_api import Browser, Page, Route, ViewportSize, expect
 
 from tests.browser.conftest import Seen, shown
-from tests.browser.story import ZONE
+from tests.browser.story import MACHINE, ZONE
 from tests.browser.test_accessibility import faults
 from tests.browser.views import VIEWS, show
 from tests.end_to_end.processes import Service
@@ -152,3 +152,29 @@ def test_data_are_saved_as_german_spreadsheets_open_them(german: Seen, tmp_path:
         assert not re.search(r"(^|;)-?\d+\.\d+(;|$)", text, re.MULTILINE), f"{place}: a decimal point"
         if place != "trends":  # whose columns are the API's, by its names
             assert not ENGLISH_HEADINGS.search(";".join(head)), head
+
+
+def test_days_and_times_of_fields_have_the_page_s_form(german: Seen) -> None:
+    """Whatever the browser's language would make of a date field; what is no day is chosen nowhere."""
+    page = german.page
+    german.open(f"machines/{MACHINE}/trends?element=coupling.C1")
+    first = page.get_by_role("textbox", name="Von")
+    expect(first).to_have_attribute("placeholder", "JJJJ-MM-TT")
+    first.fill("26.11.2026")
+    first.press("Enter")
+    assert first.evaluate("one => one.validationMessage") == "Ein Tag wird 2026-11-26 geschrieben."
+    assert "from=" not in page.url
+    first.fill("2026-02-31")
+    first.press("Enter")
+    assert "from=" not in page.url
+    first.fill("2026-11-10")
+    first.press("Enter")
+    page.wait_for_url(re.compile("from=2026-11-10"))
+    german.open(f"machines/{MACHINE}/settings")
+    page.get_by_role("button", name="Unterdrücken").first.click()
+    until = page.get_by_role("dialog").locator("input[name=until]")
+    until.fill("morgen")
+    assert until.evaluate("one => one.validationMessage") == "Eine Zeit wird 2026-11-26 11:26 geschrieben."
+    until.fill("2030-01-01 06:00")
+    assert until.evaluate("one => one.validationMessage") == ""
+    assert german.errors == []

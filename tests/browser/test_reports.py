@@ -11,7 +11,7 @@ from playwright.sync_api import Route, expect
 
 from tests.browser.conftest import Seen
 from tests.browser.story import CYCLES, MACHINE, day_ahead, day_of, end_of
-from tests.end_to_end.processes import Service
+from tests.end_to_end.processes import Service, until
 
 
 def test_report_prints_on_paper_without_the_frame(seen: Seen) -> None:
@@ -266,7 +266,8 @@ def test_a_report_that_is_printed_too_early_says_so(seen: Seen, late: str) -> No
     assert "parts are missing" in seen.page.evaluate(said)
     for route in held:
         route.continue_()
-    expect(seen.page.locator(".loading")).to_have_count(0)
+    until(lambda: seen.page.evaluate(said) == "none", within_s=20, what="all parts are there")
+    expect(seen.page.locator(".orbits svg").first).to_be_visible()
     assert seen.page.evaluate(said) == "none"
     assert seen.errors == []
 

@@ -1,8 +1,10 @@
 // Begin and end a suppression of alerts.
+import { MinuteField } from "../components/time-field";
 import { getWithEtag, post, type IdempotencyKeys } from "../data/http-client";
 import { refetch } from "../data/resource";
 import { FINDING_KINDS, findingLabel } from "../findings/findings";
 import { elementName, words } from "../format/names";
+import { minuteOf } from "../format/times";
 import { t } from "../messages/messages";
 import type { Suppression } from "../schemas/alerts";
 import type { Document } from "../schemas/machines";
@@ -17,7 +19,7 @@ export function SuppressDialog({ machine, onClose }: { machine: Document; onClos
       kind: form.get("kind"),
       rule: form.get("rule") || null,
       element: form.get("element") || null,
-      until: until ? new Date(until).toISOString() : null,
+      until: minuteOf(until)?.toISOString() ?? null,
       by: author(form),
       comment: form.get("comment"),
     };
@@ -55,10 +57,7 @@ export function SuppressDialog({ machine, onClose }: { machine: Document; onClos
           ))}
         </select>
       </label>
-      <label>
-        {t("untilEmptyUntilItIs")}
-        <input type="datetime-local" name="until" />
-      </label>
+      <MinuteField label={t("untilEmptyUntilItIs")} name="until" />
       <CommentField />
     </FormDialog>
   );

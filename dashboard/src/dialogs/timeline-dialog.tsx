@@ -1,14 +1,16 @@
 // Add a note or a maintenance to a machine's timeline.
 import { useState } from "preact/hooks";
+import { MinuteField } from "../components/time-field";
 import { post, type IdempotencyKeys } from "../data/http-client";
 import { refetch } from "../data/resource";
+import { minuteOf, when } from "../format/times";
 import { t } from "../messages/messages";
 import { author, FormDialog } from "./form-dialog";
 
 export function TimelineDialog({ machine, onClose }: { machine: string; onClose: () => void }) {
-  const [opened] = useState(localMinute);
+  const [opened] = useState(() => when(new Date().toISOString()));
   const submit = async (form: FormData, keys: IdempotencyKeys) => {
-    const at = new Date(String(form.get("at"))).toISOString();
+    const at = minuteOf(String(form.get("at")))!.toISOString();
     const body = { at, kind: form.get("kind"), text: form.get("text"), by: author(form) };
     try {
       await post(`/machines/${machine}/timeline`, body, null, keys);
@@ -26,20 +28,11 @@ export function TimelineDialog({ machine, onClose }: { machine: string; onClose:
           <option value="marker">{t("marker")}</option>
         </select>
       </label>
-      <label>
-        {t("time")}
-        <input type="datetime-local" name="at" required defaultValue={opened} />
-      </label>
+      <MinuteField label={t("time")} name="at" required defaultValue={opened} />
       <label>
         {t("text")}
         <textarea name="text" rows={3} required maxLength={2000} />
       </label>
     </FormDialog>
   );
-}
-
-/** The current minute of local time, as its field takes it. */
-function localMinute(): string {
-  const now = new Date();
-  return new Date(now.getTime() - now.getTimezoneOffset() * 60_000).toISOString().slice(0, 16);
 }

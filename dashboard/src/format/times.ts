@@ -15,6 +15,17 @@ export function when(iso: string): string {
   return `${date(at)} ${two(at.getHours())}:${two(at.getMinutes())}`;
 }
 
+/** A time as `when` writes it, of local time; undefined for anything else. */
+export function minuteOf(text: string): Date | undefined {
+  const at = /^\d{4}-\d{2}-\d{2} \d{2}:\d{2}$/.test(text) ? new Date(text.replace(" ", "T")) : null;
+  return at && !Number.isNaN(at.getTime()) && date(at) === text.slice(0, 10) ? at : undefined;
+}
+
+/** Whether a text is such a time; one that a clock skips is one. */
+export function isMinute(text: string): boolean {
+  return minuteOf(text) !== undefined;
+}
+
 /** `11:26:05` in local time. */
 export function clock(ms: number): string {
   const at = new Date(ms);

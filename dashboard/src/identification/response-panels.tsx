@@ -58,13 +58,13 @@ export function ResponsePanels(given: ResponseProps) {
   const unfitted = props.fit ? channels.filter((channel) => !fittedOf(props, channel)) : [];
   return (
     <>
-      <Panel title={t("bodeOfOrder", { order })} aside={<Legend {...props} />}>
+      <Panel class="whole" title={t("bodeOfOrder", { order })} aside={<Legend {...props} />}>
         {order === 1 && unfitted.length > 0 && <p class="muted">{t("identificationLacksChannels", { channels: unfitted.join(", ") })}</p>}
         <Plot label={t("amplitudeOfOverSpeed", { channels: channels.join(", ") })} {...bodeCurves(props, "amplitude")} {...axes} yUnit={amplitude.label} height={270} />
         <Plot label={t("phaseLagOfOverSpeed", { channels: channels.join(", ") })} {...bodeCurves(props, "lag")} {...axes} yUnit={t("degreesLag")} turn={360} height={190} />
         {order === 1 && <Residuals {...props} range={range} />}
       </Panel>
-      <Panel title={t("polarOfOrder", { order })} aside={<p class="muted">{t("polarReading", { unit: speed.label, legend: slowRollOf(props) })}</p>}>
+      <Panel class="whole" title={t("polarOfOrder", { order })} aside={<p class="muted">{t("polarReading", { unit: speed.label, legend: slowRollOf(props) })}</p>}>
         <div class="polars">
           {channels.map((channel, style) => (
             <PolarPlot key={channel} title={channel} curves={polarCurves(props, channel, style)} unit={amplitude.label} speedUnit={speed.label} />

@@ -49,10 +49,13 @@ function partsOf<V>(key: Key, values: Record<string, V> = {}): (V | string)[] {
   return MESSAGES[key]!.split(PLACE).map((part, at) => (at % 2 === 0 ? part : (values[part] as V)));
 }
 
+/** Coefficients between angles and moments: `kφx` of `k_phix`. */
+const ANGULAR = /^([kc][xy]?)_phi(?=[xy])/;
+
 /** An identifier of the API in words: `run-up` of `run_up`; with spaces where there are no words for it. */
 export function term(identifier: string): string {
   const name = identifier.replace(/[ -]/g, "_");
-  return MESSAGES[`term.${name}`] ?? DECLARED[name] ?? identifier.replaceAll("_", " ");
+  return MESSAGES[`term.${name}`] ?? DECLARED[name] ?? identifier.replace(ANGULAR, "$1φ").replaceAll("_", " ");
 }
 
 const NUMBER = /^[−+-]?\d+\.\d+(e[+-]?\d+)?( %)?$/;

@@ -17,7 +17,7 @@ import { elementMarks } from "../train/marks";
 import { nearestChannels } from "../train/nearest-probes";
 import { TrainDrawing } from "../train/train-drawing";
 import { alertTitle } from "../words/alert-states";
-import { RunResponse } from "./run-response";
+import { RunResponse } from "../identification/run-response";
 
 /** Trends shown beside an alert: those that moved most. */
 const MOST_TRENDS = 4;

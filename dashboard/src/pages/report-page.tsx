@@ -1,11 +1,12 @@
 // A report of one machine and period, to be printed or saved: what happened, how the parameters developed, what is open.
 import { useLayoutEffect } from "preact/hooks";
-import { link, replaceQuery, route } from "../browser/router";
+import { link, route } from "../browser/router";
 import { useStore } from "../browser/store";
 import { setPrintColours } from "../browser/theme";
 import { Loaded } from "../components/loading";
 import { Empty, Panel } from "../components/panel";
 import { PdfButton } from "../components/pdf-button";
+import { PeriodFields } from "../components/period-fields";
 import { useResource } from "../data/resource";
 import { dayOf, daysLater, isDay, midnight } from "../format/days";
 import { date, when } from "../format/times";
@@ -46,7 +47,7 @@ function Report({ machine, revision }: { machine: Document; revision: number }) 
   if (errors.length > 0) {
     return (
       <Panel title={t("report")}>
-        <PeriodFields first={first} last={last} />
+        <PeriodChoice first={first} last={last} />
         {errors.map((one) => (
           <Empty key={one}>{one}</Empty>
         ))}
@@ -66,24 +67,17 @@ function Report({ machine, revision }: { machine: Document; revision: number }) 
         <p>
           {t("reportHeader", { plant: machine.plant, id: machine.id, revision, from: date(from), to: date(to), created: when(new Date().toISOString()), zone: ZONE })}
         </p>
-        <PeriodFields first={first} last={last} />
+        <PeriodChoice first={first} last={last} />
       </header>
       <ReportBody machine={machine} from={from.toISOString()} to={to.toISOString()} />
     </article>
   );
 }
 
-function PeriodFields({ first, last }: { first: string; last: string }) {
+function PeriodChoice({ first, last }: { first: string; last: string }) {
   return (
     <div class="choices">
-      <label>
-        {t("from")}
-        <input type="date" value={first} onChange={(event) => replaceQuery({ from: event.currentTarget.value })} />
-      </label>
-      <label>
-        {t("to")}
-        <input type="date" value={last} onChange={(event) => replaceQuery({ to: event.currentTarget.value })} />
-      </label>
+      <PeriodFields first={first} last={last} />
       <button type="button" class="strong" onClick={() => window.print()}>
         {t("printOrSaveAsPdf")}
       </button>

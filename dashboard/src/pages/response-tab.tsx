@@ -11,7 +11,7 @@ import type { Document } from "../schemas/machines";
 import type { Run } from "../schemas/runs";
 import { BesideAlert, ChannelButtons, useChosenChannels } from "./chosen-channels";
 import { OtherMachineSelect, useOtherMachine } from "./other-machine";
-import { RunResponse } from "./run-response";
+import { RunResponse } from "../identification/run-response";
 
 export function ResponseTab({ machine }: { machine: Document }) {
   const { query } = useStore(route);

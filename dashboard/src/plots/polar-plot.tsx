@@ -12,6 +12,8 @@ import { drawnCurve, labelledPoints, nearestPlace, nextPlace, type DrawnCurve, t
 
 const SIZE = 320;
 const RADIUS = 132;
+/** From a point to its speed. */
+const SPEED_APART = 7;
 
 interface Props {
   title: string;
@@ -64,6 +66,9 @@ export function PolarPlot({ title, curves, unit = "µm pp", speedUnit = t("rpm")
         {drawn.map((one) => (
           <CurveOf drawn={one} scale={scale} />
         ))}
+        {drawn.map((one) => (
+          <SpeedsOf drawn={one} />
+        ))}
         {point && <circle class="chosen" cx={point.x} cy={point.y} r={5} />}
       </svg>
     </figure>
@@ -95,11 +100,23 @@ function CurveOf({ drawn: { curve, points }, scale }: { drawn: DrawnCurve; scale
       {curve.line ? <path d={linePath(points)} /> : <path class="dots" d={points.map((one) => `M${one.x.toFixed(1)} ${one.y.toFixed(1)}h0`).join("")} />}
       {curve.region && <path class="region" d={regionPath(curve.region, scale)} />}
       {curve.radius !== undefined && end && <path d={circlePath(end, curve.radius * scale)} />}
-      {!curve.faint && !curve.unlabelled && !curve.vector && labelledPoints(points).map((one) => (
-        <text class="speed" x={one.x + 5} y={one.y - 4}>
-          {number(curve.rpm[one.index]!, 4)}
-        </text>
-      ))}
+    </g>
+  );
+}
+
+/** Speeds beside a curve, outwards of it, above all curves. */
+function SpeedsOf({ drawn: { curve, points } }: { drawn: DrawnCurve }) {
+  if (curve.faint || curve.unlabelled || curve.vector) return null;
+  return (
+    <g class={`curve s${curve.style % COLOURS}`}>
+      {labelledPoints(points).map((one) => {
+        const size = Math.hypot(one.x, one.y);
+        return (
+          <text class="speed" x={one.x * (1 + SPEED_APART / size)} y={one.y * (1 + SPEED_APART / size) + 4} text-anchor={one.x < 0 ? "end" : "start"}>
+            {number(curve.rpm[one.index]!, 4)}
+          </text>
+        );
+      })}
     </g>
   );
 }

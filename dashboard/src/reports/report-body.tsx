@@ -15,6 +15,7 @@ import type { Document, TimelineEntry } from "../schemas/machines";
 import type { Run } from "../schemas/runs";
 import { wasOpenAt } from "../words/alert-states";
 import { elementsOfEstimates } from "../words/elements";
+import { ResponseOfReport } from "./report-response";
 import { AlertsOfPeriod, MarkedTrain, Summary, TimelineOfPeriod, WhatToDo } from "./report-panels";
 
 /** The API's limit for a page of any list. */
@@ -47,6 +48,7 @@ export function ReportBody({ machine, from, to }: { machine: Document; from: str
       />
       <TimelineOfPeriod result={timeline} />
       {newest && <Histories machine={machine} newest={newest} from={from} to={to} alerts={then.data ?? []} during={during} />}
+      {newest && <ResponseOfReport machine={machine} newest={newest} open={during.filter((one) => wasOpenAt(one, to))} />}
       {isPending && <PendingPanel title={t("identification")} failure={found.failure ?? identifications.failure} />}
       {newest && <IdentificationPanels machine={machine} found={newest} />}
       {newest && <OilFilmsPanel machine={machine} found={newest} showsAll />}

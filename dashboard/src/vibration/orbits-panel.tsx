@@ -59,12 +59,12 @@ export function OrbitsPanel({ machine }: { machine: Document }) {
 }
 
 /** The speed at which the machine works; else the run's highest. */
-function runningSpeed({ operation, speed_range: range }: Document, run: Run | undefined): number {
+export function runningSpeed({ operation, speed_range: range }: Document, run: Run | undefined): number {
   return Math.round(operation?.running_rpm ?? run?.speed_maximum_rpm ?? range.maximum_rpm);
 }
 
 /** The orbits of a run and of the one overlaid, without the same slow roll, once both are loaded. */
-function useOrbits(machine: string, run: Run | undefined, reference: Run | undefined, speed: number): { result: QueryResult<OrbitsAndOverlay>; failure: ApiError | undefined } {
+export function useOrbits(machine: string, run: Run | undefined, reference: Run | undefined, speed: number): { result: QueryResult<OrbitsAndOverlay>; failure: ApiError | undefined } {
   const { slowRoll, failure } = useRunIdentification(machine, run);
   const orbitsPath = (of: Run | undefined) => (of && slowRoll ? `/runs/${of.id}/orbits?rpm=${speed}&slow_roll=${slowRoll}` : null);
   const found = useResource<Orbits>(orbitsPath(run));
@@ -97,7 +97,7 @@ function SpeedSlider({ low, high, speed }: { low: number; high: number; speed: n
   );
 }
 
-function OrbitPlots({ found, other, second }: OrbitsAndOverlay & { second: boolean }) {
+export function OrbitPlots({ found, other, second }: OrbitsAndOverlay & { second: boolean }) {
   const { amplitude, speed } = useUnits();
   const all = [...found.orbits, ...(other?.orbits ?? [])];
   const reach = (one: Orbit) => one.semi_major_um + (second && one.x_2x && one.y_2x ? size(one.x_2x, one.y_2x) : 0);

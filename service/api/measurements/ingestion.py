@@ -48,17 +48,18 @@ class NotConfirmed(Unavailable):
 
 
 class NothingTaken(Invalid):
-    """Raised when every sample of a batch was refused. `faults`: why."""
+    """Raised when every sample of a batch was refused. `faults`: why; `ignored`: fields of it that there are not."""
 
-    def __init__(self, faults: Sequence[Fault]) -> None:
+    def __init__(self, faults: Sequence[Fault], ignored: Sequence[str] = ()) -> None:
         first = f"{faults[0].reason}: {faults[0].detail}"
         super().__init__(f"no sample was taken, {len(faults)} faults, the first {first}; send them mended, under new numbers")
-        self.faults = faults
+        self.faults, self.ignored = faults, ignored
 
     @property
     def field_errors(self) -> Sequence[tuple[str, str]]:
-        """Return the first faults, each at its sample."""
-        return [(f"samples[{one.index}]", f"{one.reason}: {one.detail}") for one in self.faults[:MOST_FAULTS]]
+        """Return the first faults, each at its sample, then the fields that there are not."""
+        found = [(f"samples[{one.index}]", f"{one.reason}: {one.detail}") for one in self.faults[:MOST_FAULTS]]
+        return found + [(name, f"there is no such field{did_you_mean(name, FIELDS)}") for name in self.ignored]
 
 
 _DIGEST = re.compile(r"\s*([a-z0-9-]+)=:([A-Za-z0-9+/=]*):\s*\Z")
@@ -106,19 +107,26 @@ async def add_samples(request: Request, machine_id: MachineId) -> schemas.Submit
             raise outcome.rejected
     except Rejected as rejected:
         code = STATUS[CATEGORY.get(rejected.reason, Invalid)]
-        raise HTTPException(code, f"{rejected.reason}: {rejected.detail}") from None
+        unknown = await _named_unknown(body, encoding)
+        also = f"; there is no field {', no field '.join(unknown)}" if unknown else ""
+        raise HTTPException(code, f"{rejected.reason}: {rejected.detail}{also}") from None
     except TimeoutError:
         raise NotConfirmed(f"not known to be durable after {PATIENCE_S:.0f} s; send it again") from None
     if outcome.faults and outcome.received == outcome.duplicates == 0:
-        raise NothingTaken(outcome.faults)
-    ignored = await asyncio.to_thread(unknown_fields, body, encoding)
+        raise NothingTaken(outcome.faults, await asyncio.to_thread(unknown_fields, body, encoding))
     return schemas.Submitted(
         received=outcome.received,
         duplicates=outcome.duplicates,
         missing_before=outcome.lost,
         faults=[schemas.SampleFault(index=f.index, reason=f.reason, detail=f.detail) for f in outcome.faults],
-        ignored=[f"{name}{did_you_mean(name, FIELDS)}" for name in ignored],
+        ignored=await _named_unknown(body, encoding),
     )
+
+
+async def _named_unknown(body: bytes, encoding: str) -> list[str]:
+    """Return the fields of a batch that there are not, each with what was probably meant."""
+    found = await asyncio.to_thread(unknown_fields, body, encoding)
+    return [f"{name}{did_you_mean(name, FIELDS)}" for name in found]
 
 
 async def _body(request: Request) -> bytes:

@@ -76,10 +76,14 @@ def test_the_time_to_the_limit_has_its_interval() -> None:
         (
             {"runs": 2, "newest": 9.0},
             Severity.ALERT,
-            "No time can be given: the newest run shows 9 %; 2 runs since it began, and 4",
+            "No time can be given: the newest run by itself shows 9 %; 2 runs since it began, and 4",
         ),
         ({"runs": 1}, None, "No time can be given: 1 run since it began"),
-        (GROWING | {"ahead": None}, Severity.DANGER, "The danger limit is reached; the newest run shows 12 %; it grows by"),
+        (
+            GROWING | {"ahead": None},
+            Severity.DANGER,
+            "The danger limit is reached; the newest run by itself shows 12 %; it grows by",
+        ),
         (GROWING | {"lower": -0.1, "ahead": None}, Severity.ALERT, "There is no danger limit ahead: .* no growth is certain"),
         (
             GROWING | {"lower": -0.1, "ahead": AHEAD | {"expected": None}},
@@ -133,7 +137,7 @@ def test_a_finding_is_told_in_german() -> None:
     )
     assert one.how_urgent.words == (
         "Erreicht den Grenzwert für Gefahr von 15 % in 7 Tagen (frühestens in 4 Tagen, möglicherweise auch nie): "
-        "der neueste Lauf zeigt 12 %; es wächst um +1 % je Woche (+0,5 bis +1,5) über 8 Läufe"
+        "der neueste Lauf für sich zeigt 12 %; es wächst um +1 % je Woche (+0,5 bis +1,5) über 8 Läufe"
     )
     # What programs read is the same in all languages.
     assert one.actions[0].opportunity == "in operation"

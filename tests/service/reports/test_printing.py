@@ -17,14 +17,16 @@ from service.reports.contents import ReportContents, ReportedNote, ReportedTrend
 from service.reports.period import asked_period
 from service.reports.printing import printed_html, report_html
 from service.reports.reading import read_contents
+from service.reports.trend_figure import trend_figure
 from service.wording.language import ENGLISH, GERMAN, Language
 from storage.clock import now
 from storage.database.engine import Database
 from tests.estimator.alignment.drawn_runs import MODEL
-from tests.plant import START
+from tests.plant import KEY, START
 from tests.service.monitoring.test_alignment_alerts import Weeks as FilmWeeks
 from tests.service.monitoring.test_alignment_alerts import sunk
 from tests.service.monitoring.test_assessment import BASELINE
+from tests.service.monitoring.test_assessment import Weeks as CoefficientWeeks
 
 MANY = 10_000
 
@@ -79,7 +81,9 @@ def test_the_same_is_told_in_german(plant: Database, sunken: ReportContents) -> 
     assert "Kupplung C1 ist falsch ausgerichtet: die getriebene Welle liegt" in page
     assert "Kein Ausgleich wird vorgeschlagen: zuerst C1 instand setzen" in page
     assert 'content: "Seite " counter(page) " von "' in page
-    assert re.search(r"\d,\d+ mrad", page)
+    value = np.array([6.4, 6.6])
+    drawn = trend_figure(ReportedTrend("x", "N", np.array([0, 10**16]), value, value, value, None), GERMAN)
+    assert ">6,5<" in drawn
     # No sentence of the English report is left.
     english = set(re.findall(r">([^<>]*[A-Za-z]{3,} [a-z]{2,}[^<>]*)<", report_html(sunken)))
     assert {one for one in english if f">{one}<" in page} == set()
@@ -127,3 +131,39 @@ def test_nothing_is_loaded(tmp_path: Path) -> None:
         with pytest.raises(TimeoutError):
             listening.accept()
     assert text.strip() == "told"
+
+
+def test_names_and_numbers_are_those_that_people_use(sunken: ReportContents) -> None:
+    fit = sunken.fit
+    assert fit is not None
+    time, value = np.array([0, 10**16]), np.array([1.0, 2.0])
+    trends = [
+        ReportedTrend(name, "", time, value, value - 0.1, value + 0.1, None)
+        for name in ("coupling.C1.k_phix", "splitting.1-3")
+    ]
+    page = report_html(replace(sunken, trends=tuple(trends), alerts=(), not_to_balance=None))
+    assert ">kφx of coupling C1<" in page
+    assert ">critical speeds 1 and 3: distance over their mean<" in page
+    assert re.search(r"falls from [\d.]+ to below \d+(\.\d+)? µm pp", page)
+    assert re.findall(r">[^<>]*\de[+-]\d[^<>]*<", page) == [], "nobody reads 1e+04 aloud"
+
+
+@pytest.mark.parametrize(("hours", "form"), [(0.5, r"\d\d-\d\d \d\d:\d\d"), (24.0 * 300, r"\d{4}-\d\d-\d\d")])
+def test_a_trend_shows_values_and_intervals_of_an_hour_or_a_year(hours: float, form: str) -> None:
+    time = np.array([0, int(hours * 3600e9)])
+    drawn = trend_figure(
+        ReportedTrend("x", "N", time, np.array([6.4, 6.42]), np.array([5.0, 5.1]), np.array([8.0, 8.1]), None)
+    )
+    assert len(re.findall(f">{form}<", drawn)) in range(2, 8)
+    assert {">5<", ">8<"} & set(re.findall(r">[58]<", drawn)), "the axis holds the intervals"
+
+
+def test_what_a_machine_cannot_show_is_said_in_its_place(plant: Database) -> None:
+    with plant.transaction() as session:
+        CoefficientWeeks(session).file(times=1)
+    with plant.reading() as session:
+        period = asked_period(START, None, moment=now())
+        found = read_contents(session, KEY.machine, period, texts=SiteTexts(), baseline_runs=BASELINE)
+    page = report_html(found)
+    assert "only of bearings whose oil films the document describes" in page
+    assert "a misalignment shows in the coupling&#x27;s force and moment" in page

@@ -1,17 +1,32 @@
 """Zero contradictions between the places that tell of one thing, and the comparison sees one when there is one."""
 
+import html
+import json
 from collections.abc import Callable, Mapping
 from typing import Any
 
 import pytest
 from sqlalchemy import update
 
+from service.advice.alert_advice import alert_event
+from service.advice.site_texts import SiteTexts
+from service.alerts.event_message import AlertEvent
+from service.delivery.channel import EventMessage
+from service.delivery.cloud_event import cloud_event
+from service.delivery.mail import compose_mail
+from service.reports.period import asked_period
+from service.reports.printing import report_html
+from service.reports.reading import read_contents
+from service.wording.language import ENGLISH, GERMAN, Language
+from storage.alerts import alerts
+from storage.clock import now
 from storage.database.engine import Database
 from storage.tables.findings import DiagnosisRow
 from tests.api_in_process import Api
 from tests.contradictions import contradictions
 from tests.estimator.alignment.drawn_runs import MODEL
 from tests.plant import KEY
+from tests.service.delivery.receivers import settings
 from tests.service.monitoring.test_alignment_alerts import Weeks as FilmWeeks
 from tests.service.monitoring.test_alignment_alerts import sunk
 from tests.service.monitoring.test_assessment import BASELINE, STIFFER, Weeks
@@ -58,6 +73,11 @@ def test_a_train_on_oil_films_is_told_in_one_way(plant: Database, rule: str) -> 
     assert compared > 20
 
 
+def mail_body(event: AlertEvent, language: Language) -> str:
+    """Text of the mail about an event."""
+    return str(compose_mail(settings(), "anna@plant.example", EventMessage(event, "plant-1"), language).get_content())
+
+
 def test_a_contradiction_is_seen(plant: Database) -> None:
     with plant.transaction() as session:
         weeks = Weeks(session)
@@ -74,3 +94,48 @@ def test_a_contradiction_is_seen(plant: Database) -> None:
     api = Api(plant)
     wrong, _ = contradictions(asked(api), KEY.machine)
     assert any(part["name"] in one and "diagnosis" in one for one in wrong)
+
+
+@pytest.mark.parametrize("language", [ENGLISH, GERMAN])
+def test_report_mail_and_webhook_tell_the_alert_s_figures(plant: Database, language: Language) -> None:
+    """Of the same event the same words, in either language."""
+    weeks = FilmWeeks(plant)
+    weeks.file({}, times=BASELINE + 2)
+    weeks.file(sunk(120e-6), times=2)
+    texts = SiteTexts(language=language)
+    alert = open_alert(plant, language)
+    with plant.reading() as session:
+        event = alert_event(alerts.history(session, alert["id"])[-1], texts)
+    hook = json.dumps(json.loads(cloud_event(EventMessage(event, "plant-1"))), ensure_ascii=False)
+    for place, told in {"report": report_of(plant, texts), "mail": mail_body(event, language), "webhook": hook}.items():
+        assert [one for one in words_of(alert) if one not in told] == [], place
+    # An alert follows the newest run without an event; so does the report.
+    weeks.file(sunk(150e-6), times=2)
+    later, page = open_alert(plant, language), report_of(plant, texts)
+    assert words_of(later) != words_of(alert)
+    assert [one for one in words_of(later) if one not in page] == []
+    (figure, *_) = later["advice"]["how_far"]
+    size, half = figure["value"], (figure["upper"] - figure["lower"]) / 2.0
+    row = f"<td>{size:.0f} µm</td><td>{half:.0f} µm</td>"
+    assert (row if language == ENGLISH else row.replace(".", ",")) in page, "the table of alignments says the same"
+
+
+def open_alert(plant: Database, language: Language) -> dict[str, Any]:
+    """Return the one open alert as the API tells it."""
+    answer = Api(plant).ask("GET", "/api/v1/alerts?open=true", headers={"accept-language": language.code})
+    (alert,) = answer.json()
+    return dict(alert)
+
+
+def words_of(alert: dict[str, Any]) -> list[str]:
+    """Return what an alert says of its size, certainty and urgency."""
+    said = alert["advice"]
+    return [said["what"], *(one["words"] for one in said["how_far"]), said["how_sure"]["words"], said["how_urgent"]["words"]]
+
+
+def report_of(plant: Database, texts: SiteTexts) -> str:
+    """Return the report's pages as text."""
+    with plant.reading() as session:
+        period = asked_period(0, None, moment=now())
+        contents = read_contents(session, MODEL.machine.id, period, texts=texts, baseline_runs=BASELINE)
+    return html.unescape(report_html(contents))

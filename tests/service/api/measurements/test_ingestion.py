@@ -137,6 +137,14 @@ def test_fields_that_there_are_not_are_named(http: Http, encoding: str) -> None:
     assert unknown_fields(encode_body(rows(0, 2), BINARY), BINARY) == []
 
 
+def test_fields_that_there_are_not_are_named_of_a_batch_that_is_refused_as_well(http: Http) -> None:
+    one = msgspec.to_builtins(rows(0, 2)) | {"overal": [[1.0] * 4] * 2}
+    fast = http.ask("POST", PATH, content=msgspec.json.encode(one | {"speed": [99_999.0] * 2}), headers={"content-type": JSON})
+    assert {"field": "overal", "message": "there is no such field; did you mean 'overall'?"} in fast.json()["errors"]
+    whole = http.ask("POST", PATH, content=msgspec.json.encode(one | {"time_ns": [1, 2]}), headers={"content-type": JSON})
+    refused(whole, 422, "there is no field overal; did you mean 'overall'?")
+
+
 def test_where_no_sample_is_taken_the_answer_is_no_success(http: Http) -> None:
     fast = rows(0, 3)
     fast.speed = [99_999.0, 88_888.0, 77_777.0]

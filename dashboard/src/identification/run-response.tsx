@@ -2,7 +2,7 @@
 import { ErrorMessage, Loading, StaleNotice } from "../components/loading";
 import { useRunResponse } from "../data/run-response";
 import { speedSweep } from "../data/speed-sweep";
-import { ResponsePanels } from "../identification/response-panels";
+import { ResponsePanels } from "./response-panels";
 import type { Document } from "../schemas/machines";
 import type { Phasors, Run } from "../schemas/runs";
 import { slowRollText } from "../words/slow-roll";
