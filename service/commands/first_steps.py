@@ -44,9 +44,9 @@ def check(
     where something is wrong; a warning is none.
     """
     from estimator.machine.checks.document_warnings import DocumentWarning, document_warnings
-    from estimator.statics.whirl_in_range import whirl_words
     from rotorundown.machine_files import WrongMachine, read_machine
     from rotorundown.runs import WrongRun, read_run
+    from service.commands.results.film_report import whirl_warning
 
     try:
         described = read_machine(machine)
@@ -54,7 +54,7 @@ def check(
         fail(str(error))
     warnings = document_warnings(described)
     with working("looking whether the train would whirl"):
-        whirling = whirl_words(described)
+        whirling = whirl_warning(described)
     warnings += (DocumentWarning("bearings", whirling),) if whirling else ()
     for warning in warnings:
         print_line(f"warning: {warning}", err=True)
