@@ -14,11 +14,12 @@ import numpy as np
 from estimator.alignment.healthy_films import coordinate_scales, learnt_variation
 from estimator.alignment.run_likelihood import run_likelihood
 from estimator.machine.alignment_rules import HealthyVariation
+from estimator.machine.film_parameter_names import unknown_forces, with_open_forces
 from estimator.machine.parameter_description import describe
 from estimator.updated_model.alignment_results import alignment_results
 from estimator.updated_model.derived_quantities import Derived, interval
 from estimator.updated_model.film_results import placed_films
-from estimator.updated_model.model import UpdatedModel
+from estimator.updated_model.model import UpdatedModel, model_at
 from estimator.updated_model.uncertainty import standard_errors
 
 
@@ -48,7 +49,8 @@ def alignment_changes(
 ) -> tuple[AlignmentChange, ...]:
     """Estimate by how much offsets and angles differ from those of a baseline (linear mixed model; Laird and Ware 1982).
 
-    A change of each elevation is believed to be as large as the document says that the elevation may be off.
+    A change of each elevation is believed to be as large as the document says that the elevation may be off. Forces that only
+    some of the runs doubt are no coordinates here: what they leave open is in the others' covariance.
 
     Args:
         baseline: Models of the baseline's runs, at least one, of one machine.
@@ -61,6 +63,7 @@ def alignment_changes(
     Raises:
         ValueError: There is no baseline, or it is of another machine.
     """
+    *baseline, later = _in_common_coordinates([*baseline, later])
     if not baseline or any(one.coordinates != later.coordinates for one in baseline):
         raise ValueError("changes need a baseline of at least one run of the same machine")
     coordinates = later.coordinates_at(np.ones(1))
@@ -89,6 +92,19 @@ def alignment_changes(
         changed, uncertain = float(row @ moved), float(standard_errors(row, error))
         found.append(AlignmentChange(one.name, one.unit, changed, uncertain, known, one.undefined))
     return tuple(found)
+
+
+def _in_common_coordinates(models: Sequence[UpdatedModel]) -> list[UpdatedModel]:
+    """Return models without the forces, called exact by the document, that not all of them have as coordinates."""
+    everywhere = set.intersection(*(set(one.coordinates) for one in models))
+    found = []
+    for one in models:
+        alone = [name for name in unknown_forces(one.machine.static_loads) if name not in everywhere]
+        if alone:
+            machine, _ = with_open_forces(one.machine, dict.fromkeys(alone, 0.0))
+            one = model_at(machine, one.coordinates, one.values, one.covariance)
+        found.append(one)
+    return found
 
 
 def alignment_change_quantities(

@@ -11,7 +11,7 @@ import numpy as np
 from estimator.arrays import Bools, Floats
 from estimator.errors import Invalid
 from estimator.films.film import FilmOverPosition
-from estimator.films.pad_table import THINNEST_FILM
+from estimator.films.pad_table import THINNEST_KNOWN
 
 _DIRECTIONS = 36
 _DISTANCES = np.array([1e-4, 1e-3, 0.01, 0.03, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.88, 0.94, 0.97, 0.99])
@@ -153,5 +153,5 @@ def _overload(load: Floats) -> str:
     size, direction = float(np.hypot(*load)), float(np.degrees(np.arctan2(load[1], load[0])))
     return (
         f"a load of {size:.4g} μωRL(R/c)² at {direction:.0f}° (Sommerfeld number {1.0 / (np.pi * size):.4g}): the film that "
-        f"carries it would be thinner than {THINNEST_FILM:g} of the clearance; the speed is too low or the load too high"
+        f"carries it would be thinner than {THINNEST_KNOWN:g} of the clearance; the speed is too low or the load too high"
     )

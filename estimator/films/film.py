@@ -12,7 +12,7 @@ import numpy as np
 from estimator.arrays import Bools, Floats
 from estimator.errors import Invalid
 from estimator.films.pad import FULL_ARC, Pad
-from estimator.films.pad_table import MOST_CONTINUOUS, THINNEST_FILM, PadTable, PolarFilm, pad_table
+from estimator.films.pad_table import MOST_CONTINUOUS, THINNEST_KNOWN, PadTable, PolarFilm, pad_table
 from estimator.films.profiles import BearingProfile
 from estimator.films.tilted_pads import TiltedPads
 
@@ -160,7 +160,7 @@ class Film:
         )
 
     def covers(self, position: Floats) -> Bools:
-        """Return where the film is known: nowhere thinner than a twentieth of the clearance.
+        """Return where the film is known: nowhere thinner than three hundredths of the clearance.
 
         Args:
             position: Positions (..., 2) [c].
@@ -227,7 +227,7 @@ def require_covered(film: FilmOverPosition, position: Floats) -> None:
         raise OutsideFilm(
             f"a journal {np.hypot(x, y):.3f} clearances from the bearing's centre, at "
             f"{np.degrees(np.arctan2(y, x)):.0f}°: its film is {thin:.3f} clearances thin, and none is known that is "
-            f"thinner than {THINNEST_FILM:g}"
+            f"thinner than {THINNEST_KNOWN:g}"
         )
 
 

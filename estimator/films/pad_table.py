@@ -25,7 +25,9 @@ TABLES = 32
 THINNEST_TABULATED = 0.028
 """Smallest 1 - ε/q of a table [-]."""
 THINNEST_FILM = 0.05
-"""Thinnest film for which tables are used [c]: where it is thinner, roughness and deflection rule."""
+"""Thinnest film of a document's bearing at a speed at which it is watched [c]: below it, roughness and deflection rule."""
+THINNEST_KNOWN = 0.03
+"""Thinnest film for which tables are used [c]: a fit may find films thinner than the document's."""
 MOST_CONTINUOUS = 2.0
 """Largest slenderness for which a film that forms again by itself is ruptured somewhere [-]."""
 RADIAL_NODES, ANGULAR_NODES = 28, 160
@@ -116,7 +118,7 @@ class PadTable:
             Whether it does (...).
         """
         near = eccentricity <= (1.0 - THINNEST_TABULATED) * self._reach(direction)[0]
-        return near & (self.thinnest(eccentricity, direction) >= THINNEST_FILM - 1e-12)
+        return near & (self.thinnest(eccentricity, direction) >= THINNEST_KNOWN - 1e-12)
 
     def at(self, eccentricity: Floats, direction: Floats) -> PolarFilm:
         """Interpolate the film.

@@ -14,7 +14,7 @@ import numpy as np
 import scipy
 
 from estimator.arrays import Bools, Complexes, Floats
-from estimator.films.pad_table import THINNEST_FILM, THINNEST_TABULATED
+from estimator.films.pad_table import THINNEST_KNOWN, THINNEST_TABULATED
 from estimator.films.pivoted_pad import PivotedFilm, PivotedPadSolver
 from estimator.films.reynolds import AROUND
 
@@ -124,7 +124,7 @@ class PivotedPadTable:
         Returns:
             Whether it is (...).
         """
-        return np.asarray((e <= self._last) & (self.thinnest(e) >= THINNEST_FILM - 1e-12))
+        return np.asarray((e <= self._last) & (self.thinnest(e) >= THINNEST_KNOWN - 1e-12))
 
     def at(self, e: Floats) -> BalancedPads:
         """Interpolate the film.

@@ -94,7 +94,7 @@ class TiltingFilm:
         )
 
     def covers(self, position: Floats) -> Bools:
-        """Return where the film is known: on no pad thinner than a twentieth of the clearance.
+        """Return where the film is known: on no pad thinner than three hundredths of the clearance.
 
         Args:
             position: Positions (..., 2) [c].

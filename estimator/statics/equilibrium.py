@@ -11,6 +11,7 @@ import numpy as np
 
 from estimator.arrays import Floats
 from estimator.films.film import FilmCoefficients
+from estimator.films.pad_table import THINNEST_FILM
 from estimator.machine.document import Machine
 from estimator.machine.film_speeds import reported_rpm, slowest_rpm
 from estimator.statics.coupled_train import train_statics
@@ -129,6 +130,18 @@ class FilmTrain:
             start = one.position if one is not None else start
         return tuple(found)
 
+    def carried(self, position: Floats) -> bool:
+        """Return whether no film is thinner than a twentieth of its clearance.
+
+        Args:
+            position: Positions (n, 2) of the journals relative to their bearings' centres [m].
+
+        Returns:
+            Whether that is so.
+        """
+        thinnest = [one.thinnest(place) / one.clearance for one, place in zip(self.bearings, position, strict=True)]
+        return min(thinnest) >= THINNEST_FILM - 1e-12
+
     def _first_places(self) -> list[Floats]:
         direction = self.bearings[0].direction
         return [self._clearance[:, None] * np.array([direction * x, y]) for x, y in FIRST_PLACES]
@@ -143,7 +156,7 @@ class FilmTrain:
         for _ in range(STEPS):
             step = self._step(films, lacking)
             if np.max(np.linalg.norm(step, axis=1) / self._clearance) < SETTLED:
-                return FilmEquilibrium(speed, position, tuple(films))
+                return FilmEquilibrium(speed, position, tuple(films)) if self.carried(position) else None
             for _ in range(HALVINGS):
                 trial = position + step
                 if self._covers(trial):

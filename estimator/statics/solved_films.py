@@ -65,7 +65,7 @@ class NominalFilms:
         """
         found = []
         for speed, one in zip(self.speed.tolist(), self._followed(), strict=True):
-            if one is None:
+            if one is None or not self.train.carried(one.position):
                 raise FilmTooThin(
                     f"at {rad_per_s_to_rpm(speed):.0f} r/min a journal would be within a twentieth of the clearance of its "
                     f"bearing: are geometry and oil right? {_most_loaded(self.train)}. Below the speed at which films carry, "

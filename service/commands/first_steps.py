@@ -9,7 +9,7 @@ import typer
 
 from service.commands.exit import fail
 from service.commands.json_output import JsonWanted, print_json
-from service.commands.terminal import print_line, print_text
+from service.commands.terminal import print_line, print_text, working
 
 TEMPLATE = "first_machine.yaml"
 PLACEHOLDER = "MACHINE"
@@ -40,18 +40,24 @@ def check(
 ) -> None:
     """Check a machine document, and recorded runs against it: what they hold, and what is probably a mistake.
 
-    Ends with status 1 where something is wrong; a warning is none.
+    A train that would whirl within its speed range is warned of; on oil films that takes some seconds. Ends with status 1
+    where something is wrong; a warning is none.
     """
-    from estimator.machine.checks.document_warnings import document_warnings
+    from estimator.machine.checks.document_warnings import DocumentWarning, document_warnings
     from rotorundown.machine_files import WrongMachine, read_machine
     from rotorundown.runs import WrongRun, read_run
-    from service.commands.document_warnings import print_warnings
+    from service.commands.results.film_report import whirl_warning
 
     try:
         described = read_machine(machine)
     except WrongMachine as error:
         fail(str(error))
-    print_warnings(described)
+    warnings = document_warnings(described)
+    with working("looking whether the train would whirl"):
+        whirling = whirl_warning(described)
+    warnings += (DocumentWarning("bearings", whirling),) if whirling else ()
+    for warning in warnings:
+        print_line(f"warning: {warning}", err=True)
     parts = (
         (described.shafts, "shaft"),
         (described.discs, "disc"),
@@ -77,6 +83,6 @@ def check(
             print_text(str(run))
     wrong = sum("wrong" in one for one in read)
     if as_json:
-        print_json({"machine": described.id, **counts, "warnings": document_warnings(described), "runs": read})
+        print_json({"machine": described.id, **counts, "warnings": warnings, "runs": read})
     if wrong:
         fail(f"{wrong} of {len(read)} runs cannot be read")

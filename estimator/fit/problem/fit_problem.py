@@ -264,7 +264,7 @@ def best_excitations(problem: FitProblem, theta: Floats, weight: Floats) -> Floa
         weight: Weights (S, m) [1/m].
 
     Returns:
-        θ (n,) with these unbalances, bows and loads [-].
+        θ (n,) with these unbalances, bows and loads [-]; as it was where there is no model.
     """
     of_one = np.flatnonzero(problem.coordinates.excitation_place >= 0)
     if of_one.size == 0:
@@ -280,6 +280,8 @@ def best_excitations(problem: FitProblem, theta: Floats, weight: Floats) -> Floa
     slope = each.reshape(-1, 2, *phasor.shape)[of_one].reshape(free.size, *phasor.shape)
     slope = slope * np.repeat(problem.coordinates.excitation_scale[of_one], 2)[:, None, None]
     rows = (slope * (channels.gains(theta) * weight)).reshape(free.size, -1).view(float)
+    if not np.isfinite(rows).all():
+        return theta  # where a film is too thin
     block = rows @ rows.T + problem.coordinates.prior.precision[np.ix_(free, free)]
     # At the given excitations the model is linear in them: one Newton step is the answer.
     offset = problem.coordinates.prior.pull(theta)[free]

@@ -12,6 +12,7 @@ from estimator.machine.document import Machine
 from estimator.machine.film_speeds import reported_rpm
 from estimator.statics.equilibrium import FilmEquilibrium, FilmTrain, film_train
 from estimator.statics.film_stability import LeastDampedWhirl, least_damped_whirl, whirl_onset
+from estimator.statics.whirl_in_range import whirl_words
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
 from estimator.updated_model.film_results import film_results
 from estimator.updated_model.model import UpdatedModel
@@ -103,6 +104,11 @@ def identified_films(model: UpdatedModel) -> Iterator[str]:
             if one is not None:
                 said.append(f"{scale * one.value:{wide}} ± {scale * CONFIDENCE_95 * one.error:{narrow}}".ljust(18))
         yield f"  {bearing.id:<10} {''.join(said)}".rstrip()
+
+
+def whirl_warning(machine: Machine) -> str:
+    """State that the document describes a train that whirls within its own speed range; empty where it does not."""
+    return whirl_words(machine)
 
 
 def _states(machine: Machine, train: FilmTrain, service_rpm: float) -> Iterator[str]:

@@ -9,9 +9,11 @@ from estimator.alignment.alignment_change import alignment_changes
 from estimator.arrays import Floats
 from estimator.fit.problem.coordinates import Coordinates
 from estimator.machine.alignment_rules import HealthyVariation
+from estimator.machine.film_parameter_names import with_open_forces
+from estimator.machine.films import StaticLoad
 from estimator.machine.parameter_description import describe
 from estimator.updated_model.alignment_results import alignment_results
-from estimator.updated_model.model import UpdatedModel, expected_model
+from estimator.updated_model.model import UpdatedModel, expected_model, model_at
 from tests.estimator.models import rich_model
 from tests.estimator.updated_model.test_alignment_results import NAMES, machine_of
 
@@ -96,6 +98,25 @@ def test_a_baseline_is_needed_and_of_the_same_machine() -> None:
         alignment_changes([], MODEL)
     with pytest.raises(ValueError, match="of the same machine"):
         alignment_changes([rich_model()], MODEL)
+
+
+def test_runs_of_which_some_doubt_a_force_are_compared() -> None:
+    """As `updated_model` builds them: a doubted force is a coordinate of that run's model only."""
+    rng = np.random.default_rng(2)
+    load = StaticLoad.model_validate({"id": "gear", "shaft": "S1", "station": 0.5, "force_y": 100.0})
+    machine = MODEL.machine.model_copy(update={"static_loads": (load,)})
+    name, size = "static_load.gear.force_y", 30.0
+    plain = replace(expected_model(machine), covariance=np.diag((0.1 * COORDINATES.unit * COORDINATES.spread) ** 2))
+    answer = 1e-3 * rng.standard_normal(COORDINATES.size) * COORDINATES.unit * COORDINATES.spread
+    opened, stated = with_open_forces(machine, {name: size})
+    along = size**2 * answer[:, None]
+    covariance = np.block([[plain.covariance + along @ answer[None], along], [along.T, np.array([[size**2]])]])
+    doubting = model_at(opened, (*plain.coordinates, name), np.concatenate([plain.values, stated]), covariance)
+    assert name in doubting.coordinates
+    found = alignment_changes([plain, doubting, plain], plain, variation=VARIATION)
+    assert [change.name for change in found] == list(NAMES)
+    assert all(change.value == pytest.approx(0.0, abs=1e-12) for change in found)
+    assert len(alignment_changes([plain, plain], doubting, variation=VARIATION)) == len(NAMES)
 
 
 def test_trains_without_films_have_none() -> None:

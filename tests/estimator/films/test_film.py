@@ -96,11 +96,11 @@ def test_films_add_up_over_pads() -> None:
 
 def test_where_the_film_is_too_thin_it_is_not_known() -> None:
     one = film("plain")
-    places = np.array([[0.0, -0.94], [0.0, -0.951], [0.7, 0.7], [0.0, 0.0]])
+    places = np.array([[0.0, -0.96], [0.0, -0.971], [0.7, 0.7], [0.0, 0.0]])
     assert one.covers(places).tolist() == [True, False, False, True]
-    assert one.thinnest(places) == pytest.approx([0.06, 0.049, 1 - 0.7 * math.sqrt(2), 1.0])
+    assert one.thinnest(places) == pytest.approx([0.04, 0.029, 1 - 0.7 * math.sqrt(2), 1.0])
     with pytest.raises(
-        OutsideFilm, match=r"0\.951 clearances from the bearing's centre, at -90°: its film is 0\.049 .* than 0\.05"
+        OutsideFilm, match=r"0\.971 clearances from the bearing's centre, at -90°: its film is 0\.029 .* than 0\.03"
     ):
         one.at(places)
 

@@ -7,6 +7,7 @@ import pytest
 import yaml
 
 from estimator.arrays import Floats
+from estimator.films.pad_table import THINNEST_FILM, THINNEST_KNOWN
 from estimator.machine.document import DocumentError, parse_machine
 from estimator.statics.film_deviations import TERMS
 from estimator.statics.film_model import FilmModel, film_model
@@ -162,6 +163,27 @@ def test_a_film_that_is_too_thin_has_no_coefficients() -> None:
     centre = np.array([one.centre for one in model.numbers])
     centre[model.own.place(0, "viscosity")] = -8.0  # hardly any viscosity
     assert np.isnan(model.at(SPEED).values(centre)).all()
+
+
+def test_films_of_a_fit_may_be_thinner_than_the_documents() -> None:
+    model = film_model(parse_machine(document(discrepancy=0.0)))
+    assert np.min([thinnest(model, one.position) for one in model.nominal.equilibria]) >= THINNEST_FILM
+    centre, found = np.array([one.centre for one in model.numbers]), 1.0
+    place = model.own.place(0, "viscosity")
+    for factor in np.linspace(0.0, 3.0, 61):
+        fitted = centre.copy()
+        fitted[place] -= factor
+        films = model.films.equilibria(fitted)
+        if films is None:
+            break
+        found = min(thinnest(model, one.position) for one in films)
+    assert THINNEST_KNOWN <= found < THINNEST_KNOWN + 0.002
+
+
+def thinnest(model: FilmModel, position: Floats) -> float:
+    """The thinnest film of the journals at positions (n, 2) [m], in clearances of the document."""
+    pairs = zip(model.nominal.train.bearings, position, strict=True)
+    return min(one.thinnest(place) / one.clearance for one, place in pairs)
 
 
 @pytest.mark.parametrize(

@@ -1,10 +1,13 @@
 """`rundown init` and `rundown check`: a document to begin with that works, and what is said of documents and runs."""
 
+import re
 from pathlib import Path
 
 import pytest
+import yaml
 
 import rotorundown as rd
+from tests.paths import EXAMPLES
 from tests.service.commands.command_line import run
 
 
@@ -48,3 +51,11 @@ def test_runs_are_checked_against_the_document(pump: Path, tmp_path: Path) -> No
 def test_a_wrong_unit_is_named(pump: Path) -> None:
     pump.write_text(pump.read_text().replace("kxx: 1.8e+7", "kxx: 18"))
     assert "was 18 N/µm meant?" in run("check", str(pump), status=1)
+
+
+def test_a_train_that_would_whirl_is_warned_of(tmp_path: Path) -> None:
+    said = yaml.safe_load((EXAMPLES / "motor-compressor.yaml").read_text(encoding="utf-8"))
+    said["speed_range"]["maximum_rpm"] = 6000
+    file = tmp_path / "fast.yaml"
+    file.write_text(yaml.safe_dump(said), encoding="utf-8")
+    assert re.search(r"warning: bearings: on the oil films .* would whirl from 5\d\d\d r/min", run("check", str(file)))

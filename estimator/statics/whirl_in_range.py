@@ -1,0 +1,54 @@
+"""Whether a train as its document describes it would whirl at a speed that it is watched at.
+
+By the eigenvalues at its highest speed; of films, by those at their equilibria (`film_stability`).
+"""
+
+from estimator.machine.document import Machine
+from estimator.machine.film_speeds import follows_films, slowest_rpm
+from estimator.modes.eigenmodes import damping_ratio, eigenvalues
+from estimator.statics.equilibrium import film_train
+from estimator.statics.film_stability import whirl_onset
+from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
+
+HIGHEST_MODE = 2.0
+"""Highest frequency of modes that are looked at, as a multiple of the highest speed [-]."""
+GROWING = -1e-4
+"""Damping ratio below which a mode grows, and is not merely undamped [-]."""
+
+
+def whirl_words(machine: Machine) -> str:
+    """State that the document describes a train that whirls within its own speed range; tables of new films take seconds.
+
+    Args:
+        machine: The machine.
+
+    Returns:
+        The words; empty where no mode grows, or where coefficients follow the speed otherwise than by films.
+    """
+    if follows_films(machine):
+        return _of_films(machine)
+    if any(one.speed_dependence is not None for one in (*machine.bearings, *machine.couplings)):
+        return ""
+    spin = rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
+    roots = eigenvalues(machine, spin=machine.direction * spin)
+    roots = roots[roots.imag <= HIGHEST_MODE * spin]
+    if roots.size == 0 or (least := float(damping_ratio(roots).min())) >= GROWING:
+        return ""
+    return (
+        f"at {machine.speed_range.maximum_rpm:g} r/min a mode would grow (damping ratio {least:.2g}), so that the train could "
+        "not run there: usual is more than 0.01; are damping and cross-coupled stiffness right?"
+    )
+
+
+def _of_films(machine: Machine) -> str:
+    low, high = rpm_to_rad_per_s(slowest_rpm(machine)), rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
+    train = film_train(machine)
+    # Films whirl from a speed on: where they do not at the highest one, they do at none.
+    if whirl_onset(machine, train, first=high, last=high) is None:
+        return ""
+    onset = whirl_onset(machine, train, first=low, last=high)
+    rpm = rad_per_s_to_rpm(high if onset is None else onset)
+    return (
+        f"on the oil films as they are described the train would whirl from {rpm:.0f} r/min on, within its speed range up to "
+        f"{machine.speed_range.maximum_rpm:g} r/min: are clearances, oil and preload right?"
+    )

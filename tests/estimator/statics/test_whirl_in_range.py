@@ -1,0 +1,39 @@
+"""Documents of trains that would whirl within their own speed range: said with the speed, and what to look at."""
+
+from typing import Any
+
+import pytest
+import yaml
+
+from estimator.machine.document import parse_machine
+from estimator.statics.whirl_in_range import whirl_words
+from tests.paths import EXAMPLES
+
+
+def document(name: str) -> dict[str, Any]:
+    """An example of a machine document."""
+    said: dict[str, Any] = yaml.safe_load((EXAMPLES / f"{name}.yaml").read_text(encoding="utf-8"))
+    return said
+
+
+def test_a_train_that_is_run_too_fast_for_its_films_would_whirl() -> None:
+    said = document("motor-compressor")
+    assert whirl_words(parse_machine(said)) == ""
+    said["speed_range"]["maximum_rpm"] = 6000
+    words = whirl_words(parse_machine(said))
+    rpm = float(words.partition("whirl from ")[2].partition(" r/min")[0])
+    assert 4600.0 < rpm < 5600.0
+    assert "within its speed range up to 6000 r/min" in words
+
+
+def test_a_mode_that_grows_by_cross_coupled_stiffness_is_said() -> None:
+    said = document("thesis-chapter-3")
+    assert whirl_words(parse_machine(said)) == ""
+    for bearing in said["bearings"]:
+        bearing["kxy"], bearing["kyx"] = 3.0 * bearing["kxx"], -3.0 * bearing["kxx"]
+    assert "a mode would grow (damping ratio -" in whirl_words(parse_machine(said))
+
+
+@pytest.mark.parametrize("name", ["motor-pump", "sealed-pump", "rk4-rotor-kit", "turbine-compressor-generator"])
+def test_examples_would_not(name: str) -> None:
+    assert whirl_words(parse_machine(document(name))) == ""
