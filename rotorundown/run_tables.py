@@ -2,11 +2,11 @@
 
 import csv
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, get_args
 
 import numpy as np
+from msgspec import Struct
 
 from estimator.arrays import Floats
 from estimator.close_matches import did_you_mean
@@ -47,8 +47,7 @@ class WrongRun(Invalid):
     """Raised for a file, a table or numbers that cannot be a run of the machine."""
 
 
-@dataclass(frozen=True)
-class TableUnits:
+class TableUnits(Struct, frozen=True):
     """Units of a table's columns."""
 
     speed: SpeedUnit = "rpm"
@@ -70,8 +69,7 @@ class TableUnits:
         return f"{self.speed}, {self.amplitude} {self.kind}, phase {self.convention} in {self.phase}"
 
 
-@dataclass(frozen=True, eq=False)
-class RunTable:
+class RunTable(Struct, frozen=True, eq=False):
     """Columns (S,) of a run by name."""
 
     columns: Mapping[str, Floats]

@@ -1,11 +1,11 @@
 """Wrong conventions of a source: each is named when the fit is refused, equivalent ones together, and none on a right run."""
 
 import math
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from estimator.fit.identification import Options
 from estimator.identification.convention_trials import ConventionVerdict, with_named_conventions
