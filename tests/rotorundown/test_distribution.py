@@ -35,8 +35,10 @@ def test_developers_have_every_extra() -> None:
 def test_the_version_is_everywhere_the_same() -> None:
     assert "version" not in PROJECT
     assert rotorundown.__version__ == VERSION
-    assert yaml.safe_load((ROOT / "CITATION.cff").read_text())["version"] == VERSION
-    assert f"## {VERSION}\n" in (ROOT / "CHANGELOG.md").read_text()
+    cited = yaml.safe_load((ROOT / "CITATION.cff").read_text())
+    assert cited["version"] == VERSION
+    released = re.findall(r"(?m)^## (\d.*)$", (ROOT / "CHANGELOG.md").read_text())[0]
+    assert released == f"{VERSION} ({cited['date-released']})"
 
 
 def test_the_examples_are_found() -> None:
