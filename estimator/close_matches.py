@@ -17,5 +17,5 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     Returns:
         The clause, beginning with a semicolon; empty where no name is close.
     """
-    matches = difflib.get_close_matches(name, list(known), n=MOST_MATCHES, cutoff=0.5)
+    matches = difflib.get_close_matches(name, list(known), n=MOST_MATCHES, cutoff=0.6)
     return f"; did you mean {' or '.join(repr(one) for one in matches)}?" if matches else ""

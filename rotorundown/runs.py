@@ -43,7 +43,7 @@ class MachineRun(Struct, frozen=True, eq=False):
         channels: Ids of the m channels.
         recorded: The samples as they were measured, by which their quality is judged.
         measurement: The same samples as input of a fit, with the trial weights that were on.
-        left_out: What was left out when it was read, with the reason of each.
+        left_out: What was left out when it was read, with the reason of each, and channels whose phases are doubted.
         units: Units in which it was read.
         truth: True parameters of a simulated run by name [SI]; None for a measured one.
     """
