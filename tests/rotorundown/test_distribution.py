@@ -4,6 +4,7 @@ import re
 import subprocess
 import sys
 import tomllib
+from pathlib import Path
 
 import pytest
 import yaml
@@ -43,6 +44,13 @@ def test_the_version_is_everywhere_the_same() -> None:
 
 def test_the_examples_are_found() -> None:
     assert (examples_folder() / "motor-pump.yaml").is_file()
+
+
+def test_the_examples_are_read_from_anywhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert rotorundown.read_machine("examples/motor-pump.yaml").id == "motor-pump"
+    with pytest.raises(ValueError, match="No such file"):
+        rotorundown.read_machine("examples/pump.yaml")
 
 
 @pytest.mark.parametrize(
