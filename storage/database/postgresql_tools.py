@@ -19,7 +19,7 @@ _QUERY = {"host": "PGHOST", "port": "PGPORT", "passfile": "PGPASSFILE", "service
 """Query parameters of a database URL that are passed on, and the variables in which the tools look for them."""
 _NEUTRAL = ("--no-owner", "--no-privileges", "--no-password")
 _TABLE_BEGINS = re.compile(r'(?:dumping contents of|processing data for) table "(?:[^"]*\.)?([^".]+)"')
-"""What the tools say, with `--verbose`, when they begin with the rows of a table."""
+"""Pattern of what the tools say, with `--verbose`, when they begin with the rows of a table."""
 Report = Callable[[int, int], None]
 
 
@@ -39,7 +39,7 @@ def dump(connection: Connection, file: Path, rows: Mapping[str, int], report: Re
     )  # this transaction is idle while the tool runs
     snapshot = connection.scalar(text("SELECT pg_export_snapshot()"))
     arguments = (f"--schema={_schema(connection)}", f"--snapshot={snapshot}", f"--file={file}", *_NEUTRAL)
-    _run("pg_dump", "--format=custom", *arguments, url=connection.engine.url, heard=_table_by_table(rows, report))
+    _run("pg_dump", "--format=custom", *arguments, url=connection.engine.url, note_line=_table_by_table(rows, report))
 
 
 def load(engine: Engine, file: Path, rows: Mapping[str, int], report: Report) -> None:
@@ -47,8 +47,8 @@ def load(engine: Engine, file: Path, rows: Mapping[str, int], report: Report) ->
     with engine.connect() as connection:
         schema = _schema(connection)
     arguments = (f"--schema={schema}", f"--dbname={engine.url.database}", *_NEUTRAL, str(file))
-    heard = _table_by_table(rows, report)
-    _run("pg_restore", "--single-transaction", "--exit-on-error", *arguments, url=engine.url, heard=heard)
+    note_line = _table_by_table(rows, report)
+    _run("pg_restore", "--single-transaction", "--exit-on-error", *arguments, url=engine.url, note_line=note_line)
 
 
 @contextmanager
@@ -108,25 +108,25 @@ def _table_by_table(rows: Mapping[str, int], report: Report) -> Callable[[str], 
     done, total = 0, max(sum(rows.values()), 1)
     running = 0
 
-    def heard(line: str) -> None:
+    def note_line(line: str) -> None:
         nonlocal done, running
         begins = _TABLE_BEGINS.search(line)
         if begins:
             done, running = done + running, rows.get(begins[1], 0)
             report(done, total)
 
-    return heard
+    return note_line
 
 
-def _run(tool: str, *arguments: str, url: URL, heard: Callable[[str], None]) -> None:
+def _run(tool: str, *arguments: str, url: URL, note_line: Callable[[str], None]) -> None:
     command = [_program(tool), "--verbose", *arguments]
-    # In English, which `heard` understands.
+    # In English, which `note_line` understands.
     environment = os.environ | _environment(url) | {"LC_ALL": "C"}
     said: list[str] = []
     try:
         with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=environment) as running:
             for line in running.stderr or ():
-                heard(line)
+                note_line(line)
                 if said or "error: " in line:
                     said.append(line)
     except OSError as error:
