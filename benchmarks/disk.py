@@ -6,10 +6,10 @@ The phasors cross a resonance, with noise of 0.1 µm rms; each case is stored in
 """
 
 import tempfile
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.phasors.channel_status import ChannelStatus

@@ -1,7 +1,7 @@
 """Identifies a machine from its runs, behind the same quality gate as the commands and the service."""
 
-from collections.abc import Iterator, Sequence
-from typing import cast
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, cast
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
@@ -68,11 +68,13 @@ def _require_read(machine: Machine, runs: Sequence[MachineRun]) -> None:
             )
 
 
-def _rule_words(item: ErrorDetails) -> str:
+def _rule_words(item: ErrorDetails, given: Mapping[str, Any]) -> str:
     """Return what is wrong with a rule, with its name and value where pydantic's words name neither."""
     words = item["msg"].removeprefix("Value error, ")
     name = str(item["loc"][0]) if item["loc"] else ""
-    return words if not name or words.startswith(name) else f"{name} is {item['input']!r}: {words}"
+    if name == "accepted_rpm":
+        words = "give the lowest and the highest speed that count [r/min], such as (300, 3000)"
+    return words if not name or words.startswith(name) else f"{name} is {given.get(name)!r}: {words}"
 
 
 def identify_behind_gate(
@@ -105,7 +107,7 @@ def identify_behind_gate(
     try:
         wanted = QualityRules.model_validate(machine.quality.model_dump() | given)
     except ValidationError as error:
-        raise NothingToIdentify("\n".join(_rule_words(item) for item in error.errors())) from None
+        raise NothingToIdentify("\n".join(dict.fromkeys(_rule_words(item, given) for item in error.errors()))) from None
     with one_blas_thread():
         recorded, measured = [run.recorded for run in runs], [run.measurement for run in runs]
         gated = identify_gated(machine, recorded, measured, rules=wanted, gate=gate)

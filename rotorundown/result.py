@@ -1,11 +1,11 @@
 """Result of an identification: estimates by name, as a table, as text that fits a screen, and as plots."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from msgspec import Struct
 
 from estimator.calibration.unbalance_since import UnbalanceSince, unbalance_since
 from estimator.close_matches import did_you_mean
@@ -50,8 +50,7 @@ class UnknownName(KeyError):
         return str(self.args[0])
 
 
-@dataclass(frozen=True, eq=False)
-class Result:
+class Result(Struct, frozen=True, eq=False, dict=True):
     """Identification of a machine from its runs.
 
     Attributes:

@@ -2,11 +2,11 @@
 
 import csv
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, get_args
 
 import numpy as np
+from msgspec import Struct
 
 from estimator.arrays import Floats
 from estimator.close_matches import did_you_mean
@@ -39,6 +39,8 @@ LARGEST_ANGLE_RAD = 4.0 * np.pi
 FULL_TURN_RAD = 2.0 * np.pi
 WIDEST_SMALL_PHASES = 3.0
 """Spread of phases within one turn in radians from which on they are not in degrees, in several channels."""
+WIDE_PHASES_DEG = 90.0
+"""Spread of the phases of other channels [°] beside which one within a turn in radians is doubted."""
 FEWEST_PHASES = 40
 """Number of phases from which on their spread says something about their unit."""
 
@@ -47,8 +49,7 @@ class WrongRun(Invalid):
     """Raised for a file, a table or numbers that cannot be a run of the machine."""
 
 
-@dataclass(frozen=True)
-class TableUnits:
+class TableUnits(Struct, frozen=True):
     """Units of a table's columns."""
 
     speed: SpeedUnit = "rpm"
@@ -70,8 +71,7 @@ class TableUnits:
         return f"{self.speed}, {self.amplitude} {self.kind}, phase {self.convention} in {self.phase}"
 
 
-@dataclass(frozen=True, eq=False)
-class RunTable:
+class RunTable(Struct, frozen=True, eq=False):
     """Columns (S,) of a run by name."""
 
     columns: Mapping[str, Floats]
@@ -133,9 +133,9 @@ class RunTable:
             phase=_blank(phase),
         )
         samples, taken, faults = to_samples(batch, machine, received_at=now())
-        left_out = tuple(self._foreign(machine, name)) + tuple(
-            f"{name}, row {fault.index + 1} left out: {fault.detail}" for fault in faults
-        )
+        doubted = tuple(f"{name}, {words}" for words in _doubted_phases(channels, phase, units.phase))
+        rejected = (f"{name}, row {fault.index + 1} left out: {fault.detail}" for fault in faults)
+        left_out = (*self._foreign(machine, name), *doubted, *rejected)
         if not np.any(taken):
             raise WrongRun(f"no sample of the run can be used: {left_out[-1]}")
         return samples.pick(taken), left_out
@@ -243,6 +243,21 @@ def _require_phase_unit(phase: Floats, unit: PhaseUnit) -> None:
         return
     if unit == "rad" and np.max(np.abs(known)) > LARGEST_ANGLE_RAD:
         raise WrongRun(f"phases reach {np.max(np.abs(known)):.0f}, which are degrees and not radians: say phase_unit='deg'")
-    narrow = known.size >= FEWEST_PHASES and np.max(np.abs(known)) <= FULL_TURN_RAD
-    if unit == "deg" and narrow and np.ptp(known) > WIDEST_SMALL_PHASES:
+    if unit == "deg" and _look_like_radians(known):
         raise WrongRun(f"all phases lie within {np.max(np.abs(known)):.2f}, which looks like radians: say phase_unit='rad'")
+
+
+def _doubted_phases(channels: Sequence[str], phase: Floats, unit: PhaseUnit) -> Iterator[str]:
+    """Name the channels whose phases look like radians among others in degrees: no error, a stiff place may show as little."""
+    known = [column[np.isfinite(column)] for column in phase.T]
+    if unit != "deg" or not any(column.size and np.ptp(column) > WIDE_PHASES_DEG for column in known):
+        return
+    for channel, column in zip(channels, known, strict=True):
+        if _look_like_radians(column):
+            reach = f"{np.max(np.abs(column)):.2f}"
+            yield f"{channel}: its phases lie within {reach}, those of others do not: are they in radians? Write degrees"
+
+
+def _look_like_radians(phase: Floats) -> bool:
+    narrow = phase.size >= FEWEST_PHASES and np.max(np.abs(phase)) <= FULL_TURN_RAD
+    return bool(narrow and np.ptp(phase) > WIDEST_SMALL_PHASES)

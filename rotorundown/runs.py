@@ -1,11 +1,12 @@
 """Runs as the library takes them: recordings with a sidecar, plain CSV tables, data frames, or arrays."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from estimator.arrays import Floats
 from estimator.machine.document import Machine
@@ -34,8 +35,7 @@ MOST_LEFT_OUT = 5
 """Most left-out samples that are printed."""
 
 
-@dataclass(frozen=True, eq=False)
-class MachineRun:
+class MachineRun(Struct, frozen=True, eq=False):
     """A recorded run of a machine, S samples of its m channels.
 
     Attributes:
@@ -43,7 +43,7 @@ class MachineRun:
         channels: Ids of the m channels.
         recorded: The samples as they were measured, by which their quality is judged.
         measurement: The same samples as input of a fit, with the trial weights that were on.
-        left_out: What was left out when it was read, with the reason of each.
+        left_out: What was left out when it was read, with the reason of each, and channels whose phases are doubted.
         units: Units in which it was read.
         truth: True parameters of a simulated run by name [SI]; None for a measured one.
     """

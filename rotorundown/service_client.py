@@ -1,11 +1,11 @@
 """Client of a running service: machines, runs, identifications, trends and alerts as rows, frames, and runs to identify."""
 
-from dataclasses import replace
 from datetime import datetime
 from typing import Any, NoReturn
 from urllib.parse import quote
 
 import msgspec
+from msgspec.structs import replace
 
 from estimator.machine.document import Machine
 from rotorundown.machine_files import read_machine

@@ -8,6 +8,7 @@ from numbers import Integral, Real
 from typing import get_args
 
 import numpy as np
+from msgspec import structs
 
 from estimator.arrays import Complexes
 from estimator.close_matches import did_you_mean
@@ -74,9 +75,9 @@ def simulate(
     recorded = RecordedRun(time, speed, phasor, status, np.full(phasor.shape, np.nan), machine.channels)
     measurement = Measurement.of(speed=speed, phasor=phasor, direction=machine.direction)
     if weights:
-        measurement = replace(measurement, added=np.tile(added, (samples, 1)))
+        measurement = structs.replace(measurement, added=np.tile(added, (samples, 1)))
     if place is not None:
-        measurement = replace(measurement, gaps=MeasuredGaps(place, time, np.zeros(time.size, np.intp)))
+        measurement = structs.replace(measurement, gaps=MeasuredGaps(place, time, np.zeros(time.size, np.intp)))
     return MachineRun(
         f"simulated {story}", machine.channels, recorded, measurement, units="as simulated, in SI", truth=of_run.parameters
     )

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from msgspec import structs
 
 from benchmarks.fluid_film.film_trials import OPTIONS
 from estimator.alignment.alignment_change import alignment_changes
@@ -114,7 +115,7 @@ def _with_centreline(
     """Return what the first run tells with gaps of 1 µm noise, whose zeros drift by 5 µm; nothing where it is refused."""
     films = run.films(run.speeds(SAMPLES))
     gaps = measured_gaps(films, np.random.default_rng([seed, 3]))
-    measurement = replace(measured(run, seed=100 * seed, clean=(films.speed, run.phasors(films))), gaps=gaps)
+    measurement = structs.replace(measured(run, seed=100 * seed, clean=(films.speed, run.phasors(films))), gaps=gaps)
     found = identify(machine, measurement, OPTIONS, beginning=fitted.point)
     return _absolute(derived_quantities(machine, found), truth) if found.accepted else ()
 

@@ -1,11 +1,12 @@
 """The measured rotor kit, calibrated anew without some of its conditions, and their known unbalances estimated as held out."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
 import numpy as np
+from msgspec.structs import replace
 
 from estimator.arrays import Complexes, Floats
 from estimator.calibration.calibrate import calibrate

@@ -1,8 +1,7 @@
 """Simulated calibrations of the rotor kit: how often the intervals of later changes of its unbalance hold the truth."""
 
-from dataclasses import replace
-
 import numpy as np
+from msgspec.structs import replace
 
 from benchmarks.calibration.rotor_kit import DOCUMENT, HeldOut
 from estimator.arrays import Complexes, Floats

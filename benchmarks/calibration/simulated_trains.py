@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import threadpoolctl
+from msgspec import structs
 
 from benchmarks.calibration.kept_outcomes import KeptOutcomes
 from benchmarks.calibration.rotor_kit import ROOT, HeldOut
@@ -101,7 +102,7 @@ def later_changes_of_train(name: str, seed: int) -> HeldOut | None:
     true, changes, covariance = [], [], []
     for number in range(1, LATER + 1):
         added = plant.weight(number)
-        later = replace(plant.sweep(added, SPEEDS), added=None)
+        later = structs.replace(plant.sweep(added, SPEEDS), added=None)
         since = unbalance_since(found.machine, identify(found.machine, later))
         if since is not None:
             true.append(added)

@@ -1,9 +1,9 @@
 """Constant coefficients, the same at every speed: each is its own parameter."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
+from msgspec import Struct
 
 from estimator.arrays import Floats
 from estimator.bearings.defaults import FormDefaults
@@ -12,8 +12,7 @@ from estimator.bearings.model import CoefficientModel, ModelParameter
 from estimator.bearings.terms import TERMS
 
 
-@dataclass(frozen=True)
-class ConstantModel:
+class ConstantModel(Struct, frozen=True):
     """One coefficient that is the same at every speed.
 
     Attributes:

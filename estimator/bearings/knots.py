@@ -1,11 +1,12 @@
 """Coefficients that follow the speed through their values at some speeds, the knots: polynomials and piecewise lines."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Annotated, Literal, Self
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 from pydantic import Field, model_validator
 
 from estimator.arrays import Floats
@@ -54,8 +55,7 @@ WEIGHTS: dict[str, KnotWeights] = {"piecewise": piecewise_weights, "polynomial":
 """Weights by form."""
 
 
-@dataclass(frozen=True, eq=False)
-class KnotModel:
+class KnotModel(Struct, frozen=True, eq=False, dict=True):
     """One coefficient through its values at knots.
 
     Attributes:

@@ -1,15 +1,13 @@
 """Coefficient that is, at each speed, a weighted sum of fitted numbers: of logarithms where it is positive by nature."""
 
-from dataclasses import dataclass
-
 import numpy as np
+from msgspec import Struct
 
 from estimator.arrays import Floats
 from estimator.bearings.model import ModelParameter
 
 
-@dataclass(frozen=True, eq=False)
-class MixedCoefficient:
+class MixedCoefficient(Struct, frozen=True, eq=False):
     """One coefficient at S speeds.
 
     Attributes:

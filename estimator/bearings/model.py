@@ -8,16 +8,15 @@ forms.
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import ClassVar, Protocol, runtime_checkable
 
 import numpy as np
+from msgspec import Struct
 
 from estimator.arrays import Complexes, Floats
 
 
-@dataclass(frozen=True)
-class ModelParameter:
+class ModelParameter(Struct, frozen=True):
     """One real number that a fit determines, and what is believed of it before any measurement.
 
     Attributes:
@@ -99,8 +98,7 @@ class ModelParameter:
         return math.log(value / self.expected) if self.positive else value / self.scale
 
 
-@dataclass(frozen=True)
-class OwnParameter:
+class OwnParameter(Struct, frozen=True):
     """A kind of parameter that a form's models have beside coefficients, such as a clearance.
 
     Attributes:

@@ -8,11 +8,11 @@ its ends the table is held level.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 import numpy as np
+from msgspec import Struct
 from pydantic import Field, field_validator, model_validator
 from pydantic.config import JsonDict
 
@@ -55,8 +55,7 @@ def scale_name(term: str) -> str:
     return f"{term}_scale"
 
 
-@dataclass(frozen=True, eq=False)
-class TableCurves:
+class TableCurves(Struct, frozen=True, eq=False):
     """C coefficients of a table at S speeds, as functions of P logarithms of scale factors.
 
     Attributes:
@@ -91,8 +90,7 @@ class TableCurves:
         return np.asarray(self.values(fitted)[block, :, None] * self.power)
 
 
-@dataclass(frozen=True)
-class TableModel(NeverLevel):
+class TableModel(NeverLevel, Struct, frozen=True, dict=True):
     """Coefficients of one element that follow a table.
 
     Each direct term has a factor of its own; a cross-coupled term goes with the geometric mean of those of the direct terms

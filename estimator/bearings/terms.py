@@ -1,7 +1,8 @@
 """Terms of the coefficients of bearings, seals, couplings and pedestals: their names and the axes between which they act."""
 
-from dataclasses import dataclass
 from typing import Literal
+
+from msgspec import Struct
 
 from estimator.quantities import ORDER, Quantity
 
@@ -9,8 +10,7 @@ Axis = Literal["x", "y", "phix", "phiy"]
 """Axis of a term: a displacement along x or y, or a slope about x or y."""
 
 
-@dataclass(frozen=True)
-class Term:
+class Term(Struct, frozen=True):
     """One term: the force or moment along an axis per motion along another.
 
     Attributes:

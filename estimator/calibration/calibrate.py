@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from msgspec import structs
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
@@ -182,7 +183,7 @@ def _gathered(runs: Sequence[CalibrationRun], most: int) -> _Gathered:
     _, mounting = np.unique(names, return_inverse=True)
     order = np.argsort(mounting, kind="stable")
     silenced = np.where(whole.usable, whole.phasor, 0.0)
-    return _Gathered(_sorted(replace(whole, phasor=silenced), order), mounting[order], steady[order])
+    return _Gathered(_sorted(structs.replace(whole, phasor=silenced), order), mounting[order], steady[order])
 
 
 def _picked(runs: Sequence[CalibrationRun], most: int) -> NDArray[np.bool_]:

@@ -1,10 +1,10 @@
 """Runs of a calibration, and the checks that they can calibrate at all: said before a fit is paid for."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
+from msgspec import Struct
 
 from estimator.arrays import Complexes
 from estimator.errors import Invalid
@@ -28,8 +28,7 @@ class CalibrationImpossible(Invalid):
     """Raised when runs cannot calibrate a machine, whatever their values."""
 
 
-@dataclass(frozen=True)
-class CalibrationRun:
+class CalibrationRun(Struct, frozen=True):
     """One recording of a calibration, S samples long.
 
     Attributes:

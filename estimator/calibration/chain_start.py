@@ -6,9 +6,8 @@ unknowns, each channel by itself is linear in them: one regression, without whic
 curved valley to where it is.
 """
 
-from dataclasses import replace
-
 import numpy as np
+from msgspec.structs import replace
 
 from estimator.arrays import Complexes, Floats
 from estimator.fit.problem.fit_problem import FitProblem, best_excitations

@@ -6,9 +6,11 @@ curvature is the Schur complement (mixed model: Henderson, Biometrics 31 (1975) 
 linear unknowns: Golub and Pereyra, SIAM J. Numer. Anal. 10 (1973) 413, doi:10.1137/0710036).
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 
 import numpy as np
+from msgspec import field
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
@@ -51,8 +53,7 @@ class MountedLinearisation:
         return np.asarray(solved @ self.mixed.swapaxes(0, 1).reshape(count, -1).T)
 
 
-@dataclass(frozen=True)
-class MountedProblem(FitProblem):
+class MountedProblem(FitProblem, frozen=True, eq=False):
     """Fit problem in which unbalances and run-outs differ from mounting to mounting.
 
     The samples are in the order of their mountings. Each difference is complex; there are P of discs and m of channels.

@@ -6,10 +6,10 @@ mounting (conditional Gaussian: Rasmussen and Williams, Gaussian Processes for M
 """
 
 import math
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+from msgspec import Struct
 
 from estimator.arrays import Complexes, Floats
 from estimator.fit.estimates import CONFIDENCE_95
@@ -32,8 +32,7 @@ class FittedPoint(Protocol):
         """Return their covariance (n, n) in SI units [-]."""
 
 
-@dataclass(frozen=True, eq=False)
-class UnbalanceSince:
+class UnbalanceSince(Struct, frozen=True, eq=False):
     """Unbalance of P discs beyond that of the calibration.
 
     Attributes:

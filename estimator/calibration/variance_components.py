@@ -6,9 +6,10 @@ likelihood (Patterson and Thompson, Biometrika 58 (1971) 545, doi:10.1093/biomet
 one observation, so that a few mountings do not make it zero.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats

@@ -5,9 +5,9 @@ then. Derived here.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 
 import numpy as np
+from msgspec.structs import replace
 
 from estimator.calibration.calibration_runs import CalibrationRun
 from estimator.phasors.measurement import Measurement

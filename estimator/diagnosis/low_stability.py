@@ -5,9 +5,9 @@ machine would have with the viscosities of that run.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
+from msgspec.structs import replace
 
 from estimator.alignment.stability_margin import LEAST_DECREMENT, StabilityMargin, stability_margin
 from estimator.diagnosis.data_faults import CERTAIN, DataFault

@@ -1,8 +1,7 @@
 """Errors of phasors as a calibration has found them, where their source does not state any."""
 
-from dataclasses import replace
-
 import numpy as np
+from msgspec.structs import replace
 
 from estimator.arrays import Floats
 from estimator.machine.document import Machine

@@ -1,9 +1,9 @@
 """Conclusions from a fit: whether it may be believed, its estimates with intervals, or why there are none."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats

@@ -7,9 +7,8 @@ likelihood at its maximum; Rasmussen and Williams, Gaussian Processes for Machin
 stays refused: its document has no run-out.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
@@ -23,8 +22,7 @@ from estimator.machine.parameter_description import COMPONENTS, ROTATING_ERRORS,
 from estimator.rotor.condensation import condense
 
 
-@dataclass(frozen=True, eq=False)
-class RunOutFit:
+class RunOutFit(Struct, frozen=True, eq=False):
     """Outcome of an accepted fit with run-outs of couplings, over the n coordinates of the fit without them.
 
     Attributes:

@@ -2,9 +2,9 @@
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
@@ -32,8 +32,7 @@ UndeterminedReason = Callable[[str], str] | None
 """Function that says why the data leave the coordinate of that name open; None where nothing can say it."""
 
 
-@dataclass(frozen=True)
-class Estimate:
+class Estimate(Struct, frozen=True):
     """One estimated parameter.
 
     A complex one has an imaginary part and its standard error beside the real one; lower and upper then bound the magnitude.

@@ -6,9 +6,9 @@ that jumps has lost its probe (ratio by generalised least squares: Aitken, Proc.
 doi:10.1017/S0370164600014346). Such gaps are left out by name, and the fit of the phasors stands as it was.
 """
 
-from dataclasses import dataclass, replace
-
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from estimator.arrays import Floats
 from estimator.fit.optimisation.maximum_likelihood import fit
@@ -28,8 +28,7 @@ SAME = 0.25
 """Least tolerance of that ratio about one [-]: films deviate from their model by as much."""
 
 
-@dataclass(frozen=True)
-class GapVerdict:
+class GapVerdict(Struct, frozen=True):
     """Outcome of a fit with gaps.
 
     Attributes:

@@ -1,8 +1,7 @@
 """Options of an identification, and its outcome."""
 
-from dataclasses import dataclass
-
 import numpy as np
+from msgspec import Struct
 
 from estimator.arrays import Floats
 from estimator.fit.estimates import Estimate
@@ -11,8 +10,7 @@ from estimator.fit.validation.doubted_force import DoubtedForce
 from estimator.machine.rules import Noise
 
 
-@dataclass(frozen=True)
-class Options:
+class Options(Struct, frozen=True):
     """Options of an identification.
 
     Attributes:
@@ -26,8 +24,7 @@ class Options:
     robust: bool = True
 
 
-@dataclass(frozen=True, eq=False)
-class Identification:
+class Identification(Struct, frozen=True, eq=False):
     """Outcome of one fit, over N coordinates.
 
     Attributes:

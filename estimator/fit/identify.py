@@ -1,8 +1,7 @@
 """Identification of a machine: from measured phasors to estimates with uncertainties, or to the reason why there are none."""
 
-from dataclasses import replace
-
 import numpy as np
+from msgspec.structs import replace
 
 from estimator.arrays import Floats
 from estimator.fit.calibrated_scatter import with_calibrated_scatter

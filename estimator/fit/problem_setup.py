@@ -1,8 +1,7 @@
 """Problems of fits set up from a machine and its measurement, and what is expected there before and after a fit."""
 
-from dataclasses import replace
-
 import numpy as np
+from msgspec.structs import replace
 
 from estimator.arrays import Complexes, Floats
 from estimator.fit.fit_samples import NotEnoughData, most_samples, require_usable, thinned, without_empty_samples

@@ -7,9 +7,10 @@ here.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from estimator.fit.coarse_fit import coarse_misfit, coarse_problem, linear_misfit
 from estimator.fit.fit_samples import NotEnoughData
@@ -60,8 +61,7 @@ TRIAL = Options(starts=2)
 NO_FIT = (NotEnoughData, FitFailed, SingularCondensation)
 
 
-@dataclass(frozen=True)
-class NamedConvention:
+class NamedConvention(Struct, frozen=True):
     """Wrong convention that explains a run.
 
     Attributes:
@@ -76,8 +76,7 @@ class NamedConvention:
     accepted: bool
 
 
-@dataclass(frozen=True)
-class ConventionVerdict:
+class ConventionVerdict(Struct, frozen=True):
     """An identification with what its run says about the source's conventions.
 
     Attributes:
@@ -159,8 +158,7 @@ def _words(named: Sequence[NamedConvention]) -> str:
     return words if best.accepted else f"{words}, though something else is wrong too"
 
 
-@dataclass(frozen=True)
-class _Trial:
+class _Trial(Struct, frozen=True):
     """Runs that no fit explains, and how they were judged."""
 
     machine: Machine

@@ -5,9 +5,9 @@ against it is the size: ISO 21940-11:2016 knows grades e ω from G 0.4 to G 4000
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
+from msgspec import Struct
 
 from estimator.fit.identification import Identification
 from estimator.identification.wrong_conventions import WrongConvention, amplitude_scales
@@ -26,8 +26,7 @@ NEAREST = 10.0
 """Factor from the plausible within which a unit explains the amplitudes [-]."""
 
 
-@dataclass(frozen=True)
-class ImplausibleUnbalance:
+class ImplausibleUnbalance(Struct, frozen=True):
     """Unbalances that are implausible by orders of magnitude.
 
     Attributes:

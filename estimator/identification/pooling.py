@@ -8,10 +8,10 @@ doi:10.1016/0197-2456(86)90046-2, with equal weights).
 import math
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 import scipy.special
+from msgspec.structs import replace
 
 from estimator.arrays import Floats
 from estimator.fit.estimates import Estimate

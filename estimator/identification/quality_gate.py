@@ -9,9 +9,10 @@ errors.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
@@ -46,8 +47,7 @@ LARGEST_SQUARE = 25.0
 """Largest contribution of one phasor, as a squared multiple of its noise [-]."""
 
 
-@dataclass(frozen=True)
-class GatedIdentification:
+class GatedIdentification(Struct, frozen=True):
     """Outcome of an identification behind the quality gate.
 
     Attributes:
@@ -61,8 +61,7 @@ class GatedIdentification:
     error: str | None = None
 
 
-@dataclass(frozen=True, eq=False)
-class _Treatment:
+class _Treatment(Struct, frozen=True, eq=False):
     """Treatment of the sweep: predicted deviation and error of each phasor (S, m) [m], size the one over the other."""
 
     deviation: Complexes

@@ -9,10 +9,10 @@ machine.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 import scipy
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
@@ -40,8 +40,7 @@ FOLLOWED_SPEEDS = 13
 """Number of speeds at which modes are solved for where coefficients follow the speed."""
 
 
-@dataclass(frozen=True, eq=False)
-class SweepTransient:
+class SweepTransient(Struct, frozen=True, eq=False):
     """Measured minus steady-state phasors that a model predicts for a sweep.
 
     Attributes:

@@ -6,9 +6,10 @@ is declared. Each hypothesis undoes one wrong declaration on the converted run. 
 
 import itertools
 import math
-from dataclasses import dataclass, replace
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from estimator.arrays import Complexes
 from estimator.machine.document import Machine
@@ -25,8 +26,7 @@ MOSTLY = 0.95
 """Part of the phasors that must show what a hypothesis needs [-]: the others may be outliers."""
 
 
-@dataclass(frozen=True)
-class WrongConvention:
+class WrongConvention(Struct, frozen=True):
     """A wrong declaration, and how a run that was converted with it becomes right.
 
     Attributes:

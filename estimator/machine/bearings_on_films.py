@@ -1,15 +1,15 @@
 """Bearings of a machine document whose coefficients follow from their oil films, each with its film and its form."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from estimator.bearings.journal import JournalForm
 from estimator.machine.films import JournalFilm
 from estimator.machine.parts import Bearing
 
 
-@dataclass(frozen=True)
-class BearingOnFilm:
+class BearingOnFilm(Struct, frozen=True):
     """A bearing whose coefficients follow from its oil film.
 
     Attributes:

@@ -4,8 +4,9 @@ Names are `element kind.id.term`, with `@knot` behind a value at a knot and `.re
 `bearing.B1.kxx@1500rpm`, `disc.D1.unbalance.real`, `material.steel.density`.
 """
 
-from dataclasses import dataclass
 from functools import lru_cache
+
+from msgspec import Struct
 
 from estimator.bearings.registry import OWN_PARAMETERS
 from estimator.bearings.terms import TERMS, Term
@@ -20,8 +21,7 @@ CACHE_SIZE = 10_000
 """Number of names whose description is cached."""
 
 
-@dataclass(frozen=True)
-class ParameterDescription:
+class ParameterDescription(Struct, frozen=True):
     """A parameter's name in its parts.
 
     Attributes:

@@ -1,9 +1,9 @@
 """Units of the speed that may have been taken for each other, told by whether the speeds lie in the document's speed range."""
 
 import itertools
-from dataclasses import dataclass
 
 import numpy as np
+from msgspec import Struct
 
 from estimator.arrays import Floats
 from estimator.machine.rules import SpeedRange
@@ -18,8 +18,7 @@ LEAST_COVERED = 0.5
 """Part of the speed range, and of its end, that a machine may be expected to reach in time [-]."""
 
 
-@dataclass(frozen=True)
-class TakenUnit:
+class TakenUnit(Struct, frozen=True):
     """A unit of the speed that was taken for another.
 
     Attributes:

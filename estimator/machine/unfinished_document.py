@@ -6,9 +6,9 @@ itself, is no contradiction.
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
 from typing import Any, cast
 
+from msgspec import Struct, field
 from pydantic import BaseModel, ValidationError
 from pydantic_core import InitErrorDetails
 
@@ -30,8 +30,7 @@ REFERENCES: Mapping[str, frozenset[str]] = {
 """Fields that name a part of each list, which nobody can judge while one of the list has no name."""
 
 
-@dataclass
-class _PartialTrain:
+class _PartialTrain(Struct, eq=False):
     """The parts of a train that are right, by the names of their lists, with their places in these."""
 
     parts: dict[str, list[Any]] = field(default_factory=dict)

@@ -1,10 +1,10 @@
 """Modes of a train at a spin speed: damped natural frequencies, shapes, and their derivatives by the coefficients."""
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import scipy.linalg
+from msgspec import Struct
 
 from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine
@@ -17,8 +17,7 @@ OSCILLATING = 1e-6
 """Part of |λ| that Im λ exceeds where a mode oscillates [-]."""
 
 
-@dataclass(frozen=True, eq=False)
-class Modes:
+class Modes(Struct, frozen=True, eq=False):
     """Oscillating modes, n of them, by ascending damped natural frequency.
 
     They are over N degrees of freedom, or as many coordinates of a basis.

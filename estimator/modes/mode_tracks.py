@@ -5,10 +5,10 @@ of different modes at one speed (Lancaster, Lambda-Matrices and Vibrating System
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 import scipy
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
@@ -29,8 +29,7 @@ SAME_EIGENVALUE = 1e-8
 """Relative difference of eigenvalues that count as equal [-]."""
 
 
-@dataclass(frozen=True, eq=False)
-class ModeTracks:
+class ModeTracks(Struct, frozen=True, eq=False):
     """Modes of a train at ascending speeds, each followed from speed to speed.
 
     Shapes and left vectors change from speed to speed as little as they can: y(Ω)ᴴ (2λM + C + ΩG) dx/dΩ = 0.

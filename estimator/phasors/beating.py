@@ -10,10 +10,9 @@ does that: there each mode makes one loop. The sinusoid is searched behind each 
 mode's response does.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 import scipy
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
@@ -51,8 +50,7 @@ BACKGROUND = 5
 """Number of complex unknowns of the background."""
 
 
-@dataclass(frozen=True, eq=False)
-class Beat:
+class Beat(Struct, frozen=True, eq=False):
     """A ringing mode.
 
     Attributes:
@@ -94,8 +92,7 @@ def find_beats(speed: Floats, phasor: Complexes, usable: NDArray[np.bool_]) -> t
     return tuple(found)
 
 
-@dataclass(frozen=True)
-class _Chirp:
+class _Chirp(Struct, frozen=True):
     """A fitted beat over x: ω_n (times the sense), b, d, its size a [m], the window's first place, and how good it is."""
 
     natural_frequency: float

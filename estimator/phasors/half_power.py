@@ -7,10 +7,10 @@ force) or 1/ω² (unbalance), which is exact for a single degree of freedom with
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
@@ -22,8 +22,7 @@ class HalfPowerNotReached(ValueError):
     """Raised when the curve does not fall to the half-power level on one side of the peak."""
 
 
-@dataclass(frozen=True)
-class HalfPowerPoints:
+class HalfPowerPoints(Struct, frozen=True):
     """A resonance between its half-power points.
 
     Attributes:

@@ -5,9 +5,8 @@ that is wrong by Δ leaves a known pattern in the five differences that it takes
 another as long as more than one sample falls on it.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
@@ -25,8 +24,7 @@ SAME_SPEED = 1e-5
 """Part of the speed range within which samples are no neighbours in speed [-]."""
 
 
-@dataclass(frozen=True, eq=False)
-class LocalFit:
+class LocalFit(Struct, frozen=True, eq=False):
     """One channel's phasors beside those of their neighbours, n in order of speed.
 
     Attributes:

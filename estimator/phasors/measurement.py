@@ -1,16 +1,16 @@
 """Input of an identification: 1× phasors over speed, which of them count, and how well each is known."""
 
-from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
 
 
-@dataclass(frozen=True, eq=False)
-class MeasuredGaps:
+class MeasuredGaps(Struct, frozen=True, eq=False):
     """Gaps of S samples of m channels, in one run or several.
 
     Attributes:
@@ -35,8 +35,7 @@ class MeasuredGaps:
         return MeasuredGaps(self.place[which], self.time[which], self.run[which])
 
 
-@dataclass(frozen=True, eq=False)
-class Measurement:
+class Measurement(Struct, frozen=True, eq=False):
     """S samples of m channels.
 
     Attributes:

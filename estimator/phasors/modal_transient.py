@@ -4,18 +4,16 @@ A mode obeys ẇ = (λ - jω) w + force in the frame that turns with the shaft, 
 / (jω - λ). It is integrated step by step, exactly however far it turns within a step.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 import scipy.linalg
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
 from estimator.phasors.speed_law import SpeedLaw
 
 
-@dataclass(frozen=True, eq=False)
-class Sweep:
+class Sweep(Struct, frozen=True, eq=False):
     """A speed law on a grid of instants.
 
     Attributes:
@@ -46,8 +44,7 @@ class Sweep:
         return cls(grid, law.speed(grid), law.acceleration(grid), np.diff(grid), np.diff(law.angle(grid)))
 
 
-@dataclass(frozen=True, eq=False)
-class ModalCourse:
+class ModalCourse(Struct, frozen=True, eq=False):
     """A modal coordinate on a grid.
 
     Attributes:

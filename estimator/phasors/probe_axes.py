@@ -4,9 +4,8 @@ A probe at an angle β from +x towards +y measures x cos β + y sin β. Two such
 least squares; one probe alone, or probes in one line, stay channels and tell nothing of the other axis.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
@@ -18,8 +17,7 @@ LARGEST_CONDITION = 10.0
 """Condition number above which angles are too much alike [-]: two probes less than 11.4° apart, or that short of 180°."""
 
 
-@dataclass(frozen=True, eq=False)
-class ProbeStation:
+class ProbeStation(Struct, frozen=True, eq=False):
     """The k probes at one station of a shaft.
 
     Attributes:
@@ -52,8 +50,7 @@ class ProbeStation:
         return self.condition <= LARGEST_CONDITION
 
 
-@dataclass(frozen=True, eq=False)
-class AxisPhasors:
+class AxisPhasors(Struct, frozen=True, eq=False):
     """Displacements along x and y in S samples.
 
     Attributes:

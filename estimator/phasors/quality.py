@@ -4,10 +4,11 @@ Flags say why; the measurement keeps what was measured. Findings that need no mo
 the sweep's speed on the phasors needs one and is added by `estimator.identification.quality_gate`.
 """
 
-from dataclasses import dataclass, field, replace
 from enum import IntFlag
 
 import numpy as np
+from msgspec import Struct, field
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
@@ -85,8 +86,7 @@ FEWEST_USABLE = 20
 """Least number of samples with a usable phasor; fewer are reported as too few."""
 
 
-@dataclass(frozen=True)
-class ChannelNoiseEstimate:
+class ChannelNoiseEstimate(Struct, frozen=True):
     """Noise of a channel as its neighbouring speeds show it; NaN where unknown.
 
     Attributes:
@@ -104,8 +104,7 @@ class ChannelNoiseEstimate:
     resolved: bool
 
 
-@dataclass(frozen=True, eq=False)
-class Quality:
+class Quality(Struct, frozen=True, eq=False):
     """Quality of a run of S samples and m channels.
 
     Attributes:

@@ -1,15 +1,13 @@
 """Recorded run: the samples as they were measured."""
 
-from dataclasses import dataclass
-
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
 
 
-@dataclass(frozen=True, eq=False)
-class RecordedRun:
+class RecordedRun(Struct, frozen=True, eq=False):
     """A run as it was measured, S samples of m channels in order of time.
 
     Attributes:

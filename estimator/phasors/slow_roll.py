@@ -7,9 +7,10 @@ the speed squared, so a mean over a band in which the vectors grow is no slow ro
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
@@ -54,8 +55,7 @@ class NotSlowRoll(Invalid):
         return f"no slow roll: {self}"
 
 
-@dataclass(frozen=True, eq=False)
-class SlowRoll:
+class SlowRoll(Struct, frozen=True, eq=False):
     """Slow-roll vectors of a machine's m channels, for rotation in one sense.
 
     Attributes:
@@ -91,8 +91,7 @@ class SlowRoll:
         return np.where((direction * self.direction > 0)[:, None], vector, np.conj(vector))
 
 
-@dataclass(frozen=True)
-class Capture:
+class Capture(Struct, frozen=True):
     """Vectors captured from samples.
 
     Attributes:

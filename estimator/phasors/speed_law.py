@@ -1,9 +1,8 @@
 """Speed of a shaft as a smooth function of time, from the speeds at some instants."""
 
-from dataclasses import dataclass
-
 import numpy as np
 import scipy
+from msgspec import Struct
 
 from estimator.arrays import Floats
 
@@ -11,8 +10,7 @@ SAMPLES_PER_KNOT = 8
 """Number of samples that a piece of a smooth curve through noisy speeds stands for."""
 
 
-@dataclass(frozen=True)
-class SpeedLaw:
+class SpeedLaw(Struct, frozen=True):
     """Angle of a shaft over time, positive in the sense of rotation; speed and acceleration are its derivatives.
 
     Attributes:

@@ -4,9 +4,8 @@ Shafts and discs are the same in every direction across the axis, so one bending
 θx, θy) per node are built from plane matrices over (displacement, slope) per node.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
+from msgspec import Struct
 
 from estimator.arrays import Floats, Indices
 from estimator.machine.document import Machine
@@ -21,8 +20,7 @@ PEDESTAL_TILT = 1e6
 """Frequency of a pedestal's tilt, which nothing drives: far above all others [rad/s]."""
 
 
-@dataclass(frozen=True, eq=False)
-class PlaneMatrices:
+class PlaneMatrices(Struct, frozen=True, eq=False):
     """Matrices of one bending plane over (displacement, slope) per node.
 
     Attributes:
@@ -53,8 +51,7 @@ class PlaneMatrices:
             matrix.flags.writeable = False
 
 
-@dataclass(frozen=True, eq=False)
-class Rotor:
+class Rotor(Struct, frozen=True, eq=False):
     """Free-free shafts with their discs, and the pedestals apart from them, M q̈ + (C + Ω G) q̇ + (K + Ω H) q = f.
 
     Matrices (N, N) are computed when asked for: those of a long train, kept with it, would fill the memory.

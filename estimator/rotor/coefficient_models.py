@@ -1,10 +1,10 @@
 """Bearing models of a train's coefficients, and what is believed of a coefficient before any measurement."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import log
 
 import numpy as np
+from msgspec import Struct
 
 from estimator.arrays import Floats
 from estimator.bearings.model import CoefficientModel, ModelParameter
@@ -18,8 +18,7 @@ CROSS_SPREAD = 10.0
 """Prior standard deviation of a cross-coupled term in units of its element's direct terms [-]."""
 
 
-@dataclass(frozen=True)
-class GoverningModel:
+class GoverningModel(Struct, frozen=True):
     """A model with the coefficients of a train that it gives.
 
     Attributes:

@@ -7,10 +7,11 @@ across the axis: in forward and backward whirl they separate into two systems of
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+from msgspec import Struct, field
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
@@ -26,8 +27,7 @@ LARGEST_GIVEN = 1_000_000
 """Most numbers of dynamic stiffness and forces that are kept in full, 16 bytes each [-]; more are assembled when needed."""
 
 
-@dataclass(frozen=True, eq=False)
-class CondensedTrain:
+class CondensedTrain(Struct, frozen=True, eq=False, dict=True):
     """A train at S speeds, with n retained degrees of freedom, K coefficients in T terms, E excitations and m channels.
 
     Attributes:

@@ -13,12 +13,13 @@ An element joins neighbouring nodes only, so that A has few bands. Many degrees 
 system, speed by speed, in time and memory that grow with their number; a few as a dense one at many speeds at a time.
 """
 
-from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 import scipy.linalg
+from msgspec import Struct
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
@@ -42,8 +43,7 @@ class SingularCondensation(ValueError):
     """Raised when a speed falls on a natural frequency of the part that is eliminated."""
 
 
-@dataclass(frozen=True, eq=False)
-class _Side:
+class _Side(Struct, frozen=True, eq=False):
     """One sense of whirl after elimination: transfer (S, e, r), own forces' response (S, e, E), stiffness (S, r, r).
 
     Transfer and response have e = 0 where they were not kept.
@@ -59,8 +59,7 @@ class _Side:
         return _Side(self.transfer[which], self.response[which], self.stiffness[which], self.force[which])
 
 
-@dataclass(frozen=True, eq=False)
-class GivenShafts:
+class GivenShafts(Struct, frozen=True, eq=False):
     """Shafts whose dynamic stiffness and forces are given.
 
     Attributes:
@@ -99,8 +98,7 @@ class GivenShafts:
         return GivenShafts(self.stiffness[which], self.forces[which])
 
 
-@dataclass(frozen=True, eq=False)
-class WhirlElimination:
+class WhirlElimination(Struct, frozen=True, eq=False):
     """The eliminated part of a train at S speeds, for given scale factors of E and ρ.
 
     Attributes:
@@ -262,8 +260,7 @@ class WhirlElimination:
         return np.concatenate([(forward + backward) / 2, (forward - backward) / (2 * sense)], axis=1)
 
 
-@dataclass(frozen=True, eq=False)
-class _Plan:
+class _Plan(Struct, frozen=True, eq=False, dict=True):
     """Division of a scaled rotor's degrees of freedom into retained and eliminated ones, and the elimination of these."""
 
     scaled: ScaledRotor

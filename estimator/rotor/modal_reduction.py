@@ -9,11 +9,12 @@ bending planes have the same shapes, so that the reduced matrices look like thos
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
 import scipy.linalg
+from msgspec import Struct
+from msgspec.structs import replace
 
 from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine
@@ -38,8 +39,7 @@ SMALLEST_PART = 1e-6
 """Singular value, over the largest, up to which a shape is left out as a combination of the others [-]."""
 
 
-@dataclass(frozen=True, eq=False)
-class Basis:
+class Basis(Struct, frozen=True, eq=False):
     """Shapes of one bending plane that span the motions of a train.
 
     A motion is written over 2k coordinates, in the order of a train with k/2 nodes: (x, y, θx, θy) of each.

@@ -6,12 +6,13 @@ force: a residual unbalance, a bow, a misalignment's equivalent load.
 """
 
 import math
-from dataclasses import dataclass, replace
 from fnmatch import fnmatchcase
 from functools import cached_property
 from typing import Literal
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.bearings.model import BearingForm
@@ -34,8 +35,7 @@ Vector = dict[int, float]
 """Sparse vector over the degrees of freedom of the rotor."""
 
 
-@dataclass(frozen=True)
-class Coefficient:
+class Coefficient(Struct, frozen=True):
     """One real stiffness, damping or inertia coefficient.
 
     Attributes:
@@ -104,8 +104,7 @@ class Coefficient:
         return self.scale if self.direct else 0.0
 
 
-@dataclass(frozen=True, eq=False)
-class Excitation:
+class Excitation(Struct, frozen=True, eq=False):
     """One complex unknown of the force: magnitude·e^{j angle}, the angle counted from the keyphasor mark from +x to +y.
 
     Attributes:
@@ -144,8 +143,7 @@ class Excitation:
         return UNITS[self.quantity]
 
 
-@dataclass(frozen=True)
-class ScaleFactor:
+class ScaleFactor(Struct, frozen=True):
     """A factor on a property of a material that is not known exactly.
 
     Attributes:
@@ -169,8 +167,7 @@ class ScaleFactor:
         return f"{self.element}.{self.what}"
 
 
-@dataclass(frozen=True)
-class Unknowns:
+class Unknowns(Struct, frozen=True, dict=True):
     """Everything in the model of a train that an identification determines.
 
     Attributes:

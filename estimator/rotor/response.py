@@ -1,8 +1,7 @@
 """Forward response of a train, and its exact derivatives by every unknown of the model."""
 
-from dataclasses import dataclass
-
 import numpy as np
+from msgspec import Struct
 
 from estimator.arrays import Complexes, Floats
 from estimator.rotor.condensation import CondensedTrain, parts_of
@@ -52,8 +51,7 @@ def excitation_responses(train: CondensedTrain, *, coefficients: Floats) -> Comp
     return whole
 
 
-@dataclass(frozen=True, eq=False)
-class Sensitivity:
+class Sensitivity(Struct, frozen=True, eq=False):
     """Phasors of m outputs at S speeds and their derivatives.
 
     Attributes:

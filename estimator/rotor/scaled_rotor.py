@@ -1,9 +1,9 @@
 """Rotor whose materials' E and ρ are multiplied by factors: its matrices in one plane, its forces, and their derivatives."""
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
@@ -11,8 +11,7 @@ from estimator.rotor.assembly import Rotor
 from estimator.rotor.parameters import Excitation, ScaleFactor
 
 
-@dataclass(frozen=True)
-class ScaledRotor:
+class ScaledRotor(Struct, frozen=True, dict=True):
     """A rotor with its excitations, for given scale factors of E and ρ.
 
     Attributes:

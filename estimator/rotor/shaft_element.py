@@ -6,9 +6,9 @@ doi:10.1115/1.3625046.
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 NODE_DOFS = 4
@@ -17,8 +17,7 @@ PLANE_DOFS = 2
 """Degrees of freedom of a node in one bending plane: (displacement, slope)."""
 
 
-@dataclass(frozen=True, eq=False)
-class PlaneElement:
+class PlaneElement(Struct, frozen=True, eq=False):
     """Matrices of one shaft element in one bending plane, over (displacement, slope) at either end.
 
     The gyroscopic matrix per unit spin speed between the planes is twice `rotation`: a thin slice's polar inertia is twice its

@@ -1,17 +1,16 @@
 """Forces on all degrees of freedom of a train that turn with the shaft, at changing speed too."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
+from msgspec import Struct
 
 from estimator.arrays import Complexes, Floats
 from estimator.rotor.assembly import Rotor, plane_columns
 from estimator.rotor.parameters import Excitation, Unknowns
 
 
-@dataclass(frozen=True, eq=False)
-class SynchronousForce:
+class SynchronousForce(Struct, frozen=True, eq=False):
     """Force Re(F e^{jφ}) with φ the angle turned.
 
     A mass m at the radius e that turns with φ(t) pulls with m e (ω² - jα) e^{jφ}: its own acceleration, the tangential part

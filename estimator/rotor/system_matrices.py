@@ -1,11 +1,11 @@
 """Matrices of the whole train, M q̈ + (C + Ω G) q̇ + (K + Ω H) q = f: shafts, discs, bearings, seals and couplings."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields
 from functools import lru_cache
 
 import numpy as np
 import scipy.linalg
+from msgspec import Struct
 
 from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine
@@ -22,8 +22,7 @@ CACHE_SIZE = 4
 """Number of matrices cached, by their coefficients: a train whose coefficients do not follow the speed has but one."""
 
 
-@dataclass(frozen=True, eq=False)
-class SystemMatrices:
+class SystemMatrices(Struct, frozen=True, eq=False):
     """Matrices of a train over (x, y, θx, θy) per node, or over the coordinates of a basis, in the same order.
 
     Attributes:
@@ -62,7 +61,7 @@ class SystemMatrices:
         Returns:
             Matrices (n, n).
         """
-        return SystemMatrices(*(shapes.T @ getattr(self, one.name) @ shapes for one in fields(self)))
+        return SystemMatrices(*(shapes.T @ getattr(self, one) @ shapes for one in self.__struct_fields__))
 
     def state_matrix(self, *, spin: float) -> Floats:
         """Compute A of ż = A z with z = (q, q̇).

@@ -6,11 +6,12 @@ one, by the modal assurance criterion (Allemang & Brown, 1st IMAC, 1982), is hal
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache, lru_cache
 
 import numpy as np
 import scipy.linalg
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats

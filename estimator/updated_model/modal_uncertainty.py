@@ -3,9 +3,8 @@
 To first order (JCGM 100:2008, 5.2), with the eigenvalues' derivatives of `estimator.modes.eigenmodes` (Nelson 1976).
 """
 
-from dataclasses import replace
-
 import numpy as np
+from msgspec.structs import replace
 
 from estimator.arrays import Complexes, Floats
 from estimator.modes.critical_speed import CriticalSpeed

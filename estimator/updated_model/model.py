@@ -2,10 +2,11 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from estimator.arrays import Complexes, Floats
 from estimator.fit.identification import Identification
@@ -23,8 +24,7 @@ HIGHEST_FREQUENCY = 2.5
 """Multiple of the speed range's end up to which natural frequencies are of interest [-]."""
 
 
-@dataclass(frozen=True, eq=False)
-class UpdatedModel:
+class UpdatedModel(Struct, frozen=True, eq=False, dict=True):
     """A machine and the n coordinates that an identification found, without those of its measuring chains.
 
     Attributes:

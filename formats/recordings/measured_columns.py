@@ -2,8 +2,9 @@
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Literal
+
+from msgspec import Struct
 
 from estimator.arrays import Floats
 
@@ -18,8 +19,7 @@ class BrokenFile(ValueError):
         self.fault = fault
 
 
-@dataclass(frozen=True, eq=False)
-class MeasuredColumns:
+class MeasuredColumns(Struct, frozen=True, eq=False):
     """Columns (N,) of a file by name.
 
     values: values of each column. sampling_rate [Hz], start_ns [UTC, since 1970]: None where the file does not say them. cut:

@@ -3,10 +3,11 @@
 import hashlib
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.calibration.calibration_runs import CalibrationRun
@@ -50,8 +51,7 @@ def read_calibration_runs(machine: Machine, files: Sequence[Path]) -> tuple[list
     return runs, [fault for one in found for fault in one.faults]
 
 
-@dataclass(frozen=True, eq=False)
-class _ReadRun:
+class _ReadRun(Struct, frozen=True, eq=False):
     """A file's run, as recorded and as a measurement, with what its sidecar states, the rows taken (R,) and the faults."""
 
     recorded: RecordedRun

@@ -2,10 +2,10 @@
 
 import csv
 import io
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from msgspec import Struct
 
 from formats.files.document_files import UnreadableFile
 from formats.recordings.exported_table import decoded, exported_rows, is_plain
@@ -13,8 +13,7 @@ from formats.recordings.measured_columns import BrokenFile
 from formats.recordings.measured_files import is_measured_file, read_measured_file
 
 
-@dataclass(frozen=True)
-class RecordedTable:
+class RecordedTable(Struct, frozen=True):
     """Rows of a CSV file by the names in its header line.
 
     Attributes:

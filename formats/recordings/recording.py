@@ -3,7 +3,6 @@
 import cmath
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Annotated, Literal, Self
@@ -11,6 +10,7 @@ from typing import Annotated, Literal, Self
 import msgspec
 import numpy as np
 import yaml
+from msgspec import Struct
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 from pydantic_core import ErrorDetails
 
@@ -327,8 +327,7 @@ def _vectors(table: RecordedTable, channel: RecordedChannel) -> list[complex | N
     return [None if real is None or imaginary is None else complex(real, imaginary) for real, imaginary in pairs]
 
 
-@dataclass(frozen=True)
-class RecordedCircumstances:
+class RecordedCircumstances(Struct, frozen=True):
     """Statements of a recording's sidecar on the machine in each of its rows.
 
     Attributes:

@@ -1,7 +1,8 @@
 """Keys of messages: `rundown/v1/<plant>/<machine>/…`, always of the same depth."""
 
 import re
-from dataclasses import dataclass
+
+from msgspec import Struct
 
 from formats.wire.rejection import Rejected
 
@@ -14,8 +15,7 @@ ALL_RECEIVED = "rundown/v1/*/*/received"
 ALL_SUBMIT = "rundown/v1/*/*/submit"
 
 
-@dataclass(frozen=True)
-class Key:
+class Key(Struct, frozen=True):
     """Key of one machine on the network."""
 
     plant: str

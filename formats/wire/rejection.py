@@ -1,7 +1,8 @@
 """Reasons for rejecting input; the quarantine, the metrics and the documentation share their names."""
 
-from dataclasses import dataclass
 from typing import Literal
+
+from msgspec import Struct
 
 Reason = Literal[
     "too_large",
@@ -41,8 +42,7 @@ class Rejected(ValueError):
         self.detail = detail
 
 
-@dataclass(frozen=True)
-class Fault:
+class Fault(Struct, frozen=True):
     """A sample, or one channel of it, that is rejected: its index in the batch and the reason."""
 
     index: int

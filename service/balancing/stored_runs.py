@@ -3,9 +3,10 @@
 import cmath
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
+from msgspec.structs import replace
 from sqlalchemy.orm import Session
 
 from estimator.arrays import Complexes

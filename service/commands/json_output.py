@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from msgspec import Struct, structs
 from pydantic import BaseModel
 
 from service.commands.terminal import print_text
@@ -23,11 +24,13 @@ def print_json(content: Any) -> None:
 
 
 def json_value(value: Any) -> Any:
-    """Return a value as JSON has it: dataclasses as objects, arrays as lists, complex numbers by their two parts."""
+    """Return a value as JSON has it: dataclasses and structs as objects, arrays as lists, complex numbers as two parts."""
     if isinstance(value, BaseModel):
         return value.model_dump(mode="json", exclude_none=True)
     if dataclasses.is_dataclass(value) and not isinstance(value, type):
         return {one.name: json_value(getattr(value, one.name)) for one in dataclasses.fields(value)}
+    if isinstance(value, Struct):
+        return {name: json_value(one) for name, one in structs.asdict(value).items()}
     if isinstance(value, Mapping):
         return {str(name): json_value(one) for name, one in value.items()}
     if hasattr(value, "tolist"):  # of numpy, which most commands do without

@@ -3,9 +3,9 @@
 import hashlib
 import logging
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
+from msgspec.structs import replace
 
 from estimator.calibration.calibrate import Calibrated, calibrate, with_named_senses
 from estimator.calibration.calibrated_document import calibrated_document

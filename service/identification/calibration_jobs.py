@@ -7,10 +7,11 @@ and is held by.
 import logging
 from collections import Counter
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
+from msgspec.structs import replace
 from sqlalchemy.orm import Session
 
 from estimator.calibration.calibrated_document import calibrated_document, is_the_same_but_for_calibrations

@@ -2,9 +2,10 @@
 
 import logging
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
+from msgspec.structs import replace
 
 from estimator.fit.identification import Identification
 from estimator.identification.convention_trials import ConventionVerdict, with_named_conventions

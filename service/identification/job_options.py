@@ -5,9 +5,10 @@ stored with the job, so that a repetition after a crash subtracts the same.
 """
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
+from msgspec.structs import asdict, replace
 from sqlalchemy.orm import Session
 
 from estimator.errors import Conflict

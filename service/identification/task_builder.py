@@ -1,8 +1,8 @@
 """Building a job's task from its runs' samples, its options and the runs it is compared with; and its result's origin."""
 
 import logging
-from dataclasses import asdict
 
+from msgspec.structs import asdict
 from sqlalchemy.orm import Session
 
 from estimator.fit.identification import Options

@@ -36,7 +36,7 @@ _NEVER = "a backup never replaces another one"
 def back_up(url: str, file: Path, report: Callable[[int, int], None] = lambda _done, _all: None) -> Backup:
     """Copy a database as of one moment into a new file, while others read and write.
 
-    report: receives how much of how much is copied; of PostgreSQL nobody knows it, and it is not called.
+    report: receives how much of how much is copied: pages of SQLite, rows of PostgreSQL, table by table.
 
     Raises BackupUnusable, DatabaseUnusable.
     """
@@ -52,7 +52,7 @@ def back_up(url: str, file: Path, report: Callable[[int, int], None] = lambda _d
             if engine.dialect.name == "sqlite":
                 revision, rows = sqlite_copy.copy(engine, part, report)
             else:
-                revision, rows = _dump_postgresql(engine, part)
+                revision, rows = _dump_postgresql(engine, part, report)
             digest = synced_digest(part)
             size = part.stat().st_size
             made = Backup(FORMAT, engine.dialect.name, revision, moment.isoformat(timespec="seconds"), size, digest, rows)
@@ -108,7 +108,7 @@ def restore(
             if engine.dialect.name == "sqlite":
                 access = sqlite_copy.replace(engine, file, found, report, without_keys=without_keys)
             else:
-                access = _replace_postgresql(engine, file, found, without_keys=without_keys)
+                access = _replace_postgresql(engine, file, found, report, without_keys=without_keys)
         except (OSError, sqlite3.Error, postgresql_tools.ToolFailed) as error:
             raise BackupUnusable(f"{file} cannot be restored: {error}") from error
         finally:
@@ -135,18 +135,20 @@ def _require_empty(engine: Engine, url: str) -> None:
         )
 
 
-def _dump_postgresql(engine: Engine, part: Path) -> tuple[str, dict[str, int]]:
+def _dump_postgresql(engine: Engine, part: Path, report: Callable[[int, int], None]) -> tuple[str, dict[str, int]]:
     """Count and dump the rows in one snapshot."""
     with engine.connect().execution_options(isolation_level="REPEATABLE READ") as connection:
         revision = require_known(revision_of(connection), "the database")
         rows = row_counts(connection)
-        postgresql_tools.dump(connection, part)
+        postgresql_tools.dump(connection, part, rows, report)
     return revision, rows
 
 
-def _replace_postgresql(engine: Engine, file: Path, found: Backup, *, without_keys: bool) -> RestoredAccess:
+def _replace_postgresql(
+    engine: Engine, file: Path, found: Backup, report: Callable[[int, int], None], *, without_keys: bool
+) -> RestoredAccess:
     with postgresql_tools.set_aside(engine):
-        postgresql_tools.load(engine, file)
+        postgresql_tools.load(engine, file, found.rows, report)
         with engine.connect() as connection:
             rows = row_counts(connection)
         require_rows(rows, file, found)

@@ -1,9 +1,10 @@
 """Archives of PostgreSQL's own client programs, `pg_dump -Fc` and `pg_restore`."""
 
 import os
+import re
 import shutil
 import subprocess
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 
@@ -17,28 +18,37 @@ _QUERY = {"host": "PGHOST", "port": "PGPORT", "passfile": "PGPASSFILE", "service
 }
 """Query parameters of a database URL that are passed on, and the variables in which the tools look for them."""
 _NEUTRAL = ("--no-owner", "--no-privileges", "--no-password")
+_TABLE_BEGINS = re.compile(r'(?:dumping contents of|processing data for) table "(?:[^"]*\.)?([^".]+)"')
+"""Pattern of what the tools say, with `--verbose`, when they begin with the rows of a table."""
+Report = Callable[[int, int], None]
 
 
 class ToolFailed(RuntimeError):
     """A PostgreSQL tool is missing or failed; the message is the tool's."""
 
 
-def dump(connection: Connection, file: Path) -> None:
-    """Write what a REPEATABLE READ transaction sees into an archive. Raises ToolFailed."""
+def dump(connection: Connection, file: Path, rows: Mapping[str, int], report: Report) -> None:
+    """Write what a REPEATABLE READ transaction sees into an archive.
+
+    rows: number of rows of each table. report: receives the numbers of rows done and to do.
+
+    Raises ToolFailed.
+    """
     connection.execute(
         text("SET LOCAL idle_in_transaction_session_timeout = 0")
     )  # this transaction is idle while the tool runs
     snapshot = connection.scalar(text("SELECT pg_export_snapshot()"))
     arguments = (f"--schema={_schema(connection)}", f"--snapshot={snapshot}", f"--file={file}", *_NEUTRAL)
-    _run("pg_dump", "--format=custom", *arguments, url=connection.engine.url)
+    _run("pg_dump", "--format=custom", *arguments, url=connection.engine.url, note_line=_table_by_table(rows, report))
 
 
-def load(engine: Engine, file: Path) -> None:
-    """Restore an archive in one transaction. Raises ToolFailed."""
+def load(engine: Engine, file: Path, rows: Mapping[str, int], report: Report) -> None:
+    """Restore an archive in one transaction; rows and report as for `dump`. Raises ToolFailed."""
     with engine.connect() as connection:
         schema = _schema(connection)
     arguments = (f"--schema={schema}", f"--dbname={engine.url.database}", *_NEUTRAL, str(file))
-    _run("pg_restore", "--single-transaction", "--exit-on-error", *arguments, url=engine.url)
+    note_line = _table_by_table(rows, report)
+    _run("pg_restore", "--single-transaction", "--exit-on-error", *arguments, url=engine.url, note_line=note_line)
 
 
 @contextmanager
@@ -93,14 +103,36 @@ def _objects(connection: Connection, schema: str) -> list[str]:
     return [*tables, *connection.scalars(text(functions), {"schema": schema})]
 
 
-def _run(tool: str, *arguments: str, url: URL) -> None:
-    command = [_program(tool), *arguments]
+def _table_by_table(rows: Mapping[str, int], report: Report) -> Callable[[str], None]:
+    """Return what listens to a tool: a table is done when the next one begins, and what follows the last takes no bar."""
+    done, total = 0, max(sum(rows.values()), 1)
+    running = 0
+
+    def note_line(line: str) -> None:
+        nonlocal done, running
+        begins = _TABLE_BEGINS.search(line)
+        if begins:
+            done, running = done + running, rows.get(begins[1], 0)
+            report(done, total)
+
+    return note_line
+
+
+def _run(tool: str, *arguments: str, url: URL, note_line: Callable[[str], None]) -> None:
+    command = [_program(tool), "--verbose", *arguments]
+    # In English, which `note_line` understands.
+    environment = os.environ | _environment(url) | {"LC_ALL": "C"}
+    said: list[str] = []
     try:
-        ended = subprocess.run(command, capture_output=True, text=True, check=False, env=os.environ | _environment(url))
+        with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=environment) as running:
+            for line in running.stderr or ():
+                note_line(line)
+                if said or "error: " in line:
+                    said.append(line)
     except OSError as error:
         raise ToolFailed(f"{tool} cannot be run: {error}") from error
-    if ended.returncode != 0:
-        raise ToolFailed(f"{tool} failed: {ended.stderr.strip()}")
+    if running.returncode != 0:
+        raise ToolFailed(f"{tool} failed: {''.join(said).strip() or f'status {running.returncode}'}")
 
 
 def _environment(url: URL) -> Mapping[str, str]:

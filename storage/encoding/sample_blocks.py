@@ -3,9 +3,10 @@
 import struct
 import zlib
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 import numpy as np
+from msgspec import Struct, field
+from msgspec.structs import force_setattr
 from numpy.typing import NDArray
 
 from estimator.errors import Damaged
@@ -26,8 +27,7 @@ class DamagedBlock(Damaged):
     """A stored block cannot be read."""
 
 
-@dataclass(frozen=True, eq=False)
-class Samples:
+class Samples(Struct, frozen=True, eq=False):
     """S samples of one machine's m channels, SI.
 
     time: (S,) [ns since 1970]. speed: (S,) [rad/s]. direction: (S,) +1 or -1. phasor: (S, m) complex 1× 0-to-peak [m], NaN
@@ -51,11 +51,11 @@ class Samples:
 
     def __post_init__(self) -> None:
         if self.conditions.size == 0 and len(self.conditions) != len(self):
-            object.__setattr__(self, "conditions", np.empty((len(self), 0)))
+            force_setattr(self, "conditions", np.empty((len(self), 0)))
         for name in ("gap", "overall"):
             table = getattr(self, name)
             if table.size == 0 and table.shape != self.phasor.shape:
-                object.__setattr__(self, name, np.full(self.phasor.shape, np.nan))
+                force_setattr(self, name, np.full(self.phasor.shape, np.nan))
 
     @property
     def usable(self) -> NDArray[np.bool_]:

@@ -1,10 +1,9 @@
 """Key of a source's samples."""
 
-from dataclasses import dataclass
+from msgspec import Struct
 
 
-@dataclass(frozen=True)
-class SourceKey:
+class SourceKey(Struct, frozen=True):
     """One start of one source of one machine."""
 
     machine_id: str

@@ -7,6 +7,7 @@ from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from msgspec import structs
 from numpy.typing import NDArray
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session, undefer
@@ -201,7 +202,7 @@ def store_quality(session: Session, run_id: int, quality: "Quality") -> None:
         "counts": quality.counts,
         "findings": list(quality.findings),
         "channels": list(quality.channels),
-        "noise": {channel: _finite(asdict(noise)) for channel, noise in quality.noise.items()},
+        "noise": {channel: _finite(structs.asdict(noise)) for channel, noise in quality.noise.items()},
     }
     row.flags = _FLAGS.pack(_FLAGS_FORMAT, *quality.flags.shape) + zlib.compress(quality.flags.astype("<u2").tobytes(), 1)
 

@@ -3,12 +3,12 @@
 import csv
 import math
 from collections.abc import Iterable
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from msgspec.structs import asdict
 
 from estimator.fit.identify import identify
 from estimator.machine.document import parse_machine

@@ -1,11 +1,11 @@
 """Updated models for tests: true values with a covariance as an identification might state it, and draws from it."""
 
 import copy
-from dataclasses import replace
 from functools import cache
 from typing import Any
 
 import numpy as np
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.fit.problem.coordinates import Coordinates

@@ -1,9 +1,8 @@
 """Input that is legal but awkward: zeros and gaps under a noise model without floor, parts nearly in one place."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from estimator.fit.fit_samples import NotEnoughData
 from estimator.fit.identify import identify

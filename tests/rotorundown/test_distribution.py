@@ -4,6 +4,7 @@ import re
 import subprocess
 import sys
 import tomllib
+from pathlib import Path
 
 import pytest
 import yaml
@@ -35,12 +36,21 @@ def test_developers_have_every_extra() -> None:
 def test_the_version_is_everywhere_the_same() -> None:
     assert "version" not in PROJECT
     assert rotorundown.__version__ == VERSION
-    assert yaml.safe_load((ROOT / "CITATION.cff").read_text())["version"] == VERSION
-    assert f"## {VERSION}\n" in (ROOT / "CHANGELOG.md").read_text()
+    cited = yaml.safe_load((ROOT / "CITATION.cff").read_text())
+    assert cited["version"] == VERSION
+    released = re.findall(r"(?m)^## (\d.*)$", (ROOT / "CHANGELOG.md").read_text())[0]
+    assert released == f"{VERSION} ({cited['date-released']})"
 
 
 def test_the_examples_are_found() -> None:
     assert (examples_folder() / "motor-pump.yaml").is_file()
+
+
+def test_the_examples_are_read_from_anywhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert rotorundown.read_machine("examples/motor-pump.yaml").id == "motor-pump"
+    with pytest.raises(ValueError, match="No such file"):
+        rotorundown.read_machine("examples/pump.yaml")
 
 
 @pytest.mark.parametrize(

@@ -188,7 +188,10 @@ def test_what_cannot_be_simulated_or_drawn_is_one_line(pump: Machine, run: rd.Ma
         (lambda: made.plot_trend([], "coupling.C1.kxx"), "a trend is drawn of a list of results, one at least"),
         (lambda: made.plot_trend(result, "coupling.C1.kxx"), "a trend is drawn of a list of results, one at least"),
         (lambda: result.plot_bode("B1X"), "'B1X' is no channel"),
-        (lambda: made.identify(pump, run, accepted_rpm=3), "accepted_rpm is 3: Input should be a valid tuple"),
+        (
+            lambda: made.identify(pump, run, accepted_rpm=3),
+            "accepted_rpm is 3: give the lowest and the highest speed",
+        ),
         (lambda: made.identify(pump, run, half_power="x"), "half_power is 'x': "),
     ]
     for call, words in calls:
@@ -250,6 +253,14 @@ def test_a_command_names_what_is_wrong_with_a_table(run: rd.MachineRun, tmp_path
     (line,) = ended.stderr.splitlines()
     assert line.startswith("rundown: ")
     assert words in line
+
+
+def test_one_channel_in_radians_among_others_in_degrees_is_named(run: rd.MachineRun, pump: Machine) -> None:
+    frame = run.to_frame()
+    assert rd.read_run(frame, machine=pump).left_out == ()
+    (line,) = rd.read_run(frame.assign(B2L_lag_deg=np.radians(frame["B2L_lag_deg"])), machine=pump).left_out
+    assert line.startswith("run, B2L: its phases lie within 4.89, those of others do not")
+    assert line.endswith("are they in radians? Write degrees")
 
 
 def test_an_empty_file_and_one_with_semicolons(run: rd.MachineRun, tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
+from msgspec import structs
 
 from benchmarks.thesis.chapter_2.experiments import Experiment
 from estimator.arrays import Complexes, Floats
@@ -33,7 +34,7 @@ def shifts(subject: Experiment, misprint: Misprint) -> Floats:
 def _rounded_sixteenth(subject: Experiment) -> Regression:
     lateral = np.array([_is_lateral_coupling(one.name) for one in subject.train.unknowns.coefficients])
     left = np.where(lateral, 0.062 * 16 * subject.train.left, subject.train.left)
-    return rigid_regression(replace(subject.train, left=left), subject.clean)
+    return rigid_regression(structs.replace(subject.train, left=left), subject.clean)
 
 
 def _is_lateral_coupling(name: str) -> bool:
@@ -64,7 +65,7 @@ def _angle_times_speed(subject: Experiment) -> Regression:
     train = subject.train
     angle = np.repeat(np.angle(subject.rigid.unbalances), 2)
     turned = train.force * np.exp(1j * (train.direction * train.speed)[:, None, None] * angle)
-    return rigid_regression(replace(train, shafts=GivenShafts(train.known, turned)), subject.clean)
+    return rigid_regression(structs.replace(train, shafts=GivenShafts(train.known, turned)), subject.clean)
 
 
 def _inertia(shaft_inertia: tuple[float, float]) -> Callable[[Experiment], Regression]:

@@ -3,12 +3,13 @@
 import copy
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
 import yaml
+from msgspec.structs import replace
 
 from benchmarks.documents import Document
 from benchmarks.thesis.tables import percent, short_name, table, worst_of_seeds

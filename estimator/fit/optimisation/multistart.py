@@ -2,9 +2,10 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 
 from estimator.arrays import Floats
 from estimator.fit.optimisation.maximum_likelihood import FINAL_PASSES, HOPELESS_MISFIT, STAGE_MISFITS, fit
@@ -38,8 +39,7 @@ class FitFailed(ValueError):
     """Raised when no start leads to a finite misfit."""
 
 
-@dataclass(frozen=True)
-class BestFit:
+class BestFit(Struct, frozen=True):
     """Best of several starts.
 
     Attributes:

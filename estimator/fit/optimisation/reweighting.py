@@ -1,8 +1,7 @@
 """Outliers and noise of a fit, found anew from its residuals between its passes until neither changes."""
 
-from dataclasses import replace
-
 import numpy as np
+from msgspec.structs import replace
 
 from estimator.arrays import Floats
 from estimator.fit.problem.fit_problem import FitProblem, FitResult

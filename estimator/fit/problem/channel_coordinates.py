@@ -1,15 +1,13 @@
 """Coordinates of measuring chains: gains and run-outs of channels, and readings made of phasors with them."""
 
-from dataclasses import dataclass
-
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
 
 
-@dataclass(frozen=True, eq=False)
-class ChannelCoordinates:
+class ChannelCoordinates(Struct, frozen=True, eq=False):
     """Gains and run-outs of m channels among the coordinates θ (n,) of a fit.
 
     Attributes:

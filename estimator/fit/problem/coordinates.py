@@ -6,11 +6,12 @@ gains of channels as real and imaginary part of their error, run-outs in units o
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
 from functools import cached_property
 from math import sqrt
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
@@ -29,8 +30,7 @@ UNBALANCE_SPREAD = 1000.0
 """Prior standard deviation of an unbalance in units of its scale: enough to make the problem regular, no more."""
 
 
-@dataclass(frozen=True, eq=False)
-class Coordinates:
+class Coordinates(Struct, frozen=True, eq=False, dict=True):
     """Map between physical parameters and fit coordinates θ (n,).
 
     The train has K coefficients, E excitations and m channels.

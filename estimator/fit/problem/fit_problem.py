@@ -2,9 +2,10 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
 
 import numpy as np
+from msgspec import Struct, field
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
@@ -23,8 +24,7 @@ SMALLEST_AMPLITUDE = 0.01
 """Least amplitude of a channel as a part of the sample's largest, for the weights before there is a fit [-]."""
 
 
-@dataclass(frozen=True, eq=False)
-class FitResult:
+class FitResult(Struct, frozen=True, eq=False):
     """End of a fit from one start.
 
     Attributes:
@@ -53,8 +53,7 @@ class FitResult:
     coarse_misfit: float = math.nan
 
 
-@dataclass(frozen=True, eq=False)
-class FitProblem:
+class FitProblem(Struct, frozen=True, eq=False):
     """One data set, one train, one set of coordinates.
 
     Attributes:

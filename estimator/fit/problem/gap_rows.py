@@ -10,10 +10,11 @@ process over speed by which the document says that films deviate (derived here).
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
@@ -35,8 +36,7 @@ NORMAL_MEDIAN = 0.6745
 """Median of the size of a normal number of unit variance [-]."""
 
 
-@dataclass(frozen=True, eq=False)
-class ChannelGaps:
+class ChannelGaps(Struct, frozen=True, eq=False):
     """Gaps of one channel in one run, s samples.
 
     Attributes:
@@ -103,8 +103,7 @@ class ChannelGaps:
         return np.asarray((values - np.tensordot(self.common * self.shrunk, parts, 1)) / self.noise)
 
 
-@dataclass(frozen=True, eq=False)
-class GapRows:
+class GapRows(Struct, frozen=True, eq=False):
     """Gaps of a fit with the centreline that the films give.
 
     Attributes:

@@ -1,17 +1,16 @@
 """Coefficients that follow the speed through numbers at the same knots, evaluated together: each by itself is a trifle."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
 from estimator.bearings.mixed_coefficient import MixedCoefficient
 
 
-@dataclass(frozen=True, eq=False)
-class KnotCoefficients:
+class KnotCoefficients(Struct, frozen=True, eq=False):
     """G coefficients at S speeds, each a weighted sum of P fitted numbers.
 
     Attributes:

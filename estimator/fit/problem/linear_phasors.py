@@ -3,9 +3,8 @@
 A fit asks for the same ones again and again: with sharper weights, without outliers, for its end and for what is told of it.
 """
 
-from dataclasses import dataclass, field
-
 import numpy as np
+from msgspec import Struct, field
 
 from estimator.arrays import Complexes, Floats
 from estimator.fit.problem.coordinates import Coordinates
@@ -18,8 +17,7 @@ Sources = tuple[Coordinates, CondensedTrain, Measurement]
 """Coordinates, train without scale factors and samples, of which phasors are computed."""
 
 
-@dataclass(frozen=True, eq=False)
-class LinearPhasors:
+class LinearPhasors(Struct, frozen=True, eq=False):
     """Phasors of m channels at s of the speeds of a fit, with their derivatives.
 
     Attributes:
@@ -99,12 +97,11 @@ def linear_phasors(
     return LinearPhasors(block, found, phasor, jacobian)
 
 
-@dataclass
-class PhasorMemory:
+class PhasorMemory(Struct, eq=False):
     """Memory of the last phasors of a fit and of the last two with derivatives: by what they were computed of, and θ."""
 
-    _phasors: "tuple[_PhasorKey, Complexes] | None" = field(default=None, repr=False)
-    _linear: "list[tuple[_PhasorKey, LinearPhasors]]" = field(default_factory=list, repr=False)
+    _phasors: "tuple[_PhasorKey, Complexes] | None" = None
+    _linear: "list[tuple[_PhasorKey, LinearPhasors]]" = field(default_factory=list)
 
     def phasors(self, of: Sources, theta: Floats) -> Complexes | None:
         """Return the phasors at θ where they are known.
@@ -155,8 +152,7 @@ class PhasorMemory:
         self._linear.append((_PhasorKey(of, theta.copy()), found))
 
 
-@dataclass(frozen=True)
-class _PhasorKey:
+class _PhasorKey(Struct, frozen=True):
     of: Sources
     theta: Floats
 

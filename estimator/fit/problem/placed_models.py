@@ -1,10 +1,10 @@
 """Models of coefficients that follow the speed, with their parameters among the coordinates of a fit."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
@@ -13,8 +13,7 @@ from estimator.bearings.model import ChainedCurves, CoefficientCurves, Coefficie
 from estimator.fit.problem.knot_coefficients import gathered
 
 
-@dataclass(frozen=True)
-class PlacedModel:
+class PlacedModel(Struct, frozen=True, dict=True):
     """A model whose coefficients follow the speed, with its P parameters among the coordinates.
 
     Attributes:

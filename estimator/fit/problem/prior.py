@@ -4,17 +4,15 @@ A calibration holds values with their joint covariance; coordinates that it does
 prior: Rasmussen and Williams, Gaussian Processes for Machine Learning, 2006, sec. 2.1).
 """
 
-from dataclasses import dataclass
-
 import numpy as np
+from msgspec import Struct
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
 from estimator.machine.calibration import Calibration
 
 
-@dataclass(frozen=True, eq=False)
-class Prior:
+class Prior(Struct, frozen=True, eq=False):
     """Gaussian prior on the n coordinates of a fit.
 
     Attributes:
@@ -48,8 +46,7 @@ class Prior:
         return float((theta - self.centre) @ self.pull(theta))
 
 
-@dataclass(frozen=True, eq=False)
-class CalibratedPrior:
+class CalibratedPrior(Struct, frozen=True, eq=False):
     """Prior of k coordinates that a calibration holds.
 
     Attributes:

@@ -9,9 +9,10 @@ changing bearing by this, and a coupling's run-out, which turns with the shaft, 
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
@@ -35,8 +36,7 @@ ROTATING_UNIT = {"rotating_offset": 1e-6, "rotating_angle": 1e-5}
 """Units of couplings' errors meanwhile [m, rad]."""
 
 
-@dataclass(frozen=True, eq=False)
-class ChannelEffects:
+class ChannelEffects(Struct, frozen=True, eq=False):
     """Errors of channels and couplings that a fit of n coordinates left out, e of them.
 
     Attributes:
@@ -142,8 +142,7 @@ def _assess_separately(
     return bias, information, score
 
 
-@dataclass(frozen=True, eq=False)
-class _RotatingErrors:
+class _RotatingErrors(Struct, frozen=True, eq=False):
     """Run-outs of couplings that are no coordinates.
 
     Attributes:

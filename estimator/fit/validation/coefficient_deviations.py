@@ -5,11 +5,12 @@ doi:10.1111/1467-9868.00294), reckoned with to first order at the fit's end. τ 
 (Harville, J. Am. Stat. Assoc. 72 (1977) 320, doi:10.1080/01621459.1977.10480998).
 """
 
-from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 import scipy
+from msgspec import Struct
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
@@ -26,8 +27,7 @@ Owners = NDArray[np.intp]
 """Number of the deviation of each coefficient (K,); -1 where it has none."""
 
 
-@dataclass(frozen=True, eq=False)
-class CoefficientDeviations:
+class CoefficientDeviations(Struct, frozen=True, eq=False, dict=True):
     """Deviations of D shapes in all, of unit size, in a fit of n coordinates.
 
     Attributes:

@@ -1,12 +1,11 @@
 """A static load that a document calls exact and a fit's residuals doubt, as `omitted_forces` finds it."""
 
-from dataclasses import dataclass
+from msgspec import Struct
 
 from estimator.arrays import Floats
 
 
-@dataclass(frozen=True, eq=False)
-class DoubtedForce:
+class DoubtedForce(Struct, frozen=True, eq=False):
     """Component of a static load that a document calls exact and a fit's residuals doubt.
 
     Attributes:

@@ -8,9 +8,8 @@ zero, and nothing changes. Where it is not, the covariance grows by what the dev
 is refused.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
+from msgspec import Struct
 
 from estimator.arrays import Floats
 from estimator.bearings.deviation_shapes import DeviationShapes
@@ -34,8 +33,7 @@ EXPECTED_SIZE_UNSEEN = 0.8
 """Relative size of deviations that is assumed where other coefficients can compensate them at every speed [-]."""
 
 
-@dataclass(frozen=True, eq=False)
-class FormVerdict:
+class FormVerdict(Struct, frozen=True, eq=False):
     """Verdict on the forms that coefficients follow over speed.
 
     Attributes:

@@ -1,9 +1,10 @@
 """Verdict on a fit: whether it may be believed, and why."""
 
 import math
-from dataclasses import dataclass, replace
 
 import numpy as np
+from msgspec import Struct
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.arrays import Floats
@@ -29,8 +30,7 @@ MUCH_NOISIER = 1.5
 """Noise of a channel over the noise model's from which on it is mentioned [-]."""
 
 
-@dataclass(frozen=True)
-class Verdict:
+class Verdict(Struct, frozen=True):
     """Verdict on a fit.
 
     Attributes:
@@ -116,8 +116,7 @@ def is_unfinished(problem: FitProblem, found: FitResult) -> bool:
     return not found.converged and judge(problem, replace(found, converged=True)).accepted
 
 
-@dataclass(frozen=True)
-class VerdictRemark:
+class VerdictRemark(Struct, frozen=True):
     """Remark on an accepted fit.
 
     Attributes:

@@ -1,10 +1,10 @@
 """Reasons why the data leave a parameter open, in words an analyst can act on."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from msgspec import Struct
 
 from estimator.arrays import Complexes, Floats
 from estimator.fit.problem.coordinates import Coordinates
@@ -28,8 +28,7 @@ open.
 """
 
 
-@dataclass(frozen=True, eq=False)
-class _Modes:
+class _Modes(Struct, frozen=True, eq=False):
     """Damped natural frequencies (M,) [rad/s] and, per coefficient, the share it has in each mode's energy (M, K)."""
 
     frequency: Floats

@@ -9,10 +9,10 @@ may be off by much without any of this: then the verdict says what the bearings'
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 import scipy
+from msgspec import Struct
 
 from estimator.arrays import Floats
 from estimator.fit.optimisation.reweighting import with_fitted_noise
@@ -30,8 +30,7 @@ CHECKED_PART = 0.1
 """Part of a force by which it may be off unseen and still counts as checked by the films [-]."""
 
 
-@dataclass(frozen=True)
-class _WantedForce:
+class _WantedForce(Struct, frozen=True):
     """Component of a static load: its name, its value in the document [N], and the change that the residuals ask for."""
 
     name: str

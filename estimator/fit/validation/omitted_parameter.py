@@ -5,9 +5,9 @@ The score: the derivative of the likelihood by the parameter, over its standard 
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
+from msgspec import Struct
 
 from estimator.arrays import Floats
 from estimator.fit.problem.fit_problem import FitProblem
@@ -18,8 +18,7 @@ SEEN = 1e-9
 """Part of a parameter's information that the coordinates must leave for anything to be said of it [-]: less is rounding."""
 
 
-@dataclass(frozen=True)
-class OmittedParameter:
+class OmittedParameter(Struct, frozen=True):
     """Change of a parameter that the residuals of a fit without it ask for.
 
     Attributes:

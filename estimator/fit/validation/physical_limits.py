@@ -5,11 +5,12 @@ worthless. Where the data allow a model without growing modes nearly as well, th
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy
+from msgspec import Struct
+from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from estimator.arrays import Complexes, Floats
@@ -69,8 +70,7 @@ PENALTY = 1e6
 of χ²."""
 
 
-@dataclass(frozen=True)
-class LeastDampedMode:
+class LeastDampedMode(Struct, frozen=True):
     """Mode of the smallest damping ratio at a speed.
 
     Attributes:

@@ -12,8 +12,9 @@ own limits of time and memory hold beside these bounds.
 """
 
 import math
-from dataclasses import dataclass
 from typing import Any
+
+from msgspec import Struct
 
 from estimator.bearings.registry import CONSTANT
 from estimator.machine.bearings_on_films import bearings_on_films
@@ -53,8 +54,7 @@ BLOCK = 256
 """Number of samples whose derivatives are held at a time."""
 
 
-@dataclass(frozen=True)
-class DocumentSize:
+class DocumentSize(Struct, frozen=True):
     """Counts of a train.
 
     Attributes:

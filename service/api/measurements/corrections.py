@@ -1,10 +1,10 @@
 """Reads samples of a run as measured, or without slow-roll vectors."""
 
 from collections.abc import Collection
-from dataclasses import replace
 from typing import Annotated, cast
 
 from fastapi import Query
+from msgspec.structs import replace
 from sqlalchemy.orm import Session
 
 from estimator.machine.document import Machine

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from msgspec import structs
 
 from estimator.calibration.unbalance_since import UnbalanceSince
 from estimator.fit.estimates import Estimate
@@ -169,7 +170,7 @@ def _estimate(one: Estimate) -> dict[str, Any]:
         if one.quantity == "unbalance" and one.value is not None and one.imaginary is not None
         else {}
     )
-    return {**vars(one), **vector}
+    return {**structs.asdict(one), **vector}
 
 
 def _band(band: PhasorBand) -> dict[str, float]:

@@ -1,8 +1,7 @@
 """Runs of a motor and compressor on oil films as a linear model draws them: each measures some numbers of the truth."""
 
-from dataclasses import replace
-
 import numpy as np
+from msgspec.structs import replace
 
 from estimator.alignment.healthy_films import coordinate_scales
 from estimator.arrays import Floats

@@ -1,9 +1,8 @@
 """Changes of alignment: runs drawn as the linear model says, so that errors must be those that are told."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from estimator.alignment.alignment_change import alignment_changes
 from estimator.arrays import Floats

@@ -1,9 +1,8 @@
 """Tests what one run's data say by themselves: what was believed beforehand is taken off, widened or not."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from estimator.alignment.run_likelihood import contained_prior, run_likelihood
 from tests.estimator.alignment.drawn_runs import COORDINATES, drawn_machine, fitted

@@ -1,9 +1,8 @@
 """Stability margin of a train on its films: that of the eigenproblem of its document, with the error of differences."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from estimator.alignment.stability_margin import stability_margin
 from estimator.machine.film_speeds import reported_rpm

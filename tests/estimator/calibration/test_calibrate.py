@@ -1,9 +1,8 @@
 """Joint calibration: what is known afterwards, what later fits make of it, and what is refused before a fit."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from benchmarks.calibration.rotor_kit import by_least_squares, by_model, folds, gathered, kit
 from benchmarks.calibration.simulated_kit import SimulatedKit

@@ -1,9 +1,8 @@
 """Gains and run-outs that known unbalances show at given coefficients: exact at the right ones, else kept."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from estimator.arrays import Complexes
 from estimator.calibration.chain_start import best_chains

@@ -1,9 +1,8 @@
 """Differences between mountings beside trial weights: large ones by chance are borne, those of wrong weights are refused."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from benchmarks.calibration.simulated_trains import RUNS, SPEEDS, MountedTrain
 from estimator.arrays import Complexes

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from msgspec import structs
 
 from estimator.arrays import Floats
 from estimator.diagnosis.bayes_factors import Diagnosis
@@ -157,7 +158,7 @@ def test_a_refused_run_whose_films_deviate_absurdly_says_nothing() -> None:
 
 def test_what_was_believed_beforehand_is_not_counted_with_every_run() -> None:
     """Runs that see nothing leave the machine where it is believed to be, however many they are."""
-    blind = replace(MODEL, covariance=np.diag((COORDINATES.spread * COORDINATES.unit) ** 2))
+    blind = structs.replace(MODEL, covariance=np.diag((COORDINATES.spread * COORDINATES.unit) ** 2))
     reference = film_reference(MODEL.machine, [says(blind)] * 9, VARIATION)
     known = [reference.names.index(name) for name in ("bearing.B1.clearance", "bearing.B1.elevation_y")]
     error = np.sqrt(np.diag(reference.doubt)[known]) * reference.unit[known]
@@ -177,7 +178,7 @@ def test_viscosities_count_from_those_of_each_runs_own_temperature() -> None:
     train = with_temperature()
     cold = expected_model(under_conditions(train, {"oil": 40.0}))
     assert cold.values[place("bearing.B1.viscosity")] > expected_model(train).values[place("bearing.B1.viscosity")] + 0.3
-    fit = observed(replace(cold, covariance=np.diag((COORDINATES.spread * COORDINATES.unit) ** 2)))
+    fit = observed(structs.replace(cold, covariance=np.diag((COORDINATES.spread * COORDINATES.unit) ** 2)))
     said = film_observation(fit, train, {"oil": 40.0})
     assert said.reference[said.names.index("bearing.B1.viscosity")] == pytest.approx(
         expected_model(train).values[place("bearing.B1.viscosity")]

@@ -4,6 +4,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
+from msgspec import structs
 
 from estimator.alignment.stability_margin import LEAST_DECREMENT, stability_margin
 from estimator.diagnosis.low_stability import low_stability
@@ -27,7 +28,7 @@ def moved(by: float = 0.0, oil: float = 1.0, open_part: float = SURE) -> Updated
         if said.quantity in ("viscosity", "viscosity_factor"):
             values[place] += math.log(oil)
     deviates = np.array(["_deviation" in name for name in MODEL.coordinates])
-    return replace(MODEL, values=values, covariance=np.diag(np.where(deviates, open_part**2, 1e-24)))
+    return structs.replace(MODEL, values=values, covariance=np.diag(np.where(deviates, open_part**2, 1e-24)))
 
 
 def run(model: UpdatedModel, *, accepted: bool = True) -> Observation:

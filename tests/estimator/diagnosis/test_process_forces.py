@@ -1,10 +1,10 @@
 """A static force that changes is named as one, with its size, and not as an alignment; where the document leaves it open."""
 
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from estimator.alignment.healthy_films import coordinate_scales
 from estimator.diagnosis.film_findings import process_force_size, process_forces

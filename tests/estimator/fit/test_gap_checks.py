@@ -1,9 +1,8 @@
 """Gaps beside vibration on a plant of other make: what they add, and which of them are left out by name."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from estimator.arrays import Floats
 from estimator.fit.gap_checks import GapVerdict, with_gaps

@@ -7,10 +7,10 @@ document's nominal values lie (0.05 standard errors, the convergence tolerance).
 """
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from estimator.fit.estimates import Estimate
 from estimator.fit.fit_samples import NotEnoughData

@@ -1,10 +1,10 @@
 """Several runs at once: trial weights, both senses of rotation, channels that are missing; against full solves."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from estimator.fit.identification import Identification, Options
 from estimator.fit.identify import identify

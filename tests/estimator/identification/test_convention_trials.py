@@ -2,12 +2,12 @@
 
 import copy
 import math
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
 import yaml
+from msgspec.structs import replace
 
 from estimator.fit.identification import Options
 from estimator.identification.convention_trials import ConventionVerdict, with_named_conventions

@@ -4,10 +4,9 @@ The prediction is the Fisher information's: standard errors after adding the sam
 identification with it reports (5 %: it is fitted to other noise). Helping one parameter is compared with a brute-force search.
 """
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from estimator.fit.identification import Identification
 from estimator.fit.identify import identify

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from estimator.fit.identification import Identification
 from estimator.fit.identify import identify
@@ -54,7 +55,7 @@ def test_what_one_run_does_not_determine_is_not_estimable() -> None:
         type(one)(one.name, one.element, one.quantity, one.unit, None, None, None, None, reason="narrow") if i == 0 else one
         for i, one in enumerate(weak)
     )
-    together = combine([results[0], type(results[1])(**(vars(results[1]) | {"estimates": lost}))])
+    together = combine([results[0], replace(results[1], estimates=lost)])
     assert together.estimates[0].value is None
     assert together.estimates[0].reason == "not every run determines it"
     assert together.estimates[1].value is not None

@@ -1,9 +1,9 @@
 """Identification behind the gate: coast-downs, steady runs, wrong clocks, too little left."""
 
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
+from msgspec.structs import replace
 
 from estimator.fit.identification import Identification, Options
 from estimator.fit.identify import identify

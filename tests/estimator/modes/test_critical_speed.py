@@ -4,10 +4,10 @@ The rigid rotor's shaft has a mass of 6e-5 kg and bends by some 1e-5 of the bear
 """
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from estimator.machine.document import Machine, parse_machine
 from estimator.modes.critical_speed import critical_speed_table, synchronous_crossings, undamped_critical_speeds

@@ -1,9 +1,8 @@
 """Flags and findings of runs that need no model of the machine."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from estimator.machine.rules import Noise, QualityRules
 from estimator.phasors.channel_status import ChannelStatus

@@ -1,12 +1,12 @@
 """Slow-roll vectors: captured, refused, turned for the other sense of rotation, subtracted, and their error in the fit."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec.structs import replace
 
 from estimator.fit.identification import Identification, Options
 from estimator.fit.identify import identify

@@ -6,10 +6,10 @@ are joined rigidly with a run-out e are each bent by e / 2, with F = e / 2α and
 """
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from estimator.arrays import Floats
 from estimator.machine.document import Machine, parse_machine

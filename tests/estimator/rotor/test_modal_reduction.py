@@ -1,9 +1,8 @@
 """A reduced train against its whole mesh: the same modes, shapes and critical speeds; small meshes are left alone."""
 
-import dataclasses
-
 import numpy as np
 import pytest
+from msgspec import structs
 
 from benchmarks.estimator.large_trains import off
 from estimator.machine.document import Machine, parse_machine
@@ -149,7 +148,7 @@ def near(document: dict[str, object]) -> UpdatedModel:
     machine = parse_machine(off(document, seed=1))
     true, start = expected_model(parse_machine(document)), expected_model(machine)
     size = start.values.size
-    return dataclasses.replace(start, values=true.values, covariance=1e-4 * np.eye(size))
+    return structs.replace(start, values=true.values, covariance=1e-4 * np.eye(size))
 
 
 def test_followed_critical_speeds_and_their_slopes_are_those_of_the_whole_mesh(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -171,7 +170,7 @@ def test_followed_critical_speeds_and_their_slopes_are_those_of_the_whole_mesh(m
 
 def test_the_same_machine_has_the_same_coordinates_at_all_values() -> None:
     model = near(plain())
-    assert dataclasses.replace(model, values=1.1 * model.values).basis is model.basis
+    assert structs.replace(model, values=1.1 * model.values).basis is model.basis
     assert modes_at(model, speed=100.0).shape.shape[0] == model.matrices(100.0).mass.shape[0]
 
 

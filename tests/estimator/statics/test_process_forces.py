@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from msgspec import structs
 
 from estimator.fit.identification import Options
 from estimator.fit.identify import identify
@@ -83,7 +84,7 @@ def test_a_force_behind_a_coupling_is_in_its_balance() -> None:
     model = expected_model(parse_machine(said | {"static_loads": [load]}))
     values = model.values.copy()
     values[model.coordinates.index(FORCE_Y)] = 900.0
-    pushed = replace(model, values=values)
+    pushed = structs.replace(model, values=values)
     (balance,) = coupling_balances(model.machine)
     films = {one.name: one.value for one in film_results(pushed)}
     carried = films["bearing.B3.load_vertical"] + films["bearing.B4.load_vertical"]

@@ -2,10 +2,10 @@
 data."""
 
 import copy
-from dataclasses import replace
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from estimator.arrays import Floats
 from estimator.fit.identification import Identification

@@ -1,9 +1,8 @@
 """The regression of Chapter 2 on noise-free and noisy responses, Methods I and II, Cases A to C."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from estimator.arrays import Complexes
 from estimator.rotor.condensation import CondensedTrain

@@ -1,9 +1,9 @@
 """Propagation of errors by central differences, which judges the exact derivatives of the packages."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
+from msgspec.structs import replace
 
 from estimator.arrays import Floats
 from estimator.updated_model.model import UpdatedModel

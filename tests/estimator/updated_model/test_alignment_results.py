@@ -1,9 +1,8 @@
 """Alignment told from an identification: values, errors from the whole covariance, and what the run does not determine."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from estimator.machine.document import Machine, parse_machine
 from estimator.rotor.parameter_names import derived_unit

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from msgspec import structs
 
 from estimator.machine.document import Machine, parse_machine
 from estimator.rotor.condensation import condense
@@ -134,7 +135,8 @@ def test_a_weight_of_zero_forgets_a_channel() -> None:
 
 def test_twice_the_unbalance_needs_twice_the_correction() -> None:
     model = model_of(chapter_3())
-    twice = replace(model, values=np.where(["unbalance" in name for name in model.coordinates], 2.0, 1.0) * model.values)
+    doubled = np.where(["unbalance" in name for name in model.coordinates], 2.0, 1.0)
+    twice = structs.replace(model, values=doubled * model.values)
     one, other = (balance(of, planes=("D1", "D3"), speed=SPEED) for of in (model, twice))
     assert other.unbalance == pytest.approx(2 * one.unbalance, rel=1e-9)
     assert other.after.value == pytest.approx(2 * one.after.value, rel=1e-6)

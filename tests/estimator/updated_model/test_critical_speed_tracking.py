@@ -1,9 +1,8 @@
 """Critical speeds followed through models, against the complete search and closed forms of a rigid rotor."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from estimator.machine.document import Machine
 from estimator.modes.critical_speed import critical_speed_table

@@ -1,9 +1,8 @@
 """Derived quantities: closed forms of a rigid rotor, differences of the whole train, names, and reasons."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from estimator.fit.estimates import CONFIDENCE_95
 from estimator.fit.identification import Identification

@@ -1,9 +1,8 @@
 """Forces that a document calls exact and a fit doubts widen what they act on at once, as those that may be off do."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from estimator.fit.identification import Identification
 from estimator.fit.validation.doubted_force import DoubtedForce

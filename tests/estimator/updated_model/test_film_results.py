@@ -1,9 +1,8 @@
 """Results about films: values against equilibria solved by themselves, errors against differences, names, what is withheld."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from estimator.arrays import Floats
 from estimator.machine.document import Machine, parse_machine

@@ -1,9 +1,8 @@
 """Response of a model with everything that a document can hold: slopes against differences, and its parts' meanings."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from estimator.machine.parts import Probe
 from estimator.modes.critical_speed import critical_speed_table

@@ -1,9 +1,8 @@
 """Standard errors of natural frequencies and critical speeds, against differences and Monte Carlo."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from estimator.modes.critical_speed import critical_speed_table, critical_speeds
 from estimator.modes.eigenmodes import eigenvalues

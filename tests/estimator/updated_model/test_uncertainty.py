@@ -1,11 +1,11 @@
 """Error propagation against Monte Carlo, closed-form distributions and the analytic slopes of the response."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 import scipy.stats
+from msgspec.structs import replace
 
 from estimator.fit.identify import identify
 from estimator.machine.document import parse_machine

@@ -37,6 +37,7 @@ def test_what_follows_from_settings_follows_from_those_of_the_file_too(file: Pat
     ("content", "words"),
     [
         ("prot = 1\n", "'prot' is no setting; did you mean 'port'"),
+        ("nothing = 1\n", "'nothing' is no setting$"),
         ("[serve]\nport = 1\n", "'serve' is no setting"),
         ("port = \n", "is no TOML"),
         ("port = 70000\n", "setting port: Input should be less than or equal to 65535"),

@@ -1,11 +1,11 @@
 """Runs of machines whose oil follows an operating condition: identified, and restored as models, as they were measured."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 import yaml
+from msgspec.structs import replace
 
 from estimator.fit.identification import Options
 from estimator.machine.document import Machine, parse_machine

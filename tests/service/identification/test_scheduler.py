@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from msgspec import structs
 from sqlalchemy.exc import IntegrityError, OperationalError
 
 from estimator.machine.document import Machine
@@ -112,7 +113,7 @@ def test_conditions_and_derived_quantities_of_a_run_are_kept(
         held = runs.samples(session, run_id)
         assert held is not None
         oil = np.column_stack([np.linspace(60.0, 50.0, len(held)), np.full(len(held), np.nan)])
-        told = replace(held, conditions=oil, second=0.25 * held.phasor)
+        told = structs.replace(held, conditions=oil, second=0.25 * held.phasor)
         runs.close(runs.get(session, run_id), samples=told, state=runs.CLOSED, reason="the speed left the speed range")
     with identifying(database, executor):
         wait_until(lambda: counts(database) == {"done": 1})

@@ -126,7 +126,7 @@ def test_what_is_written_between_two_steps_is_not_in_the_backup(
     told: Database, target: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     if told.kind != "sqlite":
-        pytest.skip("nobody is told how far pg_dump is")
+        pytest.skip("a dump is of one snapshot, and has no steps")
     monkeypatch.setattr(sqlite_copy, "_PAGES_AT_ONCE", 5)
     reported: list[tuple[int, int]] = []
 
@@ -145,6 +145,21 @@ def test_what_is_written_between_two_steps_is_not_in_the_backup(
     backup.restore(target, tmp_path / "backup", lambda done, total: copied.append((done, total)))
     assert copied[-1] == (made.size, made.size)
     assert len(contents_of(target)["quarantine"]) == 1
+
+
+def test_backups_of_postgresql_say_how_far_they_are(told: Database, target: str, tmp_path: Path) -> None:
+    if told.kind != "postgresql":
+        pytest.skip("of SQLite by pages, in the test above")
+    made_of: list[tuple[int, int]] = []
+    restored: list[tuple[int, int]] = []
+    made = backup.back_up(told.url, tmp_path / "backup", lambda done, total: made_of.append((done, total)))
+    backup.restore(target, tmp_path / "backup", lambda done, total: restored.append((done, total)))
+    total = sum(made.rows.values())
+    for reported in (made_of, restored):
+        assert {one for _, one in reported} == {total}
+        assert reported == sorted(reported)
+        assert reported[0][0] == 0
+        assert 0.5 * total <= reported[-1][0] <= total
 
 
 def test_data_are_not_overwritten_unless_told(told: Database, databases: Databases, tmp_path: Path) -> None:

@@ -2,11 +2,11 @@
 
 import io
 import zlib
-from dataclasses import replace
 
 import msgspec
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from estimator.fit.validation.channel_sensitivity import ChannelEffects
 from storage.encoding import channel_effects

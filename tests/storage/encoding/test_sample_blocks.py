@@ -3,13 +3,13 @@
 import struct
 import zlib
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
+from msgspec.structs import replace
 
 from benchmarks.disk import noisy
 from estimator.phasors.channel_status import ChannelStatus

@@ -2,10 +2,10 @@
 
 import math
 import sys
-from dataclasses import replace
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 from numpy.testing import assert_allclose
 
 from estimator.arrays import Floats

@@ -1,8 +1,7 @@
 """Phasors with derivatives that a fit remembers, beside those computed anew; excitations and bends against differences."""
 
-from dataclasses import replace
-
 import numpy as np
+from msgspec.structs import replace
 
 from estimator.fit.optimisation.maximum_likelihood import bend
 from estimator.fit.problem.coordinates import Coordinates

@@ -1,11 +1,11 @@
 """Tests how large a machine document may be where it enters, and that one that is stored already is read all the same."""
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from benchmarks.estimator.large_trains import large_train
 from estimator.fit.fit_samples import LARGEST_SAMPLE_COUNT, most_samples

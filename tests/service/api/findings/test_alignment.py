@@ -1,10 +1,10 @@
 """Alignment over HTTP: what is told by itself, and its change against the baseline, as the estimator computes them."""
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 
 from estimator.alignment.alignment_change import alignment_change_quantities
 from estimator.alignment.tolerance import allowed_alignment

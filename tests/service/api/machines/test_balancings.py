@@ -1,11 +1,11 @@
 """Field balancing over the API, on stored runs of the dense model: begun, tried, proposed, checked; what it refuses."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 from typing import Any, cast
 
 import numpy as np
 import pytest
+from msgspec.structs import replace
 from sqlalchemy.pool import QueuePool
 
 from estimator.machine.document import parse_machine

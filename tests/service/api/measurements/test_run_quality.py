@@ -1,10 +1,9 @@
 """Quality of runs through the worker, the store and the API; the measured run-up that rings among them."""
 
-from dataclasses import replace
-
 import httpx
 import numpy as np
 import pytest
+from msgspec.structs import replace
 from sqlalchemy.orm import Session
 
 from estimator.fit.identification import Options

@@ -1,8 +1,7 @@
 """Estimates in a table: no power of ten before a percent sign, and no unit of what has none."""
 
-from dataclasses import replace
-
 import pytest
+from msgspec.structs import replace
 
 import rotorundown as rd
 from service.commands.results.identification_report import identification_text
