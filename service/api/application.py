@@ -13,12 +13,14 @@ from rotorundown.environment.release import VERSION
 from service.advice.site_texts import SiteTexts
 from service.api.alerts.event_stream import Broadcaster
 from service.api.alerts.event_stream import router as event_stream
+from service.api.alerts.rendering import WordedAlerts
 from service.api.alerts.routes import lists as alert_lists
 from service.api.alerts.routes import router as alerts
 from service.api.alerts.subscriptions import SendTest
 from service.api.alerts.subscriptions import router as subscriptions
 from service.api.alerts.suppressions import router as suppressions
 from service.api.cache.computed_cache import ComputedCache
+from service.api.cache.known_requests import AnsweredAtOnce
 from service.api.cache.model_process import ModelProcess
 from service.api.cache.response_cache import ResponseCache
 from service.api.conventions.changes_in_turn import HeldPlaces, wait_for_turn
@@ -178,6 +180,7 @@ def application(
     app.state.report_cache = ComputedCache(another_thread, entries=REPORTS)
     app.state.report_process = ReportProcess()
     app.state.response_cache = ResponseCache(database)
+    app.state.worded_alerts = WordedAlerts()
     app.state.run_vectors = KeptVectors()
     app.state.histories = HistoryCache(database, baseline_runs=baseline_runs)
     app.state.baseline_runs = baseline_runs
@@ -190,6 +193,7 @@ def application(
     app.add_middleware(HeldPlaces)
     app.add_middleware(BodyLimit)
     app.add_middleware(Compression)
+    app.add_middleware(AnsweredAtOnce, cached=app.state.response_cache.current)
     app.add_middleware(ConditionalGet)
     _guard(app, database, security or Security())
     app.add_middleware(HeadRequests)  # around the guard, which knows each operation by its own method
