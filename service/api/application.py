@@ -189,17 +189,22 @@ def application(
     app.state.delivery_networks = delivery_networks
     app.state.broadcaster = Broadcaster(database, app.state.texts)
     add_handlers(app, LISTED)
+    _handle_answers(app, database)
+    _guard(app, database, security or Security())
+    app.add_middleware(HeadRequests)  # around the guard, which knows each operation by its own method
+    app.add_middleware(Beginnings, at_once={f"{PREFIX}/alive"})
+    app.openapi = lambda: described(app)  # type: ignore[method-assign]
+    return app
+
+
+def _handle_answers(app: FastAPI, database: Database) -> None:
+    """Install what stands between the guard and the routes."""
     app.add_middleware(Idempotency, database=database, sealing=app.state.secrets.sealing)
     app.add_middleware(HeldPlaces)
     app.add_middleware(BodyLimit)
     app.add_middleware(Compression)
     app.add_middleware(AnsweredAtOnce, cached=app.state.response_cache.current)
     app.add_middleware(ConditionalGet)
-    _guard(app, database, security or Security())
-    app.add_middleware(HeadRequests)  # around the guard, which knows each operation by its own method
-    app.add_middleware(Beginnings, at_once={f"{PREFIX}/alive"})
-    app.openapi = lambda: described(app)  # type: ignore[method-assign]
-    return app
 
 
 def _bare() -> FastAPI:

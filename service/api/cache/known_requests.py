@@ -18,7 +18,7 @@ LONGEST_BYTES = 1000
 CHOOSING = frozenset({b"accept", b"accept-encoding", b"accept-language"})
 """Headers by which a client chooses the form of a response."""
 
-Asked = tuple[str, bytes, str | None, bool, Hashable, frozenset[str] | None]
+ResponseKey = tuple[str, bytes, str | None, bool, Hashable, frozenset[str] | None]
 """Key of a response: path, query, Accept header, whether it is compressed, what else it depends on, the client's plants."""
 AsItCame = tuple[str, bytes, tuple[tuple[bytes, bytes], ...], frozenset[str] | None]
 """A request: path, query, the headers by which it chooses, and the plants of who asks."""
@@ -32,14 +32,14 @@ class CachedRequest:
     time from which on the same request asks for something else [s].
     """
 
-    asked: Asked
+    asked: ResponseKey
     tables: tuple[str, ...]
     lately: tuple[str, ...]
     until: float = math.inf
 
 
 class KnownRequests:
-    """What requests ask for, by how they came: those that were answered once, the newest of them."""
+    """Requests that were answered, by how they came, and what they ask for; the newest are kept."""
 
     def __init__(self) -> None:
         self._known: OrderedDict[AsItCame, CachedRequest] = OrderedDict()

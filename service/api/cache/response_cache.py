@@ -19,7 +19,7 @@ from fastapi import Depends, Request, Response
 from fastapi.concurrency import run_in_threadpool
 from starlette.types import Scope
 
-from service.api.cache.known_requests import Asked, CachedRequest, KnownRequests
+from service.api.cache.known_requests import CachedRequest, KnownRequests, ResponseKey
 from service.api.conventions.dependencies import principal
 from service.http.compression import COMPRESSED_TYPES, LEAST_COMPRESSED, compressed, takes_gzip
 from storage.database.change_counts import Changes
@@ -29,7 +29,7 @@ THREADS = 2
 """Threads that compute responses: the work is bound by the processor, and more threads would slow each other down."""
 MAXIMUM_CACHE_BYTES = 64 * 1024 * 1024
 ENTRY_BYTES = 3000
-"""What an entry takes besides its body and the words of its key [B]: addresses answered by an empty list have no end."""
+"""Memory of an entry besides its body and its key [B]: addresses that are answered by an empty list have no end."""
 LATELY_S = 0.5
 """Largest age of those parts of a response that change with every sample [s]."""
 AHEAD_S = 0.25
@@ -62,7 +62,7 @@ class ResponseCache:
 
     def __init__(self, database: Database) -> None:
         self._changes = Changes(database)
-        self._entries: OrderedDict[Asked, _CachedResponse] = OrderedDict()
+        self._entries: OrderedDict[ResponseKey, _CachedResponse] = OrderedDict()
         self._bytes = 0
         self._known = KnownRequests()
         self._threads: CapacityLimiter | None = None
@@ -91,7 +91,7 @@ class ResponseCache:
         """
         zipped = takes_gzip(request.headers.get("accept-encoding", ""))
         path, query = request.scope["path"], request.scope["query_string"]
-        asked: Asked = (path, query, request.headers.get("accept"), zipped, apart, principal(request).plants)
+        asked: ResponseKey = (path, query, request.headers.get("accept"), zipped, apart, principal(request).plants)
         until = time.monotonic() + apart_for_s
         self._known.learn(request.scope, CachedRequest(asked, tuple(tables), tuple(lately), until))
         mark = await self._mark(tables)
@@ -136,7 +136,7 @@ class ResponseCache:
         return self._changes.mark(tables)
 
     def _begin(
-        self, asked: Asked, mark: Hashable, lately: Sequence[str], make: Callable[[], Response], *, zipped: bool
+        self, asked: ResponseKey, mark: Hashable, lately: Sequence[str], make: Callable[[], Response], *, zipped: bool
     ) -> "asyncio.Task[_CachedResponse]":
         """Start to compute a response, or return the task that already does."""
         task = self._under_way.get((asked, mark))
@@ -147,7 +147,7 @@ class ResponseCache:
         return task
 
     async def _compute_shared(
-        self, asked: Asked, mark: Hashable, lately: Sequence[str], make: Callable[[], Response], *, zipped: bool
+        self, asked: ResponseKey, mark: Hashable, lately: Sequence[str], make: Callable[[], Response], *, zipped: bool
     ) -> _CachedResponse:
         try:
             kept = await self._compute_in_thread(make, mark, await self._mark(lately) if lately else None, zipped=zipped)
@@ -156,7 +156,7 @@ class ResponseCache:
         finally:
             del self._under_way[asked, mark]
 
-    def _store(self, asked: Asked, kept: _CachedResponse) -> None:
+    def _store(self, asked: ResponseKey, kept: _CachedResponse) -> None:
         if len(kept.body) > LARGEST_KEPT_BYTES:
             return
         earlier = self._entries.pop(asked, None)
@@ -166,7 +166,7 @@ class ResponseCache:
             self._bytes -= _taken(*self._entries.popitem(last=False))
 
 
-def _taken(asked: Asked, kept: _CachedResponse) -> int:
+def _taken(asked: ResponseKey, kept: _CachedResponse) -> int:
     """Return the memory that an entry takes [B]."""
     return ENTRY_BYTES + sum(len(one) for one in asked[:3] if one is not None) + len(kept.body)
 

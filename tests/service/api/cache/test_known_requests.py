@@ -7,14 +7,14 @@ import pytest
 from fastapi import Request, Response
 
 from service.api.cache import known_requests, response_cache
-from service.api.cache.known_requests import Asked, CachedRequest, KnownRequests
+from service.api.cache.known_requests import CachedRequest, KnownRequests, ResponseKey
 from service.api.cache.response_cache import ResponseCache
 from service.security.principal import OPEN, Principal
 from service.security.role import Role
 from storage.database.engine import Database
 from tests.service.api.cache.test_response_cache import TABLES, Counted, asked, create
 
-ASKED: Asked = ("/x", b"", None, False, None, None)
+ASKED: ResponseKey = ("/x", b"", None, False, None, None)
 
 
 def of_plants(request: Request, *plants: str) -> Request:
