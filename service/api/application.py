@@ -13,12 +13,14 @@ from rotorundown.environment.release import VERSION
 from service.advice.site_texts import SiteTexts
 from service.api.alerts.event_stream import Broadcaster
 from service.api.alerts.event_stream import router as event_stream
+from service.api.alerts.rendering import WordedAlerts
 from service.api.alerts.routes import lists as alert_lists
 from service.api.alerts.routes import router as alerts
 from service.api.alerts.subscriptions import SendTest
 from service.api.alerts.subscriptions import router as subscriptions
 from service.api.alerts.suppressions import router as suppressions
 from service.api.cache.computed_cache import ComputedCache
+from service.api.cache.known_requests import AnsweredAtOnce
 from service.api.cache.model_process import ModelProcess
 from service.api.cache.response_cache import ResponseCache
 from service.api.conventions.changes_in_turn import HeldPlaces, wait_for_turn
@@ -178,6 +180,7 @@ def application(
     app.state.report_cache = ComputedCache(another_thread, entries=REPORTS)
     app.state.report_process = ReportProcess()
     app.state.response_cache = ResponseCache(database)
+    app.state.worded_alerts = WordedAlerts()
     app.state.run_vectors = KeptVectors()
     app.state.histories = HistoryCache(database, baseline_runs=baseline_runs)
     app.state.baseline_runs = baseline_runs
@@ -186,16 +189,22 @@ def application(
     app.state.delivery_networks = delivery_networks
     app.state.broadcaster = Broadcaster(database, app.state.texts)
     add_handlers(app, LISTED)
-    app.add_middleware(Idempotency, database=database, sealing=app.state.secrets.sealing)
-    app.add_middleware(HeldPlaces)
-    app.add_middleware(BodyLimit)
-    app.add_middleware(Compression)
-    app.add_middleware(ConditionalGet)
+    _handle_answers(app, database)
     _guard(app, database, security or Security())
     app.add_middleware(HeadRequests)  # around the guard, which knows each operation by its own method
     app.add_middleware(Beginnings, at_once={f"{PREFIX}/alive"})
     app.openapi = lambda: described(app)  # type: ignore[method-assign]
     return app
+
+
+def _handle_answers(app: FastAPI, database: Database) -> None:
+    """Install what stands between the guard and the routes."""
+    app.add_middleware(Idempotency, database=database, sealing=app.state.secrets.sealing)
+    app.add_middleware(HeldPlaces)
+    app.add_middleware(BodyLimit)
+    app.add_middleware(Compression)
+    app.add_middleware(AnsweredAtOnce, cached=app.state.response_cache.current)
+    app.add_middleware(ConditionalGet)
 
 
 def _bare() -> FastAPI:

@@ -87,7 +87,7 @@ async def list_machine_alerts(
 def _listed(request: Request, session: Session, paging: Paging, *, machine_id: str | None, only_open: bool) -> Response:
     texts = _texts(request)
     rows = alerts.find(session, machine_id=machine_id, only_open=only_open, limit=paging.wanted, after=paging.after)
-    response = paging.json([rendering.alert_json(row, texts) for row in paging.page(rows, _place)])
+    response = paging.json(_worded(request).all(paging.page(rows, _place), texts))
     vary_by_language(request, response)
     return response
 
@@ -170,6 +170,10 @@ def _last_event_text(session: Session, row: AlertRow) -> str:
 def _texts(request: Request) -> SiteTexts:
     """Return the texts in the language of who asks."""
     return cast(SiteTexts, request.app.state.texts).in_language(reader_language(request))
+
+
+def _worded(request: Request) -> rendering.WordedAlerts:
+    return cast(rendering.WordedAlerts, request.app.state.worded_alerts)
 
 
 def _place(row: ListedAlert) -> Keys:

@@ -6,6 +6,7 @@ computation.
 """
 
 import asyncio
+import math
 import time
 from collections import OrderedDict
 from collections.abc import Callable, Hashable, Sequence
@@ -16,7 +17,9 @@ from anyio import CapacityLimiter
 from anyio.to_thread import run_sync
 from fastapi import Depends, Request, Response
 from fastapi.concurrency import run_in_threadpool
+from starlette.types import Scope
 
+from service.api.cache.known_requests import CachedRequest, KnownRequests, ResponseKey
 from service.api.conventions.dependencies import principal
 from service.http.compression import COMPRESSED_TYPES, LEAST_COMPRESSED, compressed, takes_gzip
 from storage.database.change_counts import Changes
@@ -25,6 +28,8 @@ from storage.database.engine import Database
 THREADS = 2
 """Threads that compute responses: the work is bound by the processor, and more threads would slow each other down."""
 MAXIMUM_CACHE_BYTES = 64 * 1024 * 1024
+ENTRY_BYTES = 3000
+"""Memory of an entry besides its body and its key [B]: addresses that are answered by an empty list have no end."""
 LATELY_S = 0.5
 """Largest age of those parts of a response that change with every sample [s]."""
 AHEAD_S = 0.25
@@ -57,8 +62,9 @@ class ResponseCache:
 
     def __init__(self, database: Database) -> None:
         self._changes = Changes(database)
-        self._entries: OrderedDict[Hashable, _CachedResponse] = OrderedDict()
+        self._entries: OrderedDict[ResponseKey, _CachedResponse] = OrderedDict()
         self._bytes = 0
+        self._known = KnownRequests()
         self._threads: CapacityLimiter | None = None
         self._under_way: dict[Hashable, asyncio.Task[_CachedResponse]] = {}
 
@@ -75,15 +81,19 @@ class ResponseCache:
         *,
         lately: Sequence[str] = (),
         apart: Hashable = None,
+        apart_for_s: float = math.inf,
     ) -> Response:
         """Return the response of `make`, from the cache unless something was committed to the tables that it reads.
 
         lately: further tables that it reads; commits to them may be LATELY_S behind. apart: what the response depends on
-        besides the address, the Accept header and the plants of the client. Raises what `make` raises.
+        besides the address, the Accept header and the plants of the client: it follows from these and Accept-Language, for
+        apart_for_s [s] from now. Raises what `make` raises.
         """
         zipped = takes_gzip(request.headers.get("accept-encoding", ""))
         path, query = request.scope["path"], request.scope["query_string"]
-        asked = (path, query, request.headers.get("accept"), zipped, apart, principal(request).plants)
+        asked: ResponseKey = (path, query, request.headers.get("accept"), zipped, apart, principal(request).plants)
+        until = time.monotonic() + apart_for_s
+        self._known.learn(request.scope, CachedRequest(asked, tuple(tables), tuple(lately), until))
         mark = await self._mark(tables)
         kept = self._entries.get(asked)
         if kept is not None and mark is not None and kept.mark == mark and await self._is_late_enough(kept, lately):
@@ -95,6 +105,18 @@ class ResponseCache:
             return (await self._compute_in_thread(make, mark, None, zipped=zipped)).response()
         # Shielded: who goes away does not take the answer from the others.
         return (await asyncio.shield(self._begin(asked, mark, lately, make, zipped=zipped))).response()
+
+    def current(self, scope: Scope) -> Response | None:
+        """Return the cached response to a request that was answered before; None where it must be made or looked at anew."""
+        known = None if self._changes.waits else self._known.find(scope)
+        kept = None if known is None else self._entries.get(known.asked)
+        if known is None or kept is None or kept.mark is None or kept.mark != self._changes.mark(known.tables):
+            return None
+        late = known.lately and time.monotonic() > kept.begun + AHEAD_S
+        if late and (kept.lately is None or kept.lately != self._changes.mark(known.lately)):
+            return None
+        self._entries.move_to_end(known.asked)
+        return kept.response()
 
     async def _is_late_enough(self, kept: _CachedResponse, lately: Sequence[str]) -> bool:
         if not lately or time.monotonic() < kept.begun + LATELY_S:
@@ -114,7 +136,7 @@ class ResponseCache:
         return self._changes.mark(tables)
 
     def _begin(
-        self, asked: Hashable, mark: Hashable, lately: Sequence[str], make: Callable[[], Response], *, zipped: bool
+        self, asked: ResponseKey, mark: Hashable, lately: Sequence[str], make: Callable[[], Response], *, zipped: bool
     ) -> "asyncio.Task[_CachedResponse]":
         """Start to compute a response, or return the task that already does."""
         task = self._under_way.get((asked, mark))
@@ -125,7 +147,7 @@ class ResponseCache:
         return task
 
     async def _compute_shared(
-        self, asked: Hashable, mark: Hashable, lately: Sequence[str], make: Callable[[], Response], *, zipped: bool
+        self, asked: ResponseKey, mark: Hashable, lately: Sequence[str], make: Callable[[], Response], *, zipped: bool
     ) -> _CachedResponse:
         try:
             kept = await self._compute_in_thread(make, mark, await self._mark(lately) if lately else None, zipped=zipped)
@@ -134,14 +156,19 @@ class ResponseCache:
         finally:
             del self._under_way[asked, mark]
 
-    def _store(self, asked: Hashable, kept: _CachedResponse) -> None:
+    def _store(self, asked: ResponseKey, kept: _CachedResponse) -> None:
         if len(kept.body) > LARGEST_KEPT_BYTES:
             return
         earlier = self._entries.pop(asked, None)
-        self._bytes += len(kept.body) - (0 if earlier is None else len(earlier.body))
+        self._bytes += _taken(asked, kept) - (0 if earlier is None else _taken(asked, earlier))
         self._entries[asked] = kept
         while self._bytes > MAXIMUM_CACHE_BYTES:
-            self._bytes -= len(self._entries.popitem(last=False)[1].body)
+            self._bytes -= _taken(*self._entries.popitem(last=False))
+
+
+def _taken(asked: ResponseKey, kept: _CachedResponse) -> int:
+    """Return the memory that an entry takes [B]."""
+    return ENTRY_BYTES + sum(len(one) for one in asked[:3] if one is not None) + len(kept.body)
 
 
 def _ignore_error(task: "asyncio.Task[_CachedResponse]") -> None:

@@ -44,7 +44,7 @@ class Paging:
         self.response.headers["Link"] = f'<{following.path}?{following.query}>; rel="next"'
         return shown
 
-    def json(self, answer: Sequence[Mapping[str, Any]] | Mapping[str, Any]) -> Response:
+    def json(self, answer: Sequence[Mapping[str, Any] | msgspec.Raw] | Mapping[str, Any]) -> Response:
         """Return a response with many rows, encoded without validating each: null for NaN, RFC 3339 times."""
         return Response(msgspec.json.encode(answer), media_type="application/json", headers=dict(self.response.headers))
 

@@ -1,5 +1,6 @@
 """Serves the overview of all machines."""
 
+import math
 from datetime import datetime, timedelta
 from typing import Annotated
 
@@ -21,7 +22,8 @@ from storage.machines import fleet
 
 router = APIRouter(tags=["machines"], responses=RESPONSES, dependencies=[VIEWER])
 
-A_MINUTE = 60 * 1_000_000_000
+A_SECOND = 1_000_000_000
+A_MINUTE = 60 * A_SECOND
 A_DAY = int(timedelta(days=1).total_seconds()) * 1_000_000_000
 
 
@@ -105,7 +107,8 @@ async def read_fleet(
 
     Speeds, states and progress may be half a second behind what is stored, `refused` a minute; everything else is current.
     """
-    begin = (now() - A_DAY) // A_MINUTE * A_MINUTE if since is None else instant(since)
+    asked_at = now()
+    begin = (asked_at - A_DAY) // A_MINUTE * A_MINUTE if since is None else instant(since)
     known: MachineList = request.app.state.machine_list
     overview: Overview = request.app.state.overview
 
@@ -114,4 +117,5 @@ async def read_fleet(
             machines = paging.page(known.page(session, limit=paging.wanted, after=paging.after), lambda one: (one.id,))
             return paging.json({"since": to_datetime(begin), "machines": overview.rows(session, machines, since=begin)})
 
-    return await cache.answer(request, fleet.TABLES, read, lately=("collectors",), apart=begin)
+    same_for_s = math.inf if since is not None else (begin + A_DAY + A_MINUTE - asked_at) / A_SECOND
+    return await cache.answer(request, fleet.TABLES, read, lately=("collectors",), apart=begin, apart_for_s=same_for_s)
