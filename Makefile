@@ -7,6 +7,8 @@ DEMO_ARGS ?=
 PROCESSES ?= 3
 # A file of tests stays in one process; files begin in the order of tests/conftest.py, not the one with most tests first.
 IN_PARALLEL := --dist loadfile --no-loadscope-reorder
+# Folders of short tests lie in memory where there is room [kB]: their stores wait for no disk. The long ones keep the disk.
+IN_MEMORY := $(shell [ -w /dev/shm ] && [ "$$(df -Pk /dev/shm | awk 'NR == 2 {print $$4}')" -ge 8000000 ] && echo /dev/shm)
 # Wherever Python may: else every process of every run would work out the tests' assertions anew, 10 s each.
 export PYTHONDONTWRITEBYTECODE =
 # Small matrices: more BLAS threads only get in each other's way.
@@ -32,7 +34,7 @@ compiled: $(VENV)/.installed
 	$(BIN)/python -m compileall -q -j 0 estimator formats rotorundown service storage tests benchmarks
 
 test: lint compiled
-	$(BIN)/pytest -n $(PROCESSES) $(IN_PARALLEL) -m 'not long' --ignore tests/browser
+	PYTEST_DEBUG_TEMPROOT=$(IN_MEMORY) $(BIN)/pytest -n $(PROCESSES) $(IN_PARALLEL) -m 'not long' --ignore tests/browser
 
 test-browser: compiled ## the page in a real browser, which needs chromium
 	$(BIN)/pytest -n $(PROCESSES) $(IN_PARALLEL) tests/browser
@@ -42,7 +44,7 @@ test-long: compiled ## what takes minutes: real processes killed, parted and fed
 
 # tests/storage is run on both kinds of database by `make test` already.
 test-postgresql: compiled ## what uses a database once more, on a PostgreSQL server that the tests start
-	RUNDOWN_TEST_DATABASE=postgresql $(BIN)/pytest -n $(PROCESSES) $(IN_PARALLEL) -m 'not long' tests/service tests/end_to_end/test_main_job.py
+	PYTEST_DEBUG_TEMPROOT=$(IN_MEMORY) RUNDOWN_TEST_DATABASE=postgresql $(BIN)/pytest -n $(PROCESSES) $(IN_PARALLEL) -m 'not long' tests/service tests/end_to_end/test_main_job.py
 
 audit: $(VENV)/.installed ## known vulnerabilities of what is installed; says so where the advisories cannot be had
 	$(BIN)/python -m benchmarks.dependency_audit

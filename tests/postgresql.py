@@ -24,8 +24,12 @@ from sqlalchemy import make_url
 from tests.ports import free_port
 
 START_TIMEOUT_S = 30.0
-FAST = ("fsync=off", "full_page_writes=off", "synchronous_commit=off")
+FAST = ("fsync=off", "full_page_writes=off", "synchronous_commit=off", "max_wal_size=128MB")
 """Settings of a server whose data nobody needs after a crash."""
+MEMORY = Path("/dev/shm")
+"""Files that lie in memory, on Linux: a database, hundreds of files, is made there in a fifth of the time."""
+ROOM_BYTES = 4 * 2**30
+"""Room there from which a server may take its own; containers have 64 MB."""
 
 
 class Server:
@@ -118,7 +122,7 @@ def server(*settings: str) -> Iterator[Server]:
             pytest.fail("PostgreSQL is not installed; .ci/run installs it")
         pytest.skip("PostgreSQL is not installed")
     # Not below pytest's own folders, into which no other user may look.
-    folder = Path(tempfile.mkdtemp(prefix="rundown-postgresql-"))
+    folder = Path(tempfile.mkdtemp(prefix="rundown-postgresql-", dir=_in_memory() if "fsync=off" in settings else None))
     try:
         if (user := _user()) is not None:
             shutil.chown(folder, user)
@@ -151,6 +155,12 @@ def version() -> int:
     """Version of the server's programs."""
     told = subprocess.run([program("postgres"), "--version"], capture_output=True, text=True, check=True).stdout
     return int(re.findall(r"\d+", told)[0])
+
+
+def _in_memory() -> Path | None:
+    if MEMORY.is_dir() and os.access(MEMORY, os.W_OK) and shutil.disk_usage(MEMORY).free >= ROOM_BYTES:
+        return MEMORY
+    return None
 
 
 def _user() -> str | None:

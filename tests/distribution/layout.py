@@ -52,8 +52,12 @@ class Layout:
             self._clients[name] = httpx.Client(base_url=base, timeout=20.0, headers={"if-match": "*"})
         flags = ["--database", database or self.database, "--port", str(self.client(name).base_url.port)]
         arguments = ["serve", "--role", name.rstrip("0123456789"), *flags, "--zenoh-connect", self.endpoint]
-        module = ["service"] if clock is None else ["tests.faults.shifted_clock", str(clock)]
-        self._begin(name, python(self.folder / f"{name}.log", "-m", *module, *arguments, **self._environment))
+        log = self.folder / f"{name}.log"
+        if clock is None:
+            self._begin(name, process(log, *arguments, **self._environment))
+        else:
+            shifted = ["-m", "tests.faults.shifted_clock", str(clock), *arguments]
+            self._begin(name, python(log, *shifted, **self._environment))
 
     def start_ready(self, *names: str) -> None:
         """Begin replicas and wait until they are ready."""

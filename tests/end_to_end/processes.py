@@ -17,6 +17,7 @@ import httpx
 import yaml
 
 from tests.end_to_end.alive import probing_if_asked
+from tests.end_to_end.prepared import PreparedProcess
 from tests.ports import free_port
 
 ROOT = Path(__file__).parents[2]
@@ -36,9 +37,13 @@ def rundown(*arguments: str, timeout: float = 60.0, **environment: str) -> subpr
     return subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False, env=around)
 
 
-def process(log: Path, *arguments: str, **environment: str) -> AbstractContextManager[subprocess.Popen[bytes]]:
+@contextlib.contextmanager
+def process(log: Path, *arguments: str, **environment: str) -> Iterator[subprocess.Popen[bytes]]:
     """A command of Rundown in the background, ended by its process id at the end."""
-    return python(log, "-m", "service", *arguments, **environment)
+    with log.open("ab") as output:
+        started = PreparedProcess(arguments, output, os.environ | environment)
+    with _ended_at_last(started):
+        yield started
 
 
 @contextlib.contextmanager
@@ -52,17 +57,23 @@ def python(log: Path, *arguments: str, **environment: str) -> Iterator[subproces
             stdin=subprocess.DEVNULL,
             env=os.environ | environment,
         )
+    with _ended_at_last(started):
+        yield started
+
+
+@contextlib.contextmanager
+def _ended_at_last(started: subprocess.Popen[bytes]) -> Iterator[None]:
+    try:
+        yield
+    finally:
+        if started.poll() is None:
+            started.send_signal(signal.SIGTERM)
         try:
-            yield started
-        finally:
-            if started.poll() is None:
-                started.send_signal(signal.SIGTERM)
-            try:
-                started.wait(STOP_TIMEOUT_S)
-            except subprocess.TimeoutExpired:
-                started.kill()
-                started.wait()
-                raise
+            started.wait(STOP_TIMEOUT_S)
+        except subprocess.TimeoutExpired:
+            started.kill()
+            started.wait()
+            raise
 
 
 def until(look: Callable[[], T | None], *, within_s: float, what: str) -> T:
