@@ -1,4 +1,4 @@
-"""What pyproject.toml cannot say: the machines of `examples/` go into the wheel as `rotorundown/examples/`."""
+"""What pyproject.toml cannot say: machines and recordings of `examples/` go into the wheel as `rotorundown/examples/`."""
 
 from pathlib import Path
 
@@ -27,7 +27,8 @@ class BuildWithExamples(build_py):
         return outputs if self.editable_mode else [*outputs, *map(str, self._examples().values())]
 
     def _examples(self) -> dict[Path, Path]:
-        return {file: Path(self.build_lib) / PLACE / file.name for file in sorted(EXAMPLES.glob("*.yaml"))}
+        files = [*EXAMPLES.glob("*.yaml"), *EXAMPLES.glob("recordings/*")]
+        return {file: Path(self.build_lib) / PLACE / file.relative_to(EXAMPLES) for file in sorted(files)}
 
 
 setup(cmdclass={"build_py": BuildWithExamples})

@@ -15,6 +15,7 @@ from formats.recordings.recorded_runs import read_calibration_runs
 from formats.wire import Rejected
 from rotorundown.calibration_summary import calibration_text
 from rotorundown.environment.blas_threads import one_blas_thread
+from rotorundown.environment.example_machines import found_example
 from rotorundown.notebook_text import notebook_text
 
 LINE_WIDTH = 120
@@ -88,7 +89,7 @@ def calibrate(machine: Machine, files: Sequence[str | Path], *, seed: int = 0) -
     if isinstance(files, str | Path):
         raise NotCalibrated(f"files is one path, {files}: give a list of the recordings with and without weights")
     try:
-        runs, left_out = read_calibration_runs(machine, [Path(file) for file in files])
+        runs, left_out = read_calibration_runs(machine, [found_example(Path(file)) for file in files])
         with one_blas_thread():
             found = calibrate_runs(machine, runs, seed=seed)
             return CalibratedMachine(with_named_senses(machine, runs, found, seed=seed), tuple(left_out))

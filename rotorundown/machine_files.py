@@ -9,7 +9,7 @@ from estimator.machine.checks.document_size import accepted_machine
 from estimator.machine.document import DocumentError, Machine
 from formats.files.document_files import UnreadableFile
 from formats.files.document_files import read_machine as read_machine_file
-from rotorundown.environment.example_machines import examples_folder
+from rotorundown.environment.example_machines import found_example
 
 
 class WrongMachine(Invalid):
@@ -36,14 +36,8 @@ def read_machine(source: str | Path | Mapping[str, Any] | Machine) -> Machine:
     try:
         if isinstance(source, Mapping):
             return accepted_machine(dict(source))
-        return read_machine_file(_of_example(Path(source)))
+        return read_machine_file(found_example(Path(source)))
     except UnreadableFile as error:
         raise WrongMachine(str(error)) from None
     except DocumentError as error:
         raise WrongMachine(f"this is not a machine document:{error.listed}") from None
-
-
-def _of_example(path: Path) -> Path:
-    """Return the path, or that of the library's own example of this name where no file has it."""
-    example = examples_folder() / path.name
-    return example if path.parent == Path("examples") and not path.exists() and example.is_file() else path

@@ -25,6 +25,7 @@ from estimator.units import (
 from formats.files.document_files import UnreadableFile
 from formats.recordings.sidecar_place import sidecar_of
 from formats.wire import Rejected
+from rotorundown.environment.example_machines import found_example
 from rotorundown.environment.optional_packages import optional_package
 from rotorundown.run_tables import RunTable, TableUnits, WrongRun, read_csv_table
 
@@ -145,7 +146,7 @@ def read_run(
     units = TableUnits(speed_unit, amplitude_unit, amplitude_kind, phase_convention, phase_unit)
     if not isinstance(source, str | Path):
         return _run_of_table(RunTable.of(source), "run", machine, units)
-    path = Path(source)
+    path = found_example(Path(source))
     if path.is_dir():
         raise WrongRun(f"{path} is a folder: name a file of it")
     beside = sidecar_of(path) if sidecar is None else Path(sidecar)

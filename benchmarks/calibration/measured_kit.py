@@ -13,7 +13,7 @@ from estimator.balancing.measured_influence import measure_influence
 from estimator.balancing.trial_runs import TrialRuns
 from estimator.fit.estimates import CONFIDENCE_95
 
-DATA = Path(__file__).resolve().parents[2] / "tests" / "data" / "rk4_unbalance_1x.csv"
+DATA = Path(__file__).resolve().parents[2] / "examples" / "recordings" / "rk4_unbalance_1x.csv"
 CHANNELS = ("p1x", "p1y", "p2x", "p2y")
 SPEEDS = ("N1", "N2")
 FOLDS = 5

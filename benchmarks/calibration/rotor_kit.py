@@ -21,7 +21,7 @@ from formats.recordings.recorded_runs import read_calibration_runs
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCUMENT = ROOT / "examples" / "rk4-rotor-kit-four-probes.yaml"
-RUNS = ROOT / "tests" / "data" / "rk4_unbalance_1x.csv"
+RUNS = ROOT / "examples" / "recordings" / "rk4_unbalance_1x.csv"
 FOLDS = 5
 LARGE = 24e-6
 """Unbalance from which on its angle is judged [kg m]."""

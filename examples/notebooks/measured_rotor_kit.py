@@ -10,7 +10,7 @@
 import rotorundown as rd
 
 kit = rd.read_machine("examples/rk4-rotor-kit-four-probes.yaml")
-calibrated = rd.calibrate(kit, ["tests/data/rk4_unbalance_1x.csv"])
+calibrated = rd.calibrate(kit, ["examples/recordings/rk4_unbalance_1x.csv"])
 print(calibrated)
 
 # %% [markdown]

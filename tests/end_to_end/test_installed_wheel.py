@@ -44,6 +44,7 @@ def test_the_wheel_holds_packages_and_examples_and_nothing_else(wheel: Path) -> 
     assert tops == {"estimator", "storage", "formats", "service", "rotorundown", f"rotorundown-{VERSION}.dist-info"}
     for example in (ROOT / "examples").glob("*.yaml"):
         assert f"rotorundown/examples/{example.name}" in names
+    assert "rotorundown/examples/recordings/rk4_unbalance_1x.csv" in names
     for needed in (
         "service/dashboard/index.html",
         "service/commands/first_machine.yaml",

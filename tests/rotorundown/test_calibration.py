@@ -8,22 +8,22 @@ import yaml
 
 import rotorundown as rd
 from rotorundown.calibration import NotCalibrated
-from tests.paths import DATA, EXAMPLES
+from tests.paths import EXAMPLES
 
 KIT = EXAMPLES / "rk4-rotor-kit-four-probes.yaml"
 
 
 @pytest.fixture(scope="module")
 def calibrated() -> rd.CalibratedMachine:
-    return rd.calibrate(rd.read_machine(KIT), [DATA / "rk4_unbalance_1x.csv"])
+    return rd.calibrate(rd.read_machine(KIT), [EXAMPLES / "recordings" / "rk4_unbalance_1x.csv"])
 
 
 def without_stated_weights(folder: Path, condition: str) -> rd.MachineRun:
     """The kit's records of one condition, whose weights nobody states."""
-    header, *rows = (DATA / "rk4_unbalance_1x.csv").read_text().splitlines()
+    header, *rows = (EXAMPLES / "recordings" / "rk4_unbalance_1x.csv").read_text().splitlines()
     file = folder / "later.csv"
     file.write_text("\n".join([header, *(row for row in rows if row.startswith(f"{condition},"))]))
-    said = yaml.safe_load((DATA / "rk4_unbalance_1x.yaml").read_text())
+    said = yaml.safe_load((EXAMPLES / "recordings" / "rk4_unbalance_1x.yaml").read_text())
     del said["added_unbalance"]
     file.with_suffix(".yaml").write_text(yaml.safe_dump(said))
     return rd.read_run(file, machine=rd.read_machine(KIT))

@@ -10,7 +10,7 @@ import pytest
 import yaml
 
 import rotorundown
-from rotorundown.environment.example_machines import examples_folder
+from rotorundown.environment.example_machines import examples_folder, found_example
 from rotorundown.environment.release import VERSION
 from tests.paths import ROOT
 
@@ -51,6 +51,7 @@ def test_the_examples_are_read_from_anywhere(tmp_path: Path, monkeypatch: pytest
     assert rotorundown.read_machine("examples/motor-pump.yaml").id == "motor-pump"
     with pytest.raises(ValueError, match="No such file"):
         rotorundown.read_machine("examples/pump.yaml")
+    assert found_example(Path("examples/recordings/rk4_unbalance_1x.csv")).with_suffix(".yaml").is_file()
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 from formats.files.document_files import read_machine
-from tests.paths import DATA, EXAMPLES
+from tests.paths import EXAMPLES
 from tests.service.commands.command_line import run
 
 DOCUMENT = str(EXAMPLES / "rk4-rotor-kit-four-probes.yaml")
@@ -17,13 +17,13 @@ HELD = "A005"
 
 def recording(folder: Path, name: str, *, held: bool, **sidecar: Any) -> str:
     """Write the measured kit's records without one condition, or those of that condition alone; None takes a field away."""
-    with (DATA / "rk4_unbalance_1x.csv").open(newline="") as file:
+    with (EXAMPLES / "recordings" / "rk4_unbalance_1x.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     with (folder / f"{name}.csv").open("w", newline="") as file:
         writer = csv.DictWriter(file, fieldnames=list(rows[0]))
         writer.writeheader()
         writer.writerows(row for row in rows if (row["condition"] == HELD) is held)
-    said = yaml.safe_load((DATA / "rk4_unbalance_1x.yaml").read_text()) | sidecar
+    said = yaml.safe_load((EXAMPLES / "recordings" / "rk4_unbalance_1x.yaml").read_text()) | sidecar
     (folder / f"{name}.yaml").write_text(yaml.safe_dump({key: one for key, one in said.items() if one is not None}))
     return str(folder / f"{name}.csv")
 
