@@ -5,7 +5,7 @@ freedom differ by chance; how much more they differ tells how many observations 
 """
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 from scipy.special import digamma, polygamma
 
 from estimator.arrays import Floats
@@ -50,4 +50,4 @@ def _weight_of_the_common(squares: Floats, freedom: Floats) -> float:
         return MOST_WEIGHT
     if beyond >= polygamma(1, LEAST_WEIGHT):
         return LEAST_WEIGHT
-    return float(brentq(lambda weight: polygamma(1, weight) - beyond, LEAST_WEIGHT, MOST_WEIGHT))
+    return float(scipy.optimize.brentq(lambda weight: polygamma(1, weight) - beyond, LEAST_WEIGHT, MOST_WEIGHT))

@@ -176,7 +176,7 @@ def prior_alone_reason(believed: float, unit: str) -> str:
         The reason in words.
     """
     size, said = (1e6 * believed, f"µ{unit}") if unit in {"m", "rad"} else (believed, unit)
-    return f"the data say hardly more of it than what is believed beforehand: ± {size:.2g} {said}"
+    return f"the data say hardly more of it than what is believed beforehand: ± {float(f'{size:.2g}'):g} {said}"
 
 
 def _is_level(parameter: ModelParameter) -> bool:

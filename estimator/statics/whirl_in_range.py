@@ -1,4 +1,4 @@
-"""Whether a train as its document describes it would whirl at a speed that it is watched at.
+"""Tells whether a train as its document describes it would whirl at a speed that it is watched at.
 
 By the eigenvalues at its highest speed; of films, by those at their equilibria (`film_stability`).
 """

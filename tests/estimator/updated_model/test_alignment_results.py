@@ -102,7 +102,7 @@ def test_what_the_run_does_not_determine_is_said() -> None:
     for name in NAMES[1:]:
         assert found[name].value is None
         assert "hardly more of it than what is believed beforehand: ± " in (found[name].reason or "")
-    assert (found["coupling.C1.angle_vertical"].reason or "").endswith(" rad")
+    assert (found["coupling.C1.angle_vertical"].reason or "").endswith(" 220 µrad")
 
 
 def test_names_and_units_are_known_by_the_document_alone() -> None:
