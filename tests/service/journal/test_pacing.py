@@ -50,8 +50,11 @@ def test_pauses_that_take_longer_than_meant_are_fewer(monkeypatch: pytest.Monkey
 
 
 def test_a_transaction_has_less_time_for_pauses_and_the_cycle_keeps_the_rest() -> None:
-    pacing = Pacing()
-    pacing.begin(hurried=False)
-    with pacing.in_transaction():
-        assert paused_s(pacing, 100) < 2 * LONGEST_IN_TRANSACTION_S
-    assert paused_s(pacing, 10) >= 10 * PAUSE_S
+    in_transaction = []
+    for _ in range(5):  # whose thread loses its processor on the way pauses longer than it meant to
+        pacing = Pacing()
+        pacing.begin(hurried=False)
+        with pacing.in_transaction():
+            in_transaction.append(paused_s(pacing, 100))
+        assert paused_s(pacing, 10) >= 10 * PAUSE_S
+    assert min(in_transaction) < 2 * LONGEST_IN_TRANSACTION_S
