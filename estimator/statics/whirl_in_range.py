@@ -3,9 +3,13 @@
 By the eigenvalues at its highest speed; of films, by those at their equilibria (`film_stability`).
 """
 
+import numpy as np
+
 from estimator.machine.document import Machine
 from estimator.machine.film_speeds import follows_films, slowest_rpm
-from estimator.modes.eigenmodes import damping_ratio, eigenvalues
+from estimator.modes.eigenmodes import damping_ratio
+from estimator.rotor.modal_reduction import modal_basis
+from estimator.rotor.system_matrices import system_matrices
 from estimator.statics.equilibrium import film_train
 from estimator.statics.film_stability import whirl_onset
 from estimator.units import rad_per_s_to_rpm, rpm_to_rad_per_s
@@ -30,8 +34,9 @@ def whirl_words(machine: Machine) -> str:
     if any(one.speed_dependence is not None for one in (*machine.bearings, *machine.couplings)):
         return ""
     spin = rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
-    roots = eigenvalues(machine, spin=machine.direction * spin)
-    roots = roots[roots.imag <= HIGHEST_MODE * spin]
+    matrices = system_matrices(machine, basis=modal_basis(machine, HIGHEST_MODE * spin))
+    roots = np.linalg.eigvals(matrices.state_matrix(spin=machine.direction * spin))
+    roots = roots[(roots.imag > 1e-6 * np.abs(roots)) & (roots.imag <= HIGHEST_MODE * spin)]
     if roots.size == 0 or (least := float(damping_ratio(roots).min())) >= GROWING:
         return ""
     return (

@@ -21,8 +21,12 @@ ExportedRow = dict[str, str | None]
 def decoded(content: bytes) -> str:
     """Return the text of a table: UTF-8, UTF-16 behind a byte order mark, or else as Windows writes it in the west.
 
-    Raises UnicodeDecodeError.
+    Its lines end as on any system. Raises UnicodeDecodeError.
     """
+    return _text(content).replace("\r\n", "\n").replace("\r", "\n")
+
+
+def _text(content: bytes) -> str:
     if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return content.decode("utf-16")
     try:

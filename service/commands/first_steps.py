@@ -43,6 +43,7 @@ def check(
     A train that would whirl within its speed range is warned of; on oil films that takes some seconds. Ends with status 1
     where something is wrong; a warning is none.
     """
+    from estimator.errors import Invalid
     from estimator.machine.checks.document_warnings import DocumentWarning, document_warnings
     from rotorundown.machine_files import WrongMachine, read_machine
     from rotorundown.runs import WrongRun, read_run
@@ -54,7 +55,10 @@ def check(
         fail(str(error))
     warnings = document_warnings(described)
     with working("looking whether the train would whirl"):
-        whirling = whirl_warning(described)
+        try:
+            whirling = whirl_warning(described)
+        except Invalid as error:  # nothing carries a shaft, for example
+            whirling = str(error)
     warnings += (DocumentWarning("bearings", whirling),) if whirling else ()
     for warning in warnings:
         print_line(f"warning: {warning}", err=True)

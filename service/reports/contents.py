@@ -64,6 +64,7 @@ class ReportedFit:
     """The newest accepted identification until the end of the period, with its runs.
 
     measured_at: when its run was. baseline: those that it is compared with, oldest first; reference: the runs of the first.
+    missing: why there is no baseline, in words.
     """
 
     measured_at: datetime
@@ -71,6 +72,7 @@ class ReportedFit:
     runs: tuple[UsedRun, ...]
     baseline: tuple[Identified, ...]
     reference: tuple[UsedRun, ...]
+    missing: str
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,8 @@
 
 from collections.abc import Iterator
 
+from service.advice.advice import plain_message
 from service.alerts.event_message import AlertEvent
-from service.monitoring.rules.finding_catalogue import finding_name
 from service.reports.contents import ReportContents, ReportedAlert
 from service.reports.page_parts import muted, section, shown_time, table
 from service.wording.language import Language
@@ -43,7 +43,7 @@ def _event(one: AlertEvent, language: Language) -> tuple[str, ...]:
     kind, severity, state = (language.named(each) for each in (one.kind, one.severity, one.state))
     return (
         shown_time(one.at),
-        language.translate("finding_of", finding=finding_name(one.rule, language), element=language.element(one.element)),
+        plain_message(one.rule, one.element, language),
         f"{kind}: {severity}, {state}",
         one.by,
         one.comment,

@@ -146,4 +146,5 @@ def _fit(session: Session, newest: IdentificationRow, baseline_runs: int) -> Rep
         runs=tuple(used_runs(session, one, one.run_ids[-MOST_RUNS:])),
         baseline=baseline,
         reference=tuple(used_runs(session, baseline[0], baseline[0].run_ids[-1:])) if baseline else (),
+        missing=found.missing or "",
     )

@@ -148,7 +148,7 @@ def _alignment(contents: ReportContents, fit: ReportedFit) -> str:
     if not follows_films(fit.one.machine):
         return muted(contents.language.translate("report.no_offsets"))
     if not fit.baseline:
-        return muted(contents.language.translate("report.no_reference"))
+        return muted(contents.language.translate("report.not_compared", reason=in_language(fit.missing, contents.language)))
     models = [one.model for one in fit.baseline]
     if any(one.coordinates != fit.one.model.coordinates for one in models):
         return muted(contents.language.translate("report.other_unknowns"))
@@ -167,6 +167,7 @@ def _aligned(one: ToleratedChange, language: Language) -> tuple[str, ...]:
         missing = language.translate("report.not_determined", reason=in_language(one.reason or "", language))
         return said.element_id, quantity, missing, "–", allowed, "–"
     change, half = shown(MICRO * one.value, MICRO * one.half, language).split(" ± ")
+    change = f"+{change}" if one.value > 0.0 else change
     return said.element_id, quantity, f"{change} {unit}", f"{half} {unit}", allowed, f"{100.0 * one.beyond:.0f} %"
 
 
@@ -194,7 +195,8 @@ def _proposal(contents: ReportContents, one: Identified) -> str:
     ]
     said = {"before": before, "after": after}
     told = language.translate(
-        "report.falls", **{name: rounded(one / MICROMETRES_PP, 3, language) for name, one in said.items()}
+        "report.falls" if after < before else "report.falls_uncertain",
+        **{name: rounded(one / MICROMETRES_PP, 3, language) for name, one in said.items()},
     )
     heads = [language.translate(f"report.{one}") for one in ("plane", "correction", "angle")]
     return table(heads, rows) + muted(told)

@@ -4,7 +4,7 @@ from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
 from storage.findings import trends
-from storage.tables.alerting import AlertEventRow
+from storage.tables.alerting import AlertEventRow, AlertRow
 from storage.tables.machines import BalancingRow, TimelineRow
 from storage.tables.measurements import RunRow
 
@@ -17,6 +17,7 @@ def report_stamp(session: Session, machine_id: str) -> ReportStamp:
         select(func.max(column)).where(row.machine_id == machine_id)
         for row, column in (
             (AlertEventRow, AlertEventRow.id),
+            (AlertRow, AlertRow.updated_at),
             (TimelineRow, TimelineRow.id),
             (RunRow, RunRow.id),
             (RunRow, RunRow.time_last),

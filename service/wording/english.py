@@ -67,6 +67,7 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "parameter.splitting": "critical speeds {one} and {other}: distance over their mean",
     "parameter.amplification_factor": "amplification factor at {probe}, critical speed {number}",
     "parameter.second_over_first": "2× over 1× at {probe}",
+    "parameter.scale": "scale of {coefficient}",
     "parameter.at_knot": "{words} at {knot}",
     # --- advice: how sure
     "itself": "{element} itself",
@@ -244,7 +245,7 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "report.no_equilibrium": "The model of the oil films finds no equilibrium of the journals.",
     "report.no_offsets": "Offset and angle are determined only where the document describes the oil films by geometry and "
     "oil. Here a misalignment shows in the coupling's force and moment: see the trends.",
-    "report.no_reference": "There is no baseline yet, against which the alignment could have changed.",
+    "report.not_compared": "The alignment is not compared with a baseline: {reason}.",
     "report.no_orbit": "No station has probes in two directions.",
     "report.train_key": "Strokes: probes; red: what has an alert.",
     "report.other_unknowns": "The baseline was identified with other unknowns: identify its runs again.",
@@ -260,6 +261,10 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "report.step": "step",
     "report.no_correction": "No correction is proposed: {reason}.",
     "report.falls": "By the model, the largest 1× over the speeds falls from {before} to below {after} µm pp, with 95 %.",
+    "report.falls_uncertain": (
+        "By the model, the largest 1× over the speeds is {before} µm pp now and would be below {after} µm pp, with 95 %: "
+        "that this lowers it is not certain."
+    ),
     "report.plane": "plane",
     "report.correction": "correction",
     "report.angle": "angle from x with the rotation",
@@ -273,6 +278,8 @@ ENGLISH_SENTENCES: Mapping[str, str] = {
     "plot.speed": "r/min",
     "plot.clearance": "clearance {clearance:.0f} µm",
     # --- names of the API's identifiers, where these are not words themselves
+    "name.second_amplitude": "2× amplitude",
+    "name.second_phase": "2× phase",
     "name.run_up": "run-up",
     "name.run_down": "run-down",
     "name.rpm": "r/min",

@@ -226,7 +226,7 @@ def interval(one: SizePart, language: Language = ENGLISH) -> str:
 
 def _decimals(half: float) -> int:
     """Return the decimals with which a figure is as sharp as half its interval; an interval of nothing has three."""
-    return 3 if half <= 0.0 else min(3, max(0, -math.floor(math.log10(half))))
+    return 3 if half <= 0.0 else min(9, max(0, -math.floor(math.log10(half))))
 
 
 def rounded(value: float, digits: int, language: Language = ENGLISH) -> str:

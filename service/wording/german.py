@@ -68,6 +68,7 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "parameter.splitting": "kritische Drehzahlen {one} und {other}: Abstand durch Mittelwert",
     "parameter.amplification_factor": "Überhöhungsfaktor an {probe}, kritische Drehzahl {number}",
     "parameter.second_over_first": "2× zu 1× an {probe}",
+    "parameter.scale": "Faktor auf {coefficient}",
     "parameter.at_knot": "{words} bei {knot}",
     # --- advice: how sure
     "itself": "{element} selbst",
@@ -249,7 +250,7 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "report.no_equilibrium": "Das Modell der Ölfilme findet kein Gleichgewicht der Zapfen.",
     "report.no_offsets": "Versatz und Winkel sind nur bei Lagern bestimmt, deren Ölfilme die Beschreibung nach Geometrie und "
     "Öl nennt. Hier zeigt sich ein Ausrichtfehler an Kraft und Moment in der Kupplung: siehe Trends.",
-    "report.no_reference": "Noch gibt es keinen Referenzzustand, gegen den sich die Ausrichtung geändert haben könnte.",
+    "report.not_compared": "Die Ausrichtung wird nicht mit einem Referenzzustand verglichen: {reason}.",
     "report.no_orbit": "Keine Stelle hat Aufnehmer in zwei Richtungen.",
     "report.train_key": "Striche: Aufnehmer; rot: was einen Alarm hat.",
     "report.other_unknowns": "Der Referenzzustand wurde mit anderen Unbekannten identifiziert: seine Läufe erneut "
@@ -266,6 +267,10 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "report.step": "Schritt",
     "report.no_correction": "Kein Ausgleich wird vorgeschlagen: {reason}.",
     "report.falls": "Nach dem Modell fällt das größte 1× über den Drehzahlen von {before} auf unter {after} µm pp, mit 95 %.",
+    "report.falls_uncertain": (
+        "Nach dem Modell ist das größte 1× über den Drehzahlen jetzt {before} µm pp und läge, mit 95 %, unter {after} µm pp: "
+        "dass es damit sinkt, ist nicht sicher."
+    ),
     "report.plane": "Ebene",
     "report.correction": "Ausgleich",
     "report.angle": "Winkel ab x in Drehrichtung",
@@ -288,6 +293,13 @@ GERMAN_SENTENCES: Mapping[str, str] = {
     "name.disc": "Scheibe",
     "name.probe": "Aufnehmer",
     "name.shaft": "Welle",
+    "name.material": "Werkstoff",
+    "name.journal_x": "Zapfen x",
+    "name.journal_y": "Zapfen y",
+    "name.viscosity_slope": "Temperaturgang der Viskosität",
+    "name.damping_ratio": "Dämpfungsgrad",
+    "name.critical_speed": "kritische Drehzahl",
+    "name.splitting": "Aufspaltung",
     "name.machine": "Maschine",
     "name.static_load": "statische Kraft",
     "name.parallel": "Parallelversatz",

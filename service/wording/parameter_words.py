@@ -13,6 +13,7 @@ _NUMBERED = (
     (re.compile(r"probe\.(?P<probe>[^.]+)\.second_over_first"), "second_over_first"),
 )
 """Names whose numbers stand within a sentence."""
+_SCALE = re.compile(r"(?P<coefficient>[kc][xy]{2})_scale")
 _ANGULAR = re.compile(r"[kc][xy]?_phi[xy]{1,2}")
 
 
@@ -37,4 +38,6 @@ def parameter_words(name: str, language: Language = ENGLISH) -> str:
 
 def quantity_words(quantity: str, language: Language = ENGLISH) -> str:
     """Return the words for a quantity of an element; coefficients keep their symbols, `kφx` for `k_phix`."""
+    if scaled := _SCALE.fullmatch(quantity):
+        return language.translate("parameter.scale", coefficient=scaled["coefficient"])
     return quantity.replace("_phi", "φ") if _ANGULAR.match(quantity) else language.named(quantity)

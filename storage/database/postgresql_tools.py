@@ -124,13 +124,18 @@ def _run(tool: str, *arguments: str, url: URL, note_line: Callable[[str], None])
     environment = os.environ | _environment(url) | {"LC_ALL": "C"}
     said: list[str] = []
     try:
-        with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=environment) as running:
+        process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=environment)
+    except OSError as error:
+        raise ToolFailed(f"{tool} cannot be run: {error}") from error
+    with process as running:
+        try:
             for line in running.stderr or ():
                 note_line(line)
                 if said or "error: " in line:
                     said.append(line)
-    except OSError as error:
-        raise ToolFailed(f"{tool} cannot be run: {error}") from error
+        except BaseException:
+            running.kill()  # it would go on while what it has done is taken back
+            raise
     if running.returncode != 0:
         raise ToolFailed(f"{tool} failed: {''.join(said).strip() or f'status {running.returncode}'}")
 

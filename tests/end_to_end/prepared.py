@@ -40,6 +40,7 @@ class PreparedProcess(subprocess.Popen[bytes]):
         with theirs:
             socket.send_fds(_fork_server(), [json.dumps(request).encode()], [theirs.fileno(), output.fileno()])
         if (pid := self._next_number(FORK_TIMEOUT_S)) is None:
+            self._told.close()  # a process that comes later is ended at once
             raise TimeoutError(f"no process after {FORK_TIMEOUT_S:.0f} s")
         self.pid = pid
 
@@ -58,7 +59,13 @@ class PreparedProcess(subprocess.Popen[bytes]):
         return self.returncode
 
     def _note_end(self, timeout: float | None) -> None:
-        if (status := self._next_number(timeout)) is not None:
+        try:
+            status = self._next_number(timeout)
+        except ProcessLookupError:
+            with contextlib.suppress(ProcessLookupError):
+                os.kill(self.pid, signal.SIGKILL)
+            status = signal.SIGKILL  # as a parent is told it
+        if status is not None:
             self.returncode = os.waitstatus_to_exitcode(status)
             self._told.close()
 
@@ -66,7 +73,8 @@ class PreparedProcess(subprocess.Popen[bytes]):
         if not select.select([self._told], [], [], timeout)[0]:
             return None
         told = self._told.recv(LONGEST_MESSAGE)
-        assert told, "the process that forks is gone"
+        if not told:
+            raise ProcessLookupError("the process that forks is gone")
         return int(told)
 
 
@@ -117,7 +125,8 @@ def main(requests: socket.socket) -> None:
             return
         os.close(output)
         running[pid] = tell
-        _send(tell, pid)
+        if not _send(tell, pid):
+            os.kill(pid, signal.SIGKILL)
 
 
 def _load() -> None:
@@ -155,9 +164,13 @@ def _tell_ends(running: dict[int, int]) -> None:
         os.close(tell)
 
 
-def _send(to: int, number: int) -> None:
-    with contextlib.suppress(BrokenPipeError):  # nobody waits for it any more
+def _send(to: int, number: int) -> bool:
+    """Tell a number; return whether anybody waits for it."""
+    try:
         os.write(to, str(number).encode())
+    except BrokenPipeError:
+        return False
+    return True
 
 
 if __name__ == "__main__":

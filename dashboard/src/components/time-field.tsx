@@ -12,16 +12,19 @@ interface DayProps {
 
 /** A day, typed or chosen in the browser's calendar; what is no day is said to be none, and nothing is chosen. */
 export function DayField({ label, value, onChoose }: DayProps) {
-  const typed = (field: HTMLInputElement) => {
-    field.setCustomValidity(field.value === "" || isDay(field.value) ? "" : t("dayForm"));
-    if (field.reportValidity()) onChoose(field.value);
+  const field = useRef<HTMLInputElement>(null);
+  const take = (day: string) => {
+    if (!field.current) return;
+    field.current.value = day;
+    field.current.setCustomValidity(day === "" || isDay(day) ? "" : t("dayForm"));
+    if (field.current.reportValidity()) onChoose(day);
   };
   return (
     <label>
       {label}
       <span class="day">
-        <input type="text" inputMode="numeric" autoComplete="off" placeholder={t("dayPlaces")} title={t("dayForm")} size={11} value={value} onChange={(event) => typed(event.currentTarget)} />
-        <input type="date" tabIndex={-1} aria-hidden="true" value={isDay(value) ? value : ""} onChange={(event) => onChoose(event.currentTarget.value)} />
+        <input ref={field} type="text" inputMode="numeric" autoComplete="off" placeholder={t("dayPlaces")} title={t("dayForm")} size={11} value={value} onChange={(event) => take(event.currentTarget.value)} />
+        <input type="date" tabIndex={-1} aria-hidden="true" value={isDay(value) ? value : ""} onChange={(event) => take(event.currentTarget.value)} />
       </span>
     </label>
   );

@@ -183,7 +183,8 @@ def _compute(make: Callable[[], Response], mark: Hashable | None, lately: Hashab
     body = bytes(response.body)
     headers = {name: value for name, value in response.headers.items() if name not in ("content-length", "content-type")}
     headers["vary"] = ", ".join([*filter(None, [headers.get("vary")]), "Accept-Encoding"])
-    if zipped and response.media_type in COMPRESSED_TYPES and len(body) >= LEAST_COMPRESSED:
+    kind = (response.media_type or "").partition(";")[0]
+    if zipped and kind in COMPRESSED_TYPES and len(body) >= LEAST_COMPRESSED:
         body = compressed(body)
         headers["content-encoding"] = "gzip"
     return _CachedResponse(mark, lately, begun, body, response.media_type, headers)

@@ -101,11 +101,14 @@ def test_columns_that_map_twice_and_files_that_are_cut_are_named(tmp_path: Path)
         read_recording(tmp_path / "b.mat")
 
 
-@pytest.mark.parametrize("encoding", ["cp1252", "utf-16", "utf-8-sig"])
-def test_exports_are_read_in_the_encodings_that_windows_writes(tmp_path: Path, encoding: str) -> None:
+ENCODED = [("cp1252", "\r\n"), ("utf-16", "\r\n"), ("utf-8-sig", "\r\n"), ("utf-8", "\r")]
+
+
+@pytest.mark.parametrize(("encoding", "ends"), ENCODED)
+def test_exports_are_read_in_the_encodings_that_are_written(tmp_path: Path, encoding: str, ends: str) -> None:
     lines = ["Export;Prüfstand", "", "Speed (rpm);B1X Amp (µm);B1X Phase (°)"]
     lines += [f"{n:.2f};{a:.6f};{p:.6f}".replace(".", ",") for n, a, p in zip(RPM, AMPLITUDE, PHASE, strict=True)]
-    (tmp_path / "a.csv").write_bytes("\r\n".join(lines).encode(encoding))
+    (tmp_path / "a.csv").write_bytes(ends.join(lines).encode(encoding))
     mapped(tmp_path, speed="Speed (rpm)", channels=[{"channel": "B1X", "amplitude": "B1X Amp (µm)", "phase": "B1X Phase (°)"}])
     assert_read(tmp_path / "a.csv")
 

@@ -59,3 +59,12 @@ def test_a_train_that_would_whirl_is_warned_of(tmp_path: Path) -> None:
     file = tmp_path / "fast.yaml"
     file.write_text(yaml.safe_dump(said), encoding="utf-8")
     assert re.search(r"warning: bearings: on the oil films .* would whirl from 5\d\d\d r/min", run("check", str(file)))
+
+
+def test_a_shaft_that_nothing_carries_is_said(tmp_path: Path) -> None:
+    said = yaml.safe_load((EXAMPLES / "motor-compressor.yaml").read_text(encoding="utf-8"))
+    said["couplings"] = []
+    said["bearings"] = [one for one in said["bearings"] if one["id"] != "B1"]
+    file = tmp_path / "loose.yaml"
+    file.write_text(yaml.safe_dump(said), encoding="utf-8")
+    assert "warning: bearings: a shaft is held neither by two bearings nor by a coupling" in run("check", str(file))

@@ -8,10 +8,13 @@ from datetime import UTC, datetime
 import psutil
 import pypdf
 import pytest
+from sqlalchemy import select
 
 from service.reports.report_process import NotPrinted, ReportProcess
+from service.reports.state_stamp import report_stamp
 from storage.database.engine import Database
 from storage.machines import timeline
+from storage.tables.alerting import AlertRow
 from tests.api_in_process import Api, refused
 from tests.plant import KEY, SECOND, START, wait_until
 from tests.service.monitoring.test_assessment import BASELINE, STIFFER, WEEK, Weeks
@@ -79,6 +82,18 @@ class _Never:
 
     def close(self) -> None:
         """Nothing."""
+
+
+@pytest.mark.usefixtures("stiffer")
+def test_figures_of_a_newer_run_make_the_report_anew(plant: Database) -> None:
+    """An open alert follows its newest run without an event."""
+    with plant.reading() as session:
+        before = report_stamp(session, KEY.machine)
+    with plant.transaction() as session:
+        (row,) = session.scalars(select(AlertRow)).all()
+        row.updated_at += 1
+    with plant.reading() as session:
+        assert report_stamp(session, KEY.machine) != before
 
 
 def test_an_empty_machine_is_not_called_well(api: Api) -> None:

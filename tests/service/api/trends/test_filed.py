@@ -7,7 +7,7 @@ from arro3.io import read_parquet
 from service.api.trends import filed as filed_module
 from storage.database.engine import Database
 from storage.findings import filed_estimates
-from tests.api_in_process import Api
+from tests.api_in_process import PREFIX, Api
 from tests.plant import KEY, START, identification, store_identification
 
 
@@ -86,3 +86,13 @@ def test_a_trend_is_line_protocol_when_asked(plant: Database) -> None:
     lines = told.text.splitlines()
     assert len(lines) == 2
     assert all(f"identification={number}i" in one and one.startswith("rundown_trend,machine=") for one in lines)
+
+
+def test_a_cached_trend_in_line_protocol_is_compressed_as_the_first_was(plant: Database) -> None:
+    stored(plant, *range(1, 31))
+    api = Api(plant)
+    path = f"/machines/{KEY.machine}/trends?parameter=bearing.B1.kxx&format=influx"
+    first, cached = (api.ask("GET", PREFIX + path, headers={"accept-encoding": "gzip"}) for _ in range(2))
+    assert first.text == cached.text
+    assert first.status_code == 200, first.text
+    assert [one.headers.get("content-encoding") for one in (first, cached)] == ["gzip", "gzip"]
