@@ -1,7 +1,9 @@
 """Sizes of scatter that are expected to be alike, each drawn towards the common one by as much as all of them show it to be.
 
 Empirical Bayes of Smyth (Stat. Appl. Genet. Mol. Biol. 3 (2004) 3, doi:10.2202/1544-6115.1027): variances with few degrees of
-freedom differ by chance; how much more they differ tells how many observations the common one is worth beside each.
+freedom differ by chance; how much more they differ tells how many observations the common one is worth beside each. That
+difference is the weighted moment of DerSimonian and Laird (Control. Clin. Trials 7 (1986) 177,
+doi:10.1016/0197-2456(86)90046-2): sizes that are barely shown do not decide it.
 """
 
 import numpy as np
@@ -44,8 +46,10 @@ def _weight_of_the_common(squares: Floats, freedom: Floats) -> float:
         return FEW_WEIGHT
     chance = polygamma(1, freedom[shown])
     logarithm = np.log(squares[shown] / freedom[shown]) - digamma(freedom[shown]) + np.log(freedom[shown])
-    mean = np.sum(logarithm / chance) / np.sum(1.0 / chance)
-    beyond = float(np.sum((logarithm - mean) ** 2) / (logarithm.size - 1) - np.mean(chance))
+    weights = 1.0 / chance
+    mean = np.sum(weights * logarithm) / weights.sum()
+    differing = np.sum(weights * (logarithm - mean) ** 2) - (logarithm.size - 1)
+    beyond = float(differing / (weights.sum() - np.sum(weights**2) / weights.sum()))
     if beyond <= polygamma(1, MOST_WEIGHT):
         return MOST_WEIGHT
     if beyond >= polygamma(1, LEAST_WEIGHT):

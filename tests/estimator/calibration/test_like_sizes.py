@@ -27,3 +27,15 @@ def test_a_size_of_which_nothing_is_seen_is_the_common_one() -> None:
 
 def test_without_any_data_the_stated_size_holds() -> None:
     assert np.allclose(shrunk_sizes(np.zeros(4), np.zeros(4)), 1.0)
+
+
+def test_sizes_that_are_barely_shown_do_not_decide_how_far_all_differ() -> None:
+    rng = np.random.default_rng(2)
+    alone, beside = [], []
+    for _ in range(100):
+        true = np.exp(0.6 * rng.normal(size=13))
+        freedom = np.r_[np.full(10, 6.0), np.full(3, 0.25)]
+        squares = true**2 * rng.gamma(freedom)
+        alone.append(shrunk_sizes(squares[:10], freedom[:10]) / true[:10])
+        beside.append(shrunk_sizes(squares, freedom)[:10] / true[:10])
+    assert np.std(np.log(beside)) < 1.1 * np.std(np.log(alone))
