@@ -1,6 +1,7 @@
 """Tells whether a train as its document describes it would whirl at a speed that it is watched at.
 
-By the eigenvalues at its highest speed; of films, by those at their equilibria (`film_stability`).
+By the eigenvalues at its highest speed (Lund, J. Eng. Ind. 96 (1974) 509), of the modes in range; of films, by those at their
+equilibria (`film_stability`).
 """
 
 import numpy as np

@@ -131,8 +131,9 @@ def test_a_worker_that_dies_is_said_and_replaced(stiffer: Api) -> None:
 
 
 def workers() -> list[psutil.Process]:
-    """Worker processes of this one."""
-    return [one for one in psutil.Process().children() if "spawn_main" in " ".join(one.cmdline())]
+    """Worker processes of this one that are not dead."""
+    alive = [one for one in psutil.Process().children() if one.status() != psutil.STATUS_ZOMBIE]
+    return [one for one in alive if "spawn_main" in " ".join(one.cmdline())]
 
 
 def test_no_machine_and_no_period(api: Api) -> None:
