@@ -91,8 +91,11 @@ def received(database: Database) -> int:
 
 
 def counts(database: Database) -> tuple[int, int, int]:
-    """Next sequence, received and lost of the only source."""
-    (row,) = rows(database)
+    """Next sequence, received and lost of the only source; nothing before it has sent."""
+    found = rows(database)
+    if not found:
+        return 0, 0, 0
+    (row,) = found
     return row.next_sequence, row.received, row.lost
 
 
