@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from estimator.machine.document import Machine
-from estimator.modes.eigenmodes import damping_ratio, log_decrement
+from estimator.modes.eigenmodes import OSCILLATING, damping_ratio, log_decrement
 from estimator.rotor.modal_reduction import modal_basis
 from estimator.statics.equilibrium import FilmEquilibrium, FilmTrain
 from estimator.statics.pad_states import state_matrix_with_pads
@@ -49,7 +49,7 @@ def least_damped_whirl(machine: Machine, equilibrium: FilmEquilibrium) -> LeastD
     highest = HIGHEST_MODE * equilibrium.speed
     basis = modal_basis(machine, highest)
     roots = np.linalg.eigvals(state_matrix_with_pads(machine, equilibrium, basis))
-    slow = roots[(roots.imag > 1e-6 * np.abs(roots)) & (roots.imag <= highest)]
+    slow = roots[(roots.imag > OSCILLATING * np.abs(roots)) & (roots.imag <= highest)]
     if slow.size == 0:
         return None
     root = slow[[int(np.argmin(damping_ratio(slow)))]]

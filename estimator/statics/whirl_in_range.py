@@ -8,7 +8,7 @@ import numpy as np
 
 from estimator.machine.document import Machine
 from estimator.machine.film_speeds import follows_films, slowest_rpm
-from estimator.modes.eigenmodes import damping_ratio
+from estimator.modes.eigenmodes import OSCILLATING, damping_ratio
 from estimator.rotor.modal_reduction import modal_basis
 from estimator.rotor.system_matrices import system_matrices
 from estimator.statics.equilibrium import film_train
@@ -37,7 +37,7 @@ def whirl_words(machine: Machine) -> str:
     spin = rpm_to_rad_per_s(machine.speed_range.maximum_rpm)
     matrices = system_matrices(machine, basis=modal_basis(machine, HIGHEST_MODE * spin))
     roots = np.linalg.eigvals(matrices.state_matrix(spin=machine.direction * spin))
-    roots = roots[(roots.imag > 1e-6 * np.abs(roots)) & (roots.imag <= HIGHEST_MODE * spin)]
+    roots = roots[(roots.imag > OSCILLATING * np.abs(roots)) & (roots.imag <= HIGHEST_MODE * spin)]
     if roots.size == 0 or (least := float(damping_ratio(roots).min())) >= GROWING:
         return ""
     return (
