@@ -117,6 +117,10 @@ def test_reports_by_mail_are_chosen_and_changed(seen: Seen, service: Service) ->
     dialog.get_by_label("Channel").select_option("email")
     dialog.get_by_label("Address").fill("manager@plant.example")
     dialog.get_by_label("Reports of its machines").select_option("monthly")
+    with seen.page.expect_response(re.compile("/subscriptions")):
+        pass  # the page behind is refreshed
+    seen.page.wait_for_timeout(200)
+    expect(dialog.get_by_label("Reports of its machines")).to_have_value("monthly")
     dialog.get_by_role("button", name="Add").click()
     one = seen.page.locator(".subscription", has_text="manager")
     expect(one.get_by_label("Reports as PDF")).to_have_value("monthly")

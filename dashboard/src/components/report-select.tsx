@@ -10,12 +10,12 @@ const CHOICES: [ReportInterval | "", string][] = [
 
 interface Props {
   value: ReportInterval | null;
-  onChoose?: (chosen: ReportInterval | null) => void;
+  onChoose: (chosen: ReportInterval | null) => void;
 }
 
 export function ReportSelect({ value, onChoose }: Props) {
   return (
-    <select name="reports" value={value ?? ""} onChange={(event) => onChoose?.((event.currentTarget.value || null) as ReportInterval | null)}>
+    <select name="reports" value={value ?? ""} onChange={(event) => onChoose((event.currentTarget.value || null) as ReportInterval | null)}>
       {CHOICES.map(([name, words]) => (
         <option key={name} value={name}>
           {words}

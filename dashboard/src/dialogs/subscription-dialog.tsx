@@ -5,11 +5,13 @@ import { ADDRESS_FORMS, CHANNELS } from "../declarations/channels";
 import { post, type IdempotencyKeys } from "../data/http-client";
 import { refetch } from "../data/resource";
 import { shownLocale, t, term } from "../messages/messages";
-import type { NewSubscription } from "../schemas/subscriptions";
+import type { NewSubscription, ReportInterval } from "../schemas/subscriptions";
 import { FormDialog } from "./form-dialog";
 
 export function SubscriptionDialog({ onAdded, onClose }: { onAdded: (one: NewSubscription) => void; onClose: () => void }) {
   const [kind, setKind] = useState<string>(CHANNELS[0].kind);
+  // Kept here: a select whose value is a constant falls back to it whenever the page behind is refreshed.
+  const [reports, setReports] = useState<ReportInterval | null>(null);
   const submit = async (form: FormData, keys: IdempotencyKeys) => {
     const body = { kind: form.get("kind"), name: String(form.get("name")).trim(), target: String(form.get("target")).trim(), reports: form.get("reports") || null };
     onAdded(await post<NewSubscription>("/subscriptions", body, null, keys));
@@ -38,7 +40,7 @@ export function SubscriptionDialog({ onAdded, onClose }: { onAdded: (one: NewSub
       {CHANNELS.find((one) => one.kind === kind)?.reports && (
         <label>
           {t("reportsOfItsMachines")}
-          <ReportSelect value={null} />
+          <ReportSelect value={reports} onChoose={setReports} />
         </label>
       )}
     </FormDialog>
