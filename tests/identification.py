@@ -5,6 +5,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
+from sqlalchemy import select
 
 from estimator.arrays import Complexes, Floats
 from estimator.machine.document import Machine
@@ -20,6 +21,7 @@ from storage.database.engine import Database
 from storage.encoding.sample_blocks import Samples
 from storage.findings import jobs
 from storage.measurements import runs
+from storage.tables.findings import JobRow
 from tests.plant import SECOND
 
 
@@ -74,6 +76,13 @@ def identifying(database: Database, executor: Executor | None = None, **changes:
         yield work
     finally:
         work.stop()
+
+
+def unfinished(database: Database) -> list[tuple[object, ...]]:
+    """What is known of the jobs that are not done."""
+    with database.reading() as session:
+        rows = [row for row in session.scalars(select(JobRow)) if row.state != jobs.DONE]
+        return [(row.id, row.state, row.attempts, row.holder, row.error) for row in rows]
 
 
 def counts(database: Database) -> dict[str, int]:

@@ -19,7 +19,7 @@ from tests.end_to_end.alive import probing
 from tests.end_to_end.processes import rundown, until
 from tests.faults.measured import measured
 from tests.faults.roles import POSTED
-from tests.identification import chapter_3, close_run, counts
+from tests.identification import chapter_3, close_run, counts, unfinished
 from tests.plant import document
 
 BOTH = ("all1", "all2")
@@ -79,7 +79,12 @@ def test_both_begin_at_once_and_one_frozen_or_killed_costs_nothing(layout: Layou
             layout.send(gone, signal.SIGCONT)
             until(lambda: len(layout.shares("all1")) == 2, within_s=TAKEN_OVER_WITHIN_S, what="both are there again")
             acknowledged = take(layout, gone, acknowledged, 100)
-    until(lambda: counts(store) == {jobs.DONE: 4}, within_s=240, what="every job is done once")
+    until(
+        lambda: counts(store) == {jobs.DONE: 4},
+        within_s=240,
+        what="every job is done once",
+        seen=lambda: (unfinished(store), layout.shares("all1"), (layout.folder / "all1.log").read_text()[-3000:]),
+    )
     (row,) = [one for one in layout.get("all1", "/sources") if one["machine"] == POSTED]
     assert (row["received"], row["next_sequence"], row["lost"]) == (acknowledged, acknowledged, 0)
     store.close()

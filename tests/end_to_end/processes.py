@@ -76,15 +76,15 @@ def _ended_at_last(started: subprocess.Popen[bytes]) -> Iterator[None]:
             raise
 
 
-def until(look: Callable[[], T | None], *, within_s: float, what: str) -> T:
-    """Return what `look` returns as soon as it is neither None nor False."""
+def until(look: Callable[[], T | None], *, within_s: float, what: str, seen: Callable[[], object] = str) -> T:
+    """Return what `look` returns as soon as it is neither None nor False. seen: what the failure tells beside, at its end."""
     deadline = time.monotonic() + within_s
     while True:
         found = look()
         if found is not None and found is not False:
             return found
         if time.monotonic() > deadline:
-            raise AssertionError(f"not within {within_s:.0f} s: {what}")
+            raise AssertionError(f"not within {within_s:.0f} s: {what} {seen()}")
         time.sleep(0.05)
 
 
