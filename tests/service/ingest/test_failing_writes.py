@@ -252,5 +252,5 @@ def test_a_rejection_that_cannot_be_kept_takes_no_other_with_it(plant: Database)
         )
     with plant.transaction() as session:
         refuse(session, "quarantine", write="INSERT", when="NEW.reason = 'unexpected_error'")
-    held.store()
+    held.store_all()  # a turn ends after a tenth of a second
     assert sorted(rejected(plant)) == ["unknown_unit", "wrong_shape"]
