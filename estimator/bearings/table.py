@@ -7,6 +7,7 @@ doi:10.1137/0717021), which never leave the values beside them: monotone values 
 its ends the table is held level.
 """
 
+import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal, Self
@@ -38,6 +39,10 @@ FEWEST_SPEEDS = 5
 """Least number of speeds of a table."""
 SMALLEST_STIFFNESS = 1e3
 """Direct stiffness of a film below which another unit was probably meant [N/m]."""
+LEAST_DAMPED = 5e-3
+"""Direct damping times the speed over the stiffness below which another unit was probably meant [-]."""
+WIDEST_HOLE = 0.7
+"""Part of a machine's speed range without a speed of the table that is warned of [-]."""
 
 MIN_ITEMS: JsonDict = {"minItems": FEWEST_SPEEDS}
 Speeds = Annotated[tuple[Positive, ...], Field(max_length=MOST_SPEEDS, fail_fast=True, json_schema_extra=MIN_ITEMS)]
@@ -296,6 +301,7 @@ class Table(FormDefaults, TableColumns):
             beyond = " and ".join(f"from {low:g} to {high:g}" for low, high in ranges)
             words = f"the table covers {first:g} to {last:g} r/min and is held level beyond its ends, {beyond} r/min"
             yield "speed_rpm", words
+        yield from self._holes(lowest_rpm, highest_rpm)
         if self.over_load and self.load is not None:
             least, most = self.over_load[0].load, self.over_load[-1].load
             if not least <= self.load <= most:
@@ -304,6 +310,25 @@ class Table(FormDefaults, TableColumns):
             column = self.column(name) if self.governs(name) else None
             if column is not None and min(column) < SMALLEST_STIFFNESS:
                 yield name, f"{min(column):g} N/m: bearings usually have 1e5 to 1e9 N/m; was N/µm meant?"
+        for stiffness, damping in (("kxx", "cxx"), ("kyy", "cyy")):
+            if self.governs(stiffness) and self.governs(damping):
+                k, c = self.column(stiffness)[-1], self.column(damping)[-1]
+                part = c * rpm_to_rad_per_s(last) / k
+                if part < LEAST_DAMPED:
+                    words = (
+                        f"{c:g} N s/m at {last:g} r/min, with the speed {part:.2g} of {stiffness} there: films have 0.1 to 10"
+                    )
+                    yield damping, f"{words} of it; was N s/mm meant?"
+
+    def _holes(self, lowest_rpm: float, highest_rpm: float) -> Iterator[tuple[str, str]]:
+        """Yield wide parts of a machine's speed range [r/min] in which the table has no speed."""
+        for low, high in itertools.pairwise(self.speed_rpm):
+            part = (min(high, highest_rpm) - max(low, lowest_rpm)) / (highest_rpm - lowest_rpm)
+            if part > WIDEST_HOLE:
+                words = (
+                    f"no speed between {low:g} and {high:g} r/min, {100 * part:.0f} % of the machine's range: the course there"
+                )
+                yield "speed_rpm", f"{words} is a guess; usual are 10 to 30 speeds, evenly spread"
 
     def models(self, coefficients: Sequence[ModelParameter]) -> Sequence[CoefficientModel]:
         """Return the one model of an element's coefficients.

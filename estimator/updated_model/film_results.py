@@ -1,7 +1,8 @@
 """Results about a train's oil films: their coefficients at some speeds, loads and journals' positions.
 
 Standard errors to first order (JCGM 100:2008, 5.2) from the covariance of all coordinates: those of coefficients hold the
-films' deviations from their model.
+films' deviations from their model. Two bearings alone carry what the shaft weighs, whatever the fit finds: beside what it
+leaves open, a load is known no better than the masses of the document (JCGM 100:2008, 4.3).
 """
 
 from collections.abc import Iterator
@@ -20,6 +21,9 @@ from estimator.statics.journal_states import JournalStates, journal_states
 from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model.model import UpdatedModel
 from estimator.updated_model.uncertainty import standard_errors
+
+WEIGHT_ERROR = 0.005
+"""Part of a bearing's load by which that may be off beside what a fit leaves open, rms [-]: masses are known to 1 % or so."""
 
 
 @dataclass(frozen=True)
@@ -127,4 +131,5 @@ def _state(element: str, states: JournalStates, number: int, clearance: int, cov
         slope[clearance] -= part  # by the logarithm of its own clearance
         rows.append(("eccentricity_ratio", "1", part, slope))
     for name, unit, value, slope in rows:
-        yield FilmResult(f"{element}.{name}", unit, float(value), float(standard_errors(slope, covariance)))
+        beside = WEIGHT_ERROR * float(np.hypot(*force)) if name.startswith("load_") else 0.0
+        yield FilmResult(f"{element}.{name}", unit, float(value), float(np.hypot(standard_errors(slope, covariance), beside)))

@@ -125,6 +125,10 @@ def _fields(path: Path, header: list[str]) -> list[str]:
     fields: list[str] = []
     for name in header:
         field = NAMES.get(name.lower())
+        if field is None and ";" in name:
+            raise WrongTableFile(
+                f"{path}: semicolons stand between its cells: save it with commas between cells and points in numbers"
+            )
         if field is None:
             raise WrongTableFile(f"{path}: column '{name}' is none of a table, with commas between: {WORDS}")
         if field in fields:
@@ -138,12 +142,14 @@ def _fields(path: Path, header: list[str]) -> list[str]:
 def _append(columns: dict[str, list[float]], cells: list[str], header: list[str], where: str) -> None:
     """Append a line's numbers to the columns."""
     if len(cells) != len(header):
-        raise WrongTableFile(f"{where}: {len(cells)} cells; the first line names {len(header)} columns")
+        comma = "; was a decimal comma meant? Numbers have points, such as 1.5e8" if len(cells) > len(header) else ""
+        raise WrongTableFile(f"{where}: {len(cells)} cells; the first line names {len(header)} columns{comma}")
     for column, name, cell in zip(columns.values(), header, cells, strict=True):
         try:
             value = float(cell)
         except ValueError:
             value = math.nan
         if not math.isfinite(value):
-            raise WrongTableFile(f"{where}, column {name}: '{cell}' is no number, such as 1.5e8")
+            told = f"'{cell}' is no number, such as 1.5e8" if cell else "the cell is empty: each line needs a number in each"
+            raise WrongTableFile(f"{where}, column {name}: {told}")
         column.append(value)

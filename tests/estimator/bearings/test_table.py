@@ -293,6 +293,11 @@ def refused(document: Document) -> tuple[str, str]:
         ({"kxx": [2e5, 3e5]}, "", "kxx needs one value at each of the 5 speeds of speed_rpm, not 2"),
         ({"kxx": [2e5, 3e5, -3e5, 4e5, 5e5]}, ".kxx[2]", "greater than"),
         ({"kxx": [2e5, 3e5, 0.0, 4e5, 5e5]}, ".kxx[2]", "greater than"),
+        ({"kxx": [2e5, 3e5, math.nan, 4e5, 5e5]}, ".kxx[2]", "finite number"),
+        ({"kxx": [2e5, 3e5, None, 4e5, 5e5]}, ".kxx[2]", "number"),
+        ({"kxx": [2e5, 3e5, "3,5e5", 4e5, 5e5]}, ".kxx[2]", "number"),
+        ({"speed_rpm": [100, 500, math.nan, 2000, 6000]}, ".speed_rpm[2]", "finite number"),
+        ({"speed_rpm": [0, 500, 1000, 2000, 6000]}, ".speed_rpm[0]", "greater than 0"),
         ({"kxx": None}, "", "at least one of kxx, kxy"),
         ({"csv": "bearing.csv", "kxx": None, "speed_rpm": None}, "", "a file is read only by commands"),
         ({"scale_spread": -0.1}, ".scale_spread", "greater than or equal to 0"),
@@ -387,6 +392,19 @@ def test_a_speed_range_beyond_the_table_is_warned_of() -> None:
     (unit,) = document_warnings(machine_of(small(speed_rpm=[90, 500, 1000, 2000, 6000], kxx=[90.0, 91, 92, 93, 94])))
     assert unit.field == "bearings[1].speed_dependence.kxx"
     assert "was N/µm meant?" in unit.words
+    damped = with_table(small(speed_rpm=[90, 500, 1000, 2000, 6000], kxx=[2e7] * 5, cxx=[90.0] * 5))
+    del damped["bearings"][1]["cxx"]
+    (damping,) = document_warnings(parse_machine(damped))
+    assert damping.field == "bearings[1].speed_dependence.cxx"
+    assert damping.words.startswith("90 N s/m at 6000 r/min, with the speed 0.0028 of kxx there: films have 0.1 to 10 of it")
+
+
+def test_a_hole_between_the_speeds_is_warned_of() -> None:
+    (hole,) = document_warnings(machine_of(small(speed_rpm=[90, 100, 200, 300, 6000])))
+    assert hole.field == "bearings[1].speed_dependence.speed_rpm"
+    assert hole.words.startswith(
+        "no speed between 300 and 6000 r/min, 96 % of the machine's range: the course there is a guess"
+    )
 
 
 def test_unknowns_of_a_table_are_counted() -> None:

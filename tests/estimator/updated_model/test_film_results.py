@@ -1,5 +1,7 @@
 """Results about films: values against equilibria solved by themselves, errors against differences, names, what is withheld."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from msgspec.structs import replace
@@ -11,7 +13,7 @@ from estimator.statics.equilibrium import FilmEquilibrium, FilmTrain
 from estimator.statics.film_model import film_model
 from estimator.units import rpm_to_rad_per_s
 from estimator.updated_model.derived_quantities import model_quantities
-from estimator.updated_model.film_results import FilmResult, film_results, placed_films
+from estimator.updated_model.film_results import WEIGHT_ERROR, FilmResult, film_results, placed_films
 from estimator.updated_model.model import UpdatedModel, expected_model
 from tests.estimator.models import rich_model
 from tests.estimator.statics.test_film_model import document
@@ -104,7 +106,22 @@ def test_errors_are_those_of_differences() -> None:
         return np.array([result.value for result in film_results(one)])
 
     expected = np.sqrt(np.diag(propagated(values, model)))
-    np.testing.assert_allclose([one.error for one in film_results(model)], expected, rtol=1e-3)
+    found = film_results(model)
+    load = {
+        one.name.rpartition(".")[0]: np.hypot(one.value, following.value)
+        for one, following in pairwise(found)
+        if one.name.endswith(".load_vertical")
+    }
+    beside = [WEIGHT_ERROR * load[one.name.rpartition(".")[0]] if ".load_" in one.name else 0.0 for one in found]
+    np.testing.assert_allclose([one.error for one in found], np.hypot(expected, beside), rtol=1e-3)
+
+
+def test_a_load_is_known_no_better_than_the_masses_that_it_carries() -> None:
+    model = uncertain(machine_of(), size=1e-9)
+    found = by_name(model)
+    vertical, horizontal = found["bearing.B2.load_vertical"], found["bearing.B2.load_horizontal"]
+    assert vertical.error == pytest.approx(0.005 * np.hypot(vertical.value, horizontal.value), rel=1e-3)
+    assert horizontal.error == pytest.approx(vertical.error, rel=1e-3)
 
 
 def test_deviations_widen_coefficients_and_not_loads() -> None:

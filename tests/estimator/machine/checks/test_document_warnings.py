@@ -40,6 +40,11 @@ def test_an_elevation_beyond_the_clearance_is_named(axis: str) -> None:
             "0.12 m, but shaft 'S1' is 0.08 m thick at station 0.1 m",
         ),
         (
+            lambda said: said["bearings"][2]["film"]["oil"].update(viscosity=0.4),
+            "bearings[2].film.oil.viscosity",
+            "0.4 Pa s: warm turbine oil has 0.005 to 0.1 Pa s",
+        ),
+        (
             lambda said: said["materials"]["steel"].update(density=7.85),
             "materials.steel.density",
             "7.85 kg/m³: steel has 7850 kg/m³; was 7.85 g/cm³ meant?",
