@@ -9,7 +9,7 @@ from estimator.machine.checks.document_size import accepted_machine
 from estimator.machine.document import DocumentError, Machine
 from formats.files.document_files import UnreadableFile
 from formats.files.document_files import read_machine as read_machine_file
-from rotorundown.environment.example_machines import found_example
+from rotorundown.environment.example_machines import found_example, other_examples
 
 
 class WrongMachine(Invalid):
@@ -38,6 +38,7 @@ def read_machine(source: str | Path | Mapping[str, Any] | Machine) -> Machine:
             return accepted_machine(dict(source))
         return read_machine_file(found_example(Path(source)))
     except UnreadableFile as error:
-        raise WrongMachine(str(error)) from None
+        others = "" if isinstance(source, Mapping) else other_examples(found_example(Path(source)))
+        raise WrongMachine(f"{error}{others}") from None
     except DocumentError as error:
         raise WrongMachine(f"this is not a machine document:{error.listed}") from None

@@ -12,6 +12,7 @@ import typer
 from estimator.errors import Invalid
 from estimator.thesis.parameter_rules import RegularisationRule
 from service.commands.exit import fail
+from service.commands.file_arguments import MachineFile, RunFiles, named_file, named_files
 from service.commands.json_output import JsonWanted, print_json
 from service.commands.terminal import print_line, print_text, working
 
@@ -24,8 +25,6 @@ if TYPE_CHECKING:
     from estimator.phasors.recorded_run import RecordedRun
 
 AnalysisMethod = Literal["likelihood", "regression"]
-MachineFile = Annotated[Path, typer.Argument(help="machine document")]
-RunFiles = Annotated[list[Path], typer.Argument(help="recorded runs, as for replay; several are fitted together")]
 OtherSidecar = Annotated[Path | None, typer.Option(help="another sidecar, for a single run")]
 
 
@@ -119,7 +118,10 @@ def _print_json(machine: "Machine", result: "Identification", names: list[str], 
 def model(
     machine: MachineFile,
     files: Annotated[
-        list[Path] | None, typer.Argument(help="recorded runs, as for replay; without any the static state on oil films alone")
+        list[Path] | None,
+        typer.Argument(
+            help="recorded runs, as for replay; without any the static state on oil films alone", callback=named_files
+        ),
     ] = None,
     sidecar: OtherSidecar = None,
     service_rpm: Annotated[
@@ -187,7 +189,7 @@ def _print_films(machine: Path, service_rpm: float | None, *, needed: bool, as_j
 
 def compare(
     machine: MachineFile,
-    baseline: Annotated[Path, typer.Argument(help="a recorded run of the healthy machine")],
+    baseline: Annotated[Path, typer.Argument(help="a recorded run of the healthy machine", callback=named_file)],
     files: RunFiles,
     coupling: Annotated[str, typer.Option(help="id of the coupling that may be misaligned")],
     as_json: JsonWanted = False,
@@ -221,7 +223,7 @@ def compare(
 
 def show_slow_roll(
     machine: MachineFile,
-    file: Annotated[Path, typer.Argument(help="recorded run, as for replay")],
+    file: Annotated[Path, typer.Argument(help="recorded run, as for replay", callback=named_file)],
     band: Annotated[str, typer.Argument(help="lowest and highest speed, such as 200:400 [rpm]")],
     sidecar: OtherSidecar = None,
     as_json: JsonWanted = False,

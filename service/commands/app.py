@@ -17,11 +17,13 @@ from typing import TYPE_CHECKING, Annotated, Any, get_args
 import typer
 
 from estimator.simulation.stories import Story
+from rotorundown.environment.example_machines import found_example
 from rotorundown.environment.release import VERSION
 from service.commands.analysis import compare, identify_offline, model, show_slow_roll
 from service.commands.balancing import balance_machine, trial_weights
 from service.commands.calibration import calibrate
 from service.commands.exit import fail
+from service.commands.file_arguments import MachineFile, named_file
 from service.commands.first_steps import check, init
 from service.commands.help_panels import PanelledGroup
 from service.commands.json_output import JsonWanted, print_json
@@ -239,7 +241,10 @@ def simulate(
 
 @app.command()
 def replay(
-    file: Annotated[Path, typer.Argument(help="CSV with a header line; FILE.yaml beside it says what its columns mean")],
+    file: Annotated[
+        Path,
+        typer.Argument(help="CSV with a header line; FILE.yaml beside it says what its columns mean", callback=named_file),
+    ],
     sidecar: Annotated[Path | None, typer.Option(help="another sidecar")] = None,
     connect: Connect = [DEFAULT_ZENOH_ENDPOINT],  # noqa: B006 - typer copies it
     speedup: Annotated[float, typer.Option(min=0.001, help="how much faster than it was recorded")] = 1.0,
@@ -297,7 +302,7 @@ def edge(
 
 
 @app.command()
-def document(machine: Annotated[Path, typer.Argument(help="machine document, YAML or JSON")]) -> None:
+def document(machine: MachineFile) -> None:
     """Check a machine document and print it as JSON, as the REST API takes it."""
     from formats.files.document_files import UnreadableFile, read_machine
     from service.commands.document_warnings import print_warnings
@@ -389,10 +394,10 @@ def _machine_and_story(text: str) -> "tuple[Machine, Story]":
 
     name, colon, story = text.rpartition(":")
     if story in get_args(Story):
-        return read_machine(Path(name)), story  # type: ignore[return-value]
-    if colon and Path(name).is_file():
+        return read_machine(named_file(Path(name))), story  # type: ignore[return-value]
+    if colon and found_example(Path(name)).is_file():
         raise UnreadableFile(f"'{story}' is no story; there are {', '.join(get_args(Story))}")
-    return read_machine(Path(text)), "healthy"
+    return read_machine(named_file(Path(text))), "healthy"
 
 
 def _stop_on_signal() -> threading.Event:

@@ -8,6 +8,7 @@ import typer
 
 from estimator.balancing.criterion import Criterion
 from service.commands.exit import fail
+from service.commands.file_arguments import MachineFile, named_file, named_files
 from service.commands.find_language import find_language
 from service.commands.json_output import JsonWanted, print_json
 from service.commands.terminal import print_line, print_text, working
@@ -22,9 +23,12 @@ MILLIMETRE = 1e-3
 
 
 def balance_machine(
-    machine: Annotated[Path, typer.Argument(help="machine document")],
-    initial: Annotated[Path, typer.Argument(help="recorded run before any trial weight")],
-    trials: Annotated[list[Path], typer.Argument(help="recorded runs with the trial weights that their sidecars state")],
+    machine: MachineFile,
+    initial: Annotated[Path, typer.Argument(help="recorded run before any trial weight", callback=named_file)],
+    trials: Annotated[
+        list[Path],
+        typer.Argument(help="recorded runs with the trial weights that their sidecars state", callback=named_files),
+    ],
     check: Annotated[Path | None, typer.Option(help="run after the correction; its sidecar says which weights are on")] = None,
     plane: Annotated[list[str] | None, typer.Option(help="disc to correct in; by default all that had a trial weight")] = None,
     criterion: Annotated[

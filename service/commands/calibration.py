@@ -6,13 +6,19 @@ from typing import Annotated
 import typer
 
 from service.commands.exit import fail
+from service.commands.file_arguments import named_file, named_files, written_beside
 from service.commands.json_output import JsonWanted, print_json
 from service.commands.terminal import print_line, print_text, working
 
 
 def calibrate(
-    machine: Annotated[Path, typer.Argument(help="machine document: what is known of the machine beforehand")],
-    files: Annotated[list[Path], typer.Argument(help="recorded runs, each with its trial weights stated in its sidecar")],
+    machine: Annotated[
+        Path, typer.Argument(help="machine document: what is known of the machine beforehand", callback=named_file)
+    ],
+    files: Annotated[
+        list[Path],
+        typer.Argument(help="recorded runs, each with its trial weights stated in its sidecar", callback=named_files),
+    ],
     output: Annotated[
         Path | None, typer.Option(help="calibrated document to write; by default the document's name with -calibrated")
     ] = None,
@@ -47,7 +53,7 @@ def calibrate(
         print_text(str(found))
     if not found.accepted:
         raise typer.Exit(1)
-    target = output or machine.with_name(f"{machine.stem}-calibrated.yaml")
+    target = output or written_beside(machine, f"{machine.stem}-calibrated.yaml")
     try:
         found.write(target)
     except OSError as error:

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from service.commands.exit import fail
+from service.commands.file_arguments import MachineFile, named_files
 from service.commands.json_output import JsonWanted, print_json
 from service.commands.terminal import print_line, print_text, working
 
@@ -34,8 +35,10 @@ def init(
 
 
 def check(
-    machine: Annotated[Path, typer.Argument(help="machine document")],
-    runs: Annotated[list[Path] | None, typer.Argument(help="recorded runs of this machine, as for replay")] = None,
+    machine: MachineFile,
+    runs: Annotated[
+        list[Path] | None, typer.Argument(help="recorded runs of this machine, as for replay", callback=named_files)
+    ] = None,
     as_json: JsonWanted = False,
 ) -> None:
     """Check a machine document, and recorded runs against it: what they hold, and what is probably a mistake.
