@@ -3,14 +3,14 @@
 The measured rotor kit by its nameplate, calibrated anew without each fifth of its conditions, whose known unbalances are
 then estimated; beside it plain least squares in the same folds. Then from three runs only, simulated kits, and the time of
 many sweeps; printed balancing cases, and influence coefficients on the kit. `--short` takes three splits and a few kits, and a
-minute. `--conventions` tries wrong conventions instead, for an hour or more.
+minute. `--only PART` computes some parts alone. `--conventions` tries wrong conventions instead, for an hour or more.
 
-    python -m benchmarks.calibration [--short | --conventions]
+    python -m benchmarks.calibration [--short] [--only PART …] [--conventions]
 """
 
 import argparse
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import product
 
 import numpy as np
@@ -47,24 +47,30 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="python -m benchmarks.calibration", description=(__doc__ or "").split("\n")[0])
     parser.add_argument("--short", action="store_true", help="few splits and kits")
     parser.add_argument("--conventions", action="store_true", help="wrong conventions of sources instead")
+    parser.add_argument("--only", action="append", choices=list(PARTS), help="a part of the figures; by default all")
     asked = parser.parse_args(arguments)
     kept = True
     print(f"  {'calibration':<76}{'asked':>12}{'measured':>24}")
     with threadpool_limits(limits=1):
-        for line in conventions_figures() if asked.conventions else figures(short=asked.short):
+        for line in conventions_figures() if asked.conventions else figures(asked.only, short=asked.short):
             print(line, flush=True)
             kept &= line.kept
     if not kept:
         raise SystemExit(1)
 
 
-def figures(*, short: bool) -> Iterator[ReportLine]:
-    """Yield all figures."""
-    splits, kits = (SHORT_SPLITS, SHORT_KITS) if short else (SPLITS, KITS)
-    yield from _shared_conditions(splits)
-    yield from _three_runs()
-    yield from printed_balancing()
-    yield from measured_kit(splits)
+def figures(parts: Sequence[str] | None = None, *, short: bool) -> Iterator[ReportLine]:
+    """Yield the figures of some parts, by default of all; short: of few splits and kits, without what takes long."""
+    for name in parts or [name for name in PARTS if not (short and name in LONG)]:
+        yield from PARTS[name](short)
+
+
+def _influence(short: bool) -> Iterator[ReportLine]:
+    yield from measured_kit(SHORT_SPLITS if short else SPLITS)
+
+
+def _simulated_kits(short: bool) -> Iterator[ReportLine]:
+    kits = SHORT_KITS if short else KITS
     later = gathered([later_changes(seed) for seed in range(kits)])
     low, high = COVERED_SIMULATED
     held = not kits >= FEWEST_KITS or low <= later.covered <= high
@@ -73,19 +79,21 @@ def figures(*, short: bool) -> Iterator[ReportLine]:
     small = few.magnitude_rms <= THREE_RUNS[0] and few.median_angle_deg <= THREE_RUNS[1]
     shown = f"{_both([few])}, {few.covered:.1%}"
     yield ReportLine("    the same from three runs only, and intervals that hold", "9 g mm, 18°", shown, small)
-    if not short:
-        yield from _trains()
-        seconds = seconds_of_sweeps()
-        fast = seconds <= SECONDS_ASKED
-        yield ReportLine("20 sweeps of 150 speeds and 8 channels", f"<= {SECONDS_ASKED:g} s", f"{seconds:.0f} s", fast)
 
 
-def _trains() -> Iterator[ReportLine]:
+def _sweeps(_: bool) -> Iterator[ReportLine]:
+    seconds = seconds_of_sweeps()
+    fast = seconds <= SECONDS_ASKED
+    yield ReportLine("20 sweeps of 150 speeds and 8 channels", f"<= {SECONDS_ASKED:g} s", f"{seconds:.1f} s", fast)
+
+
+def _trains(_: bool) -> Iterator[ReportLine]:
     for name, count in TRAINS.items():
         yield from train_lines([name], count, KeptOutcomes())
 
 
-def _shared_conditions(splits: int) -> Iterator[ReportLine]:
+def _shared_conditions(short: bool) -> Iterator[ReportLine]:
+    splits = SHORT_SPLITS if short else SPLITS
     began = time.monotonic()
     model = [gathered([by_model(held) for held in folds(seed)]) for seed in range(splits)]
     each = (time.monotonic() - began) / splits / 5
@@ -101,7 +109,7 @@ def _shared_conditions(splits: int) -> Iterator[ReportLine]:
     yield ReportLine("    95 % intervals hold", "90-100 %", f"{covered:.1%}", COVERED[0] <= covered <= COVERED[1])
 
 
-def _three_runs() -> Iterator[ReportLine]:
+def _three_runs(_: bool) -> Iterator[ReportLine]:
     """Yield what three runs give: with 48 g mm on each disc, and of all such sets of three that the kit has."""
     model, plain = {}, []
     for trials in product(*TRIALS):
@@ -125,6 +133,20 @@ def _mean(trials: Sequence[HeldOut], what: str) -> float:
 
 def _both(trials: Sequence[HeldOut]) -> str:
     return f"{1e6 * _mean(trials, 'magnitude_rms'):.2f} g mm, {_mean(trials, 'median_angle_deg'):.2f}°"
+
+
+PARTS: dict[str, Callable[[bool], Iterator[ReportLine]]] = {
+    "folds": _shared_conditions,
+    "three-runs": _three_runs,
+    "printed": lambda _: printed_balancing(),
+    "influence": _influence,
+    "simulated": _simulated_kits,
+    "trains": _trains,
+    "sweeps": _sweeps,
+}
+"""Parts of the figures by name; each takes whether it shall be short."""
+LONG = ("trains", "sweeps")
+"""Parts that short figures leave out."""
 
 
 if __name__ == "__main__":
