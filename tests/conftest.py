@@ -9,9 +9,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from sqlalchemy import event, inspect
 
 from storage.database.engine import Database
 from storage.machines import machines
+from storage.tables.alerting import AlertRow
 from tests.databases import KIND_ASKED_FOR, Databases, Kind, NewDatabase, PostgresqlDatabases, SqliteDatabases, chosen, opened
 from tests.plant import machine
 from tests.postgresql import FAST, Server, server
@@ -55,6 +57,13 @@ def turn(path: Path) -> int:
     """Return the place in `FIRST` of a file of tests or of a folder that it lies in, at any depth; its length for all else."""
     inside = (path, *path.parents)
     return next((place for place, name in enumerate(FIRST) if TESTS / name in inside), len(FIRST))
+
+
+@event.listens_for(AlertRow, "before_update")
+def require_time_of_change(_mapper: object, _connection: object, row: AlertRow) -> None:
+    """Hold that an alert's evidence changes only together with its time of change: caches rest on it."""
+    changed = inspect(row).attrs
+    assert changed.updated_at.history.has_changes() or not changed.evidence.history.has_changes(), "evidence without its time"
 
 
 def pytest_collection_finish() -> None:

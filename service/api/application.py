@@ -21,7 +21,7 @@ from service.api.alerts.subscriptions import router as subscriptions
 from service.api.alerts.suppressions import router as suppressions
 from service.api.cache.computed_cache import ComputedCache
 from service.api.cache.known_requests import AnsweredAtOnce
-from service.api.cache.model_process import ModelProcess
+from service.api.cache.model_process import AT_ONCE, ModelProcess
 from service.api.cache.response_cache import ResponseCache
 from service.api.conventions.changes_in_turn import HeldPlaces, wait_for_turn
 from service.api.conventions.error_handlers import add_handlers
@@ -175,7 +175,7 @@ def application(
     app.state.machine_list = MachineList()
     app.state.overview = Overview(database)
     app.state.reading_places, app.state.changing_places = RequestPlaces(READERS), RequestPlaces(WRITERS)
-    app.state.computed_cache = ComputedCache(another_thread)
+    app.state.computed_cache = ComputedCache(another_thread, long_at_once=AT_ONCE)
     app.state.model_process = ModelProcess()
     app.state.report_cache = ComputedCache(another_thread, entries=REPORTS)
     app.state.report_process = ReportProcess()

@@ -75,7 +75,7 @@ class LastStates:
             plants = {row.id: row.plant for row in machines.list_all(reading)}
             for row in alerts.find(reading, machine_id=None, only_open=True, limit=10_000):
                 try:
-                    event = alert_event(alerts.history(reading, row.id)[-1], self._texts)
+                    event = alert_event(alerts.last_event(reading, row.id), self._texts)
                 except (ValueError, OverflowError):
                     logger.exception("the last event of alert %d cannot be published", row.id)
                     continue

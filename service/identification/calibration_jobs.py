@@ -31,6 +31,7 @@ from storage.machines import machines, model_calibrations, timeline
 from storage.measurements import runs
 from storage.tables.findings import JobRow
 from storage.tables.machines import ModelCalibrationRow, RevisionRow
+from storage.tables.measurements import RunRow
 
 logger = logging.getLogger(__name__)
 
@@ -93,13 +94,16 @@ def request_calibration(
 ) -> ModelCalibrationRow:
     """Queue a calibration from stored runs, which were checked under a revision of the document as far as that costs no fit.
 
-    Raises MachineUnknown, DocumentMoved, QuotaExceeded.
+    Raises MachineUnknown, DocumentMoved, QuotaExceeded, and where a run was changed since RunUnknown,
+    CalibrationRunUnsuitable, SamplesReleased.
     """
     if machines.get(session, machine_id).revision != revision:
         raise DocumentMoved(
             f"the document of machine '{machine_id}' was changed meanwhile: ask again, with another Idempotency-Key"
         )
     require_place(session, machine_id, asker)
+    for one in asked:
+        _require_closed(runs.get(session, one.run))
     stored = {"runs": [asdict(one) for one in asked], "seed": seed}
     row = model_calibrations.add(session, machine_id, revision=revision, asked=stored, by=by, comment=comment)
     job = jobs.enqueue(
@@ -180,14 +184,20 @@ def _checked(session: Session, machine: Machine, one: CalibrationRunAsked) -> Ca
             f"run {one.run} was measured under revision {run.revision} of the document, which describes another train than "
             "the one in force"
         )
-    if run.state != runs.CLOSED:
-        raise CalibrationRunUnsuitable(f"run {one.run} is {run.state}: only closed runs calibrate")
+    _require_closed(run)
     held = runs.samples(session, one.run)
     if held is None or len(held) == 0:
         raise CalibrationRunUnsuitable(f"run {one.run} has no samples")
     added = np.tile(added_unbalance(machine, one.weights), (len(held), 1))
     measurement = replace(held.measurement(), added=added)
     return CalibrationRun(_name(one), measurement, (_mounting(one),) * len(held), one.steady)
+
+
+def _require_closed(run: RunRow) -> None:
+    """Raise CalibrationRunUnsuitable or SamplesReleased unless a run is closed and has its samples."""
+    if run.state != runs.CLOSED:
+        raise CalibrationRunUnsuitable(f"run {run.id} is {run.state}: only closed runs calibrate")
+    runs.require_kept(run)
 
 
 def _stored(session: Session, machine: Machine, one: CalibrationRunAsked) -> StoredCalibrationRun:

@@ -181,7 +181,7 @@ def samples(session: Session, run_id: int) -> Samples | None:
     row = session.get(RunRow, run_id, options=[undefer(RunRow.data)])
     if row is None:
         raise RunUnknown(run_id)
-    _require_kept(row)
+    require_kept(row)
     return None if row.data is None else read(run_id, row.data)
 
 
@@ -215,7 +215,7 @@ def flags(session: Session, run_id: int) -> NDArray[np.uint16] | None:
     row = session.get(RunRow, run_id, options=[undefer(RunRow.flags)])
     if row is None:
         raise RunUnknown(run_id)
-    _require_kept(row)
+    require_kept(row)
     if row.flags is None:
         return None
     try:
@@ -228,7 +228,8 @@ def flags(session: Session, run_id: int) -> NDArray[np.uint16] | None:
     return found.astype(np.uint16)
 
 
-def _require_kept(row: RunRow) -> None:
+def require_kept(row: RunRow) -> None:
+    """Raise SamplesReleased where the samples of a run were deleted."""
     if row.released_at is not None:
         moment = to_datetime(row.released_at)
         raise SamplesReleased(f"the samples of run {row.id} were deleted on {moment:%Y-%m-%d}, as the retention of runs says")

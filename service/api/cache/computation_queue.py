@@ -1,6 +1,7 @@
-"""Runs computations one at a time: equal ones once, and only as long as somebody waits for the result.
+"""Runs a few computations at a time: equal ones once, and only as long as somebody waits for the result.
 
 Callers take turns: next comes a computation of the one who was served longest ago, of these the first that was asked for.
+Where two or more run at a time, no caller has all of them, so that nobody waits behind another's long one.
 """
 
 import threading
@@ -15,11 +16,11 @@ from estimator.errors import Unavailable
 
 T = TypeVar("T")
 
-MAXIMUM_WAITING = 32
+MAXIMUM_WAITING = 48
 """Number of different computations that may wait in a queue."""
 MAXIMUM_WAITING_PER_CALLER = 16
 """Number of those that one caller may ask for: two model pages of a train on oil films."""
-MAXIMUM_REQUESTS = 200
+MAXIMUM_REQUESTS = 300
 """Number of requests that may wait for a queue's results: each holds a thread."""
 MAXIMUM_REQUESTS_PER_CALLER = 100
 """Number of those that one caller may make, also where they ask for the same."""
@@ -64,9 +65,15 @@ class _Computation:
 class ComputationQueue:
     """Computations in turns between callers; no caller can take all places."""
 
-    def __init__(self, name: str) -> None:
-        """Set up an empty queue. name: that of its thread."""
-        self._thread = ThreadPoolExecutor(1, thread_name_prefix=name)
+    def __init__(self, name: str, *, at_once: int = 1) -> None:
+        """Set up an empty queue. name: that of its threads; at_once: computations that run at a time."""
+        self._threads = ThreadPoolExecutor(at_once, thread_name_prefix=name)
+        self._most = max(at_once - 1, 1)
+        """Computations of one caller that may run at a time."""
+        self._running: Counter[Hashable] = Counter()
+        """Number of running computations by the callers in whose turns they began."""
+        self._passed_over = 0
+        """Times that a thread found only computations whose callers had as many running as they may."""
         self._lock = threading.RLock()
         self._computations: dict[Hashable, _Computation] = {}
         self._requests: Counter[Hashable] = Counter()
@@ -106,7 +113,7 @@ class ComputationQueue:
             self._closed = True
             for computation in list(self._computations.values()):
                 computation.future.cancel()
-        self._thread.shutdown(wait=False)
+        self._threads.shutdown(wait=False)
 
     def _join(self, key: Hashable, compute: Callable[[], object], caller: Hashable) -> _Computation:
         with self._lock:
@@ -121,28 +128,36 @@ class ComputationQueue:
                 self._require_place(caller)
                 found = self._computations[key] = _Computation(compute, caller)
                 found.future.add_done_callback(lambda _: self._forget(key))
-                self._thread.submit(self._run_next)
+                self._threads.submit(self._run_next)
             found.requests[caller] += 1
             self._requests[caller] += 1
             return found
 
     def _run_next(self) -> None:
         with self._lock:
-            found = self._next()
-            if found is None:
-                return  # it was given up
+            turn = self._next()
+            if turn is None:  # it was given up, or must wait
+                self._passed_over += any(one.waits for one in self._computations.values())
+                return
+            caller, found = turn
             found.future.set_running_or_notify_cancel()
+            self._running[caller] += 1
         found.run()
+        with self._lock:
+            self._running -= Counter([caller])
+            again, self._passed_over = self._passed_over, 0
+            for _ in range(0 if self._closed else again):
+                self._threads.submit(self._run_next)
 
-    def _next(self) -> _Computation | None:
-        """Return the waiting computation whose turn it is, and give its caller the last place for the next turn."""
+    def _next(self) -> tuple[Hashable, _Computation] | None:
+        """Return the caller whose turn it is with the waiting computation, and give the last place in the next turn."""
         places = {caller: place for place, caller in enumerate(self._served)}
         waiting = [
             (places.get(caller, -1), caller, one)
             for one in self._computations.values()
             if one.waits
             for caller, requests in one.requests.items()
-            if requests
+            if requests and self._running[caller] < self._most
         ]
         if not waiting:
             return None
@@ -151,7 +166,7 @@ class ComputationQueue:
         self._served.move_to_end(caller)
         while len(self._served) > MAXIMUM_REQUESTS:  # more cannot wait
             self._served.popitem(last=False)
-        return found
+        return caller, found
 
     def _require_place(self, caller: Hashable) -> None:
         own = sum(one.caller == caller for one in self._computations.values())

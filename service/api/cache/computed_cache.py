@@ -22,15 +22,20 @@ class ComputedCache:
     """
 
     def __init__(
-        self, aside: Callable[[], AbstractContextManager[None]] = nullcontext, *, entries: int = MAXIMUM_ENTRIES
+        self,
+        aside: Callable[[], AbstractContextManager[None]] = nullcontext,
+        *,
+        entries: int = MAXIMUM_ENTRIES,
+        long_at_once: int = 1,
     ) -> None:
         """Set up without a result. aside: context that a request's thread enters while it waits; entries: results that are
-        kept."""
+        kept; long_at_once: long computations that run at a time."""
         self._largest = entries
         self._entries: OrderedDict[Hashable, object] = OrderedDict()
         self._lock = threading.Lock()
         self._aside = aside
-        self._long, self._short = ComputationQueue("long computations"), ComputationQueue("short computations")
+        self._long = ComputationQueue("long computations", at_once=long_at_once)
+        self._short = ComputationQueue("short computations")
 
     @property
     def waiting(self) -> int:
@@ -55,7 +60,7 @@ class ComputedCache:
     ) -> T:
         """Return the cached result, or compute one that takes tenths of a second, or seconds where it is long.
 
-        Those of a kind run one at a time, on one core, to leave the other cores to samples and other requests. Call it from a
+        Short ones run one at a time, and each on one core, to leave the others to samples and other requests. Call it from a
         worker thread, not on the event loop. For caller, wanted and what is raised see `ComputationQueue.result`.
         """
         with self._lock:

@@ -1,4 +1,8 @@
-"""Computes what one request asks for in the process of models, in its turn among others, and only while its client waits."""
+"""Computes a step of somebody's work in a process of models, in its turn among others, and only while its client waits.
+
+Those who ask for it take turns beside those who ask for models, also where they are the same: a correction does not wait
+behind the models of a page.
+"""
 
 from collections.abc import Callable, Hashable
 from typing import TypeVar
@@ -20,12 +24,11 @@ def computed_apart(request: Request, key: Hashable, work: Callable[[ModelProcess
     """
     cache: ComputedCache = request.app.state.computed_cache
     process: ModelProcess = request.app.state.model_process
-    return cache.compute_queued(
-        key, lambda: work(process), long=True, caller=caller_of(request), wanted=lambda: not has_gone(request)
-    )
+    caller = "step", *caller_of(request)
+    return cache.compute_queued(key, lambda: work(process), long=True, caller=caller, wanted=lambda: not has_gone(request))
 
 
-def caller_of(request: Request) -> Hashable:
+def caller_of(request: Request) -> tuple[Hashable, ...]:
     """Return who asks, for turns between callers."""
     return principal(request).identity, request.client.host if request.client else None
 

@@ -1,13 +1,14 @@
-"""Computes models of long trains, of trains on oil films, and balancings in a process of their own, within time and memory.
+"""Computes models of long trains, of trains on oil films, and balancings in processes of their own, within time and memory.
 
 LAPACK's eigenvalue solvers hold the interpreter's lock: for a train of 300 sections 0.2 to 0.9 s at a time, in which the
 service's process would answer nobody. Films take seconds for each pad that is not known yet.
 """
 
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from typing import ParamSpec, TypeVar
 
 from estimator.errors import Unavailable
@@ -17,6 +18,8 @@ from estimator.machine.film_speeds import follows_films
 from service.workers.process_pool import Interrupted, ProcessPool, WorkerStuck
 from service.workers.time_limit import OutOfTime, limit_time
 
+AT_ONCE = 2
+"""Computations that a service makes at a time, of different callers: one may take a minute."""
 LONG_ELEMENTS, LONG_UNKNOWNS = 50, 150
 """Sizes beyond which a train is long."""
 TIME_S = 60.0
@@ -38,24 +41,24 @@ class NotComputed(Unavailable):
 
 
 class ModelProcess:
-    """One worker process, started with the first computation."""
+    """One worker process, started with the first computation, and another one for each that comes while all compute."""
 
     def __init__(self, *, time_s: float = TIME_S, memory_bytes: int = MEMORY_BYTES) -> None:
         """Set the limits of each computation: its time [s] and its memory [B]."""
         self._time_s = time_s
         self._memory = memory_bytes
         self._lock = threading.Lock()
-        self._processes: ProcessPool | None = None
+        self._begun: list[ProcessPool] = []
+        self._free: list[ProcessPool] = []
+        """Those that compute nothing; the last one was used last and knows most."""
 
     def compute(self, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> T:
         """Return or raise the outcome of a module's function. Raises NotComputed."""
-        with self._lock:
-            if self._processes is None:
-                self._processes = ProcessPool(1, memory_bytes=self._memory, tasks=[_in_time])
-            future: Future[T] = self._processes.submit(self._time_s, _in_time, self._time_s, work, *args, **kwargs)
         limits = f"within {self._time_s:.0f} s and {self._memory / 2**30:.1f} GiB"
         try:
-            return future.result()
+            with self._process() as one:
+                future: Future[T] = one.submit(self._time_s, _in_time, self._time_s, work, *args, **kwargs)
+                return future.result()
         except (MemoryError, OutOfTime) as error:
             why = f"what was asked could not be computed {limits}: ask for fewer points, or of fewer runs"
             raise NotComputed(why) from error
@@ -66,11 +69,26 @@ class ModelProcess:
             raise NotComputed("the service stops") from error
 
     def close(self) -> None:
-        """Kill the process and give up what it computes."""
+        """Kill the processes and give up what they compute."""
         with self._lock:
-            if self._processes is not None:
-                self._processes.shutdown()
-            self._processes = None
+            for one in self._begun:
+                one.shutdown()
+            self._begun, self._free = [], []
+
+    @contextmanager
+    def _process(self) -> Iterator[ProcessPool]:
+        """Yield a process that computes nothing else meanwhile."""
+        with self._lock:
+            if not self._free:
+                self._begun.append(ProcessPool(1, memory_bytes=self._memory, tasks=[_in_time]))
+                self._free.append(self._begun[-1])
+            one = self._free.pop()
+        try:
+            yield one
+        finally:
+            with self._lock:
+                if one in self._begun:  # else it was closed
+                    self._free.append(one)
 
 
 def _in_time(seconds: float, work: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> T:

@@ -2,14 +2,14 @@
 
 Before each answer the store is asked for changes: a client never gets an answer older than what it has seen committed. Data
 that change with every sample are the exception: they may be half a second old. Equal requests at the same time share one
-computation.
+computation. Different ones are computed in turns between callers.
 """
 
 import asyncio
 import math
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Awaitable, Callable, Hashable, Sequence
 from dataclasses import dataclass
 from typing import Annotated, cast
 
@@ -21,6 +21,7 @@ from starlette.types import Scope
 
 from service.api.cache.known_requests import CachedRequest, KnownRequests, ResponseKey
 from service.api.conventions.dependencies import principal
+from service.api.conventions.request_places import NobodyWaits, RequestPlaces
 from service.http.compression import COMPRESSED_TYPES, LEAST_COMPRESSED, compressed, takes_gzip
 from storage.database.change_counts import Changes
 from storage.database.engine import Database
@@ -36,6 +37,10 @@ AHEAD_S = 0.25
 """Age from which such a response is renewed in the background [s]. Requests get the cached one meanwhile."""
 LARGEST_KEPT_BYTES = 4 * 1024 * 1024
 """Larger responses are not cached [B]."""
+
+
+_Origin = tuple[Hashable | None, Sequence[str]]
+"""Mark of the tables that a response is made of, and the names of those that may be a little behind."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +62,21 @@ class _CachedResponse:
         return Response(self.body, media_type=self.media_type, headers=self.headers)
 
 
+@dataclass(frozen=True)
+class _Waiting:
+    """The turn of a response that is to be computed. have_gone: whether its client has gone, of each request that waits."""
+
+    turn: "asyncio.Future[str]"
+    have_gone: list[Callable[[], Awaitable[bool]]]
+
+    async def is_for_nobody(self) -> bool:
+        """Check whether all clients have gone; of a request that comes meanwhile, too."""
+        for has_gone in self.have_gone:
+            if not await has_gone():
+                return False
+        return True
+
+
 class ResponseCache:
     """Cached responses by request. An instance belongs to one event loop."""
 
@@ -66,7 +86,8 @@ class ResponseCache:
         self._bytes = 0
         self._known = KnownRequests()
         self._threads: CapacityLimiter | None = None
-        self._under_way: dict[Hashable, asyncio.Task[_CachedResponse]] = {}
+        self._places = RequestPlaces(THREADS, most=THREADS)
+        self._under_way: dict[Hashable, tuple[_Waiting, asyncio.Task[_CachedResponse]]] = {}
 
     @property
     def computing(self) -> int:
@@ -99,12 +120,13 @@ class ResponseCache:
         if kept is not None and mark is not None and kept.mark == mark and await self._is_late_enough(kept, lately):
             self._entries.move_to_end(asked)
             if lately and time.monotonic() > kept.begun + AHEAD_S and kept.lately != await self._mark(lately):
-                self._begin(asked, mark, lately, make, zipped=zipped).add_done_callback(_ignore_error)
+                self._begin(asked, (mark, lately), make, request, _never).add_done_callback(_ignore_error)
             return kept.response()
         if mark is None:
-            return (await self._compute_in_thread(make, mark, None, zipped=zipped)).response()
+            waiting = _Waiting(self._places.turn(principal(request).identity), [request.is_disconnected])
+            return (await self._compute_in_turn(waiting, (None, ()), make, zipped=zipped)).response()
         # Shielded: who goes away does not take the answer from the others.
-        return (await asyncio.shield(self._begin(asked, mark, lately, make, zipped=zipped))).response()
+        return (await asyncio.shield(self._begin(asked, (mark, lately), make, request, request.is_disconnected))).response()
 
     def current(self, scope: Scope) -> Response | None:
         """Return the cached response to a request that was answered before; None where it must be made or looked at anew."""
@@ -123,12 +145,22 @@ class ResponseCache:
             return True
         return kept.lately is not None and kept.lately == await self._mark(lately)
 
-    async def _compute_in_thread(
-        self, make: Callable[[], Response], mark: Hashable | None, lately: Hashable | None, *, zipped: bool
+    async def _compute_in_turn(
+        self, waiting: _Waiting, of: _Origin, make: Callable[[], Response], *, zipped: bool
     ) -> _CachedResponse:
-        if self._threads is None:
-            self._threads = CapacityLimiter(THREADS)
-        return await run_sync(_compute, make, mark, lately, zipped, limiter=self._threads)
+        """Compute a response when its turn comes. Raises NobodyWaits."""
+        waits = not waiting.turn.done()
+        who = await self._places.its_turn(waiting.turn)
+        try:
+            if waits and await waiting.is_for_nobody():
+                raise NobodyWaits
+            if self._threads is None:
+                self._threads = CapacityLimiter(THREADS)
+            mark, lately = of
+            late = await self._mark(lately) if lately else None
+            return await run_sync(_compute, make, mark, late, zipped, limiter=self._threads)
+        finally:
+            self._places.release(who)
 
     async def _mark(self, tables: Sequence[str]) -> Hashable | None:
         if self._changes.waits:
@@ -136,25 +168,36 @@ class ResponseCache:
         return self._changes.mark(tables)
 
     def _begin(
-        self, asked: ResponseKey, mark: Hashable, lately: Sequence[str], make: Callable[[], Response], *, zipped: bool
+        self,
+        asked: ResponseKey,
+        of: _Origin,
+        make: Callable[[], Response],
+        request: Request,
+        has_gone: Callable[[], Awaitable[bool]],
     ) -> "asyncio.Task[_CachedResponse]":
         """Start to compute a response, or return the task that already does."""
-        task = self._under_way.get((asked, mark))
-        if task is None:
-            task = self._under_way[asked, mark] = asyncio.create_task(
-                self._compute_shared(asked, mark, lately, make, zipped=zipped)
-            )
+        who, place = principal(request).identity, (asked, of[0])
+        found = self._under_way.get(place)
+        if found is None:
+            waiting = _Waiting(self._places.turn(who), [])
+            task = asyncio.create_task(self._compute_shared(asked, waiting, of, make))
+            self._under_way[place] = waiting, task
+        else:
+            waiting, task = found
+            if not waiting.turn.done():
+                self._places.take_turns(waiting.turn, who)  # it comes in the turn of either
+        waiting.have_gone.append(has_gone)
         return task
 
     async def _compute_shared(
-        self, asked: ResponseKey, mark: Hashable, lately: Sequence[str], make: Callable[[], Response], *, zipped: bool
+        self, asked: ResponseKey, waiting: _Waiting, of: _Origin, make: Callable[[], Response]
     ) -> _CachedResponse:
         try:
-            kept = await self._compute_in_thread(make, mark, await self._mark(lately) if lately else None, zipped=zipped)
+            kept = await self._compute_in_turn(waiting, of, make, zipped=asked[3])
             self._store(asked, kept)
             return kept
         finally:
-            del self._under_way[asked, mark]
+            del self._under_way[asked, of[0]]
 
     def _store(self, asked: ResponseKey, kept: _CachedResponse) -> None:
         if len(kept.body) > LARGEST_KEPT_BYTES:
@@ -166,9 +209,15 @@ class ResponseCache:
             self._bytes -= _taken(*self._entries.popitem(last=False))
 
 
+async def _never() -> bool:
+    """Return that an answer for later requests is wanted."""
+    return False
+
+
 def _taken(asked: ResponseKey, kept: _CachedResponse) -> int:
     """Return the memory that an entry takes [B]."""
-    return ENTRY_BYTES + sum(len(one) for one in asked[:3] if one is not None) + len(kept.body)
+    address = sum(len(one) for one in asked[:3] if one is not None)
+    return ENTRY_BYTES + address + sum(len(value) for value in kept.headers.values()) + len(kept.body)
 
 
 def _ignore_error(task: "asyncio.Task[_CachedResponse]") -> None:

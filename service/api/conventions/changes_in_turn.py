@@ -69,4 +69,4 @@ async def wait_for_turn(request: Request) -> None:
     if request.method in READING or inspect.iscoroutinefunction(endpoint) or endpoint in _in_turns_of_their_own:
         return
     places, held = cast(RequestPlaces, request.app.state.changing_places), cast(AsyncExitStack, request.scope[HELD])
-    await held.enter_async_context(places.place(principal(request).identity))
+    await held.enter_async_context(places.place(principal(request).identity, has_gone=request.is_disconnected))

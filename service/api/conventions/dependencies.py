@@ -42,7 +42,7 @@ def requester(request: Request, priority: int = ASKED) -> Requester:
 
 async def _reading(request: Request) -> AsyncIterator[Session]:
     places = cast(RequestPlaces, request.app.state.reading_places)
-    async with places.place(principal(request).identity):
+    async with places.place(principal(request).identity, has_gone=request.is_disconnected):
         # Opening a session asks the database nothing yet; closing it may, and is left to a thread, whatever happens meanwhile.
         with ExitStack() as opened:
             yield opened.enter_context(database(request).reading())

@@ -53,6 +53,19 @@ def test_an_open_alert_is_brought_up_to_date_without_a_second_event(plant: Datab
         assert kinds(session, first) == ["raised"]
 
 
+def test_evidence_never_changes_without_the_time_of_change(plant: Database, found: IdentificationRow) -> None:
+    """Caches and the stamp of a report rest on it: `tests/conftest.py` holds it in every test that stores an alert."""
+    with plant.transaction() as session:
+        first = raised(session, found, sigma=5.0)
+        opened = first.updated_at
+    with plant.transaction() as session:
+        again = raised(session, found, sigma=6.0)
+        events, changed = again.event_count, again.updated_at
+    assert (events, changed > opened) == (1, True)
+    with pytest.raises(AssertionError, match="evidence"), plant.transaction() as session:
+        alerts.get(session, first.id).evidence = {"sigma": 7.0}
+
+
 def test_an_alert_keeps_when_the_run_was_measured_that_raised_it(plant: Database, found: IdentificationRow) -> None:
     with plant.transaction() as session:
         later = store_identification(session, identification(), run_id=2, measured_at=START + SECOND)

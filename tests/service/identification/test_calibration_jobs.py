@@ -6,6 +6,7 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
+from sqlalchemy import update
 from sqlalchemy.pool import QueuePool
 
 from estimator.arrays import Complexes
@@ -22,6 +23,8 @@ from storage.findings import identifications, jobs
 from storage.machines import machines, model_calibrations, slow_roll, timeline
 from storage.machines.slow_roll import GIVEN, Provenance
 from storage.measurements import runs
+from storage.tables.findings import JobRow
+from storage.tables.measurements import RunRow
 from tests.api_in_process import Api
 from tests.identification import counts, forward_samples, identifying, working
 from tests.plant import SECOND, START, document, wait_until
@@ -245,6 +248,19 @@ def test_runs_are_checked_in_another_process_and_in_no_transaction_and_not_at_al
     assert seen == [("check_runs", False, 0)]
     monkeypatch.setattr(calibration_jobs, "read_runs", None)
     assert "ask again when some are done" in api("POST", path, 429, json=said | {"runs": said["runs"][:2]})["detail"]
+
+
+def test_one_asked_for_again_when_samples_are_gone_is_refused_with_the_reason(database: Database, api: Api) -> None:
+    """The check of its runs is known by then."""
+    rig = Rig(database)
+    path, said = f"/machines/{rig.machine.id}/model-calibrations", {"runs": asked(rig), "by": "Ada"}
+    first = api("POST", path, 202, json=said)
+    with database.transaction() as session:
+        session.execute(update(JobRow).values(state=jobs.DONE))
+        session.execute(update(RunRow).values(data=None, released_at=START))
+    again = api("POST", path, 410, json=said)
+    assert f"the samples of run {said['runs'][0]['run']} were deleted" in again["detail"]
+    assert [one["id"] for one in api("GET", path)] == [first["id"]]
 
 
 def test_a_document_that_changes_while_runs_are_checked_is_told_of(

@@ -76,12 +76,12 @@ def test_no_caller_takes_all_places(ask: Asked) -> None:
     own = [ask(number, caller="somebody") for number in range(MAXIMUM_WAITING_PER_CALLER - 1)]
     wait_until(lambda: ask.cache.waiting == MAXIMUM_WAITING_PER_CALLER)
     assert "16 computations that you asked for wait already" in ask.refusal("more", caller="somebody").detail
-    others = [ask(-1 - number, caller="another") for number in range(MAXIMUM_WAITING - MAXIMUM_WAITING_PER_CALLER)]
+    others = [ask(-1 - number, caller=f"other {number % 2}") for number in range(MAXIMUM_WAITING - MAXIMUM_WAITING_PER_CALLER)]
     wait_until(lambda: ask.cache.waiting == MAXIMUM_WAITING)
-    assert "32 computations wait already" in ask.refusal("more", caller="a third").detail
+    assert "48 computations wait already" in ask.refusal("more", caller="a fourth").detail
     assert ask("short", caller="somebody", long=False).result(10) == "short"
     ask.finish.set()
-    assert [one.result(10) for one in (*own, *others)] == [*range(15), *(-1 - number for number in range(16))]
+    assert [one.result(10) for one in (*own, *others)] == [*range(15), *(-1 - number for number in range(32))]
 
 
 def asked_in_order(ask: Asked, names: list[str], *, caller: str) -> "list[Future[Hashable]]":
@@ -102,6 +102,33 @@ def test_callers_take_turns(ask: Asked) -> None:
     ask.finish.set()
     assert [one.result(10) for one in waiting] == ["a1", "a2", "a3", "a4", "b1", "b2", "c1"]
     assert ask.made == ["first", "b1", "c1", "a1", "b2", "a2", "a3", "a4"]
+
+
+def test_where_two_run_at_a_time_nobody_has_both_places() -> None:
+    """A long computation of one caller holds up only what that caller asks for besides."""
+    cache, made, finish, threads = ComputedCache(long_at_once=2), list[str](), threading.Event(), ThreadPoolExecutor(8)
+
+    def ask(name: str, caller: str) -> "Future[str]":
+        def compute() -> str:
+            made.append(name)
+            assert not name.startswith("long") or finish.wait(60)
+            return name
+
+        return threads.submit(cache.compute_queued, name, compute, long=True, caller=caller, wanted=lambda: True)
+
+    own = [ask("long", "somebody")]
+    wait_until(lambda: made == ["long"])
+    own += [ask("own", "somebody")]
+    wait_until(lambda: cache.waiting == 2)
+    assert [ask(f"other {number}", "another").result(10) for number in range(3)] == ["other 0", "other 1", "other 2"]
+    assert made == ["long", "other 0", "other 1", "other 2"]
+    finish.set()
+    assert [one.result(10) for one in own] == ["long", "own"]
+    # Both places are free again.
+    again = [ask("own again", "somebody"), ask("other again", "another")]
+    assert [one.result(10) for one in again] == ["own again", "other again"]
+    threads.shutdown()
+    cache.close()
 
 
 def test_who_comes_back_is_behind_those_who_waited(ask: Asked) -> None:

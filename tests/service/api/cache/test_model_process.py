@@ -4,6 +4,7 @@ import os
 import threading
 import time
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -48,6 +49,19 @@ def test_a_train_on_oil_films_is_long_however_short() -> None:
 def test_it_is_another_process_and_the_same_one_each_time(process: ModelProcess) -> None:
     first, second = process.compute(os.getpid), process.compute(os.getpid)
     assert first == second != os.getpid()
+
+
+def test_while_it_computes_another_process_does_what_else_is_asked(process: ModelProcess) -> None:
+    assert process.compute(abs, -1) == 1  # it is there
+    with ThreadPoolExecutor() as beside:
+        slow = beside.submit(process.compute, time.sleep, 10.0)
+        time.sleep(0.2)
+        assert process.compute(abs, -1) == 1
+        assert not slow.done()
+        process.close()  # what is computed is given up
+        with pytest.raises(NotComputed):
+            slow.result(10.0)
+    assert process.compute(abs, -1) == 1
 
 
 def test_what_is_raised_there_is_raised_here(process: ModelProcess) -> None:

@@ -10,8 +10,10 @@ import pytest
 from fastapi import Request, Response
 
 from service.api.cache import response_cache
-from service.api.cache.response_cache import LARGEST_KEPT_BYTES, MAXIMUM_CACHE_BYTES, ResponseCache
-from service.security.principal import OPEN
+from service.api.cache.response_cache import LARGEST_KEPT_BYTES, MAXIMUM_CACHE_BYTES, THREADS, ResponseCache
+from service.api.conventions.request_places import NobodyWaits
+from service.security.principal import OPEN, Principal
+from service.security.role import Role
 from storage.database.engine import Database
 from storage.machines import machines
 from tests.plant import machine
@@ -230,3 +232,73 @@ def test_large_answers_are_compressed_for_who_takes_it(database: Database) -> No
     assert gzip.decompress(bytes(small.body)) == b"1" * 5000
     assert whole.body == b"2" * 5000
     assert whole.headers["vary"] == small.headers["vary"] == "Accept-Encoding"
+
+
+class Busy:
+    """Callers who ask at once, of a cache all of whose threads make other answers until `go_on` is set."""
+
+    def __init__(self, database: Database) -> None:
+        self.cache, self.go_on, self.order = ResponseCache(database), threading.Event(), list[str]()
+        self._tasks = list["asyncio.Task[Response]"]()
+        for number in range(THREADS):
+            self._asks(f"/first/{number}", "first", self._held)
+
+    def asks(self, path: str, who: str, *, gone: bool = False) -> "asyncio.Task[Response]":
+        """Somebody asks for an answer, and hangs up."""
+
+        def make() -> Response:
+            self.order.append(path)
+            return Response(b"")
+
+        return self._asks(path, who, make, gone=gone)
+
+    async def all_done(self) -> list[int]:
+        """Let all be answered; return which requests were not, by their places."""
+        await asyncio.sleep(0.05)
+        self.go_on.set()
+        found = await asyncio.gather(*self._tasks, return_exceptions=True)
+        return [place for place, one in enumerate(found[THREADS:]) if isinstance(one, NobodyWaits)]
+
+    def _held(self) -> Response:
+        assert self.go_on.wait(10)
+        return Response(b"")
+
+    def _asks(self, path: str, who: str, make: Callable[[], Response], *, gone: bool = False) -> "asyncio.Task[Response]":
+        async def receive() -> dict[str, Any]:
+            if not gone:
+                await asyncio.sleep(60)
+            return {"type": "http.disconnect"}
+
+        state = {"principal": Principal(who, Role.VIEWER, None, "key", f"key {who}")}
+        request = Request(asked(path).scope | {"state": state}, receive)
+        self._tasks.append(task := asyncio.create_task(self.cache.answer(request, TABLES, make)))
+        return task
+
+
+def test_one_who_asks_for_very_many_answers_keeps_nobody_waiting(database: Database) -> None:
+    async def story() -> list[str]:
+        busy = Busy(database)
+        for number in range(20):
+            busy.asks(f"/many/{number}", "impatient")
+            await asyncio.sleep(0)
+        busy.asks("/own", "anna")
+        busy.asks("/many/19", "anna")  # the same as is waited for already
+        await busy.all_done()
+        return busy.order
+
+    order = asyncio.run(story())
+    assert max(order.index("/own"), order.index("/many/19")) <= 5
+    assert sorted(order) == sorted({*(f"/many/{number}" for number in range(20)), "/own"})
+
+
+def test_nothing_is_computed_for_those_who_have_hung_up(database: Database) -> None:
+    async def story() -> tuple[list[int], list[str]]:
+        busy = Busy(database)
+        for number in range(3):
+            busy.asks(f"/gone/{number}", "impatient", gone=True)
+        busy.asks("/gone/1", "anna")
+        return await busy.all_done(), busy.order
+
+    gone, order = asyncio.run(story())
+    assert order == ["/gone/1"]
+    assert gone == [0, 2]

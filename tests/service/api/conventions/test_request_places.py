@@ -9,7 +9,7 @@ import pytest
 from anyio.to_thread import current_default_thread_limiter
 
 from service.api.application import THREADS
-from service.api.conventions.request_places import RequestPlaces
+from service.api.conventions.request_places import NobodyWaits, RequestPlaces
 from service.security import api_keys
 from service.security.configuration import Security
 from service.security.role import Role
@@ -20,6 +20,16 @@ AT_ONCE = 120
 """More than there are connections and threads together."""
 PATIENCE_S = 20.0
 """Less than a request waits for a connection before it fails."""
+
+
+async def never() -> bool:
+    """The client stays."""
+    return False
+
+
+async def always() -> bool:
+    """The client has gone."""
+    return True
 
 
 @pytest.mark.parametrize("path", ["/sources", "/machines/pump-7/jobs", "/machines/pump-7/timeline", "/alerts"])
@@ -38,7 +48,7 @@ def test_people_are_served_in_turn() -> None:
         places, order = RequestPlaces(1), []
 
         async def one(who: str) -> None:
-            async with places.place(who):
+            async with places.place(who, has_gone=never):
                 order.append(who)
                 await asyncio.sleep(0)
 
@@ -57,12 +67,12 @@ def test_one_caller_cannot_hold_all_places() -> None:
         places, free = RequestPlaces(3), asyncio.Event()
 
         async def one() -> None:
-            async with places.place("impatient"):
+            async with places.place("impatient", has_gone=never):
                 await free.wait()
 
         impatient = [asyncio.create_task(one()) for _ in range(50)]
         await asyncio.sleep(0)
-        async with asyncio.timeout(1.0), places.place("anna"):
+        async with asyncio.timeout(1.0), places.place("anna", has_gone=never):
             pass
         free.set()
         await asyncio.wait_for(asyncio.gather(*impatient), 1.0)
@@ -73,28 +83,81 @@ def test_one_caller_cannot_hold_all_places() -> None:
 def test_who_gives_up_waiting_leaves_no_place_taken() -> None:
     async def left() -> None:
         places = RequestPlaces(1)
-        async with places.place("first"):
-            waiting = [asyncio.create_task(AsyncExitStack().enter_async_context(places.place("second"))) for _ in range(3)]
+        async with places.place("first", has_gone=never):
+            waiting = [
+                asyncio.create_task(AsyncExitStack().enter_async_context(places.place("second", has_gone=never)))
+                for _ in range(3)
+            ]
             await asyncio.sleep(0)
             for one in waiting:
                 one.cancel()
             await asyncio.gather(*waiting, return_exceptions=True)
-        async with asyncio.timeout(1.0), places.place("third"):
+        async with asyncio.timeout(1.0), places.place("third", has_gone=never):
             pass
 
     asyncio.run(left())
 
 
+def test_what_nobody_waits_for_any_more_is_not_begun_and_takes_no_place() -> None:
+    async def begun() -> list[str]:
+        places, order, held = RequestPlaces(1), list[str](), AsyncExitStack()
+
+        async def one(name: str, has_gone: Any) -> None:
+            async with places.place("impatient", has_gone=has_gone):
+                order.append(name)
+
+        await held.enter_async_context(places.place("first", has_gone=never))
+        waiting = [asyncio.create_task(one(name, gone)) for name, gone in (("a", always), ("b", never), ("c", always))]
+        await asyncio.sleep(0)
+        await held.aclose()
+        outcomes = await asyncio.gather(*waiting, return_exceptions=True)
+        assert [type(one) for one in outcomes] == [NobodyWaits, type(None), NobodyWaits]
+        await one("d", always)  # it needs not wait: nobody looks
+        return order
+
+    assert asyncio.run(begun()) == ["b", "d"]
+
+
+def test_a_turn_of_two_comes_in_that_of_either_and_costs_neither_another_one() -> None:
+    async def served() -> list[str]:
+        places, order, held = RequestPlaces(1), list[str](), AsyncExitStack()
+
+        async def one(turn: "asyncio.Future[str]", name: str) -> None:
+            who = await places.its_turn(turn)
+            order.append(f"{name} for {who}")
+            await asyncio.sleep(0)
+            places.release(who)
+
+        await held.enter_async_context(places.place("first", has_gone=never))
+        many = [places.turn("impatient") for _ in range(3)]
+        shared = places.turn("impatient")
+        places.take_turns(shared, "anna")
+        own = places.turn("anna")
+        turns = [*((turn, str(number)) for number, turn in enumerate(many)), (shared, "shared"), (own, "own")]
+        waiting = [asyncio.create_task(one(turn, name)) for turn, name in turns]
+        await held.aclose()
+        await asyncio.wait_for(asyncio.gather(*waiting), 1.0)
+        return order
+
+    assert asyncio.run(served()) == [
+        "0 for impatient",
+        "shared for anna",
+        "1 for impatient",
+        "own for anna",
+        "2 for impatient",
+    ]
+
+
 def test_a_place_given_to_one_who_has_just_gone_goes_to_the_next() -> None:
     async def passed_on() -> None:
         places, held = RequestPlaces(1), AsyncExitStack()
-        await held.enter_async_context(places.place("first"))
-        gone = asyncio.create_task(AsyncExitStack().enter_async_context(places.place("gone")))
+        await held.enter_async_context(places.place("first", has_gone=never))
+        gone = asyncio.create_task(AsyncExitStack().enter_async_context(places.place("gone", has_gone=never)))
         await asyncio.sleep(0)
         await held.aclose()
         gone.cancel()  # its turn has come, and it does not know yet
         await asyncio.gather(gone, return_exceptions=True)
-        async with asyncio.timeout(1.0), places.place("next"):
+        async with asyncio.timeout(1.0), places.place("next", has_gone=never):
             pass
 
     asyncio.run(passed_on())

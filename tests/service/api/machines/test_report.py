@@ -12,6 +12,7 @@ from sqlalchemy import select
 
 from service.reports.report_process import NotPrinted, ReportProcess
 from service.reports.state_stamp import report_stamp
+from storage.alerts import alerts
 from storage.database.engine import Database
 from storage.machines import timeline
 from storage.tables.alerting import AlertRow
@@ -92,6 +93,30 @@ def test_figures_of_a_newer_run_make_the_report_anew(plant: Database) -> None:
     with plant.transaction() as session:
         (row,) = session.scalars(select(AlertRow)).all()
         row.updated_at += 1
+    with plant.reading() as session:
+        assert report_stamp(session, KEY.machine) != before
+
+
+@pytest.mark.usefixtures("stiffer")
+def test_they_do_so_where_the_clock_was_ahead_once(plant: Database) -> None:
+    """What was changed then has the newest time for long."""
+    with plant.transaction() as session:
+        (row,) = session.scalars(select(AlertRow)).all()
+        later = alerts.add(
+            session,
+            KEY.machine,
+            rule=row.rule,
+            element="bearing.B1",
+            evidence=row.evidence,
+            identification_id=row.identification_id,
+            measured_at=row.measured_at,
+            latching=False,
+        )
+        later.updated_at += 365 * 86_400 * SECOND
+    with plant.reading() as session:
+        before = report_stamp(session, KEY.machine)
+    with plant.transaction() as session:
+        session.get_one(AlertRow, row.id).updated_at += SECOND
     with plant.reading() as session:
         assert report_stamp(session, KEY.machine) != before
 
